@@ -13,7 +13,6 @@ import tautline
 from benchmarks import ROOT
 from drillstring.scene.scene import DrillstringScene
 from tautline.integrators.status import StoppedEarly
-from tautline.scene.model import validate
 
 SCENE = ROOT / "data" / "jwell.yaml"
 FINEST, SECOND = 1e-5, 5e-5
@@ -53,8 +52,7 @@ class Run:
 
 def changed(keys: dict[str, Any]) -> DrillstringScene:
     """The scene with other values at dotted keys."""
-    document = tautline.read(SCENE).document
-    return validate(DrillstringScene, document.replaced({tuple(k.split(".")): (v, k) for k, v in keys.items()}))
+    return tautline.read(SCENE).replace(keys)
 
 
 def run(method: str, step: float, end: float, **keys: Any) -> Run:

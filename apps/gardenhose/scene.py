@@ -15,7 +15,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
 from tautline.scene.limits import Limits
-from tautline.scene.model import Model, Scene, UnitSystem, Whole, validate, word
+from tautline.scene.model import Model, Scene, UnitSystem, Whole, word
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault, raise_all
 from tautline.scene.solver import Output, Solver, check_output
@@ -286,7 +286,7 @@ def with_speed(scene: HoseScene, value: float) -> HoseScene:
     if scene.document is None:
         water = scene.water.model_copy(update={"speed": Constant(value=float(value))})
         return scene.model_copy(update={"water": water})
-    return validate(HoseScene, scene.document.replaced({("water", "speed"): (float(value), "--speed")}))
+    return scene.with_values({("water", "speed"): (float(value), "--speed")})
 
 
 def json_schema() -> dict[str, Any]:

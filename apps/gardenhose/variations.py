@@ -12,9 +12,7 @@ from typing import Any
 from gardenhose.build import assembled
 from gardenhose.scene import UNIFORM, HoseScene, Segment
 from tautline.cable.model.ties import penalty_stiffness
-from tautline.scene.errors import SceneError
-from tautline.scene.model import validate
-from tautline.scene.reading.document import Document, Path_
+from tautline.scene.reading.document import Path_
 from tautline.study.robustness.bar import Bar
 
 ORIGIN = "study"
@@ -52,7 +50,7 @@ def contact(scene: HoseScene, value: float) -> None:
 
 def penalty(scene: HoseScene, value: float) -> HoseScene | None:
     """Stiffness of the springs that tie hose and water, N/m; None where no springs do."""
-    return _varied(scene, {("stiffness",): value}) if _sprung(scene) else None
+    return scene.varied({("stiffness",): value}, ORIGIN) if _sprung(scene) else None
 
 
 def shortest(scene: HoseScene, factor: float) -> HoseScene:
@@ -91,7 +89,7 @@ def constraint(scene: HoseScene, name: str) -> HoseScene | None:
     values: dict[Path_, Any] = {("coupling",): name}
     if scene.stiffness is not None and name not in SPRUNG:
         values["stiffness",] = None
-    return _varied(scene, values)
+    return scene.varied(values, ORIGIN)
 
 
 def stiffnesses(scene: HoseScene) -> dict[str, float | None]:
@@ -139,24 +137,12 @@ def _written(piece: Segment) -> dict[str, Any]:
 def _with_hose(scene: HoseScene, changes: list[dict[str, Any]]) -> HoseScene:
     """Copy of a scene with changes to each piece, which stay where they are written."""
     if scene.hose.segments is None:
-        return _varied(scene, {("hose", key): value for key, value in changes[0].items()})
+        return scene.varied({("hose", key): value for key, value in changes[0].items()}, ORIGIN)
     pieces = [_written(piece) | change for piece, change in zip(scene.hose.segments, changes, strict=True)]
-    return _varied(scene, {("hose", "segments"): pieces})
+    return scene.varied({("hose", "segments"): pieces}, ORIGIN)
 
 
 def _segmented(scene: HoseScene, pieces: list[dict[str, Any]]) -> HoseScene:
     """Copy of a scene whose hose is given by segments."""
-    kept = {key: value for key, value in _document(scene).root["hose"].items() if key not in (*UNIFORM, "segments")}
-    return _varied(scene, {("hose",): kept | {"segments": pieces}})
-
-
-def _varied(scene: HoseScene, values: dict[Path_, Any]) -> HoseScene:
-    replaced = _document(scene).replaced({path: (value, ORIGIN) for path, value in values.items()})
-    return validate(HoseScene, replaced)
-
-
-def _document(scene: HoseScene) -> Document:
-    if scene.document is None:
-        cure = "read it from a file, or parse its text"
-        raise SceneError([scene.problem("", "a scene without a text cannot be varied", cure)])
-    return scene.document
+    kept = {key: value for key, value in scene.written["hose"].items() if key not in (*UNIFORM, "segments")}
+    return scene.varied({("hose",): kept | {"segments": pieces}}, ORIGIN)

@@ -19,7 +19,6 @@ from crane.application import Crane
 from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
 from tautline.cable.application import Cable
-from tautline.scene.model import validate
 from tautline.scene.reading.document import split_key
 from tautline.study.trials.errors import compare
 from tautline.study.trials.history import watch
@@ -83,8 +82,7 @@ def subject_of(case: Case) -> Counting:
     application = kinds.get(case.scene, Drillstring)()
     scene = application.read(DATA / f"{case.scene}.yaml")
     if case.keys:
-        keys = {split_key(key): (value, key) for key, value in case.keys.items()}
-        scene = validate(type(scene), scene.document.replaced(keys))
+        scene = scene.with_values({split_key(key): (value, key) for key, value in case.keys.items()})
     return Counting(application, scene, end=case.end)
 
 

@@ -19,7 +19,6 @@ from tautline.integrators.linearise import start_moving
 from tautline.integrators.state import new_state
 from tautline.integrators.status import StoppedEarly
 from tautline.integrators.vibration.critical_step import CriticalStep
-from tautline.scene.model import validate
 
 SCENE = ROOT / "data" / "hose.yaml"
 REFERENCES = ROOT / "tests" / "references"
@@ -54,8 +53,7 @@ class Run:
 
 def changed(keys: dict[str, Any]) -> HoseScene:
     """The scene with other values at dotted keys."""
-    document = tautline.read(SCENE).document
-    return validate(HoseScene, document.replaced({tuple(k.split(".")): (v, k) for k, v in keys.items()}))
+    return tautline.read(SCENE).replace(keys)
 
 
 def run(speed: float | dict[str, Any], end: float, step: float | str = 1e-3, **keys: Any) -> Run:

@@ -596,3 +596,14 @@ def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(values, expl
         return
     assert all(warning.where and "nan" not in warning.text for warning in warnings(scene))
     json.dumps(figures(scene))
+
+
+def test_a_scene_with_other_values_is_the_one_that_a_file_with_them_gives():
+    scene = read(Document.parse(TEXT, "hose.yaml"))
+    values = {("hose", "elements"): 7, ("solver", "end"): 0.5}
+    document = Document.parse(TEXT, "hose.yaml").replaced({path: (value, "vary") for path, value in values.items()})
+    for changed in (scene.varied(values, "vary"), scene.with_values({k: (v, "vary") for k, v in values.items()})):
+        assert changed.model_dump() == validate(HoseScene, document).model_dump() != scene.model_dump()
+        assert changed.written == document.root
+    with pytest.raises(SceneError, match="put together in Python"):
+        HoseScene.model_construct(**dict(scene)).written  # noqa: B018

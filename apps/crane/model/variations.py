@@ -15,9 +15,7 @@ from crane.groups.span import MATERIAL
 from crane.model.build import assembled
 from crane.scene.consistency import MOST_ELEMENTS
 from crane.scene.scene import Anchor, CraneScene, Drum, PathItem
-from tautline.scene.errors import SceneError
-from tautline.scene.model import validate
-from tautline.scene.reading.document import Document, Path_
+from tautline.scene.reading.document import Path_
 from tautline.study.robustness.bar import Bar
 
 ORIGIN = "study"
@@ -62,13 +60,13 @@ def elements(scene: CraneScene, factor: float) -> CraneScene | None:
     if wanted == list(scene.elements):
         return None
     each = isinstance(scene.mesh.elements_per_span, tuple)
-    return _varied(scene, {MESH: wanted if each else wanted[0]})
+    return scene.varied({MESH: wanted if each else wanted[0]}, ORIGIN)
 
 
 def stiffness(scene: CraneScene, factor: float) -> CraneScene:
     """Axial and bending stiffness of the rope times ``factor``; raises SceneError where they are beyond all ropes."""
     keys = ("axial_stiffness", "bending_stiffness")
-    return _varied(scene, {("rope", key): factor * getattr(scene.rope, key) for key in keys})
+    return scene.varied({("rope", key): factor * getattr(scene.rope, key) for key in keys}, ORIGIN)
 
 
 def contact(scene: CraneScene, value: float) -> CraneScene | None:
@@ -77,7 +75,7 @@ def contact(scene: CraneScene, value: float) -> CraneScene | None:
     for i, body in enumerate(scene.bodies):
         if body.spring is not None and any(body.spring.stiffness):
             values["bodies", i, "spring", "stiffness"] = [value if k > 0.0 else 0.0 for k in body.spring.stiffness]
-    return _varied(scene, values) if values else None
+    return scene.varied(values, ORIGIN) if values else None
 
 
 def penalty(scene: CraneScene, value: float) -> None:
@@ -104,7 +102,7 @@ def shortest(scene: CraneScene, factor: float) -> CraneScene | None:
     if count <= counts[k]:
         return None
     counts[k] = count
-    return _varied(scene, {MESH: counts})
+    return scene.varied({MESH: counts}, ORIGIN)
 
 
 def constraints(scene: CraneScene) -> tuple[str, ...]:
@@ -189,15 +187,3 @@ def _moves(scene: CraneScene, end: PathItem, direction: np.ndarray) -> bool:
         return False
     guide = scene.body(end.body).guide
     return any(abs(x) > ALONG and axis not in guide for x, axis in zip(direction, "xyz", strict=True))
-
-
-def _varied(scene: CraneScene, values: dict[Path_, Any]) -> CraneScene:
-    replaced = _document(scene).replaced({path: (value, ORIGIN) for path, value in values.items()})
-    return validate(CraneScene, replaced)
-
-
-def _document(scene: CraneScene) -> Document:
-    if scene.document is None:
-        cure = "read it from a file, or parse its text"
-        raise SceneError([scene.problem("", "a scene without a text cannot be varied", cure)])
-    return scene.document

@@ -13,9 +13,7 @@ from typing import Any
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import LUMPED, DrillstringScene
 from drillstring.string.lumps import Tube, share_elements
-from tautline.scene.errors import SceneError
-from tautline.scene.model import validate
-from tautline.scene.reading.document import Document, Path_
+from tautline.scene.reading.document import Path_
 from tautline.study.robustness.bar import Bar
 
 ORIGIN = "study"
@@ -38,7 +36,7 @@ def elements(scene: DrillstringScene, factor: float) -> DrillstringScene | None:
     wanted = [max(1, math.floor(count * factor + 0.5)) for count in counts]
     if wanted == counts:
         return None
-    return _varied(scene, _meshed(scene, wanted))
+    return scene.varied(_meshed(scene, wanted), ORIGIN)
 
 
 def stiffness(scene: DrillstringScene, factor: float) -> DrillstringScene:
@@ -51,12 +49,12 @@ def stiffness(scene: DrillstringScene, factor: float) -> DrillstringScene:
     ]
     if any(own):
         values["string",] = _sections(scene, own)
-    return _varied(scene, values)
+    return scene.varied(values, ORIGIN)
 
 
 def contact(scene: DrillstringScene, value: float) -> DrillstringScene | None:
     """Stiffness of the hole's wall, N/m, as the scene would give it; None in free space."""
-    return None if scene.well.wall is None else _varied(scene, {WALL: value})
+    return None if scene.well.wall is None else scene.varied({WALL: value}, ORIGIN)
 
 
 def penalty(scene: DrillstringScene, value: float) -> None:
@@ -81,7 +79,7 @@ def shortest(scene: DrillstringScene, factor: float) -> DrillstringScene:
         above["length"] = links[-1][0].length - sliver
     values["string",].append(end)
     values["model", "elements"] += 1
-    return _varied(scene, values)
+    return scene.varied(values, ORIGIN)
 
 
 def constraints(scene: DrillstringScene) -> tuple[str, ...]:
@@ -140,17 +138,5 @@ def _meshed(scene: DrillstringScene, counts: list[int]) -> dict[Path_, Any]:
 
 def _sections(scene: DrillstringScene, changes: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Sections as the file has them, with changes; none shares a mapping with another, as an alias would."""
-    written = _document(scene).root["string"]
+    written = scene.written["string"]
     return [copy.deepcopy(section) | change for section, change in zip(written, changes, strict=True)]
-
-
-def _varied(scene: DrillstringScene, values: dict[Path_, Any]) -> DrillstringScene:
-    replaced = _document(scene).replaced({path: (value, ORIGIN) for path, value in values.items()})
-    return validate(DrillstringScene, replaced)
-
-
-def _document(scene: DrillstringScene) -> Document:
-    if scene.document is None:
-        cure = "read it from a file, or parse its text"
-        raise SceneError([scene.problem("", "a scene without a text cannot be varied", cure)])
-    return scene.document

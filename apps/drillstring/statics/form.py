@@ -18,7 +18,6 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.rod import NoRod, Piece, Rod, bend, hang
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.well.wellbore import Wellbore
-from tautline.errors import ArgumentError
 from tautline.integrators.method import method_for
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
@@ -29,7 +28,6 @@ from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import new_frames
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.scene.methods import method_of
-from tautline.scene.model import validate
 from tautline.simulation import SAFE
 
 WAYS = ("static", "relaxation")
@@ -294,11 +292,9 @@ def _doubt(rod: Rod, pieces: Sequence[Piece]) -> str:
 def _meshes(scene: DrillstringScene, elements: Sequence[int], kinds: Sequence[str]) -> list[DrillstringScene]:
     if not elements and not kinds:
         return [scene]
-    if scene.document is None:
-        raise ArgumentError("a scene that was not read from a document has no other meshes")
     changes = [
         {("model", "kind"): (kind, "--model"), ("model", "elements"): (int(n), "--elements")}
         for kind in kinds or (scene.model.kind,)
         for n in elements or (scene.model.elements,)
     ]
-    return [validate(DrillstringScene, scene.document.replaced(change)) for change in changes]
+    return [scene.with_values(change) for change in changes]

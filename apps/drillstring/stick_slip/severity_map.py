@@ -122,8 +122,6 @@ def varied(scene: DrillstringScene, speed: float, weight: float, end: float | No
     SceneError
         For a scene that was not read from a text, and as the reader does.
     """
-    if scene.document is None:
-        raise SceneError([scene.problem("", "a scene without a text cannot be varied", "read it from a file")])
     well = well_of(scene)
     tubes = tubes_of(scene, well.length)
     period = 1.0 / torsional_frequency(tubes)
@@ -141,7 +139,7 @@ def varied(scene: DrillstringScene, speed: float, weight: float, end: float | No
     if bit.penetration is not None or bit.cutting is not None:
         rate = rate_at(bit_row(bit, scene.well.diameter, tubes, speed, False)[0], weight, speed)
         values["top", "block"] = {"velocity": {"ramp": ramp | {"to": rate}}} if rate > 0.0 else 0.0
-    return validate(DrillstringScene, scene.document.replaced({path: (v, "stick-slip") for path, v in values.items()}))
+    return scene.varied(values, "stick-slip")
 
 
 def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | None) -> Cell:

@@ -17,7 +17,6 @@ from tautline.cable.model.build import build as build_cable
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.time_loop import new_frames
-from tautline.scene.model import validate
 from tautline.system.model import Model
 
 TOLERANCE = 1e-14
@@ -133,8 +132,8 @@ def hanging_cable(mesh: Mesh, s: np.ndarray) -> np.ndarray:
 
 def string_scene(name: str, **keys: Any) -> DrillstringScene:
     """A scene of ``data/`` with other values; ``keys`` have two underscores for a dot."""
-    document = tautline.read(jwell.ROOT / "data" / f"{name}.yaml").document
-    return validate(DrillstringScene, document.replaced({tuple(k.split("__")): (v, k) for k, v in keys.items()}))
+    scene = tautline.read(jwell.ROOT / "data" / f"{name}.yaml")
+    return scene.replace({key.replace("__", "."): value for key, value in keys.items()})
 
 
 def lumps(name: str, elements: int) -> tuple[np.ndarray, np.ndarray]:

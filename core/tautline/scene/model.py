@@ -210,10 +210,29 @@ class Scene(Model):
         """The same by key paths: key path -> (value, the option it came from, named in messages)."""
         return self._remade(lambda document: document.replaced(values))
 
-    def _remade(self, change: Callable[[Document], Document], changes: Mapping[str, Any] | None = None) -> Self:
+    def varied(self, values: Mapping[Path_, Any], origin: str) -> Self:
+        """The same by key paths, with one origin for all: key path -> value."""
+        return self.with_values({path: (value, origin) for path, value in values.items()})
+
+    @property
+    def written(self) -> Mapping[str, Any]:
+        """What the file says, key -> value, before it was validated.
+
+        Raises
+        ------
+        SceneError
+            For a scene that was put together in Python.
+        """
+        return self._text.root
+
+    @property
+    def _text(self) -> Document:
         if self._document is None:
             raise SceneError([self.problem("", *WITHOUT_TEXT)])
-        changed = self._with_document(change(self._document))
+        return self._document
+
+    def _remade(self, change: Callable[[Document], Document], changes: Mapping[str, Any] | None = None) -> Self:
+        changed = self._with_document(change(self._text))
         changed.share(self)
         changed._driven = self._driven
         if changes:

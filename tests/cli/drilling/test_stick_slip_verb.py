@@ -214,5 +214,5 @@ def test_a_map_of_one_cell_and_one_of_failures_alone_are_drawn():
 def test_a_scene_made_in_python_says_that_it_has_no_text(folder):
     scene = read("drilling.yaml")
     bare = type(scene).model_construct(**{key: getattr(scene, key) for key in type(scene).model_fields})
-    with pytest.raises(SceneError, match="without a text cannot be varied"):
+    with pytest.raises(SceneError, match="put together in Python cannot be changed"):
         stick_slip_map(bare, [5.0], [1e5])

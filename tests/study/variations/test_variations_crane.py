@@ -313,5 +313,5 @@ def test_a_crane_that_was_varied_can_be_varied_again(scene):
 
 def test_a_scene_without_a_text_is_told_that_it_needs_one():
     scene = CraneScene.model_validate(hoist().document.root)
-    with pytest.raises(SceneError, match="a scene without a text cannot be varied; read it from a file"):
+    with pytest.raises(SceneError, match="put together in Python cannot be changed by keys; read it from a file"):
         vary.elements(scene, 2)

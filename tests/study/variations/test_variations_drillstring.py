@@ -252,5 +252,5 @@ def test_the_fastest_vibration_is_the_bars_but_for_what_the_held_upper_end_takes
 
 def test_a_scene_without_a_text_is_told_that_it_needs_one():
     scene = DrillstringScene.model_validate(shipped("jwell").document.root)
-    with pytest.raises(SceneError, match="a scene without a text cannot be varied; read it from a file"):
+    with pytest.raises(SceneError, match="put together in Python cannot be changed by keys; read it from a file"):
         vary.elements(scene, 2)

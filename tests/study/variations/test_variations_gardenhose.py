@@ -299,5 +299,5 @@ def test_the_fastest_vibration_of_one_element_is_the_bars(end, water, bending, s
 
 def test_a_scene_without_a_text_is_told_that_it_needs_one():
     scene = HoseScene.model_validate(hose_scene().document.root)
-    with pytest.raises(SceneError, match="a scene without a text cannot be varied; read it from a file"):
+    with pytest.raises(SceneError, match="put together in Python cannot be changed by keys; read it from a file"):
         vary.elements(scene, 2)
