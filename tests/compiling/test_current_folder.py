@@ -72,15 +72,17 @@ from tautline.scene.reading.document import Document
 
 if __name__ == "__main__":
     with stick_slip._processes(Document.read(Path("jwell.yaml")), 2) as pool:
-        print(*[each.result() is not None for each in [pool.submit(os.getpid) for _ in range(2)]])
+        during = os.environ.get("PYTHONSAFEPATH")
+        asked = [pool.submit(os.getenv, "PYTHONSAFEPATH") for _ in range(2)]
+        print(during, *[each.result() for each in asked], os.environ.get("PYTHONSAFEPATH"))
     print(os.environ.get("PYTHONSAFEPATH"))
 """
 
 
-def test_processes_of_a_survey_run_nothing_of_the_current_folder(case, tmp_path):
+def test_processes_of_a_survey_run_nothing_of_the_current_folder_and_leave_the_environment_as_it_was(case, tmp_path):
     (tmp_path / "survey.py").write_text(SURVEY)
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     done = subprocess.run(
         [sys.executable, tmp_path / "survey.py"], capture_output=True, text=True, cwd=case, env=environment
     )
-    assert (done.stdout.split(), was_run(case)) == (["True", "True", "None"], []), done.stderr[-1000:]
+    assert (done.stdout.split(), was_run(case)) == (["None", "1", "1", "None", "None"], []), done.stderr[-1000:]

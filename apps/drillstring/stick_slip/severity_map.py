@@ -7,7 +7,6 @@ start. What the last half of the run shows is whether the string comes to turn s
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import time
@@ -29,6 +28,7 @@ from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
 from tautline.integrators.status import StoppedEarly
 from tautline.integrators.time_loop import compile_for
+from tautline.processes import FreshProcesses, without_current_folder
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document, Path_
@@ -242,27 +242,12 @@ def _run_all(scene: DrillstringScene, asked: Sequence[tuple[float, float, float 
 def _processes(document: Document, jobs: int) -> Iterator[Executor]:
     """Fresh processes that have read the scene; on the way out what waits is given up."""
     # A process is started when there is work for it, and one beside them as soon as there is a pool.
-    with _without_current_folder():
-        context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(jobs, context, initializer=_read, initargs=(document,))
-        try:
-            yield pool
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-
-
-@contextmanager
-def _without_current_folder() -> Iterator[None]:
-    """Have processes that are started inside look for no module in the current folder."""
-    before = os.environ.get("PYTHONSAFEPATH")
-    os.environ["PYTHONSAFEPATH"] = "1"
+    with without_current_folder():
+        pool = ProcessPoolExecutor(jobs, FreshProcesses(), initializer=_read, initargs=(document,))
     try:
-        yield
+        yield pool
     finally:
-        if before is None:
-            del os.environ["PYTHONSAFEPATH"]
-        else:
-            os.environ["PYTHONSAFEPATH"] = before
+        pool.shutdown(wait=True, cancel_futures=True)
 
 
 _scene: list[DrillstringScene] = []

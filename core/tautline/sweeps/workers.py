@@ -8,7 +8,6 @@ verb has no loop at all, processes are worth their start.
 from __future__ import annotations
 
 import logging
-import os
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
@@ -17,6 +16,7 @@ from itertools import islice
 from typing import Any, NamedTuple
 
 from tautline.errors import TautlineError
+from tautline.processes import without_current_folder
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import option_error
 from tautline.sweeps.cases import LOST, Job, Row, Runner, run_packed
@@ -204,7 +204,8 @@ def _client(address: str, jobs: int) -> Iterator[Any]:
         raise option_error("--dask", address, "needs dask.distributed, which is not installed", cure) from None
     with ExitStack() as stack:
         if address == LOCAL:
-            stack.enter_context(_without_current_folder())
+            # Until the end: the cluster starts a worker anew where one was killed.
+            stack.enter_context(without_current_folder())
             cluster = LocalCluster(
                 n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0,
                 silence_logs=logging.CRITICAL,
@@ -221,17 +222,3 @@ def _client(address: str, jobs: int) -> Iterator[Any]:
             ) from None
         stack.enter_context(client)
         yield client
-
-
-@contextmanager
-def _without_current_folder() -> Iterator[None]:
-    """Have processes that are started inside look for no module in the current folder."""
-    before = os.environ.get("PYTHONSAFEPATH")
-    os.environ["PYTHONSAFEPATH"] = "1"
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ["PYTHONSAFEPATH"]
-        else:
-            os.environ["PYTHONSAFEPATH"] = before
