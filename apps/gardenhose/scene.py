@@ -118,13 +118,6 @@ class Hose(Model):
         """The way the hose leaves its root, as a unit vector."""
         return unit(self.direction)
 
-    @property
-    def tip_straight(self) -> Vector:
-        """Place of the tip while the hose is straight and unstretched, m."""
-        length = self.total_length
-        x, y, z = (r + length * d for r, d in zip(self.root, self.unit_direction, strict=True))
-        return x, y, z
-
     @model_validator(mode="after")
     def _one_way(self) -> Hose:
         given = [key for key in UNIFORM if getattr(self, key) is not None]

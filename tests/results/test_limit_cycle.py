@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from gardenhose.motion.curves import Trace
 from gardenhose.motion.cycles import swings
-from gardenhose.motion.limit_cycle import LimitCycle, cycle_samples, limit_cycle
+from gardenhose.motion.limit_cycle import LimitCycle, limit_cycle
 from gardenhose.summary import headline
 from tautline.results.headline import to_json
 from tautline.view.figures.spectrum import spectrum
@@ -229,20 +229,6 @@ def test_frames_that_repeat_a_time_are_left_out():
         limit_cycle(time[twice], position[twice], velocity[twice]).amplitude
         == limit_cycle(time, position, velocity).amplitude
     )
-
-
-def test_a_mean_cycle_is_the_motion_over_its_phase():
-    history = sine(direction=(0.0, 3.0, 4.0))
-    cycle = limit_cycle(*history)
-    samples = cycle_samples(*history, cycle, points=64)
-    np.testing.assert_array_equal(samples.phase, np.arange(64) / 64)
-    value = (samples.position - cycle.mean) @ cycle.direction
-    sign = np.sign(value[16])
-    np.testing.assert_allclose(value, sign * np.sin(TURN * samples.phase), atol=1e-8)
-    np.testing.assert_allclose(
-        samples.velocity @ cycle.direction, sign * TURN * np.cos(TURN * samples.phase), atol=1e-7
-    )
-    assert len(cycle_samples(*sine(periods=0.5)).phase) == 0
 
 
 def test_a_spectrum_shows_a_line_with_its_amplitude():

@@ -24,11 +24,6 @@ def bit_depth(scene: DrillstringScene) -> float:
     return float(sum(tube.length for tube in tubes_of(scene, well_of(scene).length)))
 
 
-def with_bit_at(scene: DrillstringScene, depth: float) -> DrillstringScene:
-    """The scene with so much pipe at its top that the bit is at a measured depth, m; as `with_stand` is."""
-    return with_stand(scene, depth - bit_depth(scene))
-
-
 def with_stand(scene: DrillstringScene, length: float) -> DrillstringScene:
     """The scene with its string longer by a stand; all else is the same.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -32,20 +32,9 @@ REST = 1.0e-9
 TINY = float(np.finfo(float).tiny)
 """Takes the place of zero under a logarithm and in a ratio."""
 POINTS = 128
-"""Samples of a mean cycle."""
+"""Samples of each cycle that its place and direction are taken from."""
 FINE = 512
 """Samples of each cycle that extents are taken from."""
-
-
-class CycleSamples(NamedTuple):
-    """One mean cycle of the tip; arrays of length 0 where the run holds no whole cycle."""
-
-    phase: np.ndarray
-    """(points,), share of the period since the passage of the mean, from 0 to below 1."""
-    position: np.ndarray
-    """(points, 3) m."""
-    velocity: np.ndarray
-    """(points, 3) m/s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,31 +160,6 @@ def limit_cycle(
         if len(found.crossings) < 2:
             return _without_cycles(time, position, velocity, late, direction)
     return _described(found, whole, swings(time, (position - origin) @ direction, velocity @ direction))
-
-
-def cycle_samples(
-    time: np.ndarray,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    cycle: LimitCycle | None = None,
-    points: int = POINTS,
-) -> CycleSamples:
-    """One mean cycle of the tip: the mean, at equal phase, of the cycles that a limit cycle was found from.
-
-    Parameters
-    ----------
-    time, position, velocity
-        As `limit_cycle` takes them.
-    cycle : LimitCycle, optional
-        Result of `limit_cycle`, if it is at hand.
-    points : int
-        Samples of the cycle.
-    """
-    cycle = cycle or limit_cycle(time, position, velocity)
-    if cycle.cycles == 0:
-        return CycleSamples(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)))
-    place, speed = _sampled(Trace(*_frames(time, position, velocity)), cycle.crossings, points)
-    return CycleSamples(np.arange(points) / points, place.mean(axis=0), speed.mean(axis=0))
 
 
 def _frames(time: Any, position: Any, velocity: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -22,7 +22,6 @@ from tautline.errors import ArgumentError
 SAMPLES = 20_000
 """Samples by which the distribution of the estimates is known."""
 ITERATIONS, SETTLED = 200, 1.0e-12
-EULER = 0.5772156649015329
 FEWEST = 3
 """Maxima below which no interval is of use."""
 

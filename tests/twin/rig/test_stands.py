@@ -7,7 +7,7 @@ import pytest
 
 import tautline
 from drillstring.model.prepared import prepared, well_of
-from drillstring.twin.stands import bit_depth, with_bit_at, with_stand
+from drillstring.twin.stands import bit_depth, with_stand
 from tautline.scene.errors import SceneError
 
 DATA = Path(__file__).parents[3] / "data"
@@ -47,7 +47,7 @@ def test_a_string_that_ends_above_the_bottom_goes_down_in_the_hole_there_is_and_
     scene = tautline.read(DATA / "jwell.yaml").replace({"string[0].length": 2500.0})
     deeper = with_stand(scene, 29.0)
     assert bit_depth(deeper) == pytest.approx(2769.0) and deeper.well.sections == scene.well.sections
-    assert bit_depth(with_bit_at(deeper, 2740.0)) == pytest.approx(2740.0)
+    assert bit_depth(with_stand(deeper, -29.0)) == pytest.approx(2740.0)
 
 
 def test_a_stand_beyond_the_survey_or_beyond_an_arc_is_refused_with_the_cure(tmp_path):

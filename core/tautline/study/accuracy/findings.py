@@ -10,9 +10,6 @@ from tautline.study.trials.errors import Errors
 from tautline.study.trials.history import Watched
 from tautline.study.trials.trial import Trial
 
-CERTAIN = 1.5
-"""Ratio of two run times from which one is shorter beyond the noise of a machine."""
-
 STALLED = 0.8
 """Share of the error with the next larger step above which an error has stopped falling."""
 

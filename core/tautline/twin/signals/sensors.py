@@ -21,8 +21,6 @@ SHORTEST = 0.4
 """Over how long they have to be so at least, s."""
 STILL = 1.5
 """How long a motion in waves may be exactly still, s."""
-CLIPPED = 10.0
-"""How long a sensor that was clipped is not believed, s."""
 HISTORY = 400
 """Values that are looked back on."""
 NOISY = 0.1

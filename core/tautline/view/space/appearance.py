@@ -22,7 +22,7 @@ Values = Callable[[int], np.ndarray]
 """An array at a frame, counted from 0."""
 
 STEEL, ROPE, PAINT, LOAD, DECK = "#8A9199", "#3B3B3B", "#E8B021", "#C4572B", "#6E7F8D"
-WATER, GROUND, ROCK, MUD = "#3E8FC4", "#9C7A54", "#B9A68C", "#A8926B"
+WATER, GROUND, MUD = "#3E8FC4", "#9C7A54", "#A8926B"
 """Colours of things, so that a sheave is the same grey in every picture."""
 
 
