@@ -12,7 +12,8 @@ import numpy as np
 from drillstring.drilling.end_groups import numbers_of_ends
 from drillstring.results.break_away import break_away_figures
 from drillstring.results.drilling import drilling_figures, observed_at_ends
-from drillstring.results.places import LUMP, names_of_bodies, names_of_links
+from drillstring.results.places import LUMP, names_of_bodies, names_of_links, part_of
+from drillstring.results.side_force import largest_side_force
 from drillstring.results.whirl import whirl_figures
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
@@ -24,7 +25,7 @@ from tautline.results.variable import Variable
 FIGURES = {
     "hook_load_start": "N", "hook_load_max": "N", "hook_load_min": "N", "hook_load_max_with_block": "N",
     "stretch_start": "m", "bit_displacement": "m", "bit_speed_max": "m/s", "bit_stuck": "", "contact_force_max": "N",
-    "surface_torque_max": "N m", "surface_torque_end": "N m",
+    "side_force_max": "N/m", "surface_torque_max": "N m", "surface_torque_end": "N m",
     "break_away_stroke": "m", "break_away_hook_load": "N", "break_away_time": "s",
     "weight_on_bit_start": "N", "weight_on_bit_mean": "N", "torque_on_bit_mean": "N m", "drilled": "m",
     "rate_of_penetration_mean": "m/s", "bit_rotation_mean": "rad/s", "stick_slip_severity": "", "rotation_stuck": "",
@@ -232,11 +233,20 @@ def coordinates_of(
     return found
 
 
-def _where(result: Any, force: np.ndarray) -> str:
-    """Where a force (m, bodies) is largest, in brackets; nothing where there is none."""
-    if not force.max() > 0.0 or "body_name" not in result:
-        return ""
-    return f" ({result['body_name'][int(force.max(axis=0).argmax())]})"
+def _largest_contact(result: Any, contact: np.ndarray, lumps: Lumps) -> dict[str, tuple[float, str, str]]:
+    """Largest force on one place of the mesh, which is in proportion to its length, and the largest one per length."""
+    touches, found = bool(contact.max() > 0.0), largest_side_force(contact, lumps)
+
+    def where(place: int) -> str:
+        return f" ({result['body_name'][place]})" if touches and "body_name" in result else ""
+
+    most = int(contact.max(axis=0).argmax())
+    one = f"largest contact force of one {part_of(result)} of {lumps.tributary[most]:.3g} m{where(most)}"
+    per_length = f"largest side force per length, over {found.length:.3g} m{where(found.lump)}"
+    return {
+        "contact_force_max": (contact[:, most].max(), "N", one),
+        "side_force_max": (found.value, "N/m", per_length),
+    }
 
 
 def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[str, Any]]:
@@ -252,7 +262,7 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
         "stretch_start": (lumps.stretch(result["tension"][0]), "m", "elongation of the string at the start"),
         "bit_displacement": (np.ptp(bit), "m", "bit displacement, largest less smallest"),
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
-        "contact_force_max": (contact.max(), "N", f"largest contact force{_where(result, contact)}"),
+        **_largest_contact(result, contact, lumps),
     }
     if block > 0.0:
         figures["hook_load_max_with_block"] = (hook.max() + block, "N", "largest hook load, with the block")
