@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import IO, Any
@@ -49,6 +49,7 @@ class Journal:
         self.path, self.mark, self.cases = folder / NAME, mark, cases
         self.done: set[int] = set()
         self.columns: dict[str, Finding] | None = None
+        self.figures: list[str] = []
         self._file: IO[bytes] | None = None
         self._forced = 0.0
         self._lock = Lock(self.path)
@@ -83,6 +84,8 @@ class Journal:
                 head = line
             elif "columns" in line:
                 self.columns = {name: Finding(None, *about) for name, about in line["columns"].items()}
+            elif "figures" in line:
+                self.figures = line["figures"]
             else:
                 self.done.add(int(line["case"]))
         if head.get("format") != FORMAT:
@@ -102,6 +105,9 @@ class Journal:
         self._file = self._guarded(lambda: self.path.open("ab" if goes_on else "wb", buffering=0))
         if not goes_on:
             self._write({"format": FORMAT, "sweep": self.mark, "cases": self.cases})
+            # Else they would stand beside the results of this sweep, as if they were its own.
+            self._guarded(lambda: _remove(self.path.parent, self.figures))
+            self.figures = []
 
     @property
     def begun(self) -> bool:
@@ -161,6 +167,40 @@ class Journal:
         self._lock.give_back()
 
 
+def list_figures(folder: Path, written: Sequence[Path]) -> None:
+    """Note in the journal which figures of a folder are the sweep's, and remove those that it had before and no more.
+
+    What the journal does not list is somebody else's and is left alone.
+
+    Raises
+    ------
+    ResultError
+        For a journal that is damaged, or cannot be written.
+    """
+    path, names = folder / NAME, [one.name for one in written]
+    if not path.exists():
+        return
+    earlier: list[str] = []
+    for line in _lines(path):
+        earlier = line.get("figures", earlier)
+    if earlier == names:
+        return
+    try:
+        with path.open("ab") as file:
+            file.write((json.dumps({"figures": names}, ensure_ascii=False) + "\n").encode())
+        _remove(folder, [name for name in earlier if name not in names])
+    except OSError as error:
+        raise WriteError(path, f"cannot be written: {error.strerror or error}", "make room") from None
+
+
+def _remove(folder: Path, figures: Sequence[str]) -> None:
+    """Remove pictures by their names, in the folder itself only."""
+    for name in figures:
+        if Path(name).name == name and Path(name).suffix in PICTURES:
+            (folder / name).unlink(missing_ok=True)
+
+
+PICTURES = (".png", ".svg", ".pdf")
 ROW = {one.name for one in fields(Row)}
 OWN = (f".{NAME}.lock", NAME)
 """Files of ours that a folder without a journal may hold."""
@@ -182,11 +222,14 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def _is_line(line: Any) -> bool:
-    """Whether a line is one that a journal writes: its head, what its columns are, or a row."""
+    """Whether a line is one that a journal writes: its head, its columns, its figures, or a row."""
     if not isinstance(line, dict):
         return False
     if "format" in line or isinstance(line.get("columns"), dict):
         return True
+    if "figures" in line:
+        names = line["figures"]
+        return isinstance(names, list) and all(isinstance(name, str) for name in names)
     return isinstance(line.get("case"), int) and line.keys() <= ROW and "status" in line
 
 

@@ -83,12 +83,15 @@ def sweep(
 
 
 def _draw(outcome: Outcome, folder: Path) -> list[Path]:
-    """Draw what the plan has a figure for."""
-    if outcome.result is None or not outcome.done:
+    """Draw what the plan has a figure for; the journal says which figures are the sweep's."""
+    if outcome.result is None:
         return []
     from tautline.sweeps.figures import draw
+    from tautline.sweeps.journal import list_figures
 
-    return draw(outcome.data, outcome.cases, folder)
+    drawn = draw(outcome.data, outcome.cases, folder) if outcome.done else []
+    list_figures(folder, drawn)
+    return drawn
 
 
 def _report(
