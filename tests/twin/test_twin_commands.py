@@ -289,7 +289,7 @@ def test_what_is_not_there_is_refused(rehearsal, here, option, value, said):
     assert said in told
 
 
-def test_a_record_replaces_a_record_and_nothing_else(rehearsal, here, tmp_path):
+def test_a_record_replaces_a_record_by_force_and_nothing_else(rehearsal, here, tmp_path):
     words = ["record", SCENE, "--map", rehearsal / "map.yaml", "--end", "0.2 s", "-o"]
     scene = tmp_path / "mine.yaml"
     scene.write_text("mine")
@@ -300,8 +300,24 @@ def test_a_record_replaces_a_record_and_nothing_else(rehearsal, here, tmp_path):
         code, _, err = here(*map(str, words), str(target))
         assert code == 2 and cause in " ".join(err.split())
     assert scene.read_text() == "mine" and [one.name for one in tmp_path.iterdir()] == ["mine.yaml"]
-    for _ in range(2):
-        assert here(*map(str, words), str(tmp_path / "r.csv"))[0] == 0
+    assert here(*map(str, words), str(scene), "--force")[0] == 2 and scene.read_text() == "mine"
+    record = tmp_path / "r.csv"
+    assert here(*map(str, words), str(record))[0] == 0
+    record.write_text("time [s],hook load [kN]\n0,mine\n")
+    code, _, err = here(*map(str, words), str(record))
+    assert code == 2 and "exists: a record would be lost" in " ".join(err.split()) and "mine" in record.read_text()
+    assert here(*map(str, words), str(record), "--force")[0] == 0 and "mine" not in record.read_text()
+
+
+def test_a_twin_that_begins_anew_replaces_the_result_of_another_by_force_only(rehearsal, here, tmp_path):
+    words = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv", "-o", tmp_path / "tw.nc"]
+    assert here(*words)[0] == 0
+    before = (tmp_path / "tw.nc").read_bytes()
+    code, _, told = here(*words)
+    said = " ".join(told.split())
+    assert code == 2 and "holds what a twin has found: it would be lost" in said and "--resume" in said
+    assert (tmp_path / "tw.nc").read_bytes() == before
+    assert here(*words, "--force")[0] == 0
 
 
 @pytest.mark.parametrize(

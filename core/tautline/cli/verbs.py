@@ -439,6 +439,7 @@ def twin(
     state: StateFile = None,
     account: AccountFile = None,
     serve: Serve = None,
+    force: Force = False,
     as_json: Lines = False,
     quiet: Quiet = False,
 ) -> None:
@@ -446,7 +447,9 @@ def twin(
     from tautline.cli.commands import twin as verb
 
     kept = state or resume
-    verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, account, serve, as_json, quiet)
+    verb.twin(
+        context.obj, scene, map, source, output, changes, speed, resume, kept, account, serve, as_json, quiet, force
+    )
 
 
 def record(
@@ -464,6 +467,7 @@ def record(
     gap: Gaps = None,
     fault: Faults = None,
     seed: Seed = 0,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Write what sensors would show of a scene: a record to rehearse a twin with."""
@@ -473,7 +477,7 @@ def record(
         "rate": rate, "noise": noise, "delay": delay, "dropout": dropout, "jitter": jitter, "gap": gap, "fault": fault,
         "seed": seed,
     }  # fmt: skip
-    verb.record(context.obj, scene, map, output, changes, end, given, as_json)
+    verb.record(context.obj, scene, map, output, changes, end, given, as_json, force)
 
 
 def sweep(

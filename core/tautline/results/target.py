@@ -63,13 +63,20 @@ def check_target(path: str | Path) -> Path:
     return path
 
 
-def check_record(path: Path) -> Path:
-    """Check that a record of sensors may be written to a path, and return it; an earlier one there may be replaced.
+def check_record(path: Path, force: bool = False) -> Path:
+    """Check that a record of sensors may be written to a path, and return it.
+
+    Its header does not tell a record of ours from one of a machine, which nobody can make again.
+
+    Parameters
+    ----------
+    force : bool
+        Whether a record that is there may be replaced; what is no record is kept even so.
 
     Raises
     ------
     ResultError
-        If the folder is missing or not writable, or the path is a folder or a file that is no record of ours.
+        If the folder is missing or not writable, or the path is a folder or a file that would be lost.
     """
     if str(path) == "-":
         raise ResultError(path, "is no file, and a record is one", "name it, -o record.csv, or -o /dev/stdout")
@@ -82,12 +89,41 @@ def check_record(path: Path) -> Path:
                 start = file.read(len(RECORD))
             if start and start != RECORD:
                 raise ResultError(path, "exists and is not a record: it would be lost", "name another file with -o")
+            if start and not force:
+                cure = "name another file with -o, or replace it with --force"
+                raise ResultError(path, "exists: a record would be lost", cure)
         if not os.access(path if path.exists() else path.parent, os.W_OK):
             raise ResultError(path, "cannot be written: permission denied", "give another name or folder with -o")
     except OSError as error:
         cure = "give another name or folder with -o"
         raise ResultError(path, f"cannot be written: {error.strerror}", cure) from None
     return path
+
+
+def check_found(path: Path) -> Path:
+    """Check that a twin may begin a result at a path, and return it; one that a twin has filled is not to be lost.
+
+    Raises
+    ------
+    ResultError
+        Where a twin has written rows.
+    """
+    if path.is_file() and _rows_of_twin(path):
+        cure = "go on with --resume, name another file with -o, or replace it with --force"
+        raise ResultError(path, "holds what a twin has found: it would be lost", cure)
+    return path
+
+
+def _rows_of_twin(path: Path) -> int:
+    """Rows that a twin has written into a file; 0 for any other file."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            written = str(file.attrs.get("application", "")) == "twin" and "time" in file
+            return len(file["time"]) if written else 0
+    except OSError:
+        return 0
 
 
 def check_state(path: Path) -> Path:

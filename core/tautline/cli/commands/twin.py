@@ -44,9 +44,14 @@ SILENCE = 1.0
 def twin(
     catalogue: Catalogue, path: Path, map: Path, source: str, output: Path | None, changes: Sequence[str] | None,
     speed: float | None, resume: Path | None, state: Path | None, account: Path | None,
-    serve: str | None, as_json: bool, quiet: bool,
+    serve: str | None, as_json: bool, quiet: bool, force: bool = False,
 ) -> None:  # fmt: skip
     """Run a scene beside the machine.
+
+    Parameters
+    ----------
+    force : bool
+        Whether an operation that begins anew may replace the result of another one.
 
     Raises
     ------
@@ -54,6 +59,7 @@ def twin(
         For bad input; nothing is written then.
     """
     from tautline.integrators.status import Interrupted, StoppedEarly
+    from tautline.results.target import check_found
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
     from tautline.twin.sources.stamps import stamp_said
@@ -62,6 +68,8 @@ def twin(
 
     scene = changed(catalogue.read(path)[1], changes)
     read = _read_map(map)
+    if output is not None and resume is None and not force:
+        check_found(output)
     hush()
     units = {one.column: one.unit for one in read.sensors}
     with (
@@ -324,9 +332,14 @@ def _many(count: int, what: str) -> str:
 
 def record(
     catalogue: Catalogue, path: Path, map: Path, output: Path, changes: Sequence[str] | None, end: str | None,
-    given: dict[str, Any], as_json: bool,
+    given: dict[str, Any], as_json: bool, force: bool = False,
 ) -> None:  # fmt: skip
     """Run a scene with sensors, and write what they show.
+
+    Parameters
+    ----------
+    force : bool
+        Whether a record that is there may be replaced.
 
     Raises
     ------
@@ -377,7 +390,7 @@ def record(
     if not sensing.rate > 0.0:
         raise option_error("--rate", str(given["rate"]), "is no rate", "give rows a second, such as 10 Hz")
     until = number("--end", end, "s", float("nan"))
-    check_record(output)
+    check_record(output, force)
     rows = recorded(scene, read, sensing, None if until != until else until)
     first = next(rows)
     columns = [one.column for one in read.sensors]
