@@ -295,7 +295,8 @@ def test_a_record_replaces_a_record_by_force_and_nothing_else(rehearsal, here, t
     scene.write_text("mine")
     for target, cause in (
         (scene, "exists and is not a record: it would be lost"), (tmp_path, "is a folder"),
-        (tmp_path / "nowhere" / "r.csv", "there is no folder"),
+        (tmp_path / "nowhere" / "r.csv", "there is no folder"), (tmp_path / "q.txt", "name it q.csv"),
+        (tmp_path / "q.nc", "name it q.csv"),
     ):  # fmt: skip
         code, _, err = here(*map(str, words), str(target))
         assert code == 2 and cause in " ".join(err.split())

@@ -84,6 +84,9 @@ def check_record(path: Path, force: bool = False) -> Path:
     try:
         if path.is_dir():
             raise ResultError(path, "is a folder", f"name a file in it: -o {path / 'record.csv'}")
+        if not path.exists() and path.suffix.lower() in {*OTHER_KINDS, ".nc"} - {".csv"}:
+            cure = f"name it {path.with_suffix('.csv').name}"
+            raise ResultError(path, "is the name of another kind of file, and a record is a CSV file", cure)
         if path.is_file():  # a pipe, such as /dev/stdout, would wait to be read
             with path.open("rb") as file:
                 start = file.read(len(RECORD))

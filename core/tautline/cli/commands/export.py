@@ -35,7 +35,7 @@ def export(
     ----------
     output : Path or None
         A folder, which must exist, or the beginning of the names of files, with or without ``.pvd`` or ``.csv``; by
-        default the result's name in the current folder.
+        default the result's name in the current folder. The ending of another kind of file is refused.
     vtk, csv : bool
         A ``.pvd`` with its frames, tables; one of them at least.
     what : sequence of str
@@ -93,6 +93,7 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, eve
 def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look: Look, every: int) -> None:
     """Refuse options that leave nothing to do, or that nothing asked for heeds."""
     from tautline.results.errors import ResultError
+    from tautline.results.target import OTHER_KINDS
 
     if not (vtk or csv):
         cause = "nothing is asked for"
@@ -106,6 +107,9 @@ def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look:
     if output is None or output.is_dir():
         return
     ending = output.suffix.lower()
+    if ending == ".nc" or (ending in OTHER_KINDS and ending not in ENDINGS):
+        cure = f"name it {output.with_suffix('.csv' if csv else '.pvd').name}, or without an ending"
+        raise ResultError(output, f"ends in {ending}, the name of another kind of file", cure)
     if (ending == ".pvd" and not vtk) or (ending == ".csv" and not csv):
         other = "--vtk" if ending == ".pvd" else "--csv"
         raise ResultError(output, f"ends in {ending}, but {other} is not given", f"add {other}, or give another name")
