@@ -45,6 +45,10 @@ LARGEST_SHARE = 0.8
 """Share of the yield load above which a string at rest is warned of: what is left is the margin of overpull."""
 DEEP = 0.5
 """Depth in the wall over the clearance that is warned of; a stabiliser's clearance is taken as `SNUG` at least."""
+SHARP = np.radians(10.0) / 30.0
+"""Dogleg severity, rad/m, above which a hole is warned of: medium-radius wells; most others stay below 5 deg/30 m."""
+DRILLED = 0.07
+"""Diameter of a hole, m, below which it is one of the laboratory."""
 LEANING = 0.01
 """Sine of the inclination that a vertical hole is taken to have: none is straight."""
 OFF = 0.05
@@ -140,6 +144,32 @@ def _survey(scene: DrillstringScene, ready: Prepared) -> Sentences:
             "plausible for a depth; check the unit of the column md, or give it as `md:`"
         )
         yield "well.survey", text
+
+
+def _dogleg(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A hole that bends more than drill pipe is used to; models of the laboratory are left out."""
+    severity, begin, end = sharpest(ready.well)
+    if severity <= SHARP or scene.well.diameter < DRILLED:
+        return
+    text = (
+        f"the hole bends by {dogleg_severity(severity, scene.units)} at {begin:.6g} to {end:.6g} m, and more than "
+        f"{dogleg_severity(SHARP, scene.units)} is seldom drilled with pipe: it wears and tires there; check the "
+        f"{'stations' if scene.well.survey is not None else 'radius'}"
+    )
+    yield "well.survey" if scene.well.survey is not None else "well.sections", text
+
+
+def sharpest(well: Wellbore) -> tuple[float, float, float]:
+    """Largest curvature of the hole, rad/m, and measured depths of the arc that has it, m; the first of several."""
+    curvature = np.hypot(well.k1, well.k2)
+    k = int(np.argmax(curvature > curvature.max() * (1.0 - 1e-9)))
+    return float(curvature[k]), float(well.md[k]), float(well.md[k + 1])
+
+
+def dogleg_severity(curvature: float, system: str) -> str:
+    """A curvature, rad/m, as the field states it: in deg/30 m, or deg/100 ft in field units."""
+    length, name = (30.48, "100 ft") if system == "field" else (30.0, "30 m")
+    return f"{degrees(curvature) * length:.3g} deg/{name}"
 
 
 # pipe
@@ -536,7 +566,7 @@ def _finer(scene: DrillstringScene, well: Wellbore, now: int) -> str:
 
 
 CHECKS: tuple[Check, ...] = (
-    _steps, _survey, _floating, soft_wall, _friction, _block, _casing, _yielding, _off_bottom, _weight_on_bit,
+    _steps, _survey, _dogleg, _floating, soft_wall, _friction, _block, _casing, _yielding, _off_bottom, _weight_on_bit,
     _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
@@ -548,21 +578,26 @@ def figures(scene: DrillstringScene) -> dict[str, Any]:
     well, lumps = ready.well, ready.lumps
     end = well.position(np.array([well.length]))[0]
     stations = np.linspace(0.0, well.length, 2001)
-    k1, k2 = well.curvature(stations)
+    severity, begin, end_of_arc = sharpest(well)
+    fluid, tubes = fluid_of(scene.mud), lumps.tubes
     return {
         "well": {
             "length": well.length,
             **{name: unrounded(float(x), well.length) for name, x in zip(("north", "east"), end[:2], strict=True)},
             "vertical_depth": unrounded(float(end[2]), well.length),
             "largest_inclination": float(well.inclination(stations).max()),
-            "largest_curvature": float(np.hypot(k1, k2).max()),
+            "largest_curvature": severity,
+            "largest_curvature_depth": [begin, end_of_arc],
         },
         "string": {
             "length": lumps.total,
             "elements": int(lumps.length.size),
             "mass": float(lumps.of_lumps(lambda tube: tube.mass_per_length).sum()),
             "displacement": float(lumps.of_lumps(lambda tube: pi / 4.0 * (tube.od**2 - tube.id**2)).sum()),
+            "buoyed_weight": sum(weight_in(fluid, tube, scene.gravity) * tube.length for tube in tubes),
+            "hook_load_at_rest": float(tension_at_rest(scene, well, lumps)[0]),
         },
+        "mud": None if scene.mud is None else scene.mud.density,
         "critical_step_rk4": contact_critical_step(scene, lumps) if scene.well.wall is not None else None,
         "printed_in": scene.units,
     }
@@ -578,8 +613,26 @@ def describe(figures: dict[str, Any]) -> list[tuple[str, str]]:
         ("length of the string", string["length"], "m"),
         ("mass of the string", string["mass"], "kg"),
         ("displacement of its tubes", string["displacement"], "m^3"),
+        (
+            "weight of the string in mud" if figures["mud"] is not None else "weight of the string",
+            string["buoyed_weight"],
+            "N",
+        ),
+        ("hook load at rest, without friction", string["hook_load_at_rest"], "N"),
         ("elements", string["elements"], ""),
     ]
     if figures["critical_step_rk4"] is not None:
         rows.append(("critical step of RK4", figures["critical_step_rk4"], "s"))
-    return [(text, shown(value, unit, figures["printed_in"])) for text, value, unit in rows]
+    system = figures["printed_in"]
+    told = [(text, shown(value, unit, system)) for text, value, unit in rows]
+    told.insert(3, ("largest dogleg severity", _sharpest_told(well, system)))
+    if figures["mud"] is None:
+        told.append(("mud", "none: the string hangs in air"))
+    return told
+
+
+def _sharpest_told(well: dict[str, Any], system: str) -> str:
+    """``3 deg/30 m at 600 to 1500 m``; nothing but the figure of a straight hole."""
+    severity = dogleg_severity(well["largest_curvature"], system)
+    begin, end = (shown(depth, "m", system) for depth in well["largest_curvature_depth"])
+    return f"{severity} from {begin} to {end}" if well["largest_curvature"] > 0.0 else severity

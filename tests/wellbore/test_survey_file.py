@@ -121,8 +121,8 @@ BROKEN = {
     "azimuth above 720 deg": (lines(HEAD, "0,0,0", "30,1,721"), 3, "azi", "outside -360 to 720 deg"),
     "azimuth below -360 deg": (lines(HEAD, "0,0,0", "30,1,-361"), 3, "azi", "outside -360 to 720 deg"),
     "negative depth": (lines(HEAD, "-5,0,0", "30,1,0"), 2, "md", "negative"),
-    "a gap": (lines(HEAD, "0,0,0", "30,1,0", "630,1,0"), 4, "md", "raise max_gap"),
-    "a gap above the first station": (lines(HEAD, "900,0,0", "930,1,0"), 2, "md", "no station in the 900 m above"),
+    "a gap": (lines(HEAD, "0,0,0", "30,1,0", "630,2,0"), 4, "md", "raise max_gap"),
+    "a gap above the first station": (lines(HEAD, "900,2,0", "930,2,0"), 2, "md", "no station in the 900 m above"),
     "an absurd dogleg": (lines(HEAD, "0,0,0", "30,1,0", "31,9,0"), 4, "inc, azi", "8 deg in 1 m below line 3"),
     "a hole that turns back": (lines(HEAD, "0,90,0", "400,90,180"), 3, "inc, azi", "its plane is not known"),
     "one station": (lines(HEAD, "0,0,0"), None, "", "two stations at least"),
@@ -193,8 +193,13 @@ def test_units_of_an_unknown_column_are_refused(tmp_path):
         read_survey(write(tmp_path, lines(HEAD, *ROWS)), units={"tvd": "m"})
 
 
+@pytest.mark.parametrize("rows", [("0,60,30", "600,60,30"), ("900,0,0", "930,1,0"), ("0,60,359.99", "600,60,0.01")])
+def test_a_long_interval_in_which_the_hole_does_not_turn_is_no_gap(tmp_path, rows):
+    assert len(read_survey(write(tmp_path, lines(HEAD, *rows))).md) == 2
+
+
 def test_a_gap_and_a_sharp_dogleg_pass_when_the_scene_allows_them(tmp_path):
-    gap = write(tmp_path, lines(HEAD, "0,0,0", "2200,0,0", "2230,1,0"))
+    gap = write(tmp_path, lines(HEAD, "0,0,0", "2200,1,0", "2230,1,0"))
     assert len(read_survey(gap, max_gap=2200.0).md) == 3
     sharp = write(tmp_path, lines(HEAD, "0,0,0", "10,30,0"), "sharp.csv")
     with pytest.raises(SceneError):

@@ -71,7 +71,7 @@ class Turn(_Arc):
 class Survey(Model):
     """A survey file: `md`, `inc`, `azi` are units for its columns, where its header does not state them.
 
-    `max_gap` (m) is the longest interval between stations that is not taken for a lost one.
+    `max_gap` (m) is the longest interval in which the hole turns and has no station.
     """
 
     file: FileName

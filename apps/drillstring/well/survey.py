@@ -24,6 +24,9 @@ from tautline.scene.reading.columns import Columns, is_unit
 MAX_GAP = 500.0
 """Longest hole [m] without a station, unless the scene says otherwise: a stand is 30 m, a forgotten page 1000 m."""
 
+SAME_DIRECTION = math.radians(0.1)
+"""Angle [rad] between two stations below which the hole between them is straight: what survey tools resolve."""
+
 MAX_DOGLEG_SEVERITY = math.radians(60.0) / 30.0
 """Sharpest turn [rad/m] taken for a hole rather than a slip of the pen; short-radius wells reach about half."""
 
@@ -244,10 +247,15 @@ def _check_intervals(survey: Survey, max_gap: float, max_severity: float, table:
     """Note gaps and doglegs that no hole has."""
     cure = "add a station in between, or raise max_gap if the hole is known to be smooth there"
     above = np.concatenate([[0.0], survey.md[:-1]])
-    for i in np.flatnonzero(survey.md - above > max_gap * (1.0 + 1e-9)):
-        cause = f"no station in the {survey.md[i] - above[i]:.6g} m above it (max_gap is {max_gap:g} m)"
-        table.add(int(survey.lines[i]), "md", f"{survey.md[i]:.6g} m", cause, cure)
     tangents = direction(survey.inc, survey.azi)
+    # Between equal directions the hole is taken as straight: there nothing is lost. At the table it is vertical.
+    turned = dogleg(np.vstack([[[0.0, 0.0, 1.0]], tangents[:-1]]), tangents) > SAME_DIRECTION
+    for i in np.flatnonzero((survey.md - above > max_gap * (1.0 + 1e-9)) & turned):
+        cause = (
+            f"no station in the {survey.md[i] - above[i]:.6g} m above it, in which the hole turns (max_gap is "
+            f"{max_gap:g} m)"
+        )
+        table.add(int(survey.lines[i]), "md", f"{survey.md[i]:.6g} m", cause, cure)
     bend = dogleg(tangents[:-1], tangents[1:])
     severity = bend / np.diff(survey.md)
     for i in np.flatnonzero((severity > max_severity) | (bend > LARGEST_DOGLEG)) + 1:

@@ -1,0 +1,102 @@
+"""What `check` says of a hole and its string: dogleg severity, mud and weights, against closed forms."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillstring.scene.scene import DrillstringScene
+from drillstring.warnings import describe, figures, sharpest, warnings
+from drillstring.well import wellbore
+
+JWELL = (Path(__file__).parents[2] / "data" / "jwell.yaml").read_text(encoding="utf8")
+OD, ID, STEEL, MUD, GRAVITY = 0.127, 0.1086, 7850.0, 1200.0, 9.81
+PLAIN = f"""
+well: {{sections: [{{hold: 1000 m}}], diameter: 0.2, wall: {{stiffness: 1.0e7}}}}
+string: [{{name: pipe, length: rest, od: {OD}, id: {ID}}}]
+material: {{youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: {STEEL}}}
+mud: {{density: {MUD}}}
+model: {{kind: lumped, elements: 12}}
+solver: {{method: generalized-alpha, step: 1 ms, end: 1 s}}
+output: {{interval: 50 ms}}
+"""
+
+
+def scene_of(*edits):
+    text = PLAIN
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return DrillstringScene.parse(text)
+
+
+def told(scene):
+    return dict(describe(figures(scene)))
+
+
+@pytest.mark.parametrize("radius", [150.0, 286.479, 1000.0])
+def test_the_dogleg_severity_of_stations_on_a_circle_in_a_tilted_plane_is_one_over_its_radius(radius):
+    one = np.array([math.sin(0.4), 0.0, math.cos(0.4)])
+    other = np.array([0.0, 1.0, 0.0]) * math.cos(0.3) + np.cross(one, [0.0, 1.0, 0.0]) * math.sin(0.3)
+    turned = np.linspace(0.0, 1.2, 9)
+    tangents = np.cos(turned)[:, None] * one + np.sin(turned)[:, None] * other
+    straight = np.array([0.0, 200.0, 400.0])
+    md = np.r_[straight, 400.0 + radius * turned[1:]]
+    tangents = np.vstack([np.tile(tangents[0], (3, 1)), tangents[1:]])
+    well = wellbore.from_survey(md, np.arccos(tangents[:, 2]), np.arctan2(tangents[:, 1], tangents[:, 0]))
+    severity, begin, end = sharpest(well)
+    assert severity == pytest.approx(1.0 / radius, rel=1e-9)
+    assert (begin, end) == (pytest.approx(400.0), pytest.approx(400.0 + radius * turned[1]))
+
+
+@pytest.mark.parametrize(
+    ("rate", "units", "said", "warned"),
+    [
+        ("3 deg/30m", "si", "3 deg/30 m from 1000 m to 1600 m", False),
+        ("3 deg/30m", "field", "3.05 deg/100 ft from 3281 ft to 5249 ft", False),
+        ("12 deg/30m", "si", "12 deg/30 m from 1000 m to 1150 m", True),
+    ],
+)
+def test_check_tells_the_largest_dogleg_severity_and_warns_above_ten_degrees(rate, units, said, warned):
+    arc = f"{{hold: 1000 m}}, {{build: {{rate: {rate}, to: 60 deg}}}}"
+    scene = scene_of(("{hold: 1000 m}", arc), ("\nwell", f"\nunits: {units}\nwell"))
+    assert told(scene)["largest dogleg severity"] == said
+    texts = [one.text for one in warnings(scene) if one.where == "well.sections"]
+    assert len(texts) == warned and all("12 deg/30 m at 1000 to 1150 m" in text for text in texts)
+
+
+def test_a_short_arc_between_long_sections_is_not_passed_over():
+    pieces = "{hold: 5000 m}, {build: {radius: 100 m, to: 0.5 deg}}, {hold: 5000 m}"
+    severity, begin, end = sharpest(
+        wellbore.from_sections(
+            [wellbore.Hold(5000.0), wellbore.Build(100.0, math.radians(0.5), 0.0), wellbore.Hold(5000.0)]
+        )
+    )
+    assert severity == pytest.approx(0.01) and end - begin == pytest.approx(100.0 * math.radians(0.5))
+    assert "17.2 deg/30 m" in told(scene_of(("{hold: 1000 m}", pieces)))["largest dogleg severity"]
+
+
+def test_check_tells_the_weight_in_mud_and_the_hook_load_at_rest_of_a_vertical_string_by_its_buoyancy_factor():
+    weight = GRAVITY * STEEL * math.pi / 4.0 * (OD**2 - ID**2) * 1000.0
+    found = figures(scene_of())["string"]
+    assert found["buoyed_weight"] == pytest.approx(weight * (1.0 - MUD / STEEL), rel=1e-9)
+    assert found["hook_load_at_rest"] == pytest.approx(found["buoyed_weight"], rel=1e-9)
+    assert "mud" not in told(scene_of())
+
+
+def test_check_says_that_a_string_without_mud_hangs_in_air():
+    dry = scene_of((f"mud: {{density: {MUD}}}\n", ""))
+    assert told(dry)["mud"] == "none: the string hangs in air"
+    weight = GRAVITY * STEEL * math.pi / 4.0 * (OD**2 - ID**2) * 1000.0
+    assert figures(dry)["string"]["buoyed_weight"] == pytest.approx(weight, rel=1e-9)
+    assert "weight of the string" in told(dry)
+
+
+def test_the_hook_load_at_rest_of_a_deviated_string_is_its_weight_over_the_vertical_depth():
+    found = figures(DrillstringScene.parse(JWELL))
+    # 2200 m of hold and a quarter of a circle of radius 1000 m: the pipe over 3200 m of depth but for the collars
+    pipe, collar = (math.pi / 4.0 * (a**2 - b**2) for a, b in ((0.127, 0.1086), (0.165, 0.0572)))
+    depth = 2200.0 + 1000.0 * math.sin((found["well"]["length"] - 240.0 - 2200.0) / 1000.0)
+    weight = (pipe * depth + collar * (3200.0 - depth)) * GRAVITY * (7850.0 - 1840.0)
+    assert found["string"]["hook_load_at_rest"] == pytest.approx(weight, rel=1e-6)
