@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tautline.errors import TautlineError
+from tautline.kernels import groups
 from tautline.kernels.compiling.errors import KernelError
 from tautline.kernels.groups import link, register
 from tautline.kernels.jit import kernel
@@ -20,6 +21,16 @@ class Push(NamedTuple):
     """A force."""
 
     force: np.ndarray
+
+
+@pytest.fixture(autouse=True)
+def _push_is_forgotten():
+    """What a test registers is no kind of the tests after it."""
+    assert Push not in groups.KINDS
+    yield
+    groups.KINDS.pop(Push, None)
+    groups.CONSTANT_MASS.discard(Push)
+    groups._forget(Push)
 
 
 @kernel
@@ -112,5 +123,6 @@ def test_a_hook_with_another_number_of_arguments_is_refused_with_both_lists(func
 
 
 def test_a_hook_may_have_arguments_with_defaults_and_any_number_of_them():
-    register(Push, residual=lambda g, t, q, v, a, r, more=0.0: None)
-    register(Push, residual=lambda g, *more: None)
+    for hook in (lambda g, t, q, v, a, r, more=0.0: None, lambda g, *more: None):
+        register(Push, residual=hook)
+        assert groups.KINDS[Push] == {"residual": hook}

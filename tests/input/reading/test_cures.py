@@ -1,5 +1,6 @@
 """A cure suggests what can be written there: of the size of the field, and in the unit of the one who wrote."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,19 @@ def test_a_cure_that_suggests_no_quantity_stays():
     assert suited("swap od and id?", "5 in", "5 in") == "swap od and id?"
 
 
-@pytest.mark.parametrize(("old", "new"), [("8.5 in", "260 mm"), ("rate: 20 m/h", "rate: 49 ft/h")])
-def test_what_a_cure_suggests_is_accepted(old, new):
-    DrillstringScene.parse(DRILLING.replace(old, new))
+SUGGESTED = re.compile(r"such as ([-+.\w]+(?: [A-Za-z/]+)?)")
+
+
+@pytest.mark.parametrize(
+    ("key", "old", "wrong"),
+    [("hole", "8.5 in", "0 mm"), ("rate", "rate: 20 m/h", "rate: 0 ft/h"), ("rate", "rate: 20 m/h", "rate: 20 kN")],
+)
+def test_what_a_cure_suggests_is_accepted(key, old, wrong):
+    """What is read from the cure stands where the wrong value stood."""
+    with pytest.raises(SceneError) as found:
+        DrillstringScene.parse(DRILLING.replace(old, wrong))
+    (problem,) = found.value.problems
+    (suggested,) = SUGGESTED.findall(problem.cure)
+    good = f"rate: {suggested}" if key == "rate" else suggested
+    assert good not in (old, wrong)
+    DrillstringScene.parse(DRILLING.replace(old, good))
