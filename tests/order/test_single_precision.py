@@ -10,9 +10,11 @@ from tautline.simulation import simulate
 
 SOFT = {"n": 40, "length": 40.0, "EA": 1.0e5, "EJ": 1.0, "time_step": 0.001, "time_end": 0.3}
 STIFF = {"n": 200, "length": 20.0, "EA": 1.0e8, "EJ": 10.0, "time_step": 0.02, "time_end": 1.0, "eps_energy": 1e-10}
-"""Of a stiff rope's equations at a long step single precision keeps too few digits. Some steps are halved. Which these
-are must not hang on what iterations leave, so they leave little: energies of 1e-10 J, as rounding allows no less, which are
-2e-7 m where inertia alone resists, 0.1 kg over (0.02 s)^2."""
+"""Of a stiff rope's equations at a long step single precision keeps too few digits.
+
+Some steps are halved. Which these are must not hang on what iterations leave, so they leave little: energies of 1e-10 J,
+as rounding allows no less, which are 2e-7 m where inertia alone resists, 0.1 kg over (0.02 s)^2.
+"""
 
 
 def _swing(n, length, EA, EJ, **solver):
@@ -22,9 +24,7 @@ def _swing(n, length, EA, EJ, **solver):
     return simulate(model_of(items, plotpoints=10.0 / solver["time_end"], rho_inf=0.8, **solver))
 
 
-@pytest.mark.parametrize(
-    ("scene", "serve", "left"), [(SOFT, True, 1e-10), (STIFF, False, 1e-9)], ids=["soft", "stiff"]
-)
+@pytest.mark.parametrize(("scene", "serve", "left"), [(SOFT, True, 1e-10), (STIFF, False, 1e-9)], ids=["soft", "stiff"])
 def test_a_run_with_single_precision_is_that_with_others_to_the_iterations_tolerance(scene, serve, left, monkeypatch):
     exact = _swing(**scene)
     made = []

@@ -107,7 +107,7 @@ def test_limit_cycle_is_the_same_whatever_ties_hose_and_water(coupling, linear_c
 @pytest.mark.parametrize("coupling", TIED)
 def test_motion_from_rest_is_the_same_whatever_ties_hose_and_water(coupling):
     # With multipliers they differ by what the iterations leave: measured 1.7e-8 m at a tolerance of 1e-8, 2.4e-10 at
-    # 1e-10, 2.3e-12 at 1e-12. Penalty springs allow no such tolerance; with those of the chosen stiffness it is 7.7e-8 m.
+    # 1e-10, 2.3e-12 at 1e-12. Penalty springs, which allow no such tolerance, are off by 7.7e-8 m.
     off = {"penalty": 3e-7, "augmented": 1e-7, "lagrange": 1e-9}[coupling]
     exact = {"tolerance": 1e-10} if coupling == "lagrange" else EXACT
     plain, tied = (tip(run(flowing(25.0, 6, 1e-3, 0.5, coupling=way, solver=exact))) for way in ("linear", coupling))

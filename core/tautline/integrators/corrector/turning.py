@@ -58,8 +58,8 @@ class Fixed(NamedTuple):
 def turning_of(system: System) -> Turning | Fixed:
     """The nodes of a system whose free vectors are numbered side by side.
 
-    None with multipliers: these act along the axes of space, and an iteration that is not turned meets the rows of linear
-    constraints to rounding.
+    None with multipliers: these act along the axes of space, and an iteration that is not turned meets the rows of
+    linear constraints to rounding.
     """
     number, n = system.dofs.number, system.size - system.border
     slopes = system.slopes
