@@ -56,7 +56,7 @@ from tautline.results.assessment.start import Start, pivots, static_start
 from tautline.results.errors import ResultError
 from tautline.results.on_demand import BriefStore, OnDemand
 from tautline.results.result import Result
-from tautline.results.store import Store
+from tautline.results.store import FrameStore, Store
 from tautline.scene.methods import explicit_like, method_of
 from tautline.system.memory import copied, places_of, recall, remember
 from tautline.system.model import Model
@@ -209,7 +209,7 @@ def simulate(
     return result
 
 
-def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., Store], Model]:
+def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., FrameStore], Model]:
     """What takes the frames of a model, and the model as its run is to see it."""
     if model.keep is None:
         return (BriefStore if brief is not None and brief.names and model.on_demand is not None else Store), model
@@ -378,7 +378,7 @@ class Run:
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
         self.began = static_start(names, self.state.q - drawn, self.model.system.places, self.model.system.q, negative)
 
-    def store_first(self, store: Store) -> None:
+    def store_first(self, store: FrameStore) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
         system = self.model.system
         run_steps(self.method, system, self.state, np.zeros(1), np.zeros(1, np.int64), 0.0, self.frames)
@@ -389,7 +389,7 @@ class Run:
         if self.look is not None:
             self.look(self.state, self.time, self.method)
 
-    def advance(self, store: Store) -> None:
+    def advance(self, store: FrameStore) -> None:
         """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``."""
         under_way, first = self._under_way(), self.done + self.waiting
         most = self._most_rows()
@@ -518,7 +518,7 @@ class Run:
         self.memory, self.remembered = copied(self.places[1]), self.time
 
     @undisturbed()
-    def _store(self, store: Store) -> None:
+    def _store(self, store: FrameStore) -> None:
         """Store the frames that wait, all of them or none."""
         part = Frames(*(array[: self.ahead] for array in self.frames))
         stored: Mapping[str, np.ndarray]
@@ -543,7 +543,7 @@ class Run:
         }  # fmt: skip
 
     def finish(
-        self, store: Store, status: str, further: dict[str, Any] | None = None, warnings: Sequence[str] = ()
+        self, store: FrameStore, status: str, further: dict[str, Any] | None = None, warnings: Sequence[str] = ()
     ) -> Result | None:
         """Close the file with what is known at the end, further attributes and warnings; None if it holds nothing."""
         if self.ahead and self.brief is None:

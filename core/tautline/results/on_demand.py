@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from tautline.results.result import Result
-from tautline.results.store import TIME, Store, coordinate
+from tautline.results.store import TIME, coordinate
 from tautline.results.variable import Variable
 
 
@@ -60,22 +60,28 @@ def together(names: Sequence[str], make: Callable[[], Mapping[str, Any]]) -> dic
     return {name: partial(one, name) for name in names}
 
 
-class BriefStore(Store):
+class BriefStore:
     """Keeps batches of frames in memory as they come, and makes a variable of them where a figure asks for it.
 
     It takes what is observed of a batch as a mapping, which may make its values on demand, and looks at none of them;
     what it is given must stay as it is.
+
+    Parameters
+    ----------
+    path : None
+        As that of `tautline.results.store.Store`; nothing is written.
+    variables, coordinates, attributes
+        As of `tautline.results.store.Store`.
     """
 
     def __init__(
         self,
-        path: Any,
+        path: None,
         variables: Sequence[Variable],
         coordinates: Mapping[str, Any] | None = None,
         attributes: Mapping[str, Any] | None = None,
     ) -> None:
-        assert path is None
-        self.path, self.frames = None, 0
+        self.frames = 0
         self.variables, self.attributes = [TIME, *variables], {"status": "running", **(attributes or {})}
         given = coordinates or {}
         self._fixed = OnDemand({name: partial(coordinate, name, given[name]) for name in given})
@@ -111,7 +117,10 @@ class BriefStore(Store):
             self._joined = OnDemand(whole)
         return Result(None, (self.variables, self._joined, self._fixed, self.attributes, {}))
 
-    def close(self) -> None:
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
         """Nothing is left behind."""
 
 

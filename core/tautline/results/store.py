@@ -27,7 +27,7 @@ import re
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, Self
 
 import h5py
 import numpy as np
@@ -42,6 +42,31 @@ from tautline.results.variable import Variable
 TIME = Variable("time", ("time",), "s", "simulated time")
 
 _numbers = itertools.count()
+
+
+class FrameStore(Protocol):
+    """What a run gives its frames to: `Store`, and `tautline.results.on_demand.BriefStore`."""
+
+    @property
+    def result(self) -> Result | None:
+        """What was stored so far; None before the first batch."""
+
+    def append(
+        self,
+        frames: Mapping[str, np.ndarray],
+        restart: Mapping[str, np.ndarray] | None = None,
+        attributes: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Add a batch of frames, see `Store.append`."""
+
+    def finish(
+        self, attributes: Mapping[str, Any] | None = None, restart: Mapping[str, np.ndarray] | None = None
+    ) -> Result | None:
+        """Add what is known only at the end, see `Store.finish`."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *exception: object) -> None: ...
 
 
 class Store:
@@ -195,7 +220,7 @@ class Store:
         if self._copies is not None:
             self._copies.remove()
 
-    def __enter__(self) -> Store:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *exception: object) -> None:
