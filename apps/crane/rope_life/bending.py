@@ -120,6 +120,11 @@ def drum_contact(
         As in `Contact`.
     stored : {"before", "after"}
         Whether the stored rope has the smaller coordinates (a drum at end A of the path) or the larger (at end B).
+
+    Raises
+    ------
+    ArgumentError
+        For another `stored`.
     """
     if stored not in ("before", "after"):
         raise ArgumentError(f"stored = {stored!r}: 'before' or 'after'")

@@ -191,7 +191,13 @@ def amplification(time: np.ndarray, tension: np.ndarray, static: np.ndarray, nam
 
 
 def amplification_of(tension: Columns, static: np.ndarray) -> Peak | None:
-    """The same of tensions that were checked."""
+    """The same of tensions that were checked.
+
+    Raises
+    ------
+    ArgumentError
+        Where a tension at rest is not finite.
+    """
     time, values, names = tension
     static = np.broadcast_to(np.asarray(static, float), (len(names),))
     if not np.isfinite(static).all():
@@ -219,6 +225,11 @@ def safety_factor(breaking_load: float | None, tension: np.ndarray) -> float | N
     -------
     float or None
         None where the breaking load is not known or the rope is never taut.
+
+    Raises
+    ------
+    ArgumentError
+        Where a tension is not finite.
     """
     most = float(np.max(tension, initial=0.0))
     if not np.isfinite(most):

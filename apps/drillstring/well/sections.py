@@ -120,7 +120,13 @@ def rise(inclination: float, azimuth: float) -> np.ndarray:
 
 
 def drill(section: Section, index: int, inclination: float, azimuth: float) -> tuple[list[Piece], tuple[float, float]]:
-    """Pieces of one section and the (inclination, azimuth) at its end."""
+    """Pieces of one section and the (inclination, azimuth) at its end.
+
+    Raises
+    ------
+    WellboreError
+        For a section that cannot be drilled as written, with its number.
+    """
     if isinstance(section, Hold):
         check_finite(section.length, "hold", index)
         if section.length < 0.0:

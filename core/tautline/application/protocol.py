@@ -47,6 +47,8 @@ class Application(Protocol):
 
         Parameters
         ----------
+        scene
+            What `read` gives.
         **given
             ``method``, ``step``, ``end``, ``rho_inf``, ``control``, ``step_error``, ``interval`` of the output, and
             ``accuracy``, which is given only where one is asked for; None keeps what the scene says.
@@ -57,10 +59,14 @@ class Application(Protocol):
 
         Parameters
         ----------
+        scene
+            What `read` gives.
         what : str
             ``elements``, ``stiffness``, ``shortest`` with a factor; ``contact``, ``penalty`` with a stiffness, N/m;
             ``constraint`` with a name. ``constraints``, ``stiffnesses`` and ``bars`` tell of the scene itself (see
             docs/study.md).
+        *value
+            The factor, the stiffness or the name.
         """
 
     def schema(self) -> dict[str, Any]:
@@ -93,6 +99,8 @@ class Application(Protocol):
 
         Parameters
         ----------
+        results : sequence of Result
+            All of this application.
         what : sequence of str
             Names of figures or of variables; empty for the usual figures.
         vs : str or None
@@ -112,6 +120,10 @@ class Application(Protocol):
 
         Parameters
         ----------
+        results, what, vs
+            As of `pictures`.
+        folder : Path
+            Where the files go.
         formats : sequence of str
             ``png``, ``svg``, ``pdf``.
         stem : str or None

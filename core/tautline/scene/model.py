@@ -306,6 +306,8 @@ class Scene(Model):
             Names what is made.
         depends_on : tuple
             All that `make` looks at, comparable: parts of the scene, and `reading.files.stamps` of its files.
+        make : callable
+            -> what is to be made.
         """
         made = self.__dict__.setdefault(MADE, {})
         known = made.get(what)

@@ -185,7 +185,13 @@ class Track:
         return float(np.polynomial.polynomial.polyval(t - self.origins[piece], self.coefficients[piece]))
 
     def integral(self) -> Track:
-        """Antiderivative, continuous, zero at t = 0."""
+        """Antiderivative, continuous, zero at t = 0.
+
+        Raises
+        ------
+        ArgumentError
+            For a polynomial of the highest degree that there is.
+        """
         if np.any(self.coefficients[:, -1] != 0.0):
             raise ArgumentError(f"the integral of a polynomial of degree {DEGREES - 1} does not fit")
         rows = np.zeros_like(self.coefficients)

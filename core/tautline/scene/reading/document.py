@@ -187,10 +187,12 @@ class Document:
         return replace(self, root=root, origins=origins)
 
     def changed(self, values: Mapping[str, Any], origin: str) -> Document:
-        """Copy with other values: key such as ``bodies[0].mass`` -> value as it would stand in the file.
+        """Copy with other values.
 
         Parameters
         ----------
+        values : mapping
+            Key such as ``bodies[0].mass`` -> value as it would stand in the file.
         origin : str
             What the values came from, for messages: ``--set``.
 
