@@ -29,6 +29,36 @@ def test_what_is_no_time_is_refused(sim, duration):
     assert sim.time == pytest.approx(0.2)
 
 
+@pytest.mark.parametrize("text", ["1 m", "abc", "-1 s", ""])
+def test_a_text_that_is_no_time_ahead_is_refused(sim, text):
+    for ask in (sim.advance, sim.advance_to, lambda text: tautline.rollout([sim], text)):
+        with pytest.raises(SimulationError):
+            ask(text)
+    assert sim.time == pytest.approx(0.2)
+
+
+def test_a_time_may_be_a_text_with_its_unit(sim):
+    one, other = sim.copy(), sim.copy()
+    one.advance("100 ms")
+    one.advance_to("0.4 s")
+    other.advance(0.1)
+    other.advance_to(0.4)
+    assert one.time == other.time and one["winch.tension"] == other["winch.tension"]
+    tautline.rollout([one], "500 ms")
+    assert one.time == pytest.approx(0.5)
+
+
+def test_a_rollout_to_a_time_before_all_simulations_is_refused_and_one_that_is_beyond_it_stays(sim):
+    late = sim.copy()
+    late.advance(0.2)
+    for until in (-1, 0.1):
+        with pytest.raises(SimulationError, match="give a later time"):
+            tautline.rollout([sim, late], until=until)
+    early = sim.copy()
+    tautline.rollout([early, late], until=0.3)
+    assert (early.time, late.time) == (pytest.approx(0.3), pytest.approx(0.4))
+
+
 @pytest.mark.parametrize("keep", [-1, math.nan, "abc", None, [1.0]])
 def test_what_is_no_span_of_frames_is_refused(keep):
     with pytest.raises(SimulationError, match="give True, False"):

@@ -7,9 +7,11 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from pydantic_core import PydanticCustomError
 
 from tautline.errors import TautlineError
 from tautline.scene.refusal import nearest
+from tautline.scene.values.quantity import Quantity
 
 
 class SimulationError(TautlineError):
@@ -41,6 +43,23 @@ def real(value: Any, what: str, cure: str) -> float:
         with suppress(TypeError, ValueError):
             return float(value)
     raise SimulationError(f"{value!r} is no {what}", cure)
+
+
+def seconds(value: Any) -> float:
+    """A time in seconds, also of a text with its unit: ``"100 ms"``.
+
+    Raises
+    ------
+    SimulationError
+        For what is no time.
+    """
+    if isinstance(value, str):
+        try:
+            return float(Quantity("s").read(value))
+        except PydanticCustomError as error:
+            cause, cure = error.message(), str((error.context or {}).get("cure", ""))
+            raise SimulationError(f"{value!r} is no time: {cause}", cure or 'give seconds, or "100 ms"') from None
+    return real(value, "time", 'give seconds, or a text with a unit: "100 ms"')
 
 
 class UnknownName(SimulationError, KeyError):

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from tautline.live.errors import SimulationError, real
+from tautline.live.errors import SimulationError, seconds
 from tautline.live.simulation import Simulation
 
 
@@ -17,24 +17,29 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
     ----------
     simulations : sequence of Simulation
         Each once; those that have come to that time stay where they are.
-    until : float
-        s.
+    until : float or str
+        s, or a text with its unit.
     workers : int, optional
         Threads at a time; by default as many as there are processors.
 
     Raises
     ------
     SimulationError
-        For a time that is no finite number, and a number of threads that is none.
+        For a time that is no finite number or before those of all simulations, and a number of threads that is none.
     StoppedEarly
         That of the first simulation which failed; the others have come to their end.
     """
-    until = real(until, "time", "give seconds")
+    until = seconds(until)
     if not until < math.inf:
         raise SimulationError(f"cannot advance to {until:g} s", "give a finite time")
     if workers is not None and not (isinstance(workers, int) and workers > 0):
         raise SimulationError(f"{workers!r} is no number of threads", "give 1 or more, or None for all processors")
     different = list({id(one): one for one in simulations}.values())
+    if different and until < min(one.time for one in different):
+        first = min(one.time for one in different)
+        raise SimulationError(
+            f"cannot advance to {until:g} s from {first:g} s", "give a later time; restore() goes back"
+        )
     with ThreadPoolExecutor(workers) as pool:
         done = [pool.submit(one.advance_to, until) for one in different if one.time < until]
     for one in done:

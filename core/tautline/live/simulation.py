@@ -31,7 +31,7 @@ from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
 from tautline.live.equations import Equations
-from tautline.live.errors import SimulationError, real, unknown
+from tautline.live.errors import SimulationError, real, seconds, unknown
 from tautline.live.forces import Force, Group, force_of
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
@@ -182,15 +182,15 @@ class Simulation:
         """Why the simulation cannot go on; empty where it can."""
         return self._stopped
 
-    def advance(self, duration: float) -> None:
-        """Go on by so many seconds; see `advance_to`."""
-        duration = real(duration, "time", "give seconds")
+    def advance(self, duration: float | str) -> None:
+        """Go on by so many seconds, or a text with its unit (``"100 ms"``); see `advance_to`."""
+        duration = seconds(duration)
         end = self._time + duration
         if not duration > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
         self.advance_to(end)
 
-    def advance_to(self, time: float) -> None:
+    def advance_to(self, time: float | str) -> None:
         """Go on to a time, in steps as the scene's solver takes them.
 
         Inputs that were given since the last advance are reached at its end. At the times of the scene's output a frame
@@ -198,8 +198,8 @@ class Simulation:
 
         Parameters
         ----------
-        time : float
-            s.
+        time : float or str
+            s, or a text with its unit: ``"2 min"``.
 
         Raises
         ------
@@ -210,7 +210,7 @@ class Simulation:
         Interrupted
             On Ctrl-C, after the step under way.
         """
-        begin, time = self._time, real(time, "time", "give seconds")
+        begin, time = self._time, seconds(time)
         if not begin < time < math.inf:
             raise SimulationError(
                 f"cannot advance to {time:g} s from {begin:g} s", "give a later time; restore() goes back"
