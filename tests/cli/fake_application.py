@@ -128,7 +128,7 @@ def simulate(model, path=None, progress=None, resume=None, announce=None, afterw
             return store.finish({"status": status, **numbers})
 
         try:
-            if os.environ.get("FAKE_COLD") == "1":
+            if os.environ.get("FAKE_COLD") == "1" and announce is not None:
                 announce(3)
             for first in np.arange(0.0, model.solver.end - 1e-9, 10 * INTERVAL):
                 store.append(model.observe(first + INTERVAL * np.arange(10)))

@@ -77,7 +77,9 @@ def test_simulate_json_is_one_object_with_the_promised_keys_and_no_nan(folder, f
     assert report["energy_error"] is None and report["odd"] is None and report["largest_tension"] > 3e6
 
 
-def test_quiet_prints_nothing(folder, fake_here):
+@pytest.mark.parametrize("cold", ["1", "0"])
+def test_quiet_prints_nothing_and_nothing_of_compiling(folder, fake_here, monkeypatch, cold):
+    monkeypatch.setenv("FAKE_COLD", cold)
     done = fake_here("simulate", "good.yaml", "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 

@@ -273,7 +273,9 @@ def _to_accuracy(application: Application, scene: Any, asked: float, target: Pat
             say(f"for an accuracy of {100.0 * asked:.3g} %: {method}, steps of {quantity(step, 's')}")
         bar.again(end, "choosing the step")
 
-    return run_to_accuracy(application, scene, asked, target, progress=bar, announce=compiling, begin=begin)
+    return run_to_accuracy(
+        application, scene, asked, target, progress=bar, announce=None if quiet else compiling, begin=begin
+    )
 
 
 def _as_it_stands(
@@ -284,7 +286,9 @@ def _as_it_stands(
     from tautline.simulation import simulate as run_model
 
     others = _other_runs(application, scene, model, verify, earlier, bar, quiet)
-    return run_model(model, target, progress=bar, resume=earlier, announce=compiling, afterwards=others)
+    return run_model(
+        model, target, progress=bar, resume=earlier, announce=None if quiet else compiling, afterwards=others
+    )
 
 
 def _other_runs(

@@ -76,7 +76,7 @@ def sweep(
     with Counter("cases", shown=not quiet) as bar:
         outcome = run_sweep(
             read, application, scene, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
-            announce=compiling, say=(lambda text: None) if quiet else say,
+            announce=None if quiet else compiling, say=(lambda text: None) if quiet else say,
         )  # fmt: skip
     figures = _draw(outcome, folder)
     _report(catalogue, file, outcome, figures, as_json, quiet, changes)
