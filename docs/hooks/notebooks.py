@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from base64 import b64decode
 from pathlib import Path
 
@@ -30,3 +31,14 @@ def on_files(files, config):
         pieces.append(f"[This page as a notebook]({path.name}), to run and to change.")
         files.append(File.generated(config, f"tutorials/{path.stem}.md", content="\n\n".join(pieces) + "\n"))
     return files
+
+
+def on_page_markdown(markdown, page, config, files):
+    """Lead to the pages of tutorials: links name the notebooks, which are what the repository has."""
+    pages = {path.stem for path in (Path(config.docs_dir) / "tutorials").glob("*.ipynb")}
+    pages -= {Path(page.file.src_uri).stem}  # a page links to its own notebook
+
+    def to_page(link):
+        return f"({link[1]}{link[2]}.md)" if link[2] in pages else link[0]
+
+    return re.sub(r"\(((?:\.\./|tutorials/)*)(\w+)\.ipynb\)", to_page, markdown)
