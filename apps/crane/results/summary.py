@@ -140,10 +140,15 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
     rest, word = _rest(result, layout)
     amplified = amplification_of(tension, np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0))
     if amplified is not None:
-        yield "dynamic_amplification", amplified.value, "", f"largest tension over {word} ({_told(amplified)})"
+        yield (
+            "dynamic_amplification",
+            amplified.value,
+            "",
+            f"dynamic amplification factor (DAF){word} ({_told(amplified)})",
+        )
     safety = safety_factor(scene.rope.breaking_load, values)
     if safety is not None:
-        yield "safety_factor", safety, "", "breaking load over largest tension"
+        yield "safety_factor", safety, "", "safety factor (breaking load / largest tension)"
     if wanted and not any(name.startswith("max_tension_") for name in wanted):
         return
     for key, sides in _places(scene):
@@ -152,12 +157,12 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
 
 
 def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
-    """Tension at rest of every span end, (n,) N, and what to call it; of a scene that starts as drawn an estimate."""
+    """Tension at rest of every span end, (n,) N, and a note where it is an estimate, if a scene starts as drawn."""
     first = ends_of(result)[0]
     if layout.scene.start == "static":
-        return first, "that at rest"
+        return first, ""
     found = static_tension(layout.scene, layout.path)
-    return (np.zeros(first.size) if found is None else found.ravel()), "an estimate of that at rest"
+    return (np.zeros(first.size) if found is None else found.ravel()), ", tension at rest estimated"
 
 
 def _places(scene: CraneScene) -> Iterator[tuple[str, list[int]]]:

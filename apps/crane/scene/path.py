@@ -36,7 +36,7 @@ def _not_zero(axis: tuple[float, ...]) -> tuple[float, ...]:
 
 
 Name = Annotated[str, AfterValidator(_named)]
-Radius = Annotated[float, quantity("m", positive=True, of="wheel radius")]
+Radius = Annotated[float, quantity("m", positive=True, of="radius of a sheave or drum")]
 PinRadius = Annotated[float, quantity("m", positive=True, of="bearing radius")]
 Inertia = Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")]
 Axis = Annotated[

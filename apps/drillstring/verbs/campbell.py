@@ -61,7 +61,7 @@ Hold = Annotated[
     str | None,
     typer.Option(
         "--hold", metavar="A,B",
-        help="Held sideways: names of sections, bit, or none. [dim]\\[default: bit, if weight is on it][/]",
+        help="Held laterally: names of sections, bit, or none. [dim]\\[default: bit, if weight is on it][/]",
     ),
 ]  # fmt: skip
 Model = Annotated[

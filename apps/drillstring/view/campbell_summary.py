@@ -128,7 +128,7 @@ def sentences(found: Campbell, system: str = "si") -> list[tuple[str, str]]:
         said.append((f"uncertain by more than {100 * DOUBTFUL:.0f} %, as what touches the wall is: {listed}", "yellow"))
     lying = sum(one.bottom - one.top for one in found.supports if one.how == "on the wall")
     if found.supports and lying > MUCH * (found.bottom - found.top):
-        text = "most of this part lies on the wall: its sideways modes rock in the hole, as if there were no friction"
+        text = "most of this part lies on the wall: its lateral modes rock in the hole, as if there were no friction"
         said.append((f"{text}; --from looks at less of it", "yellow"))
     lateral = [mode for mode in found.modes if mode.kind == "lateral"]
     if lateral:

@@ -1,4 +1,4 @@
-"""The table of plausible ranges: a row a quantity, for the warnings of slips of units.
+"""The table of plausible ranges: a row a quantity, for the warnings of unit mistakes.
 
 A quantity of a scene names its row where it is declared, ``quantity("m", of="hole diameter")``. A number outside of the
 row's range is not refused, it is warned of, with the unit under which the number as typed would lie inside. Ranges hold
@@ -131,8 +131,8 @@ RANGES: dict[str, Range] = {
     "flow speed": Range("m/s", 1e-6, 500.0, ("mm/s", "ft/s", "km/h"), "dripping water, to gas near its sound"),
     "ratio of outlet speed": Range("", 0.01, 100.0, ("%",), "a diffuser, to a jet cutter's nozzle"),
     # Cranes.
-    "wheel radius": Range("m", 5e-4, 20.0, _SMALL, "a pulley of the laboratory, to a cableway's wheel"),
-    "bearing radius": Range("m", 1e-4, 5.0, _SMALL, "the pin of a wheel"),
+    "radius of a sheave or drum": Range("m", 5e-4, 20.0, _SMALL, "a pulley of the laboratory, to a cableway's sheave"),
+    "bearing radius": Range("m", 1e-4, 5.0, _SMALL, "the pin of a sheave"),
     "winch speed": Range("m/s", 1e-6, 20.0, ("m/min", "ft/min", "mm/s"), "hoists to 5 m/s, mine winders to 20 m/s"),
     "drum speed": Range("rad/s", 1e-6, 50.0, ("rpm", "deg/s"), "winch speed over the radius of a drum"),
     "groove angle": Range("rad", 0.1, 3.15, ("deg",), "V grooves of 30 to 60 deg"),
