@@ -94,7 +94,7 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)
 
 
 def read(source: Any, folder: str | Path | None = None) -> Any:
@@ -170,7 +170,7 @@ def simulate(
     scene = _scene(scene)
     application = _installed().of(scene)
     wanted = {} if accuracy is None else {"accuracy": accuracy}
-    scene = application.with_overrides(scene, step=step, end=end, method=method, **wanted)
+    scene = _overridden(application, scene, step=step, end=end, method=method, **wanted)
     asked = getattr(getattr(scene, "solver", None), "accuracy", None)
     if asked is not None and step is None and method is None and resume is None:
         from tautline.study.accuracy.choice import run_to_accuracy
@@ -190,6 +190,19 @@ def _installed() -> Installed:
 def _scene(scene: Any) -> Any:
     """What was read, or is read now; ArgumentTypeError for what is no scene and no source of one."""
     return scene if hasattr(scene, "document") else read(scene)
+
+
+def _overridden(application: Any, scene: Any, **given: Any) -> Any:
+    """The scene with other settings; a fault names the argument, where the command would name its option."""
+    from dataclasses import replace
+
+    from tautline.scene.errors import SceneError
+
+    try:
+        return application.with_overrides(scene, **given)
+    except SceneError as error:
+        named = {f"--{key.replace('_', '-')}": f"argument {key}" for key in given}
+        raise SceneError([replace(one, file=named.get(one.file, one.file)) for one in error.problems]) from None
 
 
 def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, **options: Any) -> Study:
@@ -248,5 +261,5 @@ def _subject(scene: Any, end: float | str | None) -> Any:
     read_scene = _scene(scene)
     application = _installed().of(read_scene)
     if end is not None:
-        end = float(application.with_overrides(read_scene, end=end).solver.end)
+        end = float(_overridden(application, read_scene, end=end).solver.end)
     return Subject(application, read_scene, end=end)

@@ -28,7 +28,7 @@ NAMES = (
 def test_every_public_name_is_there_and_in_all():
     assert set(NAMES.split()) <= set(tautline.__all__) and tautline.__all__ == sorted(tautline.__all__)
     assert all(getattr(tautline, name) is not None for name in tautline.__all__)
-    assert set(tautline.__all__) <= set(dir(tautline))
+    assert set(tautline.__all__) == set(dir(tautline)), "nothing that the module itself imports"
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         tautline.simulat  # noqa: B018
 

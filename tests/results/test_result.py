@@ -121,6 +121,22 @@ def test_nothing_that_a_result_gives_out_changes_it(result):
     assert result.headline["peak"]["value"] == 1.5e6
 
 
+def test_a_result_at_a_prompt_tells_its_status_its_frames_and_its_variables_with_dimensions_and_units(result):
+    lines = repr(result).splitlines()
+    assert lines[0].startswith("Result(") and lines[1] == "  status: done, 50 frames"
+    assert set(lines[2:]) == {
+        "  (time, link) tension [N]", "  (time, body) stuck", "  (time) hook_load [N]", "  (body) rest_depth [m]",
+    }  # fmt: skip
+
+
+def test_a_result_whose_file_is_gone_still_tells_its_name(tmp_path):
+    store = Store(tmp_path / "a.nc", VARIABLES, COORDINATES, ATTRIBUTES)
+    store.append(frames(0, 5))
+    found = Result.read(store.finish({"status": "done"}).path)
+    (tmp_path / "a.nc").unlink()
+    assert repr(found) == f"Result({str(tmp_path / 'a.nc')!r})"
+
+
 def test_headline_keeps_value_unit_and_text_and_has_no_nan(result):
     assert result.headline["peak"] == {"value": 1.5e6, "unit": "N", "text": "largest hook load"}
     assert result.headline["odd"]["value"] is None

@@ -18,7 +18,7 @@ from tautline.results.errors import ResultError
 from tautline.results.headline import plain
 from tautline.results.layout import FORMAT, Coordinate, as_number, decoded, encoded
 from tautline.results.target import SIGNATURE
-from tautline.results.variable import Variable
+from tautline.results.variable import Variable, listed
 
 if TYPE_CHECKING:
     import xarray
@@ -226,7 +226,13 @@ class Result:
         return import_module(SPACE).in_space(self, **asked)
 
     def __repr__(self) -> str:
-        return f"Result({str(self.path)!r})" if self.path else "Result(in memory)"
+        head = f"Result({str(self.path)!r})" if self.path else "Result(in memory)"
+        try:
+            status, frames = self.attributes.get("status", "not known"), len(self["time"])
+            lines = [f"status: {status}, {frames} frames", *listed(self.variables.values())]
+        except ResultError:  # a file that cannot be read any more still has a name
+            return head
+        return "\n  ".join([head, *lines])
 
     def _open(self) -> h5py.File:
         """Open the file for reading; a run that is just writing this copy has moved on after a moment."""

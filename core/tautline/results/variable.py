@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -25,3 +26,12 @@ class Variable:
     dims: tuple[str, ...]
     units: str
     long_name: str
+
+
+def listed(variables: Iterable[Variable]) -> list[str]:
+    """Variables with their units, a line for each set of dimensions; coordinates are left out."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for one in variables:
+        if one.dims != (one.name,):
+            groups.setdefault(one.dims, []).append(f"{one.name} [{one.units}]" if one.units else one.name)
+    return [f"({', '.join(dims)}) {', '.join(names)}" for dims, names in groups.items()]
