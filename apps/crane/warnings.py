@@ -203,15 +203,16 @@ def _steps(found: Estimate) -> Sentences:
     period = 1.0 / frequency
     if solver.step != "auto" and not scene.controlled and float(solver.step) * STEPS_PER_PERIOD > period:
         text = (
-            f"{solver.step:g} s is long against the period of the load's bounce, about {period:.2g} s: fewer than "
-            f"{STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take "
+            f"{solver.step:g} s is long against the natural period of the load on the rope, about {period:.2g} s: "
+            f"fewer than {STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take "
             f"{0.5 * period / STEPS_PER_PERIOD:.1g} s or less, or control: error"
         )
         yield "solver.step", text
     if interval * FRAMES_PER_PERIOD > period:
         text = (
-            f"{interval:g} s keeps fewer than {FRAMES_PER_PERIOD:.0f} frames in a bounce of the load, about "
-            f"{period:.2g} s: peaks between frames are not seen; take {period / 10.0:.1g} s or less where they matter"
+            f"{interval:g} s keeps fewer than {FRAMES_PER_PERIOD:.0f} frames in a natural period of the load on the "
+            f"rope, about {period:.2g} s: peaks between frames are not seen; take {period / 10.0:.1g} s or less where "
+            "they matter"
         )
         yield "output.interval", text
 
@@ -287,13 +288,15 @@ def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:
     if scene.heave_compensation is None or actuator is None or actuator.away <= HELD_BACK:
         return
     off = (
-        f"the actuator is off its command for {100.0 * actuator.away:.2g} % of the run, by up to {actuator.error:.2g} m"
+        f"the actuator does not follow its command {100.0 * actuator.away:.2g} % of the time, and is up to "
+        f"{actuator.error:.2g} m away from it"
     )
     limits = scene.heave_compensation.limits
     if any(limit is not None for limit in (limits.stroke, limits.speed, limits.acceleration)):
         met = {name: share for name, share in actuator.met.items() if share > 0.0}
-        what = ", ".join(f"{name} {100.0 * share:.2g} %" for name, share in met.items()) or "its start"
-        text = f"{off}, held back by {what}; give it wider limits, or expect that much heave at the load"
+        reached = [f"its {name} limit is reached {100.0 * share:.2g} % of the time" for name, share in met.items()]
+        what = ", ".join(reached) or "it begins with a jump"
+        text = f"{off}; {what}. Give it wider limits, or expect that much heave at the load"
         yield "heave_compensation.limits", text
     if actuator.sudden:
         text = (

@@ -64,6 +64,13 @@ def test_a_colon_inside_a_text_is_told_with_the_text_in_quotes_which_is_then_rea
     assert command("check", path)[0] == 0
 
 
+@pytest.mark.parametrize("verb", ["simulate", "torque-drag"])
+def test_an_option_without_its_argument_names_the_help_of_its_verb(capsys, verb):
+    option = "--step" if verb == "simulate" else "--depth"
+    code, _, told = commands_of(Drillstring(), capsys)(verb, DATA / "jwell.yaml", option)
+    assert code == 2 and f"see `drillstring {verb} --help`" in " ".join(told.split())
+
+
 def test_two_blocking_is_told_by_its_name_time_and_sheave():
     stop = StoppedEarly(Status.TWO_BLOCKED, 12.984, "boom tip: x")
     begin = "two-blocking at 12.98 s: a hook or block has reached `boom tip`. Stop hoisting earlier. "

@@ -213,7 +213,7 @@ def test_limits_that_hold_the_actuator_back_are_told_with_their_share():
     heave = {"harmonic": {"amplitude": 1.0, "period": 8, "ramp": 8}}
     vessel = {"reference": [0, 0, 0], "motion": {"heave": heave}}
     short = one_fall(vessel=vessel, heave_compensation={"gain": 1.0, "limits": {"stroke": "0.5 m"}}, solver={"end": 40})
-    assert "held back by stroke" in only(short, "heave_compensation.limits")
+    assert "its stroke limit is reached" in only(short, "heave_compensation.limits")
     ample = one_fall(vessel=vessel, heave_compensation={"gain": 1.0, "limits": {"stroke": "2 m"}}, solver={"end": 40})
     assert told(ample, "heave_compensation.limits") == []
 

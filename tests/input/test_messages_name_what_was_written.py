@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+import tautline
 from crane.application import Crane
 from drillstring.application import Drillstring
+from tautline.cli.output.summary import _along
 from tautline.scene.errors import SceneError
 
 DATA = Path(__file__).parents[2] / "data"
@@ -85,6 +87,32 @@ def test_a_tubular_too_wide_for_the_hole_is_told_by_the_key_that_was_written_and
     scene = Drillstring().read(DATA / "jwell.yaml")
     with pytest.raises(SceneError, match=r"string\[0\].od = 0.127: does not fit .*\(well.diameter = 4 1/4 in, --set\)"):
         scene.replace({"well.diameter": "4 1/4 in"}, "--set")
+
+
+@pytest.mark.parametrize(
+    ("application", "text", "old", "new", "said"),
+    [
+        (Drillstring, JWELL, "{on_bottom:", "{wob: 1, on_bottom:", "bit.wob = 1: unknown key; did you mean 'weight'"),
+        (Crane, HOIST, "mass: 5 t", "weight: 5 t", "bodies[0].weight = 5 t: unknown key; did you mean 'mass'?"),
+    ],
+)  # fmt: skip
+def test_the_field_s_other_word_for_a_key_is_answered_with_the_key(tmp_path, application, text, old, new, said):
+    path = changed(tmp_path, text, (old, new))
+    with pytest.raises(SceneError) as caught:
+        application().read(path)
+    assert said in str(caught.value)
+
+
+def test_an_argument_in_python_is_named_as_an_argument_and_not_as_an_option():
+    with pytest.raises(SceneError, match=r"^argument end: solver.end = 1 kg: "):
+        tautline.simulate(DATA / "hoist.yaml", end="1 kg")
+    with pytest.raises(SceneError, match=r"^argument method: solver.method = euler: "):
+        tautline.simulate(DATA / "hoist.yaml", method="euler")
+
+
+def test_a_stroke_upwards_is_told_without_a_sign_and_one_downwards_as_it_is():
+    for value, way in ((-0.2401, "up"), (0.2401, "down")):
+        assert _along(f"break-away of the bit: stroke of the block, {way}", value) == 0.2401
 
 
 def test_a_hole_of_a_mixed_number_of_inches_is_that_of_the_decimal_one(tmp_path):

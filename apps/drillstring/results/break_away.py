@@ -35,8 +35,11 @@ def break_away_figures(result: Any) -> dict[str, tuple[float, str, str]]:
     held = np.abs(result["friction_force"][: last + 1]).max() > 0.0
     if not held or np.abs(result["rotation"][: last + 1, -1]).max() > TURNED:
         return {}
+    stroke = block[last] - block[0]
+    way = "down" if stroke >= 0.0 else "up"
     return {
-        "break_away_stroke": (block[last] - block[0], "m", "break-away of the bit: stroke of the block, down"),
+        # Down is positive. The summary prints a stroke that is told as upwards without its sign.
+        "break_away_stroke": (stroke, "m", f"break-away of the bit: stroke of the block, {way}"),
         "break_away_hook_load": (result["hook_load"][last], "N", "break-away of the bit: hook load"),
         "break_away_time": (result.time[last], "s", "break-away of the bit: time"),
     }

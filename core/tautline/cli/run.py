@@ -117,7 +117,7 @@ def _outcome(app: typer.Typer, given: list[str]) -> int:
             # The help and the version are printed by others.
             abandon_output()
             error = unwritable(error)
-        return _refused(error, app, as_json)
+        return _refused(error, app, as_json, next((one for one in arguments if not one.startswith("-")), ""))
     if code == ExitCode.INTERRUPTED:
         say("\ninterrupted", "yellow")
         if as_json:
@@ -126,12 +126,16 @@ def _outcome(app: typer.Typer, given: list[str]) -> int:
     return code if isinstance(code, int) else ExitCode.DONE
 
 
-def _refused(error: Exception, app: typer.Typer, as_json: bool) -> ExitCode:
-    """Print an error and choose its exit code."""
+def _refused(error: Exception, app: typer.Typer, as_json: bool, verb: str = "") -> ExitCode:
+    """Print an error and choose its exit code; `verb` is the one that was asked for."""
     code, status = ExitCode.BAD_INPUT, "bad input"
     if type(error).__name__ == "NoArgsIsHelpError":
         return code  # the help was printed and says it all
-    problems = _problems(error, app.info.name or "")
+    name = app.info.name or ""
+    known = {
+        str(one.name or one.callback.__name__).replace("_", "-") for one in app.registered_commands if one.callback
+    }
+    problems = _problems(error, f"{name} {verb}" if verb in known else name)
     if problems is None:
         if type(error).__name__ == "Abort":
             return ExitCode.INTERRUPTED

@@ -35,6 +35,12 @@ WITHOUT_TEXT = (
 MOST_FAULTS = 100
 """Faults of one mapping that are told; a table of words for numbers has as many as rows."""
 
+OTHER_WORDS = {
+    "wob": ("weight",), "weight_on_bit": ("weight",), "tob": ("torque",), "torque_on_bit": ("torque",),
+    "weight": ("mass", "mass_per_length"), "mbl": ("breaking_load",), "ea": ("axial_stiffness",),
+}  # fmt: skip
+"""Words that people write for a key, in small letters, and the keys that may be meant."""
+
 Whole = Annotated[int, Strict()]
 """A whole number; true and 12.0 are none."""
 Switch = Annotated[bool, Strict()]
@@ -108,6 +114,12 @@ class Model(pydantic.BaseModel):
         return next((str(info.examples[0]) for info in fields if info.examples), "")
 
 
+def _meant(key: str, known: Sequence[str]) -> str:
+    """Which key was probably meant: by another word for the same, or by its letters."""
+    other = next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in known), None)
+    return nearest(key, known) if other is None else f"did you mean '{other}'?"
+
+
 def _detail(model: type[Model], error: Any) -> InitErrorDetails:
     """Rebuild one of pydantic's errors, with a cure that only the model knows."""
     kind, place, context = error["type"], error["loc"], error.get("ctx") or {}
@@ -117,7 +129,7 @@ def _detail(model: type[Model], error: Any) -> InitErrorDetails:
         known = refusal("is missing", f"add `{place[0]}:`" + (f", such as {example}" if example else ""))
     elif len(place) == 1 and kind == "extra_forbidden":
         comma = "is it a decimal comma? Write 0.127 with a point" if str(place[0]).isdigit() else ""
-        known = refusal("unknown key", comma or nearest(str(place[0]), model._keys()))
+        known = refusal("unknown key", comma or _meant(str(place[0]), model._keys()))
     elif kind == DOUBT:
         known = PydanticCustomError(DOUBT, "doubtful", context)
     elif kind == KIND or "error" in context:

@@ -344,7 +344,8 @@ class _Sweep:
         if by == "here":
             yield from in_this_thread(self.runner, todo)
         elif by == "threads":
-            say(f"{left} cases on {self.jobs} threads")
+            total = len(self.cases)
+            say(f"{total} cases; {total - left} have run, {left} left, on {self.jobs} threads")
             yield from in_threads(self.runner, todo, self.jobs)
         else:
             self.runner.tried.clear()

@@ -199,6 +199,9 @@ class Frames(dict):
 def test_break_away_is_told_only_of_a_bit_that_friction_held(changes):
     told = break_away_figures(Frames())
     assert told["break_away_stroke"][0] == pytest.approx(3.0 / 9.0) and told["break_away_time"][0] == 3.0
+    assert told["break_away_stroke"][2].endswith("stroke of the block, down")
+    up = break_away_figures(Frames(block_position=np.linspace(0.0, -1.0, 10)))["break_away_stroke"]
+    assert up[0] == pytest.approx(-3.0 / 9.0) and up[2].endswith("stroke of the block, up")
     assert break_away_figures(Frames(**changes)) == {}
 
 

@@ -59,13 +59,18 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
     rows = []
     for name, figure in headline.items():
         label = in_words(str(figure.get("text") or name.replace("_", " ")), system)
-        rows.append((label, shown(figure.get("value"), str(figure.get("unit") or ""), system)))
+        rows.append((label, shown(_along(label, figure.get("value")), str(figure.get("unit") or ""), system)))
     if limits := report.get("limits"):
         rows += [("limits satisfied", f"{sum(record['passed'] is True for record in limits)} of {len(limits)}")]
         # Those of the scene have a table of their own.
-        failed = [record for record in limits if not record["passed"] and "output" not in record]
-        rows += [(record["text"], limit_said(record, system)) for record in failed]
+        own = [record for record in limits if "output" not in record]
+        rows += [(f"  {record['text']}", limit_said(record, system)) for record in own]
     return two_columns([*rows, ("", ""), *_numbers(report, attributes, system)])
+
+
+def _along(label: str, value: Any) -> Any:
+    """A figure that counts downwards as the label tells it: ``stroke of the block, up`` has no sign."""
+    return -value if label.endswith(", up") and isinstance(value, (int, float)) else value
 
 
 def _numbers(report: dict[str, Any], attributes: dict[str, Any], system: str) -> list[tuple[str, str]]:
