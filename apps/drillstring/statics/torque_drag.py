@@ -126,7 +126,7 @@ class Case(NamedTuple):
         return self.points[0].model
 
     @property
-    def ways(self) -> tuple[str, ...]:
+    def motions(self) -> tuple[str, ...]:
         """Names of the motions."""
         return tuple(self.points[0].soft)
 

@@ -34,7 +34,7 @@ from tautline.scene.model import validate
 from tautline.scene.reading.document import Document, Path_
 from tautline.simulation import Run, simulate
 
-TURNS = 1.0
+START_PERIODS = 1.0
 """Time in which a drive comes to its speed, over the period of the string's first torsional mode."""
 CYCLES = 20.0
 """Least length of a run, over that period: half of it tells."""
@@ -126,7 +126,7 @@ def varied(scene: DrillstringScene, speed: float, weight: float, end: float | No
     tubes = tubes_of(scene, well.length)
     period = 1.0 / torsional_frequency(tubes)
     end = max(scene.solver.end, CYCLES * period) if end is None else end
-    ramp = {"to": speed, "over": min(TURNS * period, 0.25 * end)}
+    ramp = {"to": speed, "over": min(START_PERIODS * period, 0.25 * end)}
     turning: Path_ = ("top", "rotation")
     if isinstance(scene.top.rotation, Controller):
         turning = (*turning, "controller", "speed")

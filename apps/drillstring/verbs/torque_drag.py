@@ -245,11 +245,11 @@ def _report_of(case: Case) -> dict[str, Any]:
         "lock_up": [point.locks for point in case.points],
         "locked": [point.locked for point in case.points],
         "reaming": {
-            way.removeprefix("reaming_"): {
-                "hook_load": case.hook_loads(way), "torque": case.torques_of(way),
-                "soft_string": {"hook_load": case.soft_hook_loads(way), "torque": case.soft_torques_of(way)},
+            motion.removeprefix("reaming_"): {
+                "hook_load": case.hook_loads(motion), "torque": case.torques_of(motion),
+                "soft_string": {"hook_load": case.soft_hook_loads(motion), "torque": case.soft_torques_of(motion)},
             }
-            for way in case.ways[len(DIRECTIONS):]
+            for motion in case.motions[len(DIRECTIONS):]
         },
         "break_away": [None if point.strokes is None else point.strokes._asdict() for point in case.points],
         "overpull": [None if point.overpull is None else point.overpull._asdict() for point in case.points],

@@ -55,7 +55,7 @@ def torque_drag_figure(
         sample_line(f"friction {case.friction:.3g}" + beside * f", {case.model}", color=colour(k, len(cases)))
         for k, case in enumerate(cases)
     ]
-    handles += [sample_line(NAMES[way], color=QUIET, **LOOKS[way]) for way in cases[0].ways]
+    handles += [sample_line(NAMES[motion], color=QUIET, **LOOKS[motion]) for motion in cases[0].motions]
     handles += [sample_line("buckles into a sine", color=SINE, lw=3, alpha=0.6)]
     handles += [sample_line("buckles into a helix", color=HELIX, lw=3, alpha=0.6)]
     if measured is not None:
@@ -66,21 +66,21 @@ def torque_drag_figure(
 
 def _broomstick(plots: Sequence[Axes], cases: Sequence[Case], system: str, measured: Measured | None) -> None:
     """Hook loads, torque, and drag against the depth of the bit."""
-    ways = cases[0].ways
-    hook = np.concatenate([case.hook_loads(way) for case in cases for way in ways])
+    motions = cases[0].motions
+    hook = np.concatenate([case.hook_loads(motion) for case in cases for motion in motions])
     force, newton = column_unit("N", _largest(hook), system)
     moment, metre = column_unit("N m", _largest(np.concatenate([case.torques for case in cases])), system)
     length, name = column_unit("m", max(point.depth for point in cases[0].points), system)
     for k, case in enumerate(cases):
         depth, ink = np.array([point.depth for point in case.points]) / length, colour(k, len(cases))
-        for way in ways:
-            loads = case.hook_loads(way)
-            plots[0].plot(loads / force, depth, color=ink, marker="o", ms=2.5, **LOOKS[way])
-            if way != "rotating":
+        for motion in motions:
+            loads = case.hook_loads(motion)
+            plots[0].plot(loads / force, depth, color=ink, marker="o", ms=2.5, **LOOKS[motion])
+            if motion != "rotating":
                 drag = (loads - case.hook_loads("rotating")) / force
-                plots[2].plot(drag, depth, color=ink, marker="o", ms=2.5, **LOOKS[way])
-        for way in ways[2:]:
-            plots[1].plot(case.torques_of(way) / moment, depth, color=ink, marker="o", ms=2.5, **LOOKS[way])
+                plots[2].plot(drag, depth, color=ink, marker="o", ms=2.5, **LOOKS[motion])
+        for motion in motions[2:]:
+            plots[1].plot(case.torques_of(motion) / moment, depth, color=ink, marker="o", ms=2.5, **LOOKS[motion])
     if measured is not None:
         for loads in (measured.pick_up, measured.slack_off):
             plots[0].plot(loads / force, measured.depth / length, "o", color="black", mfc="white", ms=5)
@@ -104,11 +104,11 @@ def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, sever
     length, name = column_unit("m", points[0].depth, system)
     for k, point in enumerate(points):
         ink = colour(k, len(points))
-        for way, one in point.profiles.items():
-            plots[0].plot(one.tension / force, one.link_depth / length, color=ink, **LOOKS[way])
-            plots[1].plot(one.side_force / load, one.measured_depth / length, color=ink, **LOOKS[way])
-            if way not in ("pick_up", "slack_off"):
-                plots[2].plot(one.torque / moment, one.link_depth / length, color=ink, **LOOKS[way])
+        for motion, one in point.profiles.items():
+            plots[0].plot(one.tension / force, one.link_depth / length, color=ink, **LOOKS[motion])
+            plots[1].plot(one.side_force / load, one.measured_depth / length, color=ink, **LOOKS[motion])
+            if motion not in ("pick_up", "slack_off"):
+                plots[2].plot(one.torque / moment, one.link_depth / length, color=ink, **LOOKS[motion])
     reach = SHOWN_BEYOND * max(_largest(tension), 1.0)
     for limit, ink in ((points[0].limits.sinusoidal, SINE), (points[0].limits.helical, HELIX)):
         drawn = np.where(limit <= reach, -limit / force, np.nan)

@@ -12,7 +12,7 @@ from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.view.figures.comparison import NothingToShow, title
 from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, equal_scale, label, sample_line, styled
-from tautline.view.figures.orbit import bar_beside, draw_amplitudes, draw_way
+from tautline.view.figures.orbit import bar_beside, draw_amplitudes, draw_path
 from tautline.view.figures.spectrum import full_spectra
 
 LEAST_MOTION = 1e-7
@@ -71,18 +71,18 @@ def whirl(results: Sequence[Result], name: str = "") -> Figure:
 
 
 def _orbit(figure: Figure, plot: Axes, one: Whirl) -> None:
-    """The way across the hole, from dark to bright as time goes on, inside the circle that the wall leaves."""
+    """The path across the hole, from dark to bright as time goes on, inside the circle that the wall leaves."""
     east, north = 1e3 * one.offset.imag, 1e3 * one.offset.real
     across, up = east, north
     if one.room is not None:
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         plot.plot(1e3 * one.room * np.cos(turn), 1e3 * one.room * np.sin(turn), color="black", lw=1.0)
         across, up = (np.r_[values, -1e3 * one.room, 1e3 * one.room] for values in (east, north))
-    way = draw_way(plot, one.time, east, north)
+    path = draw_path(plot, one.time, east, north)
     equal_scale(plot, across, up, 1e-3)
     plot.set_xlabel(label("offset along m2", "mm"))
     plot.set_ylabel(label("offset along m1", "mm"))
-    bar_beside(figure, plot, way, label("time", "s"))
+    bar_beside(figure, plot, path, label("time", "s"))
 
 
 def _rate(plot: Axes, one: Whirl, ratio: float) -> None:

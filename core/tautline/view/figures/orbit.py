@@ -11,18 +11,18 @@ from matplotlib.colors import PowerNorm
 from tautline.view.figures.figure import SHADES, Axes, Figure
 
 
-def draw_way(plot: Axes, time: np.ndarray, x: np.ndarray, y: np.ndarray) -> Any:
-    """Draw a way, from dark to bright as time goes on, and return what a bar of colours can be made of.
+def draw_path(plot: Axes, time: np.ndarray, x: np.ndarray, y: np.ndarray) -> Any:
+    """Draw a path, from dark to bright as time goes on, and return what a bar of colours can be made of.
 
     Parameters
     ----------
     time, x, y : (m,) array
     """
     points = np.stack([x, y], axis=1)
-    way = LineCollection(np.stack([points[:-1], points[1:]], axis=1).tolist(), cmap=SHADES, lw=0.9)
-    way.set_array(time[:-1])
-    plot.add_collection(way)
-    return way
+    path = LineCollection(np.stack([points[:-1], points[1:]], axis=1).tolist(), cmap=SHADES, lw=0.9)
+    path.set_array(time[:-1])
+    plot.add_collection(path)
+    return path
 
 
 def draw_amplitudes(plot: Axes, time: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> Any:
