@@ -136,7 +136,7 @@ def test_water_that_flows_through_a_tube_at_rest_is_no_false_alarm(speed):
 
 
 def ringing(speed):
-    """A tube of which axial waves of some kHz, in steps of 1 ms, are carried on as noise with the energy of its bending."""
+    """A tube of which axial waves of some kHz, in steps of 1 ms, become noise with the energy of its bending."""
     hose = {"length": 0.508, "elements": 10, "axial_stiffness": 1e9, "bending_stiffness": 0.00108}
     scene = tube(speed, hose=hose | {"mass_per_length": 0.003125}, solver={"step": "1 ms", "rho_inf": 1.0})
     return scene.replace({"water.mass_per_length": 0.3})
