@@ -111,10 +111,15 @@ def test_a_force_beyond_all_is_refused(value, tmp_path):
 
 
 def test_a_hole_so_deep_that_its_string_is_lost_in_rounding_is_refused(tmp_path):
-    deep = checked("drillstring", "jwell", tmp_path, (("well", "sections", 0), {"hold": 1e29}))
-    refused(deep, "string[1].length", "lost in rounding")
-    short = checked("drillstring", "jwell", tmp_path, (("string", 1, "length"), "1e-15 m"))
-    refused(short, "string[1].length", "lost in rounding")
+    for place, value, key in (
+        (("well", "sections", 0), {"hold": 1e29}, "well.sections[0].hold"),
+        (("string", 1, "length"), "1e-15 m", "string[1].length"),
+    ):
+        end = checked("drillstring", "jwell", tmp_path, (place, value))
+        assert (end.code, end.warned, end.written, end.failure) == (2, [], [], "")
+        # First the number that is probably in a wrong unit, then what it leads to.
+        cause, lost = end.said.splitlines()
+        assert key in cause and "string[1].length" in lost and "lost in rounding" in lost
 
 
 def test_an_azimuth_of_many_turns_is_the_one_that_is_left(tmp_path):

@@ -39,7 +39,7 @@ def test_an_estimate_has_a_band_of_two_standard_deviations_in_the_units_of_the_s
         at = corners[corners[:, 0] == time, 1]
         assert (at.min(), at.max()) == (value - 2.0 * sd, value + 2.0 * sd)
     (plot,) = found(units="field").plot.estimates().axes
-    assert plot.get_ylabel() == "payload.mass [lb]"
+    assert plot.get_ylabel() == "payload.mass [lbm]"
 
 
 def test_a_residual_is_drawn_about_zero_and_a_gap_stays_a_gap():

@@ -87,7 +87,7 @@ def account_of(scene, path, end=20.0):
     operation.built(sim)
     while sim.time < end:
         sim.advance(0.1)
-        found = operation.found(sim.time, {}, {}, sim)
+        found = operation.found(sim.time, {}, {}, {}, sim)
     return operation.account.by_metre()[1], found["rope.damage"][0], found["rope.damage_place"][0]
 
 

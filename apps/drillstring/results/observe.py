@@ -12,7 +12,7 @@ import numpy as np
 from drillstring.drilling.end_groups import numbers_of_ends
 from drillstring.results.break_away import break_away_figures
 from drillstring.results.drilling import drilling_figures, observed_at_ends
-from drillstring.results.places import LUMP, names_of_bodies, names_of_links, part_of
+from drillstring.results.places import LUMP, names_of_bodies, names_of_links
 from drillstring.results.side_force import largest_side_force
 from drillstring.results.whirl import whirl_figures
 from drillstring.string.lumps import Lumps
@@ -241,7 +241,7 @@ def _largest_contact(result: Any, contact: np.ndarray, lumps: Lumps) -> dict[str
         return f" ({result['body_name'][place]})" if touches and "body_name" in result else ""
 
     most = int(contact.max(axis=0).argmax())
-    one = f"largest contact force of one {part_of(result)} of {lumps.tributary[most]:.3g} m{where(most)}"
+    one = f"largest contact force, of {lumps.tributary[most]:.3g} m of string{where(most)}"
     per_length = f"largest side force per length, over {found.length:.3g} m{where(found.lump)}"
     return {
         "contact_force_max": (contact[:, most].max(), "N", one),

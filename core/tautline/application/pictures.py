@@ -31,8 +31,7 @@ class Plots:
 
     @functools.cached_property
     def _application(self) -> Any:
-        given = self._given if self._given is not None else Installed().for_result(self._result)
-        return drawer(self._result, given)
+        return drawer(self._result, lambda one: Installed().for_result(one) if self._given is None else self._given)
 
     @property
     def _figures(self) -> Mapping[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.defaults import Defaults
@@ -28,6 +28,6 @@ class TwinResults(Defaults):
         return DRAWINGS
 
 
-def drawer(result: Result, application: Any) -> Any:
+def drawer(result: Result, application_of: Callable[[Result], Any]) -> Any:
     """Who draws a result: the application of its scene, but for the result of a twin."""
-    return TwinResults() if result.attributes.get("application") == TWIN else application
+    return TwinResults() if result.attributes.get("application") == TWIN else application_of(result)

@@ -49,7 +49,7 @@ def plot(
     results = [Result.read(path) for path in paths]
     for result in results:
         check_whole(result, "plot")
-    application = drawer(results[0], catalogue.for_result(results[0]))
+    application = drawer(results[0], catalogue.for_result)
     if form is not None and form not in FORMATS:
         raise ResultError(output or "--format", f"unknown format '{form}'", f"known: {', '.join(FORMATS)}")
     folder, stem, ending = _place(output)
