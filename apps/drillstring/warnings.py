@@ -159,11 +159,21 @@ def _dogleg(scene: DrillstringScene, ready: Prepared) -> Sentences:
     yield "well.survey" if scene.well.survey is not None else "well.sections", text
 
 
+SAME_BEND = 1.0e-3
+"""Share by which the curvature of two arcs may differ that bend alike."""
+
+
 def sharpest(well: Wellbore) -> tuple[float, float, float]:
-    """Largest curvature of the hole, rad/m, and measured depths of the arc that has it, m; the first of several."""
+    """Largest curvature of the hole, rad/m, and measured depths of the arcs that have it, m.
+
+    Arcs one behind the other that bend alike count as one; of several such the first.
+    """
     curvature = np.hypot(well.k1, well.k2)
-    k = int(np.argmax(curvature > curvature.max() * (1.0 - 1e-9)))
-    return float(curvature[k]), float(well.md[k]), float(well.md[k + 1])
+    alike = curvature >= curvature.max() * (1.0 - SAME_BEND)
+    first = int(np.argmax(alike))
+    behind = np.flatnonzero(~alike[first:])
+    end = first + int(behind[0]) if behind.size else alike.size
+    return float(curvature.max()), float(well.md[first]), float(well.md[end])
 
 
 def dogleg_severity(curvature: float, system: str) -> str:
@@ -314,7 +324,8 @@ def _off_bottom(scene: DrillstringScene, ready: Prepared) -> Sentences:
     fields = type(scene.bit).model_fields
     given = [f"bit.{key}" for key in OF_THE_BOTTOM if getattr(scene.bit, key) not in (None, fields[key].default)]
     if given:
-        more = f", and neither have {', '.join(given[1:])}" if len(given) > 1 else ""
+        further = f"{'have' if len(given) > 2 else 'has'} {', '.join(given[1:])}"
+        more = f", and neither {further}" if len(given) > 1 else ""
         cure = "write on_bottom: true, or remove " + ("them" if more else "it")
         yield given[0], f"has no effect while bit.on_bottom is false{more}; {cure}"
 
@@ -580,6 +591,7 @@ def figures(scene: DrillstringScene) -> dict[str, Any]:
     stations = np.linspace(0.0, well.length, 2001)
     severity, begin, end_of_arc = sharpest(well)
     fluid, tubes = fluid_of(scene.mud), lumps.tubes
+    weight = float(sum(weight_in(fluid, tube, scene.gravity) * tube.length for tube in tubes))
     return {
         "well": {
             "length": well.length,
@@ -594,8 +606,8 @@ def figures(scene: DrillstringScene) -> dict[str, Any]:
             "elements": int(lumps.length.size),
             "mass": float(lumps.of_lumps(lambda tube: tube.mass_per_length).sum()),
             "displacement": float(lumps.of_lumps(lambda tube: pi / 4.0 * (tube.od**2 - tube.id**2)).sum()),
-            "buoyed_weight": sum(weight_in(fluid, tube, scene.gravity) * tube.length for tube in tubes),
-            "hook_load_at_rest": float(tension_at_rest(scene, well, lumps)[0]),
+            "buoyed_weight": weight,
+            "hook_load_at_rest": unrounded(float(tension_at_rest(scene, well, lumps)[0]), abs(weight)),
         },
         "mud": None if scene.mud is None else scene.mud.density,
         "critical_step_rk4": contact_critical_step(scene, lumps) if scene.well.wall is not None else None,

@@ -238,11 +238,13 @@ def _largest_contact(result: Any, contact: np.ndarray, lumps: Lumps) -> dict[str
     touches, found = bool(contact.max() > 0.0), largest_side_force(contact, lumps)
 
     def where(place: int) -> str:
-        return f" ({result['body_name'][place]})" if touches and "body_name" in result else ""
+        return f" ({result['body_name'][place]})" if "body_name" in result else ""
 
     most = int(contact.max(axis=0).argmax())
-    one = f"largest contact force, of {lumps.tributary[most]:.3g} m of string{where(most)}"
-    per_length = f"largest side force per length, over {found.length:.3g} m{where(found.lump)}"
+    one, per_length = "largest contact force", "largest side force per length"
+    if touches:
+        one += f", of {lumps.tributary[most]:.3g} m of string{where(most)}"
+        per_length += f", over {found.length:.3g} m{where(found.lump)}"
     return {
         "contact_force_max": (contact[:, most].max(), "N", one),
         "side_force_max": (found.value, "N/m", per_length),

@@ -53,8 +53,15 @@ def refuse_other_kind(path: Path, own: Callable[[dict[str, Any]], bool]) -> None
         return
     _refuse_no_scene(root, str(path))
     if name := _application_of(root):
-        cure = f"use `{name}`, or `tautline`, which knows all kinds"
+        cure = "use `tautline`, which knows all kinds" + (f", or `{name}`" if _has_command(name) else "")
         raise SceneError([Problem(str(path), None, "", None, f"is a scene of {name}", cure)])
+
+
+def _has_command(name: str) -> bool:
+    """Whether a command of that name is installed."""
+    from importlib.metadata import entry_points
+
+    return bool(entry_points(group="console_scripts", name=name))
 
 
 def refuse_scene(path: Path, key: str, cure: str) -> None:

@@ -156,7 +156,8 @@ def reversed_limits(scene: Any) -> list[SceneWarning]:
     """
     found = []
     for i, limit in enumerate(getattr(scene, "limits", ())):
-        words = set(re.split(r"[^a-z]+", limit.output.lower()))
+        # Names of figures, and the last part of an output's: what stands before it, a user has named.
+        words = set(re.split(r"[^a-z]+", limit.output.rpartition(".")[2].lower()))
         kind, meant = ("largest", ABOVE) if words & LARGEST else ("smallest", BELOW)
         if not words & (LARGEST | SMALLEST) or words >= {"max", "min"} or meant in [one.fails for one in limit.sides]:
             continue

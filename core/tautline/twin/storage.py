@@ -22,7 +22,7 @@ from tautline.twin.estimation.horizon import Sample
 if TYPE_CHECKING:
     from tautline.twin.twin import Twin
 
-FORMAT = 3
+FORMAT = 4
 
 
 def save(twin: Twin, path: Path) -> None:
@@ -94,10 +94,14 @@ def load(twin: Twin, path: Path) -> float:
             twin.become(grown)
     mine = twin.estimate.family.save()
     same = (
-        words["format"] == FORMAT and words["scene"] == mine[0].scene and words["layout"] == mine[0].layout
+        words["scene"] == mine[0].scene and words["layout"] == mine[0].layout
         and words["unknowns"] == [one.name for one in unknowns]
         and words["channels"] == [one.column for one in twin.plan.channels] and len(blocks) == len(mine)
     )  # fmt: skip
+    if words["format"] != FORMAT:
+        raise ResultError(
+            path, "was written by another version of the program", "begin the twin anew, without --resume"
+        )
     if not same:
         raise ResultError(path, "belongs to another scene or another map", cure)
     twin.estimate.family.restore([

@@ -256,9 +256,10 @@ class Twin:
         believed = self._compare_units(row.time, y, y0, J, use, tells) & estimate.tame(J)
         use = believed & tells
         residual, residual_sd = horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
-        if says and estimate.converged and row.time >= self.unsettled:
-            # By the sensor's own noise: what nothing explains must not pass for noise.
-            sds = horizon.own(residual_sd, y0)
+        if says and row.time >= self.unsettled:
+            # By the sensor's own noise: what nothing explains must not pass for noise. Before anything is found, by
+            # what may be wrong at the start as well.
+            sds = horizon.own(residual_sd, y0) if estimate.converged else residual_sd
             for (_, health), off, sd in zip(self._health_of_outputs(), residual, sds, strict=True):
                 health.contradict(row.time, off if health.fault == "" else np.nan, sd)
         estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))

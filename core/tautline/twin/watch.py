@@ -138,11 +138,8 @@ class Watch:
                 off = said(health.mean * health.sd, health.channel.unit)
                 text = f"{column} is off by {off} on average lately: the sensor, the weight or friction drifts"
                 self.alarms.judge(f"{column} drifting", health.drifting(alike) and converged, time, text)
-                size = said(abs(health.off) * health.off_sd, health.channel.unit)
                 side = "above" if health.off > 0.0 else "below"
-                text = (
-                    f"{column} stays {abs(health.off):.0f} deviations, about {size}, {side} what is expected: {WHY_OFF}"
-                )
+                text = f"{column} stays dozens of standard deviations {side} what is expected: {WHY_OFF}"
                 self.alarms.judge(f"{column} far off", health.contradicts, time, text)
 
     def judge_operation(self, time: float) -> None:

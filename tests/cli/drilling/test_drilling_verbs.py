@@ -99,7 +99,7 @@ WARNED = {
     [("weight: 100 kN", "weight", ""), ("torque: {static: 8 kN m, kinetic: 4 kN m}", "torque", ""),
      ("penetration: {rate: 20 m/h, speed: 120 rpm, weight: 1 kN}", "penetration", ""),
      ("cutting: {specific_energy: 120 MPa}", "cutting", ""), ("rock: {stiffness: 5.0e7}", "rock", ""),
-     ("on_bottom: false, weight: 1 kN, slip_speed: 1", "weight", ", and neither have bit.slip_speed")],
+     ("on_bottom: false, weight: 1 kN, slip_speed: 1", "weight", ", and neither has bit.slip_speed")],
 )  # fmt: skip
 def test_a_key_of_a_bit_on_bottom_is_warned_of_where_the_bit_hangs_and_puts_no_load_on_the_string(keys, key, more):
     bare, given = DrillstringScene.parse(with_bit(HANGING, "force: 0")), DrillstringScene.parse(with_bit(HANGING, keys))

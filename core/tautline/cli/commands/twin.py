@@ -6,6 +6,7 @@ import csv
 import json
 import logging
 import math
+import re
 import time as clock
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -374,11 +375,11 @@ def record(
 
     def share(option: str, text: str | None) -> float:
         value = number(option, text, "", 0.0)
-        bare = str(text).replace(".", "", 1).isdecimal()
+        bare = re.fullmatch(r"[0-9.eE+-]+", str(text)) is not None
         # A plain 1 is more probably one per cent than noise as large as what is measured.
         if value > 1.0 or (bare and value == 1.0 and option == "--noise"):
-            cure = f"1 is 100 %: is `{text} %` meant?" if bare else "give 100 % or less"
-            raise option_error(option, str(text), f"is {100.0 * value:.4g} %", cure)
+            cure = f"write `{text} %` if that is meant" if bare else "give 100 % or less"
+            raise option_error(option, str(text), f"is {100.0 * value:.6g} % of what is measured", cure)
         return value
 
     sensing = Sensing(

@@ -74,7 +74,7 @@ class Health:
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
         self.mean, self.weight = 0.0, 0.0
-        self.off, self.off_sd, self.contradicts = 0.0, 0.0, False
+        self.off, self.contradicts = 0.0, False
         self._off_for, self._off_at = 0.0, np.nan
         self._before, self._passed, self._largest = np.nan, np.nan, 0.0
 
@@ -201,7 +201,7 @@ class Health:
         if not np.isfinite(residual):
             return
         passed = min(time - self._off_at, LONGEST_PASSED) if np.isfinite(self._off_at) else 0.0
-        self._off_at, self.off_sd = time, float(sd)
+        self._off_at = time
         keep = np.exp(-passed / OFF_TIME)
         self.off = float(keep * self.off + (1.0 - keep) * np.clip(residual / sd, -WORST, WORST))
         self._off_for = self._off_for + passed if abs(self.off) > DOZENS else 0.0
