@@ -325,10 +325,11 @@ def test_a_twin_that_begins_anew_replaces_the_result_of_another_by_force_only(re
     "option, given, cause",
     [
         ("--noise", "nan", "zero or more"), ("--noise", "-5 %", "zero or more"), ("--jitter", "inf", "zero or more"),
-        ("--dropout", "1.5", "is 150 % of what is measured; write `1.5 %` if that is meant"),
+        ("--dropout", "1.5", "is 150 % of all rows; write `1.5 %` if that is meant"),
         ("--noise", "5", "is 500 % of what is measured; write `5 %` if that is meant"),
         ("--noise", "1", "is 100 % of what is measured; write `1 %` if that is meant"),
-        ("--noise", "120 %", "is 120 % of what is measured; give 100 % or less"), ("--rate", "1e12", "a record has 1e+08 at most"),
+        ("--noise", "120 %", "is 120 % of what is measured; give 100 % or less"),
+        ("--rate", "1e12", "a record has 1e+08 at most"),
     ],
 )  # fmt: skip
 def test_numbers_that_a_record_cannot_have_are_refused_and_nothing_is_written(

@@ -378,8 +378,9 @@ def record(
         bare = re.fullmatch(r"[0-9.eE+-]+", str(text)) is not None
         # A plain 1 is more probably one per cent than noise as large as what is measured.
         if value > 1.0 or (bare and value == 1.0 and option == "--noise"):
+            whole = "what is measured" if option == "--noise" else "all rows"
             cure = f"write `{text} %` if that is meant" if bare else "give 100 % or less"
-            raise option_error(option, str(text), f"is {100.0 * value:.6g} % of what is measured", cure)
+            raise option_error(option, str(text), f"is {100.0 * value:.6g} % of {whole}", cure)
         return value
 
     sensing = Sensing(
