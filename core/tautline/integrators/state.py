@@ -19,11 +19,14 @@ that were solved for, of all iterations together."""
 DONE, BEFORE_ALARMS = int(Status.DONE), int(Status.NO_LENGTH) - 1
 """The statuses of the groups' alarms follow one another."""
 
-TIME, POWER, WORK, DISSIPATED, THROUGHPUT, AT_START, MOVED, TURNED, MOTION, FLOW, RATE = range(11)
+TIME, POWER, WORK, DISSIPATED, THROUGHPUT, AT_START, MOVED, TURNED, MOTION, FLOW, RATE, GIVEN, STEPS_OF_IT = range(13)
 """Places in ``ledger``: time of the last entry (s) and power supplied then (W); work done on the system, energy lost
 and work counted without its sign (J), less what goes into the kinetic energy of a steady flow; m a^2 at the
 start; the integrals of m v^2 (J s) and of m a^2; the largest kinetic energy of any frame (J) without the steady motion;
-and at the last entry the kinetic energy (J) that there would not be without a flow, and the flow's rate (m/s)."""
+and where that was looked at last the kinetic energy (J) that there would not be without a flow, the flow's rate (m/s),
+the work since then (J), and in how many steps."""
+TOGETHER = 8
+"""Steps of a steady flow whose work is booked together: its energy takes two evaluations of all energies."""
 SAME_RATE = 1.0e-12
 """Change of a flow's rate over it that is rounding."""
 
@@ -61,7 +64,7 @@ def new_state(system: System) -> State:
     q, v = system.q[system.free], system.v[system.free]
     return State(
         q, v, np.zeros(n), np.zeros(n), system.q.copy(), system.v.copy(), np.zeros(full), np.zeros(full),
-        np.zeros((4, n)), np.zeros(n), np.zeros(11), np.zeros((2, full)), np.zeros(full), np.zeros((2, full)),
+        np.zeros((4, n)), np.zeros(n), np.zeros(13), np.zeros((2, full)), np.zeros(full), np.zeros((2, full)),
         np.zeros(6, dtype=np.int64),
     )  # fmt: skip
 
@@ -167,10 +170,13 @@ def book_energy(groups, dofs, state, t, energy):
     other = _leave_out_steady(dofs, state)
     energy.fill(0.0)
     over.energy(groups, t, state.full_q, state.middle[1], energy)
-    state.ledger[MOTION] = max(state.ledger[MOTION], energy[0])
+    motion = energy[0]
     if other:
         energy.fill(0.0)
         over.energy(groups, t, state.full_q, state.full_v, energy)
+        # What has turned round has a velocity of twice its own less the one at the start.
+        motion = min(motion, energy[0])
+    state.ledger[MOTION] = max(state.ledger[MOTION], motion)
 
 
 @kernel(forceinline=True)
@@ -220,6 +226,27 @@ def book_losses(groups, state, t, h, power):
 
 
 @kernel
+def _less_what_flows(groups, dofs, state, t, work):
+    """Work of a step less what goes into the kinetic energy of a steady flow, of several steps together; 0 until then.
+
+    What a hose takes from a steady flow by moving along it, it gives back at once. What speeds a flow up counts: where
+    that sets in within a step, the mean of two forces is as wrong as they differ.
+    """
+    ledger, rate = state.ledger, _rate_of_flow(dofs, state)
+    steady = abs(rate - ledger[RATE]) <= SAME_RATE * abs(rate)
+    ledger[RATE] = rate
+    if steady:
+        ledger[GIVEN] += work
+        ledger[STEPS_OF_IT] += 1.0
+        if ledger[STEPS_OF_IT] < TOGETHER:
+            return 0.0
+    flow = _energy_of_flow(groups, dofs, state, t)
+    counts = ledger[GIVEN] - (flow - ledger[FLOW]) if steady else work
+    ledger[FLOW], ledger[GIVEN], ledger[STEPS_OF_IT] = flow, 0.0, 0.0
+    return counts
+
+
+@kernel
 def book_work(groups, dofs, state, t, power):
     """Book the work done on the system since the last entry, up to time t.
 
@@ -242,14 +269,7 @@ def book_work(groups, dofs, state, t, power):
     work += 0.5 * (t - state.ledger[TIME]) * (power[0] + state.ledger[POWER])
     state.ledger[TIME], state.ledger[POWER] = t, power[0] + power[1]
     state.ledger[WORK] += work
-    if dofs.flowing.size > 0:
-        # What a hose takes from a steady flow by moving along it, it gives back at once. What speeds a flow up counts:
-        # where that sets in within a step, the mean of two forces is as wrong as they differ.
-        flow, rate = _energy_of_flow(groups, dofs, state, t), _rate_of_flow(dofs, state)
-        if abs(rate - state.ledger[RATE]) <= SAME_RATE * abs(rate):
-            work -= flow - state.ledger[FLOW]
-        state.ledger[FLOW], state.ledger[RATE] = flow, rate
-    state.ledger[THROUGHPUT] += abs(work)
+    state.ledger[THROUGHPUT] += abs(_less_what_flows(groups, dofs, state, t, work) if dofs.flowing.size > 0 else work)
 
 
 @kernel(forceinline=True)
