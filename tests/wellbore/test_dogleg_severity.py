@@ -47,7 +47,7 @@ def test_the_dogleg_severity_of_stations_on_a_circle_in_a_tilted_plane_is_one_ov
     well = wellbore.from_survey(md, np.arccos(tangents[:, 2]), np.arctan2(tangents[:, 1], tangents[:, 0]))
     severity, begin, end = sharpest(well)
     assert severity == pytest.approx(1.0 / radius, rel=1e-9)
-    assert (begin, end) == (pytest.approx(400.0), pytest.approx(400.0 + radius * turned[1]))
+    assert (begin, end) == (pytest.approx(400.0), pytest.approx(400.0 + radius * turned[-1]))
 
 
 @pytest.mark.parametrize(
