@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import json
 import logging
 import math
@@ -347,51 +348,23 @@ def record(
     SceneError, ResultError
         For bad input; nothing is written then.
     """
-    from pydantic_core import PydanticCustomError
-
     from tautline.integrators.status import StoppedEarly
     from tautline.results.target import check_record
-    from tautline.scene.values.quantity import Quantity
     from tautline.twin.record import Sensing, read_fault
     from tautline.twin.record import record as recorded
 
     scene = changed(catalogue.read(path)[1], changes)
     read = _read_map(map)
 
-    def number(option: str, text: str | None, unit: str, default: float) -> float:
-        if text is None:
-            return default
-        try:
-            value = float(text)
-        except ValueError:
-            try:
-                value = float(Quantity(unit).read(text))
-            except PydanticCustomError as error:
-                cure = str((error.context or {}).get("cure", ""))
-                raise option_error(option, text, error.message(), cure) from None
-        if not 0.0 <= value < math.inf:
-            raise option_error(option, text, "is to be zero or more, and finite", "give such a number")
-        return value
-
-    def share(option: str, text: str | None) -> float:
-        value = number(option, text, "", 0.0)
-        bare = re.fullmatch(r"[0-9.eE+-]+", str(text)) is not None
-        # A plain 1 is more probably one per cent than noise as large as what is measured.
-        if value > 1.0 or (bare and value == 1.0 and option == "--noise"):
-            whole = "what is measured" if option == "--noise" else "all rows"
-            cure = f"write `{text} %` if that is meant" if bare else "give 100 % or less"
-            raise option_error(option, str(text), f"is {100.0 * value:.6g} % of {whole}", cure)
-        return value
-
     sensing = Sensing(
-        rate=number("--rate", given["rate"], "Hz", 10.0), noise=share("--noise", given["noise"]),
-        dropout=share("--dropout", given["dropout"]), jitter=number("--jitter", given["jitter"], "s", 0.0),
-        delay=number("--delay", given["delay"], "s", 0.0), gaps=[_gap(text) for text in given["gap"] or ()],
+        rate=_number("--rate", given["rate"], "Hz", 10.0), noise=_share("--noise", given["noise"]),
+        dropout=_share("--dropout", given["dropout"]), jitter=_number("--jitter", given["jitter"], "s", 0.0),
+        delay=_number("--delay", given["delay"], "s", 0.0), gaps=[_gap(text) for text in given["gap"] or ()],
         faults=[read_fault(text) for text in given["fault"] or ()], seed=given["seed"],
     )  # fmt: skip
     if not sensing.rate > 0.0:
         raise option_error("--rate", str(given["rate"]), "is no rate", "give rows a second, such as 10 Hz")
-    until = number("--end", end, "s", float("nan"))
+    until = _number("--end", end, "s", float("nan"))
     check_record(output, force)
     rows = recorded(scene, read, sensing, None if until != until else until)
     first = next(rows)
@@ -402,10 +375,7 @@ def record(
         writer = csv.writer(file)
         writer.writerow(["time [s]", *(f"{name} [{units[name]}]" if units[name] else name for name in columns)])
         try:
-            for time, values in [first]:
-                writer.writerow([f"{time:.6f}", *_cells(values, columns)])
-                count += 1
-            for time, values in rows:
+            for time, values in itertools.chain([first], rows):
                 writer.writerow([f"{time:.6f}", *_cells(values, columns)])
                 count += 1
         except StoppedEarly as stop:
@@ -416,6 +386,39 @@ def record(
         print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})
     if status != "done":
         raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def _number(option: str, text: str | None, unit: str, default: float) -> float:
+    """An option's number, zero or more: plain, or a quantity; the default where it is not given."""
+    from pydantic_core import PydanticCustomError
+
+    from tautline.scene.values.quantity import Quantity
+
+    if text is None:
+        return default
+    try:
+        value = float(text)
+    except ValueError:
+        try:
+            value = float(Quantity(unit).read(text))
+        except PydanticCustomError as error:
+            cure = str((error.context or {}).get("cure", ""))
+            raise option_error(option, text, error.message(), cure) from None
+    if not 0.0 <= value < math.inf:
+        raise option_error(option, text, "is to be zero or more, and finite", "give such a number")
+    return value
+
+
+def _share(option: str, text: str | None) -> float:
+    """An option's share of rows, or of what is measured, at most all of it."""
+    value = _number(option, text, "", 0.0)
+    bare = re.fullmatch(r"[0-9.eE+-]+", str(text)) is not None
+    # A plain 1 is more probably one per cent than noise as large as what is measured.
+    if value > 1.0 or (bare and value == 1.0 and option == "--noise"):
+        whole = "what is measured" if option == "--noise" else "all rows"
+        cure = f"write `{text} %` if that is meant" if bare else "give 100 % or less"
+        raise option_error(option, str(text), f"is {100.0 * value:.6g} % of {whole}", cure)
+    return value
 
 
 def _cells(values: dict[str, float], columns: Sequence[str]) -> list[str]:
