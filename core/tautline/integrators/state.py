@@ -37,7 +37,8 @@ class State(NamedTuple):
     ``residual`` is the full residual of the last accepted state: at held degrees of freedom it is the force that
     holds them. ``keep`` (4, n) is the state at the start of the step, to go back to; generalized-alpha has its
     accelerations in a history of its own. ``inertia`` (n,) is the diagonal of the mass matrix at the start of the run,
-    zero for multipliers. ``entered`` (2, n_full) are the full position and residual of the last entry in the ledger,
+    zero for multipliers. ``entered`` (2, n_full) are position and residual of the last entry in the ledger, of what is
+    driven and what such things carry; ``passed`` (n_full,) is the full position up to which losses are booked;
     ``started`` (n_full,) is the full velocity at the start of the run, ``middle`` (2, n_full) is scratch.
     """
 
@@ -53,6 +54,7 @@ class State(NamedTuple):
     inertia: np.ndarray
     ledger: np.ndarray
     entered: np.ndarray
+    passed: np.ndarray
     started: np.ndarray
     middle: np.ndarray
     counters: np.ndarray
@@ -64,8 +66,8 @@ def new_state(system: System) -> State:
     q, v = system.q[system.free], system.v[system.free]
     return State(
         q, v, np.zeros(n), np.zeros(n), system.q.copy(), system.v.copy(), np.zeros(full), np.zeros(full),
-        np.zeros((4, n)), np.zeros(n), np.zeros(13), np.zeros((2, full)), np.zeros(full), np.zeros((2, full)),
-        np.zeros(6, dtype=np.int64),
+        np.zeros((4, n)), np.zeros(n), np.zeros(13), np.zeros((2, full)), np.zeros(full), np.zeros(full),
+        np.zeros((2, full)), np.zeros(6, dtype=np.int64),
     )  # fmt: skip
 
 
@@ -135,9 +137,10 @@ def open_ledger(groups, dofs, state, t, power):
     state.ledger[MOTION] = 0.0
     for i in range(state.full_v.size):
         state.started[i] = state.full_v[i]
+        state.passed[i] = state.entered[0, i] = state.full_q[i]
     if dofs.flowing.size > 0:
         state.ledger[FLOW], state.ledger[RATE] = _energy_of_flow(groups, dofs, state, t), _rate_of_flow(dofs, state)
-    _keep_ends(state)
+    _keep_ends(dofs, state)
     power.fill(0.0)
     over.supply(groups, t, state.full_q, state.full_v, power)
     state.ledger[POWER] = power[0] + power[1]
@@ -200,9 +203,12 @@ def _energy_of_flow(groups, dofs, state, t):
 
 
 @kernel(forceinline=True)
-def _keep_ends(state):
-    for i in range(state.full_q.size):
-        state.entered[0, i] = state.full_q[i]
+def _keep_ends(dofs, state):
+    """Keep what the next step's work is a mean and a difference of; a rope has far more than is held of it."""
+    for k in dofs.driven:
+        i = dofs.held[k]
+        state.entered[0, i], state.entered[1, i] = state.full_q[i], state.residual[i]
+    for i in dofs.carried:
         state.entered[1, i] = state.residual[i]
 
 
@@ -217,9 +223,11 @@ def book_losses(groups, state, t, h, power):
     """
     per_step = 1.0 / h
     for i in range(state.full_q.size):
-        moved = state.full_q[i] - state.entered[0, i]
-        state.middle[0, i] = state.entered[0, i] + 0.5 * moved
+        now, before = state.full_q[i], state.passed[i]
+        moved = now - before
+        state.middle[0, i] = before + 0.5 * moved
         state.middle[1, i] = moved * per_step
+        state.passed[i] = now
     power.fill(0.0)
     over.dissipation(groups, t + 0.5 * h, state.middle[0], state.middle[1], power)
     state.ledger[DISSIPATED] += h * power[0]
@@ -254,16 +262,15 @@ def book_work(groups, dofs, state, t, power):
     the mean of the powers at both ends.
     """
     work = 0.0
-    for k in range(dofs.held.size):
-        if dofs.motion[k] >= 0:
-            i = dofs.held[k]
-            work += _mean_force(state, i) * (state.full_q[i] - state.entered[0, i])
+    for k in dofs.driven:
+        i = dofs.held[k]
+        work += _mean_force(state, i) * (state.full_q[i] - state.entered[0, i])
     for i in dofs.carried:
         for k in range(dofs.start[i], dofs.start[i + 1]):
             if dofs.unknown[k] < 0:
                 j = -1 - dofs.unknown[k]
                 work += dofs.factor[k] * _mean_force(state, i) * (state.full_q[j] - state.entered[0, j])
-    _keep_ends(state)
+    _keep_ends(dofs, state)
     power.fill(0.0)
     over.supply(groups, t, state.full_q, state.full_v, power)
     work += 0.5 * (t - state.ledger[TIME]) * (power[0] + state.ledger[POWER])
