@@ -35,6 +35,8 @@ BEYOND = 1.0e-3
 """How far past a critical speed the way in which it becomes unstable is looked at, relative to it."""
 REAL = 1.0e-6
 """Frequency over the size of the eigenvalue below which a hose diverges and does not flutter."""
+ALIKE = 1.0e-6
+"""Relative difference of the eigenvalues of two planes in which a straight hose moves alike."""
 TRIALS = 10
 """Speeds up to the estimated critical one at which it is looked for."""
 FARTHEST = 4.0
@@ -58,7 +60,8 @@ class Critical(NamedTuple):
 class Stability(NamedTuple):
     """Eigenvalues against speed.
 
-    ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed;
+    ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed, and of a
+    straight hose, which moves in all planes alike, those of one plane;
     ``out_of_plane`` (k, m) the share of the motion that is; ``grows`` (k,) whether any motion does, by more than what
     may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once, and once more where it is
     unstable without flow; ``stable_from`` the speed, m/s, from which nothing grows that does at the slowest one, None
@@ -96,6 +99,8 @@ class _Linear:
         found = form(self.scene, speed, near)
         self.known[speed] = found
         motions = vibrations(found.system, found.state, None if found.system.size <= DENSE else SLOWEST)
+        if self.normal is None:
+            motions = _of_one_plane(motions)
         self.solved[speed] = motions, self._share(motions.shape)
         return self.solved[speed]
 
@@ -118,6 +123,21 @@ class _Linear:
         grows = chosen.real - STILL * np.abs(chosen) - ROUNDING * motions.rounding[those]
         fastest = int(np.argmax(grows))
         return float(grows[fastest]), complex(chosen[fastest])
+
+
+def _of_one_plane(motions: Vibrations) -> Vibrations:
+    """The motions of a straight hose, each that it makes in two planes once.
+
+    What stretches it has no like. Of two pairs that meet, as where they are about to flutter, two are left.
+    """
+    value, kept = motions.value, np.full(motions.value.size, True)
+    for i in range(value.size):
+        if kept[i]:
+            apart = np.abs(value[i + 1 :] - value[i])
+            near = kept[i + 1 :] & (apart <= ALIKE * np.abs(value[i]) + ROUNDING * motions.rounding[i])
+            if near.any():
+                kept[i + 1 + np.argmin(np.where(near, apart, np.inf))] = False
+    return Vibrations(value[kept], motions.shape[:, kept], motions.rounding[kept])
 
 
 def _tied(scene: HoseScene) -> HoseScene:

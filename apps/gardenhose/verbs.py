@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
 MOST_SPEEDS = 10_000
-STATIC_HELP = "Flow speeds in m/s. [dim]\\[default: from 0 to the scene's fastest][/]"
+SPEEDS_HELP = "Flow speeds, in m/s or with a unit: 0:40:10 or '0 ft/s:40 ft/s:10 ft/s'."
+STATIC_HELP = f"{SPEEDS_HELP} [dim]\\[default: from 0 to the scene's fastest][/]"
 
 StaticSpeeds = Annotated[str | None, typer.Option("--speed", metavar="FROM:TO:STEP|A,B,C", help=STATIC_HELP)]
 FlutterSpeeds = Annotated[
@@ -32,7 +33,7 @@ FlutterSpeeds = Annotated[
     typer.Option(
         "--speed",
         metavar="FROM:TO:STEP|A,B,C",
-        help="Flow speeds in m/s. [dim]\\[default: past the first instability][/]",
+        help=f"{SPEEDS_HELP} [dim]\\[default: past the first instability][/]",
     ),
 ]
 USUAL_MODES, MOST_MODES = 8, 100
@@ -56,8 +57,8 @@ def static(
     figure = figure_place(output, f"{scene.stem}_static")
     found = searched(scene, as_json, lambda: forms(hose, speeds))
     negative = [one.negative for one in found]
-    _print_forms(found)
-    _warn_of_unstable(found, negative)
+    _print_forms(found, hose.units)
+    _warn_of_unstable(found, negative, hose.units)
     _draw_forms(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -85,7 +86,7 @@ def flutter(
     speeds = parse_speeds(speed) if speed is not None else None
     figure = figure_place(output, f"{scene.stem}_flutter")
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
-    _print_stability(found)
+    _print_stability(found, hose.units)
     told = _of_mesh(hose, found, speeds)
     _draw_stability(hose, found, figure)
     if as_json:
@@ -114,7 +115,7 @@ def flutter(
 
 
 def parse_speeds(text: str) -> list[float]:
-    """Speeds of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``, m/s.
+    """Speeds of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``: bare numbers in m/s, or with units; m/s.
 
     Raises
     ------
@@ -122,18 +123,24 @@ def parse_speeds(text: str) -> list[float]:
         Naming the option, the value, and what would do.
     """
     import math
+    from typing import Annotated
 
-    from tautline.cli.options.lists import stepped, three_of
+    from pydantic import TypeAdapter, ValidationError
+
+    from tautline.cli.options.lists import as_in_a_file, stepped, three_of
+    from tautline.scene.values.quantity import quantity
 
     refuse = partial(option_error, "--speed", text)
 
-    example = "write 0:12:3, or 0,3,6,9,12"
-    try:
-        numbers = [float(part) for part in text.split(":" if ":" in text else ",")]
-    except ValueError:
-        raise refuse("is no range of speeds", example) from None
-    if not all(math.isfinite(number) for number in numbers):
+    example = "write 0:12:3 or 0,3,6,9,12 in m/s, or '0 ft/s:40 ft/s:10 ft/s'"
+    given = [as_in_a_file(part.strip()) for part in text.split(":" if ":" in text else ",")]
+    if any(isinstance(one, float) and not math.isfinite(one) for one in given):
         raise refuse("holds what is not a finite number", example)
+    adapter: Any = TypeAdapter(list[Annotated[float, quantity("m/s")]])
+    try:
+        numbers = adapter.validate_python(given)
+    except ValidationError as error:
+        raise refuse(f"is no range of speeds: {error.errors()[0]['msg']}", example) from None
     if ":" not in text:
         return numbers
     three_of(text, "--speed", example)
@@ -153,26 +160,33 @@ def _up_to_fastest(hose: HoseScene) -> list[float]:
     return [0.0] if fastest == 0.0 else np.linspace(0.0, fastest, DEFAULT_SPEEDS).tolist()
 
 
-def _print_forms(found: list[Form]) -> None:
+def _print_forms(found: list[Form], system: str) -> None:
+    from rich.markup import escape
     from rich.table import Table
 
     from tautline.cli.output.console import console
+    from tautline.scene.values.systems import in_system
 
+    # All in one unit, that of a metre: columns with feet and inches could not be compared.
+    per_length, length = in_system(1.0, "m", system)
+    per_speed, rate = in_system(1.0, "m/s", system)
     table = Table(box=None, padding=(0, 2, 0, 0))
-    for name in ("flow [m/s]", "tip x [m]", "y [m]", "z [m]"):
-        table.add_column(name, justify="right")
+    for name in (f"flow [{rate}]", *(f"tip {axis} [{length}]" for axis in "xyz")):
+        table.add_column(escape(name), justify="right")
     for one in found:
-        table.add_row(f"{one.speed:g}", *(f"{x + 0.0:.6f}" for x in one.tip))
+        table.add_row(f"{per_speed * one.speed:g}", *(f"{per_length * x + 0.0:.6f}" for x in one.tip))
     console().print(table)
 
 
-def _warn_of_unstable(found: list[Form], negative: list[int]) -> None:
+def _warn_of_unstable(found: list[Form], negative: list[int], system: str) -> None:
     from tautline.cli.output.console import say
+    from tautline.scene.values.printed import shown
 
     for one, count in zip(found, negative, strict=True):
         if count > 0:
             pivots = "one negative pivot" if count == 1 else f"{count} negative pivots"
-            text = f"the shape at {one.speed:g} m/s is unstable: the tangent has {pivots}; the least push moves it away"
+            text = f"the shape at {shown(one.speed, 'm/s', system)} is unstable: the tangent has {pivots}"
+            text += "; the least push moves it away"
             say(text, "yellow")
 
 
@@ -185,39 +199,46 @@ def _draw_forms(hose: HoseScene, found: list[Form], path: Path) -> None:
     s = arc_lengths(hose)
     curves, tips = [one.curve(s) for one in found], np.array([one.tip for one in found])
     title = f"{hose.title or path.stem}: shapes at rest"
-    write_figure(static_figure(np.array([one.speed for one in found]), curves, tips, title), path)
+    write_figure(static_figure(np.array([one.speed for one in found]), curves, tips, title, hose.units), path)
 
 
-def words_of(critical: Critical) -> str:
-    """A critical speed in words."""
+def words_of(critical: Critical, system: str = "si") -> str:
+    """A critical speed in words, in the units of a system."""
+    from tautline.scene.values.printed import shown
+
     where = {"in": " in the plane", "out": " out of the plane", "any": ""}[critical.plane]
     how = "diverges" if critical.kind == "divergence" else f"flutters at {critical.frequency:.4g} Hz"
-    return f"{how}{where} from {critical.speed:.6g} m/s"
+    return f"{how}{where} from {shown(critical.speed, 'm/s', system, 6)}"
 
 
-def _print_stability(found: Stability) -> None:
+def _print_stability(found: Stability, system: str) -> None:
     from tautline.cli.output.console import say
+    from tautline.scene.values.printed import in_words, shown
+
+    def told(speed: float, digits: int = 4) -> str:
+        return shown(float(speed), "m/s", system, digits)
 
     if not found.critical and found.stable_from is None:
         what = "unstable" if found.grows.all() else "stable" if not found.grows.any() else "unstable in part"
         what = what if found.eigenvalues.size else "nothing can move"
         first, last = found.speed[0], found.speed[-1]
-        say(f"{what} at {first:g} m/s" if first == last else f"{what} from {first:g} to {last:g} m/s", "yellow")
+        range_of = f"{what} from {first:g} to {last:g} m/s"
+        say(f"{what} at {told(first)}" if first == last else in_words(range_of, system), "yellow")
         return
     slowest = float(min(found.speed, key=abs))
     at_once = [one for one in found.critical if one.speed == slowest]
     for critical in at_once:
-        say(f"the hose {words_of(critical)}", "yellow")
+        say(f"the hose {words_of(critical, system)}", "yellow")
     if found.stable_from is not None:
-        begin = "it" if at_once else f"the hose is unstable at {slowest:g} m/s; it"
-        say(f"{begin} is stable from {found.stable_from:.6g} m/s", "green")
+        begin = "it" if at_once else f"the hose is unstable at {told(slowest)}; it"
+        say(f"{begin} is stable from {told(found.stable_from, 6)}", "green")
     elif at_once:
         fastest = float(max(found.speed, key=abs))
-        say(f"it is stable at none of the speeds looked at, up to {fastest:g} m/s", "yellow")
+        say(f"it is stable at none of the speeds looked at, up to {told(fastest)}", "yellow")
     if _way(found) == "tip to root":
         say("negative speeds: the water flows from the tip to the root")
     for critical in found.critical[len(at_once) :]:
-        say(f"the hose {words_of(critical)}", "green")
+        say(f"the hose {words_of(critical, system)}", "green")
 
 
 def _way(found: Stability) -> str:
@@ -245,7 +266,7 @@ def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
     first = found.critical[0] if found.critical else None
     marked = (first.speed, first.frequency) if first else (None, None)
     title = f"{hose.title or path.stem}: stability"
-    figure = flutter_figure(found.speed, found.eigenvalues, found.out_of_plane, *marked, title)
+    figure = flutter_figure(found.speed, found.eigenvalues, found.out_of_plane, *marked, title, hose.units)
     write_figure(figure, path)
 
 

@@ -62,6 +62,17 @@ def test_static_prints_a_table_and_takes_speeds_one_by_one(gardenhose):
     assert not Path("hose_static.png").exists()
 
 
+def test_static_and_flutter_say_their_units_and_take_those_of_the_scene_and_of_speeds(gardenhose):
+    code, _, err = gardenhose("static", "hose.yaml", "--speed", "9")
+    assert code == 0 and all(f"{head} [m]" in err for head in ("tip x", "tip y", "tip z")) and "flow [m/s]" in err
+    field = ("hose.yaml", "--set", "units=field", "--speed")
+    code, out, err = gardenhose("static", *field, "0 ft/s:29.527559 ft/s:29.527559 ft/s", "--json")
+    assert code == 0 and only_object(out)["speed"] == pytest.approx([0, 9], abs=1e-6), "9 m/s; JSON stays SI"
+    assert "flow [ft/s]" in err and "tip x [ft]" in err and f"{0.483430 / 0.3048:.3f}" in err
+    code, _, err = gardenhose("flutter", *field, "12:15:1")
+    assert code == 0 and f"{13.8405929422 / 0.3048:.1f}" in err and "ft/s" in err and " m/s" not in err
+
+
 def test_static_goes_to_the_scenes_fastest_flow_where_it_is_not_told(gardenhose):
     code, out, _ = gardenhose("static", "hose.yaml", "--json")
     assert code == 0
@@ -132,6 +143,7 @@ BAD_SPEEDS = {
     "0:12:-3": "never gets to its end",
     "12:0:3": "never gets to its end",
     "0:12:1e-9": "more than 10000",
+    "0:12 kg:3": "'kg' is not the unit of a speed",
     "nan": "not a finite number",
     "0:inf:1": "not a finite number",
     "0,nan,3": "not a finite number",

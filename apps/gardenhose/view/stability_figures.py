@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from gardenhose.motion.curves import Plane, name_of, plane_of
+from tautline.scene.values.printed import shown
+from tautline.scene.values.systems import in_system
 from tautline.view.figures.figure import (
     COLOURS,
     QUIET,
@@ -25,6 +27,7 @@ from tautline.view.figures.figure import (
     styled,
     widen,
 )
+from tautline.view.figures.unit_axes import use_units
 
 NOTHING = 1.0e-6
 """Damping over the largest frequency that is none: axes show no more of it."""
@@ -43,7 +46,7 @@ def show_in_plane(plot: Axes, plane: Plane, points: np.ndarray, least: float) ->
 
 @styled
 def static_figure(
-    speed: np.ndarray, shapes: Sequence[np.ndarray], tips: np.ndarray, title: str = "Static shapes"
+    speed: np.ndarray, shapes: Sequence[np.ndarray], tips: np.ndarray, title: str = "Static shapes", system: str = "si"
 ) -> Figure:
     """The hose at rest at several flow speeds, as Fig. 2.28 of the thesis, and where its tip goes.
 
@@ -57,6 +60,8 @@ def static_figure(
         m.
     title : str
         Heading.
+    system : str
+        Units of the figure, a key of `tautline.scene.values.systems.SYSTEMS`.
     """
     speed, tips = np.asarray(speed, float), np.asarray(tips, float)
     points = np.concatenate([np.asarray(shape) for shape in shapes])
@@ -69,7 +74,7 @@ def static_figure(
     few = len(speed) <= MOST_NAMED
     for value, shape in zip(speed, shapes, strict=True):
         colour = SHADES((value - speed.min()) / span)
-        left.plot(*plane(np.asarray(shape)), color=colour, label=f"{value:g} m/s" if few else None)
+        left.plot(*plane(np.asarray(shape)), color=colour, label=shown(float(value), "m/s", system) if few else None)
     left.plot(*plane(points[:1]), color="black", marker="s", ms=6, ls="")
     left.plot(*plane(tips), color="black", lw=0.8, ls=":", marker="o", ms=3)
     show_in_plane(left, plane, points, 0.2 * length)
@@ -86,7 +91,7 @@ def static_figure(
         figure.legend(*left.get_legend_handles_labels(), loc="outside lower left", ncols=6)
     else:
         bar_of_shades(figure, left, float(speed.min()), float(speed.max()), label("flow speed", "m/s"), shrink=0.8)
-    return figure
+    return use_units(figure, system)
 
 
 @styled
@@ -97,6 +102,7 @@ def flutter_figure(
     critical_speed: float | None = None,
     critical_frequency: float | None = None,
     title: str = "Stability",
+    system: str = "si",
 ) -> Figure:
     """Argand diagram and growth rates of a hose's modes against flow speed.
 
@@ -117,6 +123,8 @@ def flutter_figure(
         Where the hose begins to flutter, m/s and Hz.
     title : str
         Heading.
+    system : str
+        Units of the figure, a key of `tautline.scene.values.systems.SYSTEMS`.
     """
     speed, eigenvalues = np.asarray(speed, float), np.asarray(eigenvalues, complex)
     outside = np.broadcast_to(np.asarray(out_of_plane, float) > 0.5, eigenvalues.shape)
@@ -150,16 +158,20 @@ def flutter_figure(
             right, up = (np.where(chosen, values[:, mode], np.nan) for values in (frequency, damping))
             argand.plot(right, up, **look)
             growth.plot(speed, -up, **look)
-    _label_speeds(argand, speed, frequency, damping, colours)
+    per_speed, rate = in_system(1.0, "m/s", system)
+    _label_speeds(argand, speed, per_speed, frequency, damping, colours)
     if critical_speed is not None:
-        at = (f"{critical_speed:.4g} m/s", "" if critical_frequency is None else f", {critical_frequency:.3g} Hz")
+        at = (
+            shown(float(critical_speed), "m/s", system),
+            "" if critical_frequency is None else f", {critical_frequency:.3g} Hz",
+        )
         dot = {"ls": "", "marker": "o", "ms": 8, "mfc": "none", "mec": "black", "mew": 1.4, "zorder": 5}
         growth.plot(critical_speed, 0.0, label="critical: " + "".join(at), **dot)
         if critical_frequency is not None:
             argand.plot(2.0 * np.pi * critical_frequency, 0.0, **dot)
-    argand.set_xlabel(label("Re ω, frequency", "rad/s"))
+    argand.set_xlabel("Re ω, frequency")
     argand.set_ylabel(label("Im ω, damping", "1/s"))
-    argand.set_title("Argand diagram, flow speed in m/s")
+    argand.set_title(f"Argand diagram, flow speed in {rate}")
     growth.set_xlabel(label("flow speed", "m/s"))
     growth.set_ylabel(label("growth rate", "1/s"))
     growth.set_title("Growth rate")
@@ -171,6 +183,9 @@ def flutter_figure(
     present = both if outside[known].any() else []
     modes = [sample_line(f"mode {i + 1}", color=COLOURS[i]) for i in range(min(number.max() + 1, len(COLOURS)))]
     figure.legend(handles=modes + present + handles, loc="outside lower center", ncols=7)
+    use_units(figure, system)
+    # The plane of complex numbers has one unit both ways, in every system.
+    argand.set_xlabel(label(argand.get_xlabel(), "rad/s"))
     return figure
 
 
@@ -188,9 +203,15 @@ def _numbers(frequency: np.ndarray, outside: np.ndarray) -> np.ndarray:
     return numbers
 
 
-def _label_speeds(plot: Axes, speed: np.ndarray, right: np.ndarray, up: np.ndarray, colours: Sequence[str]) -> None:
-    """Mark round speeds along the curves (k, modes), and write those that find room."""
-    marks = round_numbers(float(speed.min()), float(speed.max()), 8)
+def _label_speeds(
+    plot: Axes, speed: np.ndarray, factor: float, right: np.ndarray, up: np.ndarray, colours: Sequence[str]
+) -> None:
+    """Mark round speeds along the curves (k, modes), and write those that find room.
+
+    They are round in the unit of which ``factor`` make one m/s.
+    """
+    numbers = round_numbers(factor * float(speed.min()), factor * float(speed.max()), 8)
+    marks = np.asarray(numbers) / factor
     plot.figure.draw_without_rendering()
     (left, end), (low, high) = plot.get_xlim(), plot.get_ylim()
     box = plot.get_window_extent()
@@ -205,7 +226,7 @@ def _label_speeds(plot: Axes, speed: np.ndarray, right: np.ndarray, up: np.ndarr
     for mode in np.argsort(np.where(np.isfinite(right[0]), right[0], np.inf), kind="stable"):
         for i in np.flatnonzero(inside[mode]):
             plot.plot(x[mode, i], y[mode, i], color=colours[mode], marker="o", ms=3, ls="")
-            dot, words = np.array([across[mode, i], height[mode, i]]), f"{marks[i]:g}"
+            dot, words = np.array([across[mode, i], height[mode, i]]), f"{numbers[i]:g}"
             # A mode out of the plane that runs along its like in it needs no numbers of its own.
             if any(i == j and np.hypot(*(dot - place)) < 22.0 for j, place in named):
                 continue
