@@ -321,6 +321,21 @@ def test_a_twin_that_begins_anew_replaces_the_result_of_another_by_force_only(re
     assert here(*words, "--force")[0] == 0
 
 
+def test_a_twin_and_a_simulation_do_not_replace_the_results_of_each_other(rehearsal, here, tmp_path):
+    twin = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv", "-o"]
+    simulate = ["simulate", SCENE, "--set", "solver.end=0.2", "--no-verify", "-o"]
+    assert here(*twin, tmp_path / "tw.nc")[0] == 0 and here(*simulate, tmp_path / "run.nc")[0] == 0
+    before = [one.read_bytes() for one in sorted(tmp_path.glob("*.nc"))]
+    for words, cause in (
+        ([*simulate, tmp_path / "tw.nc"], "holds what a twin has found: it would be lost"),
+        ([*twin, tmp_path / "run.nc"], "is the result of a simulation: it would be lost"),
+    ):
+        code, _, told = here(*words)
+        assert code == 2 and cause in " ".join(told.split()) and "name another file with -o" in " ".join(told.split())
+    assert [one.read_bytes() for one in sorted(tmp_path.glob("*.nc"))] == before
+    assert here(*simulate, tmp_path / "run.nc")[0] == 0, "a run replaces an earlier one"
+
+
 @pytest.mark.parametrize(
     "option, given, cause",
     [

@@ -17,6 +17,8 @@ FIGURES = (".png", ".svg", ".pdf")
 """Endings of figures."""
 RECORD = b"time [s]"
 """How records of sensors begin that `record` has written."""
+TWIN = "twin"
+"""The application that results of twins name."""
 WORDS = "words.npy"
 """What stands in the archive that a twin keeps its state in."""
 PAGES, DOCTYPE = (".html", ".htm"), b"<!doctype html"
@@ -104,29 +106,45 @@ def check_record(path: Path, force: bool = False) -> Path:
 
 
 def check_found(path: Path) -> Path:
-    """Check that a twin may begin a result at a path, and return it; one that a twin has filled is not to be lost.
+    """Check that a twin may begin a result at a path, and return it; what took hours to find is not to be lost.
 
     Raises
     ------
     ResultError
-        Where a twin has written rows.
+        Where a twin has written rows, or a simulation frames.
     """
-    if path.is_file() and _rows_of_twin(path):
-        cure = "go on with --resume, name another file with -o, or replace it with --force"
-        raise ResultError(path, "holds what a twin has found: it would be lost", cure)
+    others = "name another file with -o, or replace it with --force"
+    writer = _writer(path) if path.is_file() else ""
+    if writer == TWIN:
+        raise ResultError(path, "holds what a twin has found: it would be lost", f"go on with --resume, {others}")
+    if writer:
+        raise ResultError(path, "is the result of a simulation: it would be lost", others)
     return path
 
 
-def _rows_of_twin(path: Path) -> int:
-    """Rows that a twin has written into a file; 0 for any other file."""
+def check_simulated(path: Path) -> Path:
+    """Check that a simulation may write its result to a path, and return it: an earlier one is replaced, no twin's.
+
+    Raises
+    ------
+    ResultError
+        Where a twin has written rows: what it has seen does not come again.
+    """
+    if path.is_file() and _writer(path) == TWIN:
+        raise ResultError(path, "holds what a twin has found: it would be lost", "name another file with -o")
+    return path
+
+
+def _writer(path: Path) -> str:
+    """The application that has written rows or frames into a file; empty for any other file."""
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
-            written = str(file.attrs.get("application", "")) == "twin" and "time" in file
-            return len(file["time"]) if written else 0
+            ours = str(file.attrs.get("format", "")).startswith(OURS) and "time" in file and len(file["time"]) > 0
+            return str(file.attrs.get("application", "")) or "unknown" if ours else ""
     except OSError:
-        return 0
+        return ""
 
 
 def check_state(path: Path) -> Path:

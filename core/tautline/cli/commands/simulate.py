@@ -133,11 +133,11 @@ def simulate(
         If the run stopped early, was interrupted, or does not reach the accuracy that was asked for; that was reported
         and the result is kept.
     """
-    from tautline.results.target import check_target
+    from tautline.results.target import check_simulated, check_target
 
     _check_accuracy(overrides, resume, verify)
     application, read = _scene_of(catalogue, scene, overrides, changes)
-    target = check_target(output or Path(scene.name).with_suffix(".nc"))
+    target = check_simulated(check_target(output or Path(scene.name).with_suffix(".nc")))
     earlier = _earlier(resume)
     read, accuracy = _accuracy(application, read, overrides, earlier, verify)
     warnings = application.warnings(read)
