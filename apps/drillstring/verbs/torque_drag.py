@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drillstring.verbs.form import Models, parse_models
-from tautline.cli.output.findings import figure_place, say_sentences, write_figure
+from tautline.cli.output.findings import figure_place, say_sentences, write_figure, write_table
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
@@ -68,6 +68,8 @@ Rotary = Annotated[
     typer.Option("--rotary", metavar="SPEED", help="Rotary speed of reaming. [dim]\\[default: 60 rpm][/]"),
 ]
 
+Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write hook loads and torques as a table.")]
+
 
 def torque_drag(
     scene: Scene,
@@ -79,6 +81,7 @@ def torque_drag(
     rotary: Rotary = None,
     model: Models = None,
     output: Picture = None,
+    csv: Csv = None,
     changes: Changes = None,
     as_json: Json = False,
 ) -> None:
@@ -89,13 +92,14 @@ def torque_drag(
     from tautline.cli.options.changes import changed
     from tautline.cli.output.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
+    from tautline.results.target import check_table
 
     drillstring = changed(read(scene), changes)
     # The first of several models is the one that measured loads are fitted by.
     kinds = parse_models(model) or [drillstring.model.kind]
     drillstring = of_kind(drillstring, kinds[0])
     own = own_friction(drillstring)
-    figure = figure_place(output, f"{scene.stem}_torque_drag")
+    figure, table = figure_place(output, f"{scene.stem}_torque_drag"), check_table(csv)
     factors = parse_frictions(friction, own.shoe) if friction is not None else None
     reamed = parse_reaming(reaming, rotary)
     depths = parse_depths(depth) if depth is not None else None
@@ -108,12 +112,15 @@ def torque_drag(
     failures = [text for case in cases for text in case.failures]
     _print(drillstring, cases, fitted)
     _draw(drillstring, cases, figure, loads)
+    if table is not None:
+        _write(cases, table)
     for text in failures:
         say(f"stopped, {text}", "red")
     if as_json:
         status = "stopped: no equilibrium in places" if failures else "done"
         told = report(cases, fitted, failures, drillstring.top.weight)
-        print_json({"scene": str(scene), "status": status, "figure": str(figure)} | told)
+        files = {"figure": str(figure), "csv": None if csv is None else str(csv)}
+        print_json({"scene": str(scene), "status": status} | files | told)
     if failures:
         raise Ended(ExitCode.STOPPED_EARLY)
 
@@ -282,6 +289,12 @@ def _draw(scene: DrillstringScene, cases: list[Case], path: Path, loads: Measure
 
     title = f"{scene.title or path.stem}: torque and drag"
     write_figure(torque_drag_figure(cases, title, scene.units, loads), path)
+
+
+def _write(cases: list[Case], path: Path) -> None:
+    from drillstring.view.torque_summary import header, rows
+
+    write_table(header(cases), rows(cases), path)
 
 
 OPTIONS = ("friction", "depth", "elements", "model")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -61,6 +61,26 @@ def numbers_of(point: Point) -> dict[str, tuple[float, float, str]]:
         for way, name in TORQUES.items()
         if way in point.soft
     }
+
+
+def header(cases: list[Case]) -> list[str]:
+    """Names of the columns of the file of hook loads and torques, SI."""
+    named = numbers_of(cases[0].points[0])
+    units = {name: unit for name, (_, _, unit) in named.items()}
+    statics = [f"{WORDS[name]} [{unit}]" for name, unit in units.items()]
+    soft = [f"{WORDS[name]}, soft string [{unit}]" for name, unit in units.items()]
+    return ["model", "friction", "depth [m]", *statics, *soft, "locks up"]
+
+
+def rows(cases: list[Case]) -> list[list[Any]]:
+    """Rows of that file, one for each depth of each friction factor and model; empty where there is no equilibrium."""
+    made: list[list[Any]] = []
+    for point in (point for case in cases for point in case.points):
+        found = list(numbers_of(point).values())
+        loads = [x if np.isfinite(x) else "" for x in (*(a for a, _, _ in found), *(b for _, b, _ in found))]
+        friction = f"{point.friction:.6g}"
+        made.append([point.model, friction, point.depth, *loads, " and ".join(WORDS[way] for way in point.locks)])
+    return made
 
 
 def _largest(points: list[Point], unit: str) -> float:

@@ -1,5 +1,6 @@
 """The verb torque-drag: JSON, table, figure, options that are refused, measured hook loads, exit codes."""
 
+import csv
 import re
 from pathlib import Path
 
@@ -77,6 +78,22 @@ def drawing(folder, capsys):
 def drillstring_(drawing, monkeypatch):
     leave_out_pixels(monkeypatch)
     return drawing
+
+
+def test_csv_has_the_numbers_of_json_one_row_for_each_depth_and_friction_factor(drillstring_):
+    words = ("--friction", "0.1,0.3", "--depth", "2000,3000", "--csv", "loads.csv", "--json")
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", *FEW, *words)
+    report = only_object(out)
+    assert code == 0 and report["csv"] == "loads.csv" and "wrote loads.csv" in err
+    with open("loads.csv", encoding="utf8") as file:
+        table = list(csv.DictReader(file))
+    assert [(row["friction"], row["depth [m]"]) for row in table] == [
+        (factor, depth) for factor in ("0.1", "0.3") for depth in ("2000.0", "3000.0")
+    ]
+    for name, head in (("pick_up", "pick up [N]"), ("slack_off", "slack off [N]"), ("torque", "torque [N m]")):
+        told = [value for case in report["cases"] for value in case[name]]
+        assert [float(row[head]) for row in table] == told
+    assert drillstring_("torque-drag", "jwell.yaml", "--csv", "loads.txt")[0] == 2
 
 
 def test_json_has_the_keys_of_the_contract_for_the_scenes_own_depth_and_friction(drawing):
