@@ -1,0 +1,66 @@
+"""What stands once: a law or a small function that is written twice is sooner or later changed in one place only."""
+
+import ast
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+BY_PROGRAM = "core/tautline/lumped/generated.py"
+
+
+@cache
+def modules():
+    """Names and syntax trees of the packages' modules, but for the one that is written by a program."""
+    paths = sorted(path for room in ("core", "apps") for path in (ROOT / room).rglob("*.py"))
+    told = [(path.relative_to(ROOT).as_posix(), path) for path in paths]
+    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in told if name != BY_PROGRAM}
+
+
+def functions():
+    for module, tree in modules().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef):
+                yield module, node
+
+
+def is_compiled(function):
+    return any("kernel" in ast.unparse(mark) or "entry" in ast.unparse(mark) for mark in function.decorator_list)
+
+
+def scalar_product(node):
+    """Whether an expression is x[0] y[0] + x[1] y[1] + x[2] y[2]."""
+    if not isinstance(node, ast.BinOp):
+        return False
+    x = next((part.value for part in ast.walk(node) if isinstance(part, ast.Subscript)), None)
+    for y in (part.value for part in ast.walk(node) if isinstance(part, ast.Subscript)):
+        a, b = ast.unparse(x), ast.unparse(y)
+        if ast.unparse(node) == " + ".join(f"{a}[{i}] * {b}[{i}]" for i in range(3)):
+            return True
+    return False
+
+
+def whole_expressions(function):
+    """Expressions of a function that are no beginning of a longer sum."""
+    nodes = list(ast.walk(function))
+    begun = {id(node.left) for node in nodes if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add)}
+    return [node for node in nodes if id(node) not in begun]
+
+
+def test_the_scalar_product_of_compiled_code_is_written_in_one_function():
+    found = {
+        f"{module}: {function.name}"
+        for module, function in functions()
+        if is_compiled(function) and any(map(scalar_product, whole_expressions(function)))
+    }
+    assert found == {"core/tautline/kernels/vector.py: dot"}
+
+
+def test_the_law_of_strain_is_written_once_for_one_element_and_once_for_four():
+    found = [
+        function.name
+        for module, function in functions()
+        if module.startswith("core/tautline/elements/") and "0.5 * (square - 1.0)" in ast.unparse(function)
+        for line in ast.unparse(function).splitlines()
+        if "0.5 * (square - 1.0)" in line
+    ]
+    assert sorted(found) == ["_strain_of_four", "strain_of"]
