@@ -64,3 +64,38 @@ def test_the_law_of_strain_is_written_once_for_one_element_and_once_for_four():
         if "0.5 * (square - 1.0)" in line
     ]
     assert sorted(found) == ["_strain_of_four", "strain_of"]
+
+
+def stated(value):
+    """Whether a constant states something that has to be the same everywhere: four names or more, or four digits."""
+    if isinstance(value, ast.Tuple):
+        parts = value.elts
+        return len(parts) > 3 and all(isinstance(part, ast.Constant) and isinstance(part.value, str) for part in parts)
+    digits = ast.unparse(value).lower().partition("e")[0]
+    return "." in digits and digits.replace(".", "").isdigit() and len(digits.strip("0.")) > 4
+
+
+def test_a_list_of_names_and_a_number_of_four_digits_are_written_once():
+    found = {}
+    for module, tree in modules().items():
+        for line in tree.body:
+            if isinstance(line, ast.Assign) and isinstance(line.targets[0], ast.Name) and stated(line.value):
+                found.setdefault((line.targets[0].id, ast.unparse(line.value)), []).append(module)
+    assert {name: places for (name, _), places in found.items() if len(places) > 1} == {}
+
+
+def body_of(function):
+    """What a function does, without its docstring."""
+    lines = function.body
+    told = isinstance(lines[0], ast.Expr) and isinstance(lines[0].value, ast.Constant)
+    return "\n".join(ast.unparse(line) for line in lines[told:])
+
+
+def test_no_function_of_a_module_is_written_again_in_another():
+    # Of four words or fewer there may be two. Compiled code names the places of its own module: it may be alike.
+    found = {}
+    for module, tree in modules().items():
+        for node in tree.body:
+            if isinstance(node, ast.FunctionDef) and not is_compiled(node) and len(body_of(node).split()) > 4:
+                found.setdefault(body_of(node), []).append(f"{module}: {node.name}")
+    assert [places for places in found.values() if len(places) > 1] == []

@@ -17,8 +17,9 @@ from drillstring.results.side_force import largest_side_force
 from drillstring.results.whirl import whirl_figures
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
-from tautline.application.modelling import ENERGIES, energies_of, energy_variables
+from tautline.application.modelling import energies_of, energy_variables
 from tautline.lumped.curve import PER_BODY
+from tautline.results.assessment.balance import ENERGIES
 from tautline.results.on_demand import OnDemand, together
 from tautline.results.variable import Variable
 

@@ -43,7 +43,7 @@ def numbers(text: str | None, option: str, unit: str) -> list[float]:
 
     def read(word: str) -> float:
         try:
-            return float(adapter.validate_python(_plain(word)))
+            return float(adapter.validate_python(as_in_a_file(word)))
         except ValidationError as error:
             raise ValueError(str(error.errors()[0]["msg"])) from None
 
@@ -129,13 +129,6 @@ def _annotated(mark: Any) -> Any:
     from typing import Annotated
 
     return Annotated[float, mark]
-
-
-def _plain(word: str) -> Any:
-    try:
-        return float(word)
-    except ValueError:
-        return word
 
 
 def _each(text: str | None, option: str, read: Callable[[str], Any], cure: str = "see --help") -> list[Any]:
