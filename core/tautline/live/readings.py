@@ -136,7 +136,8 @@ class Parameters(Mapping[str, Any]):
     def __contains__(self, name: object) -> bool:
         return name in self._parameters
 
-    def _parameter(self, name: str) -> Parameter:
+    def handle(self, name: str) -> Parameter:
+        """What is known of a parameter; raises UnknownName."""
         try:
             return self._parameters[name]
         except (KeyError, TypeError):  # a list is no name either
@@ -144,7 +145,7 @@ class Parameters(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         """Its value; raises UnknownName."""
-        return self._parameter(name).get()
+        return self.handle(name).get()
 
     def __setitem__(self, name: str, value: Any) -> None:
         """Change it, from the next step on.
@@ -156,7 +157,7 @@ class Parameters(Mapping[str, Any]):
         SimulationError
             For what is no number that it may have.
         """
-        parameter = self._parameter(name)
+        parameter = self.handle(name)
         unit = parameter.unit or "no unit"
         try:
             given = float(value)
