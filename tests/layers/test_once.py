@@ -113,3 +113,15 @@ def test_no_function_of_a_module_is_written_again_in_another():
             ):
                 found.setdefault(body_of(node), {})[module] = node.name
     assert [places for places in found.values() if len(places) > 1] == []
+
+
+def test_outputs_of_many_frames_are_read_one_by_one_in_one_place():
+    found = set()
+    for module, tree in modules().items():
+        for node in ast.walk(tree):
+            loops = node.generators if isinstance(node, ast.ListComp) else [node] if isinstance(node, ast.For) else []
+            counted = any(ast.unparse(loop.iter).startswith("range(") for loop in loops)
+            calls = [one.func for one in ast.walk(node) if counted and isinstance(one, ast.Call)]
+            if any(isinstance(call, ast.Attribute) and call.attr == "value" for call in calls):
+                found.add(module)
+    assert found == {"core/tautline/system/handles.py"}

@@ -13,22 +13,6 @@ from tautline.live.errors import SimulationError, unknown
 from tautline.system.handles import Output, Parameter
 
 
-class OneFrame(Mapping[str, np.ndarray]):
-    """One of several frames that were observed together: the variables of that frame alone."""
-
-    def __init__(self, observed: Mapping[str, np.ndarray], frame: int) -> None:
-        self._observed, self._part = observed, slice(frame, frame + 1)
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self._observed[name][self._part]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._observed)
-
-    def __len__(self) -> int:
-        return len(self._observed)
-
-
 def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
     """Outputs of many frames of one model, observed together: what a call costs is paid once for all of them.
 
@@ -55,7 +39,7 @@ def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, nam
         if one.places is not None:
             found.append(vectors[one.places[0]][:, one.places[1]])
         else:
-            found.append(np.array([one.value(OneFrame(observed, k)) for k in range(len(rows))], float))
+            found.append(one.one_by_one(observed, len(rows)))
     return found
 
 
