@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 from pydantic_core import PydanticCustomError
 
-from tautline.cli.options.lists import as_in_a_file
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
-from tautline.scene.values.quantity import Quantity
+from tautline.scene.values.quantity import Quantity, as_in_a_file
 from tautline.sweeps.verbs import output_of, single, whole
 
 WRITTEN = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=?|>=?)\s*(?P<value>[^<>=]+?)\s*")
@@ -97,7 +96,8 @@ def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Map
     SceneError
         Listing every limit that cannot be read.
     """
-    found, problems = [], []
+    found: list[Criterion] = []
+    problems: list[Problem] = []
     for text in texts:
         try:
             one = _read(text, figures, outputs)

@@ -37,7 +37,7 @@ def numbers(text: str | None, option: str, unit: str) -> list[float]:
     """
     from pydantic import TypeAdapter, ValidationError
 
-    from tautline.scene.values.quantity import quantity
+    from tautline.scene.values.quantity import as_in_a_file, quantity
 
     adapter: Any = TypeAdapter(_annotated(quantity(unit, positive=True)))
 
@@ -75,14 +75,6 @@ def number(text: str, option: str, unit: str, most: float | None = None, cure: s
     if most is not None and value > most:
         raise option_error(option, text, f"is more than {most:g}", cure)
     return value
-
-
-def as_in_a_file(text: str | None) -> float | str | None:
-    """A number as a scene's file would give it: with its unit as it was typed, or a plain one; None for None."""
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        return text
 
 
 def three_of(text: str, option: str, example: str) -> list[str]:
