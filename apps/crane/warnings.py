@@ -14,6 +14,7 @@ from crane.assembly.layout import entries_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
+from crane.results.limits import LEAST_RATIO
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
@@ -26,8 +27,6 @@ from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
-LEAST_RATIO = 16.0
-"""Sheave over rope diameter below which bending wears a wire rope out quickly; the codes ask for 18 to 25."""
 LEAST_SAFETY = 3.0
 """Breaking load over tension at rest: a rule of thumb of offshore lifting."""
 MOST_STRAIN = 0.03

@@ -48,8 +48,6 @@ SUPPORTS = {
 """Beams by their supports: first natural frequency and largest sag under a uniform load, over sqrt(EJ / m L^4) and
 w L^4 / EJ; and the u of divergence, that of Euler's column under the thrust M U^2, where both ends are held."""
 
-REAL_LIMIT = 2.785294
-"""Decay rate times step beyond which RK4 is unstable: 1 - x + x^2/2 - x^3/6 + x^4/24 = 1."""
 SAMPLES = 4001
 FASTEST = 1.0e60
 """Speed, m/s, that stands for all above it, whose square could not be computed with."""

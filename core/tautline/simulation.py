@@ -132,7 +132,7 @@ def simulate(
     path: str | Path | None = None,
     progress: Callable[[float, float], None] | None = None,
     resume: Result | None = None,
-    announce: Callable[[int], None] | None = None,
+    announce: Callable[[int], Any] | None = None,
     look: Look | None = None,
     afterwards: Afterwards | None = None,
     brief: Brief | None = None,

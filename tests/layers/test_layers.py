@@ -190,3 +190,27 @@ def test_compiled_code_imports_nothing_that_reads_scenes_or_stores_results():
     for path in (ROOT / "core/tautline/lumped").glob("*.py"):
         ours = [n for n in imports_of(path) if n.partition(".")[0] == "tautline"]
         assert all(n.startswith(allowed) for n in ours), path
+
+
+OF_OTHERS = {"_replace", "_asdict", "_fields", "_t"}
+"""Names with an underscore that collections and sympy give to all."""
+OF_OURS = {"tautline._scene", "tautline._installed", "Segment._example"}
+"""What the root of the package keeps for its own rooms, and a class of scenes for its own kind."""
+
+
+def reached_into():
+    """Private attributes of others' objects, but for those of numba and LLVM that the compiler has to know."""
+    for path in [*(ROOT / "core").rglob("*.py"), *(ROOT / "apps").rglob("*.py")]:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        if "compiling" in path.parts:
+            continue
+        nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and node.attr.startswith("_")]
+        named = {node.name for node in ast.walk(tree) if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+        own = named | {node.attr for node in nodes if ast.unparse(node.value) in ("self", "cls")}
+        for node in nodes:
+            if node.attr not in own | OF_OTHERS and not node.attr.startswith("__"):
+                yield f"{path.relative_to(ROOT).as_posix()}: {ast.unparse(node)}"
+
+
+def test_no_module_reaches_into_the_private_parts_of_what_another_makes():
+    assert {line for line in reached_into() if line.split(": ")[1] not in OF_OURS} == set()

@@ -134,7 +134,7 @@ def _at_drum(layout: Layout, spans: Spans, i: int) -> dict[str, Any]:
     """Where the rope comes onto a drum, and what it weighs."""
     return {
         "p": layout.material(i),
-        "way": 1.0 if i == 0 else -1.0,
+        "sign": 1.0 if i == 0 else -1.0,
         "rope": layout.scene.rope.mass_per_length,
         "begin": layout.degrees.value[layout.supply.get(i, layout.material(i))],
         "span": 0 if i == 0 else len(spans.rows) - 1,
@@ -263,11 +263,11 @@ def _supplies(layout: Layout) -> Supplies | None:
         held, capacity = item.rope_on_drum, capacity_of(layout.scene, item)
         if held is None and capacity is None:
             continue
-        way = 1.0 if i == 0 else -1.0
+        sign = 1.0 if i == 0 else -1.0
         begin = layout.degrees.value[layout.supply.get(i, layout.material(i))]
-        least = begin - way * (np.inf if held is None else held)
-        most = begin + way * (np.inf if capacity is None else capacity - (held or 0.0))
-        rows.append((layout.material(i), least, most, way))
+        least = begin - sign * (np.inf if held is None else held)
+        most = begin + sign * (np.inf if capacity is None else capacity - (held or 0.0))
+        rows.append((layout.material(i), least, most, sign))
     if not rows:
         return None
     place, *ends = zip(*rows, strict=True)

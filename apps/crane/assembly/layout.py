@@ -374,7 +374,8 @@ class _Builder:
     def finish(self, records: np.recarray, wheels: list[Wheel], on: list[int], path: Path) -> Layout:
         """Add the rope's stations and rims, and tie what is tied."""
         scene = self.scene
-        station, item, points = [], [], _drawn(scene, path)
+        station: list[int] = []
+        item, points = [], _drawn(scene, path)
         for i, wheel in enumerate(wheels):
             item.append(len(station))
             station.append(self._add(wheel.name, STATION, (*wheel.center, 0.0)))

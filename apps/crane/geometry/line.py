@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import cross, dot, scaled, scaled_sum
 
 AXES = 3
 WHEEL = np.dtype([("frame", "i8"), ("radius", "f8"), ("axis", "f8", (3,)), ("mark", "f8", (3,)), ("turns", "i8")])
@@ -78,30 +79,6 @@ def new_line() -> Line:
 
 
 @kernel(forceinline=True)
-def dot(a, b):
-    """Product of two vectors (3,)."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@kernel(forceinline=True)
-def cross(a, b):
-    """Vector product of two vectors (3,)."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@kernel(forceinline=True)
-def scaled(x, a):
-    """x times a vector (3,)."""
-    return x * a[0], x * a[1], x * a[2]
-
-
-@kernel(forceinline=True)
-def plus(a, x, b):
-    """Vector a + x b."""
-    return a[0] + x * b[0], a[1] + x * b[1], a[2] + x * b[2]
-
-
-@kernel(forceinline=True)
 def row(a):
     """A row of an array as a vector."""
     return a[0], a[1], a[2]
@@ -122,14 +99,14 @@ def write(a, out):
 @kernel(forceinline=True)
 def difference(a, b, q):
     """What leads from place b of a full vector to place a."""
-    return plus(place(q, a), -1.0, place(q, b))
+    return scaled_sum(place(q, a), -1.0, place(q, b))
 
 
 @kernel(forceinline=True)
 def _turned(x, f, q):
     """A vector of a frame, or its rate, by the frame's columns in a full vector; f is where the frame begins."""
     a, b, c = f + COLUMNS, f + COLUMNS + 3, f + COLUMNS + 6
-    return plus(plus(scaled(x[0], place(q, a)), x[1], place(q, b)), x[2], place(q, c))
+    return scaled_sum(scaled_sum(scaled(x[0], place(q, a)), x[1], place(q, b)), x[2], place(q, c))
 
 
 class Rim(NamedTuple):
@@ -175,24 +152,24 @@ def _bend(e, l, one, two):
     return Bend(
         e,
         1.0 / l,
-        scaled(f1, plus(one.plane, -one.c, e)),
-        scaled(over, plus(scaled(l, one.w), -s12, two.w)),
-        scaled(f2, plus(two.plane, -two.c, e)),
-        scaled(over, plus(scaled(l, two.w), -s21, one.w)),
+        scaled(f1, scaled_sum(one.plane, -one.c, e)),
+        scaled(over, scaled_sum(scaled(l, one.w), -s12, two.w)),
+        scaled(f2, scaled_sum(two.plane, -two.c, e)),
+        scaled(over, scaled_sum(scaled(l, two.w), -s21, one.w)),
     )
 
 
 @kernel(forceinline=True)
 def apply(b, x):
     """E x: how the direction turns while its end moves by x."""
-    y = plus(plus(plus(x, -dot(b.e, x), b.e), -dot(b.t1, x), b.u1), -dot(b.t2, x), b.u2)
+    y = scaled_sum(scaled_sum(scaled_sum(x, -dot(b.e, x), b.e), -dot(b.t1, x), b.u1), -dot(b.t2, x), b.u2)
     return scaled(b.over_l, y)
 
 
 @kernel(forceinline=True)
 def apply_back(b, x):
     """E^T x."""
-    y = plus(plus(plus(x, -dot(b.e, x), b.e), -dot(b.u1, x), b.t1), -dot(b.u2, x), b.t2)
+    y = scaled_sum(scaled_sum(scaled_sum(x, -dot(b.e, x), b.e), -dot(b.u1, x), b.t1), -dot(b.u2, x), b.t2)
     return scaled(b.over_l, y)
 
 
@@ -221,7 +198,7 @@ def _first_direction(d, axis, delta):
     d2 = dot(d, d)
     e = d
     if d2 > delta * delta:
-        e = plus(scaled(sqrt(d2 - delta * delta), d), delta, cross(axis, d))
+        e = scaled_sum(scaled(sqrt(d2 - delta * delta), d), delta, cross(axis, d))
     size = sqrt(dot(e, e))
     return scaled(1.0 / size if size > 0.0 else 0.0, e)
 
@@ -237,9 +214,9 @@ def _improve(d, e, axis1, rho1, axis2, rho2):
     for _ in range(MOST_ITERATIONS):
         if one.c == 0.0 or two.c == 0.0:
             break
-        chord = plus(plus(d, rho2, two.w), -rho1, one.w)
+        chord = scaled_sum(scaled_sum(d, rho2, two.w), -rho1, one.w)
         along = dot(chord, e)
-        across = plus(chord, -along, e)
+        across = scaled_sum(chord, -along, e)
         wrong = max(abs(across[0]), abs(across[1]), abs(across[2]))
         l = along if along > 0.0 else 0.1 * sqrt(dot(chord, chord))
         if wrong <= SETTLED * (l + size) or (wrong >= last and wrong <= STALLED * (l + size)):
@@ -248,7 +225,7 @@ def _improve(d, e, axis1, rho1, axis2, rho2):
         # What is left across the line, over its length, is how far it turns.
         de = apply(_bend(e, l, one, two), across)
         turned = max(abs(de[0]), abs(de[1]), abs(de[2]))
-        e = plus(e, TURNED / turned if turned > TURNED else 1.0, de)
+        e = scaled_sum(e, TURNED / turned if turned > TURNED else 1.0, de)
         e = scaled(1.0 / sqrt(dot(e, e)), e)
         one, two = _rim(e, axis1, rho1), _rim(e, axis2, rho2)
     return e, 0.0, one, two
@@ -364,7 +341,7 @@ def find_line(a, b, wheel1, wheel2, wheels, q, v, start, line):
     bend = _bend(e, l, one, two)
     # g = e - E^T (k1 w1 - k2 w2): the second part is that of the fleet angles.
     k1, k2 = rho1 * (1.0 - one.c) / one.c, rho2 * (1.0 - two.c) / two.c
-    write(plus(e, -1.0, apply_back(bend, plus(scaled(k1, one.w), -k2, two.w))), line.g)
+    write(scaled_sum(e, -1.0, apply_back(bend, scaled_sum(scaled(k1, one.w), -k2, two.w))), line.g)
     number[LENGTH], number[PATH] = l, l + rho1 * psi1 - rho2 * psi2
     number[PSI1], number[PSI2], number[COS1], number[COS2] = psi1, psi2, one.c, two.c
     number[RATE], number[FOUND] = 0.0, 1.0 if found else 0.0
@@ -399,7 +376,7 @@ def _keep_rim(rim, axis, mark, x):
 def _drift_of_w(e, rim, axis_d):
     """Rate of w while e stands still and the axis turns: (1 - w w^T)(e x a.) / c."""
     swept = cross(e, axis_d)
-    return scaled(1.0 / rim.c, plus(swept, -dot(swept, rim.w), rim.w))
+    return scaled(1.0 / rim.c, scaled_sum(swept, -dot(swept, rim.w), rim.w))
 
 
 @kernel(forceinline=True)
@@ -419,13 +396,13 @@ def _write_drift(wheel1, wheel2, wheels, one, two, bend, v, line):
         write(_turned(wheel.axis, wheel.frame, v), x1[AXIS_RATE])
         write(_turned(wheel.mark, wheel.frame, v), x1[MARK_RATE])
         write(_drift_of_w(bend.e, one, x1[AXIS_RATE]), x1[DRIFT])
-        pull = plus(pull, -one.rho, x1[DRIFT])
+        pull = scaled_sum(pull, -one.rho, x1[DRIFT])
     if wheel2 != POINT:
         wheel = wheels[wheel2]
         write(_turned(wheel.axis, wheel.frame, v), x2[AXIS_RATE])
         write(_turned(wheel.mark, wheel.frame, v), x2[MARK_RATE])
         write(_drift_of_w(bend.e, two, x2[AXIS_RATE]), x2[DRIFT])
-        pull = plus(pull, two.rho, x2[DRIFT])
+        pull = scaled_sum(pull, two.rho, x2[DRIFT])
     drift = apply(bend, pull)
     write(drift, line.drift)
     rate = 0.0

@@ -11,8 +11,9 @@ axes that stand still.
 
 from __future__ import annotations
 
-from crane.geometry.line import AXES, AXIS, COS1, PLANE, POINT, W, dot
+from crane.geometry.line import AXES, AXIS, COS1, PLANE, POINT, W
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import dot
 
 Y, Z, TURNED_Z = range(3)
 """Rows of ``vector``: y, z = E^T y, E^T z."""

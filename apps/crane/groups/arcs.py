@@ -22,7 +22,6 @@ from crane.geometry.line import (
     B,
     Line,
     W,
-    dot,
     find_line,
     new_line,
     write_turn,
@@ -32,6 +31,7 @@ from crane.groups.span import MATERIAL, STATION
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import dot
 
 ARC = np.dtype([("span", "i8"), ("side", "i8"), ("stiffness", "f8"), ("stored", "i8")])
 """Rope on a wheel, from its mark to the span: the span's number, 0 for the wheel before it and 1 for that after it, EJ

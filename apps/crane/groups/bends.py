@@ -26,12 +26,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.geometry.line import AXES, COS1, LENGTH, PATH, POINT, RATE, Line, W, dot, find_line, new_line, write_turn
+from crane.geometry.line import AXES, COS1, LENGTH, PATH, POINT, RATE, Line, W, find_line, new_line, write_turn
 from crane.geometry.turning import TURNED_Z, Y, add_psi, add_turning, radius_of, sandwich
 from crane.groups.span import MATERIAL, STATION, turns_with_frame
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import EMPTY, register
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import dot
 
 BEND = np.dtype([("first", "i8"), ("second", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("smoothing", "f8")])
 """A kink: numbers of the spans before and after its station, EJ N m^2, c s, k0 1/m."""

@@ -28,11 +28,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.geometry.line import AXES, dot
+from crane.geometry.line import AXES
 from crane.groups.span import FIRST, LAST, MATERIAL, SIZE, STATION, Spans
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import dot
 
 WET = np.dtype([("a", "i8"), ("b", "i8"), ("diameter", "f8"), ("density", "f8"), ("drag", "f8"), ("added", "f8")])
 """Rope between two stations: their places, diameter m, the water's density kg/m^3, Cd and Ca across the rope."""

@@ -37,13 +37,10 @@ from crane.geometry.line import (
     apply_back,
     bend_of,
     difference,
-    dot,
     find_line,
     new_line,
     place,
-    plus,
     row,
-    scaled,
     vary_gradient,
     write,
     write_turn,
@@ -52,6 +49,7 @@ from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.groups import EMPTY, OFF_WHEEL, SLACK_ON_WHEEL, TWO_BLOCKED, register
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import dot, scaled, scaled_sum
 
 FRAME = 12
 """Numbers of a frame in the full vectors: its origin and the columns of its rotation."""
@@ -199,12 +197,12 @@ def _flow(g, n, v):
     lam, lam_d, size = number[LAM], number[LAM_D], number[L]
     p1_d, p2_d = v[s.a + MATERIAL], v[s.b + MATERIAL]
     e, bend = row(line.e), bend_of(line)
-    e_d = plus(row(line.drift), 1.0, apply(bend, difference(s.b, s.a, v)))
-    t, t_d = scaled(lam, e), plus(scaled(lam_d, e), lam, e_d)
-    v1, v2 = plus(place(v, s.a), -p1_d, t), plus(place(v, s.b), -p2_d, t)
+    e_d = scaled_sum(row(line.drift), 1.0, apply(bend, difference(s.b, s.a, v)))
+    t, t_d = scaled(lam, e), scaled_sum(scaled(lam_d, e), lam, e_d)
+    v1, v2 = scaled_sum(place(v, s.a), -p1_d, t), scaled_sum(place(v, s.b), -p2_d, t)
     k = s.mass * size / 6.0
-    m1, m2 = scaled(k, plus(v2, 2.0, v1)), scaled(k, plus(v1, 2.0, v2))
-    p = plus(scaled(p1_d, m1), p2_d, m2)
+    m1, m2 = scaled(k, scaled_sum(v2, 2.0, v1)), scaled(k, scaled_sum(v1, 2.0, v2))
+    p = scaled_sum(scaled(p1_d, m1), p2_d, m2)
     kinetic = 0.5 * (dot(v1, m1) + dot(v2, m2))
     tau = (kinetic + dot(p, t)) / size
     k_d = s.mass * number[L_D] / 6.0
@@ -214,10 +212,10 @@ def _flow(g, n, v):
 @kernel(forceinline=True)
 def _momenta(f, p1_d, p2_d, p1_dd, p2_dd, a1, a2):
     """Accelerations of the particles at both marks, and the rates of their momenta; ``a1, a2`` those of the marks."""
-    a1 = plus(plus(a1, -p1_dd, f.t), -p1_d, f.t_d)
-    a2 = plus(plus(a2, -p2_dd, f.t), -p2_d, f.t_d)
-    n1 = plus(scaled(f.k, plus(a2, 2.0, a1)), f.k_d, plus(f.v2, 2.0, f.v1))
-    n2 = plus(scaled(f.k, plus(a1, 2.0, a2)), f.k_d, plus(f.v1, 2.0, f.v2))
+    a1 = scaled_sum(scaled_sum(a1, -p1_dd, f.t), -p1_d, f.t_d)
+    a2 = scaled_sum(scaled_sum(a2, -p2_dd, f.t), -p2_d, f.t_d)
+    n1 = scaled_sum(scaled(f.k, scaled_sum(a2, 2.0, a1)), f.k_d, scaled_sum(f.v2, 2.0, f.v1))
+    n2 = scaled_sum(scaled(f.k, scaled_sum(a1, 2.0, a2)), f.k_d, scaled_sum(f.v1, 2.0, f.v2))
     return a1, a2, n1, n2
 
 
@@ -275,7 +273,7 @@ def _brought_in(g, n, f):
     """Power, W, that the wheels of a span put in which turn with their frames while the stations stand still."""
     number, line = g.motion.number, g.line
     rate = line.number[RATE]
-    turning = plus(scaled(rate / number[L], row(line.e)), number[LAM], row(line.drift))
+    turning = scaled_sum(scaled(rate / number[L], row(line.e)), number[LAM], row(line.drift))
     return dot(f.p, turning) + number[TENSION] * rate
 
 
@@ -300,9 +298,9 @@ def _residual(g, t, q, v, a, r):
         if turns_with_frame(s, g.wheels):
             g.brought_in[0] += _brought_in(g, n, f)
         e, load = row(line.e), row(s.load)
-        pull = plus(scaled(f.p_e / size + force, row(line.g)), lam, f.turned_p)
-        r1 = plus(plus(n1, -1.0, pull), -0.5 * size, load)
-        r2 = plus(plus(n2, 1.0, pull), -0.5 * size, load)
+        pull = scaled_sum(scaled(f.p_e / size + force, row(line.g)), lam, f.turned_p)
+        r1 = scaled_sum(scaled_sum(n1, -1.0, pull), -0.5 * size, load)
+        r2 = scaled_sum(scaled_sum(n2, 1.0, pull), -0.5 * size, load)
         for c in range(AXES):
             r[i + c] += r1[c]
             r[j + c] += r2[c]

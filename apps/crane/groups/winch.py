@@ -12,17 +12,17 @@ from tautline.kernels.groups import DRUM_FULL, RUN_OUT, register
 from tautline.kernels.jit import kernel
 from tautline.kernels.time_function import TimeFunctions, evaluate
 
-WOUND = np.dtype([("p", "i8"), ("way", "f8"), ("rope", "f8"), ("begin", "f8"), ("span", "i8")])
-"""Rope that comes onto a drum: the place of p at its mark, which stands behind its centre; +1 at the beginning of the
-rope, where p grows as it is hoisted, and -1 at its end; rhoA kg/m; p at the start; and the span that leaves it."""
+WOUND = np.dtype([("p", "i8"), ("sign", "f8"), ("rope", "f8"), ("begin", "f8"), ("span", "i8")])
+"""Rope that comes onto a drum: the place of p at its mark, which stands behind its centre; sign, +1 at the beginning of
+the rope, where p grows as it is hoisted, and -1 at its end; rhoA kg/m; p at the start; and the span that leaves it."""
 DRUM = np.dtype(
     [
-        ("p", "i8"), ("way", "f8"), ("radius", "f8"), ("inertia", "f8"), ("rope", "f8"), ("stored", "f8"),
+        ("p", "i8"), ("sign", "f8"), ("radius", "f8"), ("inertia", "f8"), ("rope", "f8"), ("stored", "f8"),
         ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"), ("integral", "f8"),
         ("limit", "f8"), ("span", "i8"), ("a", "i8"), ("b", "i8"),
     ]
 )  # fmt: skip
-"""A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; inertia kg m^2; rope on it
+"""A drum whose motion is not prescribed: p, sign, rope, begin and span as in ``WOUND``; R m; inertia kg m^2; rope on it
 at the start m (infinite: no end of it); the function of its torque N m or, where it holds a tension (holds 1), of that
 N; its gains, 1 and 1/s; largest torque N m; and the places of the stations of its span."""
 
@@ -56,7 +56,7 @@ class WoundRope(NamedTuple):
 @kernel
 def _wound(w, q):
     """Rope that has come onto the drum since the start, m."""
-    return w.way * (q[w.p] - w.begin)
+    return w.sign * (q[w.p] - w.begin)
 
 
 @kernel
@@ -74,12 +74,12 @@ def _wound_residual(g, t, q, v, a, r):
         w = g.rows[n]
         if g.water[1] > 0.0:
             deep, share = _afloat(g, w, q)
-            r[w.p] += w.way * g.water[1] * deep
+            r[w.p] += w.sign * g.water[1] * deep
             r[w.p - 1] -= _wound(w, q) * g.water[1] * share
         for c in range(MATERIAL):
             o = w.p - MATERIAL + c
-            r[o] += w.rope * (_wound(w, q) * (a[o] - g.gravity[c]) + w.way * v[w.p] * v[o])
-            r[w.p] -= w.way * w.rope * (0.5 * v[o] * v[o] + g.gravity[c] * q[o])
+            r[o] += w.rope * (_wound(w, q) * (a[o] - g.gravity[c]) + w.sign * v[w.p] * v[o])
+            r[w.p] -= w.sign * w.rope * (0.5 * v[o] * v[o] + g.gravity[c] * q[o])
 
 
 @kernel
@@ -101,7 +101,7 @@ def _wound_commit(g, t, h, q, v, a):
         w = g.rows[n]
         now = g.found[w.span, STRAIN_ENERGY]
         if h > 0.0:
-            g.strain[n] += 0.5 * (g.last[n, 1] + now) * w.way * (q[w.p] - g.last[n, 0])
+            g.strain[n] += 0.5 * (g.last[n, 1] + now) * w.sign * (q[w.p] - g.last[n, 0])
         g.last[n, 0], g.last[n, 1] = q[w.p], now
 
 
@@ -130,7 +130,7 @@ class Drums(NamedTuple):
 def _pull(g, d, v):
     """Tension at a drum, N, with what turns the rope's momentum."""
     turned = d.rope * g.found[d.span, STRETCH] * v[d.p] * v[d.p]
-    return turned + (g.found[d.span, FIRST] if d.way > 0.0 else g.found[d.span, LAST])
+    return turned + (g.found[d.span, FIRST] if d.sign > 0.0 else g.found[d.span, LAST])
 
 
 @kernel
@@ -158,7 +158,7 @@ def _drum_torque(g, n, t, v):
 @kernel
 def _stored(d, q):
     """Rope on the drum, m; what has no end has no inertia of its own either."""
-    return max(0.0, d.stored + d.way * (q[d.p] - d.begin)) if d.stored < np.inf else 0.0
+    return max(0.0, d.stored + d.sign * (q[d.p] - d.begin)) if d.stored < np.inf else 0.0
 
 
 @kernel
@@ -173,8 +173,8 @@ def _drum_residual(g, t, q, v, a, r):
         d = g.rows[n]
         stretch = _stretch(g, d)
         changed = _drum_inertia(d, q) * (stretch * a[d.p] + _stretching(g, d) * v[d.p])
-        r[d.p] += stretch * changed + 0.5 * d.way * d.rope * (stretch * v[d.p]) ** 2
-        r[d.p] -= d.way * _stretch(g, d) / d.radius * _drum_torque(g, n, t, v)
+        r[d.p] += stretch * changed + 0.5 * d.sign * d.rope * (stretch * v[d.p]) ** 2
+        r[d.p] -= d.sign * _stretch(g, d) / d.radius * _drum_torque(g, n, t, v)
 
 
 @kernel
@@ -189,7 +189,7 @@ def _add_by_stretch(g, n, t, q, v, a, cc, ck, matrix, dofs):
     """What changes with the stretch of the rope that comes onto a drum."""
     d, stretch = g.rows[n], g.found[g.rows[n].span, STRETCH]
     by = _drum_inertia(d, q) * (2.0 * stretch * a[d.p] + _stretching(g, d) * v[d.p])
-    by += d.way * (d.rope * stretch * v[d.p] ** 2 - _drum_torque(g, n, t, v) / d.radius)
+    by += d.sign * (d.rope * stretch * v[d.p] ** 2 - _drum_torque(g, n, t, v) / d.radius)
     by = ck * by + cc * _drum_inertia(d, q) * stretch * v[d.p]
     by /= q[d.b + MATERIAL] - q[d.a + MATERIAL]
     for c in range(MATERIAL):
@@ -204,14 +204,14 @@ def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         d = g.rows[n]
         x = _drum_inertia(d, q) * (cm * _stretch(g, d) + cc * _stretching(g, d))
-        x += d.way * d.rope * _stretch(g, d) * (cc * v[d.p] + ck * a[d.p])
+        x += d.sign * d.rope * _stretch(g, d) * (cc * v[d.p] + ck * a[d.p])
         x *= _stretch(g, d)
         add_entry(matrix, dofs, d.p, d.p, x)
         if g.found[d.span, STRETCH] > 1.0:
             _add_by_stretch(g, n, t, q, v, a, cc, ck, matrix, dofs)
         if d.holds == 1 and d.proportional > 0.0 and abs(_drum_torque(g, n, t, v)) < d.limit:
-            by = d.way * _stretch(g, d) * d.proportional
-            add_by_tension(g.found, g.direction, d.span, d.a, d.b, d.way > 0.0, d.p, by, cm, cc, ck, matrix, dofs)
+            by = d.sign * _stretch(g, d) * d.proportional
+            add_by_tension(g.found, g.direction, d.span, d.a, d.b, d.sign > 0.0, d.p, by, cm, cc, ck, matrix, dofs)
 
 
 @kernel
@@ -225,10 +225,10 @@ def _drum_energy(g, t, q, v, energy):
 def _drum_supply(g, t, q, v, p):
     for n in range(g.rows.size):
         d = g.rows[n]
-        p[0] += d.way * _stretch(g, d) * v[d.p] / d.radius * _drum_torque(g, n, t, v)
+        p[0] += d.sign * _stretch(g, d) * v[d.p] / d.radius * _drum_torque(g, n, t, v)
         if d.stored == np.inf:
             # Nobody keeps the energy of the rope that comes onto a drum without an end of it.
-            p[0] -= 0.5 * d.way * d.rope * _stretch(g, d) ** 2 * v[d.p] ** 3
+            p[0] -= 0.5 * d.sign * d.rope * _stretch(g, d) ** 2 * v[d.p] ** 3
 
 
 @kernel
@@ -262,16 +262,16 @@ class Supplies(NamedTuple):
     p: np.ndarray
     least: np.ndarray
     most: np.ndarray
-    way: np.ndarray
+    sign: np.ndarray
 
 
 @kernel
 def _supply_alarm(g, t, q, alarm):
     for i in range(g.p.size):
-        if g.way[i] * (q[g.p[i]] - g.least[i]) < 0.0:
+        if g.sign[i] * (q[g.p[i]] - g.least[i]) < 0.0:
             alarm[0], alarm[1] = RUN_OUT, g.p[i]
             return
-        if g.way[i] * (q[g.p[i]] - g.most[i]) > 0.0:
+        if g.sign[i] * (q[g.p[i]] - g.most[i]) > 0.0:
             alarm[0], alarm[1] = DRUM_FULL, g.p[i]
             return
 

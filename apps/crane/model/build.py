@@ -34,8 +34,6 @@ STEP_ERROR = 3.0e-5
 TOLERANCE = 1.0e-8
 """Largest residual, as a share of the rope's tension, that counts as solved."""
 GRAVITY = 9.81
-CLOSES = 1.0e-3
-"""Time that a brake takes to close or open, s."""
 
 
 def build(scene: CraneScene) -> Model:

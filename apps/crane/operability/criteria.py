@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
-from tautline.scene.values.quantity import Quantity
+from tautline.scene.values.quantity import Quantity, as_in_a_file
 from tautline.sweeps.verbs import output_of, single, whole
 
 WRITTEN = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=?|>=?)\s*(?P<value>[^<>=]+?)\s*")
@@ -96,7 +96,8 @@ def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Map
     SceneError
         Listing every limit that cannot be read.
     """
-    found, problems = [], []
+    found: list[Criterion] = []
+    problems: list[Problem] = []
     for text in texts:
         try:
             one = _read(text, figures, outputs)
@@ -127,18 +128,11 @@ def _read(text: str, figures: Mapping[str, str], outputs: Mapping[str, Any]) -> 
             raise option_error(OPTION, text, cause, f"name one, {name.partition('[')[0]}[0] the first")
         unit, of_output = output.unit, True
     try:
-        value = float(Quantity(unit, any_size=True).read(_plain(match["value"])))
+        value = float(Quantity(unit, any_size=True).read(as_in_a_file(match["value"])))
     except PydanticCustomError as error:
         raise option_error(OPTION, text, error.message(), str((error.context or {}).get("cure", ""))) from None
     sense = AT_MOST if match["sense"].startswith("<") else AT_LEAST
     return Criterion(" ".join(text.split()), name, sense, value, unit, of_output)
-
-
-def _plain(word: str) -> Any:
-    try:
-        return float(word)
-    except ValueError:
-        return word
 
 
 def limits_of_scene(scene: Any) -> list[str]:

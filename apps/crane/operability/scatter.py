@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crane.results.summary import SLOPE
+from crane.rope_life.fatigue import SLOPE
 from tautline.scene.errors import Problem, SceneError, option_error
-from tautline.scene.reading.columns import unit_named
+from tautline.scene.reading.columns import NO_UNIT, unit_named
 from tautline.scene.values.units import UnknownUnit, read_unit
 
 OPTION = "--scatter"
@@ -25,7 +25,6 @@ YEAR = 365.25 * 86400.0
 COLLECTED = ("equivalent_tension_range", "tension_cycles")
 UNIT = re.compile(r"\[\s*([^\]]*?)\s*\]|\(\s*([^)]*?)\s*\)")
 """What stands in brackets: in square ones a unit, in round ones a unit or a remark."""
-NO_UNIT = ("", "-", "--", "1")
 EXAMPLE = "the first row: Hs [m], then peak periods in s; each further row: a height in m, then occurrences"
 
 

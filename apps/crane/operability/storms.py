@@ -81,7 +81,7 @@ def operability(
     folder: Path | None = None,
     resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
-    announce: Callable[[int], None] | None = None,
+    announce: Callable[[int], Any] | None = None,
     say: Callable[[str], None] | None = None,
     begin: Callable[[], None] | None = None,
 ) -> Found:
@@ -231,7 +231,7 @@ def _check(asked: Asked, limits: Sequence[str]) -> None:
 
 
 def _found_by(
-    application: Any, scene: Any, announce: Callable[[int], None] | None
+    application: Any, scene: Any, announce: Callable[[int], Any] | None
 ) -> tuple[dict[str, str], Mapping[str, Any]]:
     """Figures that a run of the scene finds, with their units, and its outputs; by a run of a moment."""
     from tautline.live.simulation import handles_of

@@ -17,7 +17,7 @@ from crane.scene.strength import strain_bound
 from tautline.results.assessment.limits import AT_LEAST, judged, strain_limit, stretch_limits
 
 LEAST_RATIO = 16.0
-"""Sheave over rope diameter; codes ask for 16 to 25 (ISO 16625)."""
+"""Sheave over rope diameter below which bending wears a wire rope out quickly; codes ask for 16 to 25 (ISO 16625)."""
 SIDELEAD = math.radians(5.0)
 """Angle of the hook's rope out of the plane of its sheave. Booms are rated for a few degrees."""
 

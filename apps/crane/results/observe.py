@@ -19,8 +19,9 @@ from crane.groups.winch import Drums
 from crane.results.angles import UPRIGHT, across_plumb, hook_span, leads, out_of_plane
 from crane.scene.scene import Drum, Sheave
 from crane.sea.compensation import Compensation
-from tautline.application.modelling import ENERGIES, energies_of, energy_variables
+from tautline.application.modelling import energies_of, energy_variables
 from tautline.kernels.time_function import sample
+from tautline.results.assessment.balance import ENERGIES
 from tautline.results.on_demand import OnDemand, together
 from tautline.results.variable import Variable
 from tautline.system.time_functions import FunctionRequest, compile_functions

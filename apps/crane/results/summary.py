@@ -15,13 +15,11 @@ from crane.results.course import Course, contacts_of, course_of, laid_out
 from crane.results.power import winch_energy
 from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification_of, columns, largest, safety_factor, slack_events
-from crane.rope_life.fatigue import RainflowCycles, equivalent_range, rainflow_counts
+from crane.rope_life.fatigue import SLOPE, RainflowCycles, equivalent_range, rainflow_counts
 from crane.scene.scene import CraneScene, Sheave
 
 SLACK = 0.01
 """Share of the largest tension at rest below which a span counts as slack."""
-SLOPE = 5.0
-"""Exponent of the S-N curve of wire ropes, by which tension ranges are weighed."""
 CANDIDATES = 3
 """Span ends of which rainflow cycles are counted, chosen by the ranges between turns of their tension."""
 MOST_SHEAVES = 4

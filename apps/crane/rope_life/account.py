@@ -25,10 +25,9 @@ from typing import Any
 import numpy as np
 
 from crane.rope_life.bending import RESOLUTION, Contact
+from crane.rope_life.fatigue import SLOPE
 from tautline.results.errors import ResultError
 
-SLOPE = 5.0
-"""Exponent m of the S-N curve of wire ropes."""
 SHARE = 0.2
 """Tension, over the breaking load, at which the life of a rope is given."""
 CELL = 0.01

@@ -13,6 +13,9 @@ import numpy as np
 from crane.rope_life.events import checked
 from tautline.errors import ArgumentError
 
+SLOPE = 5.0
+"""Exponent m of the S-N curve of wire ropes, by which tensions and their ranges are weighed."""
+
 
 @dataclass(frozen=True, eq=False)
 class RainflowCycles:

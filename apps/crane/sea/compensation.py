@@ -19,6 +19,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from crane.sea.content import Content, content_of, sampled
+from crane.sea.frames import with_grace
 from tautline.kernels.time_function import sample
 from tautline.scene.functions import Constant
 from tautline.system.time_functions import (
@@ -55,8 +56,6 @@ EAGER = 3.0
 """Steps over which a speed is brought to what is wanted."""
 PARTS = 8
 """Parts of a step at which the command is held against the limits."""
-GRACE = 1.0
-"""Time by which the last piece outlasts the run, s."""
 CLOSE = 1.0e-9
 """Departure from the command, as a share of its size, that counts as none; and what is kept free of a limit."""
 
@@ -159,9 +158,7 @@ def compensate(
     time, moved, cause = time[: n + 1], moved[:, : n + 1], cause[:n]
     away = cause >= 0
     shares = {name: float(np.mean(cause == i)) for i, name in enumerate(("stroke", "speed", "acceleration"))}
-    value, rate, second = moved[:, -1]
-    later = np.array([value + GRACE * (rate + 0.5 * GRACE * second), rate + GRACE * second, second])
-    knots, derivatives = np.append(time, time[-1] + GRACE), np.column_stack((moved, later))
+    knots, derivatives = with_grace(time, moved)
     k = int(delay / h)
     if k < n and time[k] < delay < time[k + 1] and cause[k] == FREE:
         # The heave is first answered within a step: it begins there, and not before.

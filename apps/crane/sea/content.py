@@ -17,7 +17,7 @@ PERIODS = 100.0
 PER_PERIOD, FEWEST, MOST = 16.0, 1_000, 100_000
 """Times at which it is looked at: so many in the shortest period, and of all."""
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-"""Golden section: no period fits its multiples."""
+"""Golden section: no period fits its multiples, so that a motion which is nothing at all of them is nothing."""
 CHUNK = 20_000
 """Times for which frames are placed at once."""
 

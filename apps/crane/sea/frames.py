@@ -7,13 +7,13 @@ derivatives that are carried through each product: nothing is differenced.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from crane.sea.content import GOLDEN
 from tautline.kernels.moving_frame import ENTRIES, places_of
 from tautline.kernels.time_function import TimeFunctions, sample, sample_all
 from tautline.scene.errors import Problem, SceneError
@@ -33,8 +33,6 @@ TURN = 0.4
 MOST_KNOTS = 1_000_000
 BLEND = 1.0e-4
 """Time in which a jump of acceleration is gone through, s: a knot holds one acceleration, not two."""
-GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-"""Golden section: no period fits its multiples, so that a motion which is nothing at all of them is nothing."""
 LOOKS = np.arange(1, 102) * GOLDEN % 1.0
 """Shares of the run at which a motion's size is looked at."""
 JUMP = 1.0e-6
@@ -254,7 +252,7 @@ def heave_of(frames: Sequence[Frame], vessel: int, k: int, point: Sequence[float
     # the last knot lies beyond the run, where nothing is sampled: the rest follows there as the whole does
     at_rest = path.entries(time, still=vessel)
     lift = point_of(entries, point)[..., 2] - point_of(at_rest, point)[..., 2]
-    return _model(time, _with_grace(time[:-1], lift[:, :-1, None])[1][..., 0])
+    return _model(time, with_grace(time[:-1], lift[:, :-1, None])[1][..., 0])
 
 
 def _compiled(frames: Sequence[Frame], end: float) -> TimeFunctions:
@@ -276,8 +274,11 @@ def _model(time: np.ndarray, derivative: np.ndarray) -> Samples | Constant:
     return Samples(time, derivative[0], derivative[1], derivative[2])
 
 
-def _with_grace(time: np.ndarray, derivatives: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Knots and derivatives (3, m, n) with one more knot after the end, reached with the last acceleration."""
+def with_grace(time: np.ndarray, derivatives: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Knots (m,), s, and values with two derivatives (3, m, ...), with one more knot after the end.
+
+    It is reached with the last acceleration: the motion goes on as it ends.
+    """
     value, rate, second = derivatives[:, -1]
     later = np.array([value + GRACE * (rate + 0.5 * GRACE * second), rate + GRACE * second, second])
     return np.append(time, time[-1] + GRACE), np.concatenate((derivatives, later[:, None]), axis=1)
@@ -339,7 +340,7 @@ class _Path:
             entries = np.insert(entries, at + 1, between, axis=1)
             closed = np.insert(closed, at + 1, False)
             self._check_number(time.size)
-        return _with_grace(time, entries)
+        return with_grace(time, entries)
 
     def _first_knots(self) -> tuple[np.ndarray, np.ndarray]:
         """Knots where any motion changes its formula, and some for every period; and which intervals are done."""

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crane.sea.frames import MOTIONS
+from crane.sea.frames import MOTIONS, with_grace
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Constant
 from tautline.scene.reading.columns import Columns
@@ -33,8 +33,6 @@ FEWEST_ROWS = 4
 LONGEST_GAP = 3.0
 """Median intervals that may pass without a row, where the scene does not say."""
 PIECES_PER_ENVELOPE = 200
-GRACE = 1.0
-"""Time by which a record is gone on with, s, for a run that ends with it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,10 +222,8 @@ def _smooth(time: np.ndarray, value: np.ndarray, end: float, ramp: float) -> Sam
         de = 30.0 * (x * (1.0 - x)) ** 2 / ramp
         dde = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / ramp**2
         f, df, ddf = e * f, de * f + e * df, dde * f + 2.0 * de * df + e * ddf
-    # The run's last instant must not lie where all is held: the motion goes on as it ends.
-    later = f[-1] + GRACE * (df[-1] + 0.5 * GRACE * ddf[-1]), df[-1] + GRACE * ddf[-1], ddf[-1]
-    knots = np.append(knots, knots[-1] + GRACE)
-    f, df, ddf = (np.append(array, x) for array, x in zip((f, df, ddf), later, strict=True))
+    # A run that ends with the record must not have its last instant where all is held.
+    knots, (f, df, ddf) = with_grace(knots, np.stack((f, df, ddf)))
     return Samples(knots, f, df, ddf, reach=float(knots[-2]))
 
 

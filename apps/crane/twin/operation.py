@@ -86,7 +86,7 @@ class CraneOperation(Lifting):
     ) -> dict[str, tuple[float, float]]:  # fmt: skip
         """Count a row: where the rope lies on what, and under which tension."""
         assert self._layout is not None
-        frames, layout = sim._frames, self._layout
+        frames, layout = sim.parts.frames, self._layout
         rows = len(frames.time)
         observed = {"time": frames.time, **sim.model.observe(frames)}
         columns = frames.q[:, layout.wheels.frame[:, None] + COLUMNS].reshape(rows, -1, 3, 3)

@@ -20,7 +20,7 @@ from crane.view.path_figure import draw_scene_figure, of_run, path_figure
 from crane.view.wear_figures import bending_figure, rainflow_figure
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.view.figures.comparison import NothingToShow, marker, names, over_time, title
+from tautline.view.figures.comparison import NothingToShow, marker, names, over_time, title_of_runs
 from tautline.view.figures.drawings import Drawing, drawn, writing
 from tautline.view.figures.figure import (
     COLOURS,
@@ -73,10 +73,6 @@ class _Run:
         return [f"{span}, {end}" for span in self.result["span"] for end in ("first", "last")]
 
 
-def _title(runs: Sequence[_Run]) -> str:
-    return title([run.result for run in runs])
-
-
 def _over_time(figure: Figure, plots: Any, runs: Sequence[_Run]) -> Figure:
     return over_time(figure, plots, [run.time for run in runs])
 
@@ -90,7 +86,7 @@ def overview(runs: Sequence[_Run]) -> Figure:
         ("power of the winch", "W", [_of(run.result, "winch_power") for run in runs], 1.0),
     ]
     panels = [panel for panel in panels if any(values is not None for values in panel[2])]
-    figure, plots = axes(len(panels), 1, 8.0, 2.2 * len(panels) + 0.5, _title(runs), sharex=True)
+    figure, plots = axes(len(panels), 1, 8.0, 2.2 * len(panels) + 0.5, title_of_runs(runs), sharex=True)
     for plot, (text, unit, curves, least) in zip(plots[:, 0], panels, strict=True):
         there = [curve for curve in curves if curve is not None]
         factor, unit = scale(there, unit)
@@ -122,7 +118,7 @@ def path(runs: Sequence[_Run]) -> Figure:
     shots = [of_run(run.result, course, 0, f"at {run.time[0]:.4g} s")]
     if last > 0:
         shots.append(of_run(run.result, course, last, f"at {run.time[last]:.4g} s"))
-    return path_figure(shots, course.scene, _title(runs))
+    return path_figure(shots, course.scene, title_of_runs(runs))
 
 
 @styled
@@ -133,7 +129,7 @@ def tension(runs: Sequence[_Run]) -> Figure:
     """
     every = [ends_of(run.result) for run in runs]
     factor, unit = scale(every, "N")
-    figure, plots = axes(1, 1, 8.0, 4.6, _title(runs))
+    figure, plots = axes(1, 1, 8.0, 4.6, title_of_runs(runs))
     plot = plots[0, 0]
     for number, (run, values) in enumerate(zip(runs, every, strict=True)):
         _tensions(plot, run, values / factor, None if len(runs) == 1 else colour(number, len(runs)))
@@ -179,7 +175,7 @@ def payload(runs: Sequence[_Run]) -> Figure:
     positions = [run.result["body_position"] for run in runs]
     motion = [max(float(np.ptp(position[:, :, c], axis=0).max()) for position in positions) for c in range(3)]
     moving = [c for c in range(3) if motion[c] > max(STILL, LITTLE * max(motion))] or [2]
-    figure, plots = axes(len(moving), 1, 8.0, 2.0 * len(moving) + 0.7, _title(runs), sharex=True)
+    figure, plots = axes(len(moving), 1, 8.0, 2.0 * len(moving) + 0.7, title_of_runs(runs), sharex=True)
     for plot, c in zip(plots[:, 0], moving, strict=True):
         for number, (run, position) in enumerate(zip(runs, positions, strict=True)):
             _columns(plot, runs, number, position[:, :, c], [str(name) for name in run.result["body"]])
@@ -215,7 +211,7 @@ def winch(runs: Sequence[_Run]) -> Figure:
         ("paid_out", "paid out", "m", 1e-3),
         ("winch_power", "power,\npositive in", "W", 1.0),
     )
-    figure, plots = axes(len(panels), 1, 8.0, 7.4, _title(runs), sharex=True)
+    figure, plots = axes(len(panels), 1, 8.0, 7.4, title_of_runs(runs), sharex=True)
     for plot, (variable, text, unit, least) in zip(plots[:, 0], panels, strict=True):
         every = [run.result[variable] for run in runs]
         factor, unit = scale(every, unit)
@@ -240,7 +236,7 @@ def sheaves(runs: Sequence[_Run]) -> Figure:
         (result["sheave_rotation"] / (2.0 * np.pi), "rotation", "turns", 1e-2),
     )
     slips = result["slipping"] != 0.0
-    figure, plots = axes(len(panels), 1, 8.0, 6.4, _title(runs), sharex=True)
+    figure, plots = axes(len(panels), 1, 8.0, 6.4, title_of_runs(runs), sharex=True)
     for plot, (values, text, unit, least) in zip(plots[:, 0], panels, strict=True):
         top = plot is plots[0, 0]
         for k, name in enumerate(wheels):
@@ -279,13 +275,13 @@ def spectrum(runs: Sequence[_Run]) -> Figure:
 def rainflow(runs: Sequence[_Run]) -> Figure:
     """Rainflow cycles of the most worked span end."""
     (run,) = runs
-    return rainflow_figure(run.time, ends_of(run.result), run.ends, _title(runs))
+    return rainflow_figure(run.time, ends_of(run.result), run.ends, title_of_runs(runs))
 
 
 def bending(runs: Sequence[_Run]) -> Figure:
     """Bending cycles of every metre of rope."""
     (run,) = runs
-    figure = bending_figure(run.result, run.course, _title(runs))
+    figure = bending_figure(run.result, run.course, title_of_runs(runs))
     if figure is None:
         raise _lacks(run, "sheaves and no drums")
     return figure

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from crane.results.course import Course
-from crane.results.summary import SLOPE, bending_of, most_worked_end
-from crane.rope_life.fatigue import equivalent_range
+from crane.results.summary import bending_of, most_worked_end
+from crane.rope_life.fatigue import SLOPE, equivalent_range
 from tautline.view.figures.figure import COLOURS, QUIET, SHADES, Axes, Figure, axes, label, scale, styled
 
 CLASSES = 20

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.groups.contact import record_contact
 from drillstring.groups.friction import act, force_now, prepare, settle, status
 from drillstring.well.in_hole import (
     AXES,
@@ -30,27 +31,6 @@ from drillstring.well.in_hole import (
 )
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
-
-PAD = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            "stiffness",
-            "damping",
-            "clearance",
-            "radius",
-            "viscous",
-            "normal",
-            "along",
-            "around",
-            "mean_along",
-            "mean_around",
-        )
-    ]
-)
-"""A contact: stiffness N/m; damping N s/m; radial clearance m; pipe radius m; viscous friction about the axis while in
-contact N m s; then normal force and friction along and around at the last accepted step, N, and
-the mean of that friction and the one before."""
 
 
 class BeamContact(NamedTuple):
@@ -205,18 +185,7 @@ def _commit(g, t, h, q, v, a):
         g.springs[i].normal, g.springs[i].along, g.springs[i].around = c.normal, along, around
 
 
-@kernel
-def _record(g, out, at):
-    """Normal force and friction force along and around, of every contact: (n, 3) in a row."""
-    for i in range(g.springs.size):
-        p = g.springs[i]
-        out[at[0] + 3 * i] = p.normal
-        out[at[0] + 3 * i + 1] = p.along
-        out[at[0] + 3 * i + 2] = p.around
-    at[0] += 3 * g.springs.size
-
-
 register(
     BeamContact, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
-    dissipation=_dissipation, commit=_commit, record=_record,
+    dissipation=_dissipation, commit=_commit, record=record_contact,
 )  # fmt: skip

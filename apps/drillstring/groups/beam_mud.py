@@ -15,6 +15,7 @@ import numpy as np
 from drillstring.well.in_hole import AXES, Hole, add_directions, add_force, combined, hold_points, spot
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import dot
 
 SLEEVE = np.dtype([(name, np.float64) for name in ("mass", "damping", "drag")])
 """Mud that moves with a point: mass kg; mass-proportional damping N s/m; drag D = rho C_d d l / 2, kg/m."""
@@ -48,7 +49,7 @@ def _wash(g, i, q, v):
     bend = (
         s.bend_e * s.ex + s.bend_f * s.fx, s.bend_e * s.ey + s.bend_f * s.fy, s.bend_e * s.ez + s.bend_f * s.fz,
     )  # fmt: skip
-    speed = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    speed = sqrt(dot(w, w))
     return Wash((s.tx, s.ty, s.tz), bend, s.beta, w, along, speed)
 
 
@@ -58,16 +59,11 @@ def _begin(g, t, h, beta, gamma, q, v, a):
 
 
 @kernel
-def _dot(x, y):
-    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
-
-
-@kernel
 def _residual(g, t, q, v, a, r):
     for i in range(g.rows.size):
         p, point, c = g.rows[i], g.hole.points[i], _wash(g, i, q, v)
         acc = (combined(point, a, 0), combined(point, a, 1), combined(point, a, 2))
-        up, loss = _dot(c.t, acc), p.damping + p.drag * c.speed
+        up, loss = dot(c.t, acc), p.damping + p.drag * c.speed
         turn = p.mass * c.along * c.along / c.beta
         add_force(
             point, p.mass * (acc[0] - up * c.t[0]) + loss * c.w[0] - turn * c.bend[0],
@@ -97,9 +93,9 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         acc = (combined(point, a, 0), combined(point, a, 1), combined(point, a, 2))
         loss = p.damping + p.drag * c.speed
         steep = p.drag / c.speed if c.speed > 0.0 else 0.0
-        curved = _dot(c.bend, c.bend)
-        v_bend, a_bend, w_bend = _dot(c.bend, c.w), _dot(c.bend, acc), _dot(c.w, c.bend)
-        up = _dot(c.t, acc)
+        curved = dot(c.bend, c.bend)
+        v_bend, a_bend, w_bend = dot(c.bend, c.w), dot(c.bend, acc), dot(c.w, c.bend)
+        up = dot(c.t, acc)
         turn = p.mass * c.along / c.beta
         for l in range(AXES):
             way = c.t[l] / c.beta

@@ -44,27 +44,15 @@ CENTRED = 1.0e-6
 """Offset from the hole's axis, m, below which no direction to the wall is defined."""
 
 
-SPRING = np.dtype(
-    [("body", np.int64)]
-    + [
-        (name, np.float64)
-        for name in (
-            "stiffness",
-            "damping",
-            "clearance",
-            "radius",
-            "viscous",
-            "normal",
-            "along",
-            "around",
-            "mean_along",
-            "mean_around",
-        )
-    ]
-)
-"""A contact: body index; stiffness N/m; damping N s/m; radial clearance m; pipe radius m; viscous friction about the
-axis while in contact N m s; then normal force and friction along and around at the last accepted step, N, and
+NUMBERS = (
+    "stiffness", "damping", "clearance", "radius", "viscous", "normal", "along", "around", "mean_along", "mean_around",
+)  # fmt: skip
+PAD = np.dtype([(name, np.float64) for name in NUMBERS])
+"""A contact: stiffness N/m; damping N s/m; radial clearance m; pipe radius m; viscous friction about the axis while in
+contact N m s; then normal force and friction along and around at the last accepted step, N, and
 the mean of that friction and the one before."""
+SPRING = np.dtype([("body", np.int64)] + [(name, np.float64) for name in NUMBERS])
+"""The same of a lump, behind the index of its body."""
 
 
 class WallContact(NamedTuple):
@@ -341,7 +329,7 @@ def _commit(g, t, h, q, v, a):
 
 
 @kernel
-def _record(g, out, at):
+def record_contact(g, out, at):
     """Normal force and friction force along and around, of every contact: (n, 3) in a row."""
     for i in range(g.springs.size):
         p = g.springs[i]
@@ -353,5 +341,5 @@ def _record(g, out, at):
 
 register(
     WallContact, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
-    dissipation=_dissipation, commit=_commit, record=_record,
+    dissipation=_dissipation, commit=_commit, record=record_contact,
 )  # fmt: skip

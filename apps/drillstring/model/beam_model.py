@@ -11,10 +11,11 @@ import numpy as np
 
 import tautline.elements.cable  # noqa: F401  (terms of the same elements run together)
 from drillstring.drilling.end_groups import BLOCK, ROTATION, Along, groups_at_ends, is_driven
-from drillstring.groups.beam_contact import PAD, BeamContact
+from drillstring.groups.beam_contact import BeamContact
 from drillstring.groups.beam_eccentricity import OFF_AXIS, BeamEccentricity
 from drillstring.groups.beam_mud import SLEEVE, BeamMud
 from drillstring.groups.beam_points import NODE, TURN, Points, hole_of, nodes_as_points, nodes_of, points_of
+from drillstring.groups.contact import PAD
 from drillstring.model.assembled import Assembled
 from drillstring.model.lumped_model import reach
 from drillstring.model.lumped_string import law_of

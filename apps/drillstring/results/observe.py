@@ -17,8 +17,9 @@ from drillstring.results.side_force import largest_side_force
 from drillstring.results.whirl import whirl_figures
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
-from tautline.application.modelling import ENERGIES, energies_of, energy_variables
+from tautline.application.modelling import energies_of, energy_variables
 from tautline.lumped.curve import PER_BODY
+from tautline.results.assessment.balance import ENERGIES
 from tautline.results.on_demand import OnDemand, together
 from tautline.results.variable import Variable
 
@@ -135,13 +136,13 @@ class Observer:
     def _energies(self, frames: Any) -> dict[str, np.ndarray]:
         return energies_of(frames) | {"potential_energy": frames.energy[:, 2] - self.unstretched}
 
-    def _velocity(self, q, v, s, k1, k2) -> np.ndarray:
+    def _velocity(self, q: np.ndarray, v: np.ndarray, s: np.ndarray, k1: np.ndarray, k2: np.ndarray) -> np.ndarray:
         """Velocity of every lump, north, east, down."""
         m1, m2, t = self.well.frame(s)
         along = v[:, :, 0] * (1.0 - k1 * q[:, :, 1] - k2 * q[:, :, 2])
         return along[..., None] * t + v[:, :, 1, None] * m1 + v[:, :, 2, None] * m2
 
-    def _tension(self, q, v, s, k1, k2) -> np.ndarray:
+    def _tension(self, q: np.ndarray, v: np.ndarray, s: np.ndarray, k1: np.ndarray, k2: np.ndarray) -> np.ndarray:
         """Effective tension of each link, from its chord (docs/lumped_string.md) and Kelvin-Voigt damping."""
         springs = self.links.springs
         turn = np.diff(np.stack(self.well.turning(s)), axis=2)
@@ -161,11 +162,11 @@ class Observer:
             tension += springs.axial * self.links.damping * rate / length
         return tension
 
-    def _torque(self, q, v) -> np.ndarray:
+    def _torque(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         twist = np.diff(q[:, :, 3], axis=1) + self.links.damping * np.diff(v[:, :, 3], axis=1)
         return -self.links.springs.torsional * twist
 
-    def _contact(self, frames, q) -> dict[str, np.ndarray]:
+    def _contact(self, frames: Any, q: np.ndarray) -> dict[str, np.ndarray]:
         """Normal force and friction along and around the hole; lump 0 touches nothing."""
         shape = q.shape[:2]
         out = {name: np.zeros(shape) for name in ("contact_force", "friction_force", "friction_around")}
@@ -175,7 +176,7 @@ class Observer:
                 each[:, self.contact.springs.body] = own[:, :, k]
         return out
 
-    def _surface_torque(self, frames) -> np.ndarray:
+    def _surface_torque(self, frames: Any) -> np.ndarray:
         if self.drive is not None:
             return frames.own[:, -1] - self.drive.inertia * frames.a[:, 3]
         return frames.residual[:, 3].copy()

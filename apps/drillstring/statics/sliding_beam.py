@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillstring.groups.beam_contact import PAD, BeamContact
+from drillstring.groups.beam_contact import BeamContact
 from drillstring.groups.beam_points import NODE, nodes_of, points_of
+from drillstring.groups.contact import PAD
 from drillstring.groups.sliding import SLIDING, Sliding
 from drillstring.results.beam_observe import nearest
 from drillstring.string.lumps import Lumps

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
 from tautline.results.tables.rows import heads_of, write_dataset, write_rows
 from tautline.scene.values.printed import quantity, shown, significant
+from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -26,7 +26,6 @@ NAMES = {
     "rate": "rate_of_penetration",
 }  # fmt: skip
 """What a cell's numbers are called in files and JSON."""
-RPM = 2.0 * pi / 60.0
 MOST_COLUMNS = 9
 """Columns of numbers that a screen has room for."""
 

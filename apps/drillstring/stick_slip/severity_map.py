@@ -175,7 +175,7 @@ def stick_slip_map(
     end: float | None = None,
     jobs: int | None = None,
     progress: Callable[[int, int], None] | None = None,
-    announce: Callable[[int], None] | None = None,
+    announce: Callable[[int], Any] | None = None,
 ) -> Map:
     """Run the scene at all speeds and weights.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 
@@ -77,15 +78,15 @@ class Lumps:
     measured_depth: np.ndarray
     halves: np.ndarray
 
-    def of_links(self, value) -> np.ndarray:
+    def of_links(self, value: Callable[[Tube], float]) -> np.ndarray:
         """A quantity of the section of each link, (n,)."""
         return np.array([value(tube) for tube in self.tubes], dtype=float)[self.section]
 
-    def of_lumps(self, per_length) -> np.ndarray:
+    def of_lumps(self, per_length: Callable[[Tube], float]) -> np.ndarray:
         """A quantity per metre of section, summed over the metres that belong to each lump, (n + 1,)."""
         return self.halves @ np.array([per_length(tube) for tube in self.tubes], dtype=float)
 
-    def largest(self, value) -> np.ndarray:
+    def largest(self, value: Callable[[Tube], float]) -> np.ndarray:
         """Largest of a quantity among the sections that a lump belongs to, (n + 1,)."""
         values = np.array([value(tube) for tube in self.tubes], dtype=float)
         return np.where(self.halves > 0.0, values, -np.inf).max(axis=1)

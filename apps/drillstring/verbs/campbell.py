@@ -12,6 +12,7 @@ from tautline.cli.output.findings import figure_place, say_sentences, write_figu
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
+from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
     from drillstring.modes.campbell import Campbell
@@ -142,8 +143,6 @@ def parse_model(text: str | None) -> str | None:
 
 def parse_speeds(text: str | None) -> tuple[float, float]:
     """Rotary speeds of ``FROM:TO``, bare numbers in rpm, as rad/s; raises SceneError with the cure."""
-    from drillstring.view.campbell_summary import RPM
-
     if text is None:
         return USUAL_SPEEDS[0] * RPM, USUAL_SPEEDS[1] * RPM
     parts = [part.strip() for part in text.split(":")]
@@ -164,7 +163,6 @@ def _speed(word: str, text: str) -> float:
 
     from pydantic import TypeAdapter, ValidationError
 
-    from drillstring.view.campbell_summary import RPM
     from tautline.scene.values.quantity import quantity
 
     adapter: Any = TypeAdapter(Annotated[float, quantity("rad/s", nonnegative=True)])

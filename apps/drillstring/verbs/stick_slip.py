@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,16 +10,15 @@ import typer
 from tautline.cli.output.findings import say_sentences
 from tautline.cli.verbs import Changes, Json, Scene, Stem
 from tautline.scene.errors import option_error
+from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
     from drillstring.stick_slip.severity_map import Map
 
-RPM = 2.0 * math.pi / 60.0
 SPEEDS, SHARES = "40:160:20", (0.5, 1.0, 1.5, 2.0)
 """Rotary speeds where none are given, rpm, and weights over the scene's own."""
 MOST_CELLS, MOST_JOBS = 2000, 256
-ENDINGS = (".csv", ".nc", ".png")
 
 Speeds = Annotated[
     str,

@@ -8,8 +8,9 @@ import numpy as np
 
 from drillstring.modes.campbell import Campbell
 from drillstring.modes.natural_modes import KINDS, Mode
-from drillstring.view.campbell_summary import RPM, model_of, name_of, names_of
+from drillstring.view.campbell_summary import model_of, name_of, names_of
 from drillstring.view.torque_summary import column_unit
+from tautline.scene.values.units import RPM
 from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, colour, label, outline, sample_line, styled
 
 INKS = dict(zip(KINDS, (COLOURS[0], COLOURS[1], COLOURS[2]), strict=True))

@@ -10,6 +10,7 @@ import numpy as np
 from drillstring.scene.scene import BEAM, LUMPED
 from tautline.scene.values.printed import shown, significant
 from tautline.scene.values.systems import length_unit
+from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from drillstring.modes.campbell import Campbell
     from drillstring.modes.natural_modes import Mode
 
-RPM = 2.0 * pi / 60.0
 MOST_ROWS, MOST_SUPPORTS = 8, 8
 """Modes of a kind, and supports, that are told on the screen."""
 LEAST_SHARE = 0.01

@@ -9,6 +9,7 @@ import numpy as np
 
 from drillstring.results.drilling import last_part, stick_slip
 from tautline.results.result import Result
+from tautline.scene.values.units import RPM
 from tautline.view.figures.comparison import NothingToShow, marker, names, over_time, title
 from tautline.view.figures.figure import (
     COLOURS,
@@ -25,7 +26,6 @@ from tautline.view.figures.figure import (
     widen,
 )
 
-RPM = 2.0 * pi / 60.0
 STUCK = 1e-3
 """Rotary speed of a bit, rad/s, below which it is shaded as stuck."""
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import pi
 from pathlib import Path
 
 import numpy as np
 
 from drillstring.stick_slip.severity_map import NOT_RUN, Map
 from tautline.scene.values.systems import in_system
+from tautline.scene.values.units import RPM
 from tautline.view.figures.figure import (
     COLOURS,
     QUIET,
@@ -23,7 +23,6 @@ from tautline.view.figures.figure import (
     styled,
 )
 
-RPM = 2.0 * pi / 60.0
 FRAME = COLOURS[1]
 """Colour of the frame of a cell whose bit sticks."""
 MOST_NUMBERS = 150

@@ -22,7 +22,7 @@ from gardenhose.view.stability_figures import show_in_plane
 from gardenhose.view.stability_figures import static_figure as static_figure
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.view.figures.comparison import marker, names, one_kind, over_time, title
+from tautline.view.figures.comparison import marker, names, one_kind, over_time, title_of_runs
 from tautline.view.figures.drawings import Drawing, drawn, writing
 from tautline.view.figures.figure import (
     COLOURS,
@@ -67,7 +67,13 @@ def tip(runs: Sequence[Run]) -> Figure:
     flows = any(np.any(run.flow) for run in runs)
     rows = len(shown) + flows
     figure, plots = axes(
-        rows, 1, 8.0, 1.9 * rows + 1.0, _title(runs), sharex=True, height_ratios=[0.7] * flows + [1.0] * len(shown)
+        rows,
+        1,
+        8.0,
+        1.9 * rows + 1.0,
+        title_of_runs(runs),
+        sharex=True,
+        height_ratios=[0.7] * flows + [1.0] * len(shown),
     )
     for number, run in enumerate(runs):
         look = {"color": COLOURS[number % len(COLOURS)]} | marker(run.time)
@@ -103,7 +109,7 @@ def phase(runs: Sequence[Run]) -> Figure:
     direction, plane = snapped(leading.cycle.direction, ALMOST), leading.plane
     least = 0.05 * leading.length
     ratio = float(np.clip(1.0 / height_over_width(*plane(np.concatenate([run.tip for run in runs])), least), 0.4, 1.2))
-    figure, plots = axes(1, 2, 5.2 + 3.6 * ratio, 4.7, _title(runs), width_ratios=(1.25, ratio))
+    figure, plots = axes(1, 2, 5.2 + 3.6 * ratio, 4.7, title_of_runs(runs), width_ratios=(1.25, ratio))
     portrait, path = plots[0]
     for number, run in enumerate(runs):
         colour = COLOURS[number % len(COLOURS)]
@@ -149,7 +155,7 @@ def shape(runs: Sequence[Run]) -> Figure:
     least = 0.2 * runs[0].length
     ratio = max(height_over_width(*run.plane(points), least) for run, points in zip(runs, extents, strict=True))
     height = min(max(width * ratio, 1.0), 2.0 * width) + 0.9
-    figure, plots = axes(rows, columns, width * columns + 1.0, height * rows + 1.2, _title(runs))
+    figure, plots = axes(rows, columns, width * columns + 1.0, height * rows + 1.2, title_of_runs(runs))
     for plot, run, fan, extent in zip(plots.flat, runs, fans, extents, strict=False):
         for share, curve in zip(fan.share, fan.curves, strict=True):
             plot.plot(*run.plane(curve), color=SHADES(share), lw=1.2)
@@ -190,7 +196,7 @@ def _fan(run: Run) -> _Fan:
 @styled
 def spectra(runs: Sequence[Run]) -> Figure:
     """Amplitude spectrum of the tip in its direction of largest motion, over the last cycles, or the second half."""
-    figure, plots = axes(1, 1, 8.0, 4.4, _title(runs))
+    figure, plots = axes(1, 1, 8.0, 4.4, title_of_runs(runs))
     plot = plots[0, 0]
     highest, widest = 0.0, 0.0
     for number, run in enumerate(runs):
@@ -225,7 +231,7 @@ def ramp(runs: Sequence[Run]) -> Figure:
     leading = max(runs, key=lambda run: run.cycle.amplitude)
     # Of the whole run: at its end the hose may have come to rest again.
     direction = snapped(directions(leading.tip_velocity)[0], ALMOST)
-    figure, plots = axes(2, 1, 8.0, 6.4, _title(runs), sharex=True, height_ratios=(1.3, 1.0))
+    figure, plots = axes(2, 1, 8.0, 6.4, title_of_runs(runs), sharex=True, height_ratios=(1.3, 1.0))
     place, size = plots[:, 0]
     for number, run in enumerate(runs):
         colour = COLOURS[number % len(COLOURS)]
@@ -325,10 +331,6 @@ def _onset(flow: np.ndarray, amplitude: np.ndarray, least: float) -> float | Non
     if below.size == 0 or amplitude[largest] < least:
         return None
     return float(flow[below[-1] + 1])
-
-
-def _title(runs: Sequence[Run]) -> str:
-    return title([run.result for run in runs])
 
 
 def _sentence(cycle: LimitCycle) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -126,67 +127,102 @@ def flutter_figure(
     system : str
         Units of the figure, a key of `tautline.scene.values.systems.SYSTEMS`.
     """
-    speed, eigenvalues = np.asarray(speed, float), np.asarray(eigenvalues, complex)
-    outside = np.broadcast_to(np.asarray(out_of_plane, float) > 0.5, eigenvalues.shape)
-    frequency, damping = np.abs(eigenvalues.imag), -eigenvalues.real
+    modes = _modes_of(speed, eigenvalues, out_of_plane)
     figure, plots = axes(1, 2, 11.0, 5.4, title, width_ratios=(1.15, 1.0))
     argand, growth = plots[0]
-    known = np.isfinite(frequency) & np.isfinite(damping)
-    wide = float(frequency[known].max(initial=0.0)) or 1.0
-    least = NOTHING * wide
-    unstable = float(-damping[known].min(initial=0.0))
-    # Strong damping takes high modes far up, where nothing happens: the picture is as high as it is wide.
+    wide, low, high = _limits_of(modes)
     argand.set_xlim(-0.03 * wide, 1.08 * wide)
-    top = min(float(damping[known].max(initial=0.0)), wide)
-    low = -max(1.25 * unstable, 0.15 * max(top, unstable, least))
-    argand.set_ylim(low, 1.08 * max(top, unstable, least))
+    argand.set_ylim(low, high)
     argand.axhspan(low, 0.0, color=SHADE, lw=0, zorder=0)
     argand.text(0.99, 0.015, "unstable", transform=argand.transAxes, ha="right", fontsize=9, color=QUIET)
     for plot in (argand, growth):
         plot.axhline(0.0, color="black", lw=0.8)
-    number = _numbers(frequency, outside)
-    colours = [COLOURS[i % len(COLOURS)] for i in number]
-    for mode in range(eigenvalues.shape[1]):
-        for chosen, style in ((~outside[:, mode], "-"), (outside[:, mode], "--")):
-            if not (chosen & known[:, mode]).any():
-                continue
-            # One speed makes no line.
-            look = {"color": colours[mode], "ls": style, "marker": "o" if len(speed) == 1 else ""}
-            # A mode that turns out of the plane keeps its line whole: the point before it belongs to both.
-            chosen = chosen & known[:, mode]
-            chosen = chosen | (np.append(chosen[1:], False) & known[:, mode])
-            right, up = (np.where(chosen, values[:, mode], np.nan) for values in (frequency, damping))
-            argand.plot(right, up, **look)
-            growth.plot(speed, -up, **look)
+    numbers = _numbers(modes.frequency, modes.outside)
+    colours = [COLOURS[i % len(COLOURS)] for i in numbers]
+    for mode, colour in enumerate(colours):
+        _draw_mode(argand, growth, modes, mode, colour)
     per_speed, rate = in_system(1.0, "m/s", system)
-    _label_speeds(argand, speed, per_speed, frequency, damping, colours)
+    _label_speeds(argand, modes.speed, per_speed, modes.frequency, modes.damping, colours)
     if critical_speed is not None:
-        at = (
-            shown(float(critical_speed), "m/s", system),
-            "" if critical_frequency is None else f", {critical_frequency:.3g} Hz",
-        )
-        dot = {"ls": "", "marker": "o", "ms": 8, "mfc": "none", "mec": "black", "mew": 1.4, "zorder": 5}
-        growth.plot(critical_speed, 0.0, label="critical: " + "".join(at), **dot)
-        if critical_frequency is not None:
-            argand.plot(2.0 * np.pi * critical_frequency, 0.0, **dot)
+        _mark_critical(argand, growth, critical_speed, critical_frequency, system)
     argand.set_xlabel("Re ω, frequency")
     argand.set_ylabel(label("Im ω, damping", "1/s"))
     argand.set_title(f"Argand diagram, flow speed in {rate}")
     growth.set_xlabel(label("flow speed", "m/s"))
     growth.set_ylabel(label("growth rate", "1/s"))
     growth.set_title("Growth rate")
-    if len(speed) > 1:
-        growth.set_xlim(speed.min(), speed.max())
-    growth.set_ylim(-1.08 * max(top, unstable, least), -low)
-    handles, _ = growth.get_legend_handles_labels()
-    both = [sample_line(text, color="black", ls=style) for style, text in STYLES.items()]
-    present = both if outside[known].any() else []
-    modes = [sample_line(f"mode {i + 1}", color=COLOURS[i]) for i in range(min(number.max() + 1, len(COLOURS)))]
-    figure.legend(handles=modes + present + handles, loc="outside lower center", ncols=7)
+    if len(modes.speed) > 1:
+        growth.set_xlim(modes.speed.min(), modes.speed.max())
+    growth.set_ylim(-high, -low)
+    figure.legend(handles=_handles(growth, modes, numbers), loc="outside lower center", ncols=7)
     use_units(figure, system)
     # The plane of complex numbers has one unit both ways, in every system.
     argand.set_xlabel(label(argand.get_xlabel(), "rad/s"))
     return figure
+
+
+class _Modes(NamedTuple):
+    """Modes along the flow speed (k,), m/s: frequency rad/s and damping 1/s, each (k, modes).
+
+    ``outside`` tells where a mode is out of the plane, ``known`` where it is known.
+    """
+
+    speed: np.ndarray
+    frequency: np.ndarray
+    damping: np.ndarray
+    outside: np.ndarray
+    known: np.ndarray
+
+
+def _modes_of(speed: np.ndarray, eigenvalues: np.ndarray, out_of_plane: np.ndarray) -> _Modes:
+    speed, eigenvalues = np.asarray(speed, float), np.asarray(eigenvalues, complex)
+    outside = np.broadcast_to(np.asarray(out_of_plane, float) > 0.5, eigenvalues.shape)
+    frequency, damping = np.abs(eigenvalues.imag), -eigenvalues.real
+    return _Modes(speed, frequency, damping, outside, np.isfinite(frequency) & np.isfinite(damping))
+
+
+def _limits_of(modes: _Modes) -> tuple[float, float, float]:
+    """Largest frequency, rad/s, and the least and the largest damping that the diagram shows, 1/s."""
+    wide = float(modes.frequency[modes.known].max(initial=0.0)) or 1.0
+    unstable = float(-modes.damping[modes.known].min(initial=0.0))
+    # Strong damping takes high modes far up, where nothing happens: the picture is as high as it is wide.
+    top = min(float(modes.damping[modes.known].max(initial=0.0)), wide)
+    high = max(top, unstable, NOTHING * wide)
+    return wide, -max(1.25 * unstable, 0.15 * high), 1.08 * high
+
+
+def _draw_mode(argand: Axes, growth: Axes, modes: _Modes, mode: int, colour: str) -> None:
+    """One mode's curve in the diagram and its growth rate, solid where it is in the plane and dashed out of it."""
+    known, outside = modes.known[:, mode], modes.outside[:, mode]
+    for side, style in ((~outside, "-"), (outside, "--")):
+        chosen = side & known
+        if not chosen.any():
+            continue
+        # One speed makes no line.
+        look: dict[str, Any] = {"color": colour, "ls": style, "marker": "o" if len(modes.speed) == 1 else ""}
+        # A mode that turns out of the plane keeps its line whole: the point before it belongs to both.
+        chosen = chosen | (np.append(chosen[1:], False) & known)
+        right, up = (np.where(chosen, values[:, mode], np.nan) for values in (modes.frequency, modes.damping))
+        argand.plot(right, up, **look)
+        growth.plot(modes.speed, -up, **look)
+
+
+def _mark_critical(argand: Axes, growth: Axes, speed: float, frequency: float | None, system: str) -> None:
+    """A ring where the hose begins to flutter."""
+    at = (shown(float(speed), "m/s", system), "" if frequency is None else f", {frequency:.3g} Hz")
+    dot: dict[str, Any] = {"ls": "", "marker": "o", "ms": 8, "mfc": "none", "mec": "black", "mew": 1.4, "zorder": 5}
+    growth.plot(speed, 0.0, label="critical: " + "".join(at), **dot)
+    if frequency is not None:
+        argand.plot(2.0 * np.pi * frequency, 0.0, **dot)
+
+
+def _handles(growth: Axes, modes: _Modes, numbers: np.ndarray) -> list[Any]:
+    """What the legend explains: the modes' colours, both kinds of line where there are both, and the critical speed."""
+    marked, _ = growth.get_legend_handles_labels()
+    both = [sample_line(text, color="black", ls=style) for style, text in STYLES.items()]
+    present = both if modes.outside[modes.known].any() else []
+    named = [sample_line(f"mode {i + 1}", color=COLOURS[i]) for i in range(min(numbers.max() + 1, len(COLOURS)))]
+    return [*named, *present, *marked]
 
 
 def _numbers(frequency: np.ndarray, outside: np.ndarray) -> np.ndarray:

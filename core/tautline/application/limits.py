@@ -216,27 +216,4 @@ def _counted(axes: int) -> str:
 
 def series_of(output: Output) -> Any:
     """What reads an output of many frames: variables of m frames -> (m, ...)."""
-    if output.series is not None:
-        return output.series
-
-    def one_by_one(frames: Mapping[str, np.ndarray]) -> np.ndarray:
-        count = len(frames["time"])
-        return np.array([output.value(_Frame(frames, k)) for k in range(count)], float)
-
-    return one_by_one
-
-
-class _Frame(Mapping[str, np.ndarray]):
-    """One frame of many."""
-
-    def __init__(self, frames: Mapping[str, np.ndarray], k: int) -> None:
-        self._frames, self._part = frames, slice(k, k + 1)
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self._frames[name][self._part]
-
-    def __iter__(self) -> Any:
-        return iter(self._frames)
-
-    def __len__(self) -> int:
-        return len(self._frames)
+    return output.series or (lambda frames: output.one_by_one(frames, len(frames["time"])))

@@ -8,14 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from tautline.results.assessment.balance import ENERGIES
 from tautline.results.on_demand import OnDemand
 from tautline.results.variable import Variable
 from tautline.scene.identity import BESIDES, model_hash
 from tautline.scene.solver import longest_step
 from tautline.system.model import SolverSettings
-
-ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
-"""Variables of the energies in the order of a frame's."""
 
 
 def settings_of(

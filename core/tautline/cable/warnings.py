@@ -13,8 +13,8 @@ import numpy as np
 
 from tautline.cable.input.couplings import APART, coupling_gap, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
-from tautline.cable.input.material import element_lengths, material_coordinates
-from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
+from tautline.cable.input.material import element_lengths, material_coordinates, nodes_key
+from tautline.cable.input.parts import CableScene, Node, Place, Tie
 from tautline.cable.input.syntax.nodal import item_of
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
@@ -59,10 +59,6 @@ def figures(scene: CableScene) -> dict[str, Any]:
 
 
 Sentences = Iterator[tuple[Place, str]]
-
-
-def _key(element: Element) -> str:
-    return "nodes7" if element.kind == "cubic" else "nodes4"
 
 
 @functools.cache
@@ -236,7 +232,7 @@ def _lengths(scene: CableScene) -> Sentences:
                 f"{length:.4g} m of cable are; put right "
                 f"{'`p:` or pos0' if element.length is None else '`length:`'} if that is not meant"
             )
-            yield (*element.place, _key(element) if element.length is None else "length"), text
+            yield (*element.place, nodes_key(element) if element.length is None else "length"), text
         for node in (first, second):
             if node.id in loose and not (node.place == element.place and node.place in massless):
                 massless.add(node.place)

@@ -285,7 +285,8 @@ def simulate(
     An earlier result of the same name is replaced once the run has begun. Ctrl-C keeps what there is.
     """
     from tautline.cli.commands import simulate as verb
-    from tautline.cli.options.lists import as_in_a_file, number, seconds
+    from tautline.cli.options.lists import number, seconds
+    from tautline.scene.values.quantity import as_in_a_file
 
     times = {"step": seconds(step, "--step", ("auto",)), "end": seconds(end, "--end")}
     if accuracy is not None:

@@ -21,14 +21,12 @@ from tautline.elements.cubic import (
     add_blocks,
     add_forces,
     combined,
-    dot,
     lengths_of,
     members,
     nodes_of,
     nothing,
     place_of,
     row_of,
-    scaled_sum,
     shape_of,
     vectors,
     write_own,
@@ -49,6 +47,7 @@ from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, SECOND, THIRD, WEIGHT
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, load, pack, spread, store
+from tautline.kernels.vector import dot, scaled_sum
 
 BENDING = np.dtype([("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("smoothing", "f8")])
 """An element: its nodes' places, EJ N m^2, c s, smoothing 1/m."""

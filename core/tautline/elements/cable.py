@@ -22,7 +22,6 @@ from tautline.elements.cubic import (
     members,
     nodes_of,
     nothing,
-    scaled_sum,
     shape_of,
 )
 from tautline.elements.inertia import Inertia, add_mass_one_by_one, inertia_of_four, mass_of_four
@@ -31,6 +30,7 @@ from tautline.kernels.dispatch import by_type
 from tautline.kernels.groups import register, register_joint
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, load, store
+from tautline.kernels.vector import scaled_sum
 
 
 class Elastic(NamedTuple):

@@ -132,18 +132,6 @@ def combined(n, shape):
 
 
 @kernel(forceinline=True)
-def dot(x, y):
-    """Scalar products of three lanes each."""
-    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
-
-
-@kernel(forceinline=True)
-def scaled_sum(x, s, y):
-    """x + s y, for three lanes x and y."""
-    return x[0] + s * y[0], x[1] + s * y[1], x[2] + s * y[2]
-
-
-@kernel(forceinline=True)
 def nothing():
     """No force on r2 - r1, r1' and r2' of four elements yet."""
     none = spread(0.0)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, store
+from tautline.kernels.vector import dot
 
 AXES = 3
 
@@ -16,11 +17,7 @@ AXES = 3
 @kernel(forceinline=True)
 def products_of(e, k):
     """a, b and c."""
-    return (
-        e[0] * e[0] + e[1] * e[1] + e[2] * e[2],
-        e[0] * k[0] + e[1] * k[1] + e[2] * k[2],
-        k[0] * k[0] + k[1] * k[1] + k[2] * k[2],
-    )
+    return dot(e, e), dot(e, k), dot(k, k)
 
 
 @kernel(forceinline=True)

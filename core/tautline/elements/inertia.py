@@ -19,13 +19,13 @@ from tautline.elements.cubic import (
     members,
     nodes_in_a_row,
     nodes_of,
-    scaled_sum,
     vectors,
     vectors_of,
 )
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, laid_flat, pack, spread
+from tautline.kernels.vector import scaled_sum
 
 INERTIA = np.dtype([("a", "i8"), ("b", "i8"), ("mass", "f8"), ("damping", "f8"), ("load", "f8", (3,))])
 """An element: its nodes' places, mass kg/m, mass-proportional damping 1/s (eq. 2.168), load with the weight N/m."""

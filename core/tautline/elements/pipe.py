@@ -20,6 +20,7 @@ from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, SECOND, WEIGHT
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import dot
 
 PIPE = np.dtype(
     [("a", "i8"), ("b", "i8"), ("flow", "i8")]
@@ -98,11 +99,6 @@ def _mix(w, x, i, j):
 
 
 @kernel
-def _dot(x, y):
-    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
-
-
-@kernel
 def _gathered(sums, w, x, y, z):
     """Sums of forces on the distance and on both slopes (9), with that of a force against a vector of a point."""
     return (
@@ -123,16 +119,16 @@ def _residual(g, t, q, v, a, r):
             p = g.axial[k]
             w = _at(p, FIRST, 1.0, h)
             e = _mix(w, q, i, j)
-            strain, factor, _ = strain_of(row, _dot(e, e))
+            strain, factor, _ = strain_of(row, dot(e, e))
             if row.damping != 0.0:
-                strain += row.damping * factor * _dot(e, _mix(w, v, i, j))
+                strain += row.damping * factor * dot(e, _mix(w, v, i, j))
             force = p[WEIGHT] * row.length * row.stiffness * strain * factor
             sums = _gathered(sums, w, force * e[0], force * e[1], force * e[2])
         for k in range(g.points.shape[0] if row.bending > 0.0 else 0):
             p = g.points[k]
             w1, w2 = _at(p, FIRST, 1.0, h), _at(p, SECOND, h, h)
             e, b = _mix(w1, q, i, j), _mix(w2, q, i, j)
-            x, beta, y = 1.0 / _dot(e, e), _dot(e, b), _dot(b, b)
+            x, beta, y = 1.0 / dot(e, e), dot(e, b), dot(b, b)
             scale = p[WEIGHT] * row.length * row.bending
             # EJ/2 times the gradient of (a c - b^2)/a^3, a = e.e, b = e.b = beta, c = b.b = y.
             by_e = scale * (3.0 * beta * beta * x - 2.0 * y) * x * x * x
@@ -141,14 +137,14 @@ def _residual(g, t, q, v, a, r):
             gx, gy, gz = by_b * b[0] + mixed * e[0], by_b * b[1] + mixed * e[1], by_b * b[2] + mixed * e[2]
             if row.damping != 0.0:
                 e_d, b_d = _mix(w1, v, i, j), _mix(w2, v, i, j)
-                two = 2.0 * _dot(e, e_d)
+                two = 2.0 * dot(e, e_d)
                 yx = x * (b_d[0] - x * (beta * e_d[0] + two * b[0]))
                 yy = x * (b_d[1] - x * (beta * e_d[1] + two * b[1]))
                 yz = x * (b_d[2] - x * (beta * e_d[2] + two * b[2]))
-                along = x * _dot(e, (yx, yy, yz))
+                along = x * dot(e, (yx, yy, yz))
                 yx, yy, yz = yx - along * e[0], yy - along * e[1], yz - along * e[2]
                 viscous = scale * row.damping * x
-                pull = 2.0 * _dot((yx, yy, yz), b)
+                pull = 2.0 * dot((yx, yy, yz), b)
                 fx -= viscous * x * (beta * yx + pull * e[0])
                 fy -= viscous * x * (beta * yy + pull * e[1])
                 fz -= viscous * x * (beta * yz + pull * e[2])
@@ -186,8 +182,8 @@ def _add_axial(g, row, q, v, cc, ck):
         p = g.axial[k]
         w = _at(p, FIRST, 1.0, h)
         e, e_d = _mix(w, q, i, j), _mix(w, v, i, j)
-        rate = _dot(e, e_d)
-        strain, factor, bent = strain_of(row, _dot(e, e))
+        rate = dot(e, e_d)
+        strain, factor, bent = strain_of(row, dot(e, e))
         weight = p[WEIGHT] * row.length * row.stiffness
         stress = strain + row.damping * factor * rate
         along = ck * (factor * factor + row.damping * factor * bent * rate + stress * bent)
@@ -206,7 +202,7 @@ def _add_axial(g, row, q, v, cc, ck):
 @kernel
 def _across(e, x, y):
     """The part of a vector y across e, x being 1/e.e."""
-    along = x * _dot(e, y)
+    along = x * dot(e, y)
     return y[0] - along * e[0], y[1] - along * e[1], y[2] - along * e[2]
 
 
@@ -221,7 +217,7 @@ def _write_stress(e, b, e_d, b_d, stiffness, viscosity, cc, ck, stress):
         dw/de = c1 e^T + c2 b^T + c3 e.^T - (e.y) P/a - e w^T/a,   dw/db = c2 e^T - 2 epsilon P/a^2,
         c1 = -2 b.^/a^2 + (4 beta e.^ + 8 epsilon b^)/a^3,   c2 = -e.^/a^2,   c3 = -2 b^/a^2.
     """
-    x, beta, size = 1.0 / _dot(e, e), _dot(e, b), _dot(b, b)
+    x, beta, size = 1.0 / dot(e, e), dot(e, b), dot(b, b)
     xx = x * x
     bent = _across(e, x, b)
     # kappa^2 = (a c - beta^2)/a^3: its derivatives by a, beta and c = b.b.
@@ -229,16 +225,16 @@ def _write_stress(e, b, e_d, b_d, stiffness, viscosity, cc, ck, stress):
     by_a, by_b, by_c = half * (3.0 * beta * beta * x - 2.0 * size) * x * xx, -2.0 * half * beta * x * xx, half * xx
     by_aa, by_ab = half * (6.0 * size - 12.0 * beta * beta * x) * xx * xx, 6.0 * half * beta * xx * xx
     by_ac = by_bb = -2.0 * half * x * xx
-    epsilon = _dot(e, e_d)
+    epsilon = dot(e, e_d)
     y = (
         x * b_d[0] - xx * (beta * e_d[0] + 2.0 * epsilon * b[0]),
         x * b_d[1] - xx * (beta * e_d[1] + 2.0 * epsilon * b[1]),
         x * b_d[2] - xx * (beta * e_d[2] + 2.0 * epsilon * b[2]),
     )
-    along, w = x * _dot(e, y), _across(e, x, y)
+    along, w = x * dot(e, y), _across(e, x, y)
     turned, driven = _across(e, x, e_d), _across(e, x, b_d)
-    square, pull, b2, b3 = _dot(bent, bent), _dot(w, b), -xx * _dot(b, turned), -2.0 * xx * _dot(b, bent)
-    b1 = xx * (x * (4.0 * beta * _dot(b, turned) + 8.0 * epsilon * square) - 2.0 * _dot(b, driven))
+    square, pull, b2, b3 = dot(bent, bent), dot(w, b), -xx * dot(b, turned), -2.0 * xx * dot(b, bent)
+    b1 = xx * (x * (4.0 * beta * dot(b, turned) + 8.0 * epsilon * square) - 2.0 * dot(b, driven))
     k, c = ck * viscosity * xx, cc * viscosity * xx * xx
     one_ee = 2.0 * by_a + k * (beta * along - 2.0 * pull) + c * beta * beta
     one_eb = by_b + k * 2.0 * beta * xx * epsilon - c / x * beta
@@ -350,7 +346,7 @@ def _energy(g, t, q, v, energy):
             energy[2] -= both * row.gravity[c] * length * middle
         for k in range(g.axial.shape[0]):
             e = _mix(_at(g.axial[k], FIRST, 1.0, h), q, i, j)
-            strain, _, _ = strain_of(row, _dot(e, e))
+            strain, _, _ = strain_of(row, dot(e, e))
             energy[1] += 0.5 * g.axial[k, WEIGHT] * length * row.stiffness * strain * strain
         for k in range(g.points.shape[0]):
             p = g.points[k]
@@ -372,17 +368,17 @@ def _dissipation(g, t, q, v, power):
             p = g.axial[k]
             w = _at(p, FIRST, 1.0, h)
             e = _mix(w, q, i, j)
-            _, factor, _ = strain_of(row, _dot(e, e))
-            power[0] += p[WEIGHT] * length * row.stiffness * row.damping * (factor * _dot(e, _mix(w, v, i, j))) ** 2
+            _, factor, _ = strain_of(row, dot(e, e))
+            power[0] += p[WEIGHT] * length * row.stiffness * row.damping * (factor * dot(e, _mix(w, v, i, j))) ** 2
         for k in range(g.points.shape[0]):
             p = g.points[k]
             w1, w2 = _at(p, FIRST, 1.0, h), _at(p, SECOND, h, h)
             e, b, e_d, b_d = _mix(w1, q, i, j), _mix(w2, q, i, j), _mix(w1, v, i, j), _mix(w2, v, i, j)
-            x, beta, two = 1.0 / _dot(e, e), _dot(e, b), 2.0 * _dot(e, e_d)
+            x, beta, two = 1.0 / dot(e, e), dot(e, b), 2.0 * dot(e, e_d)
             yx = x * (b_d[0] - x * (beta * e_d[0] + two * b[0]))
             yy = x * (b_d[1] - x * (beta * e_d[1] + two * b[1]))
             yz = x * (b_d[2] - x * (beta * e_d[2] + two * b[2]))
-            along = _dot(e, (yx, yy, yz))
+            along = dot(e, (yx, yy, yz))
             square = yx * yx + yy * yy + yz * yz - along * along * x
             power[0] += p[WEIGHT] * length * row.bending * row.damping * square
 

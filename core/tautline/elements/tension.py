@@ -22,13 +22,11 @@ from tautline.elements.cubic import (
     add_blocks,
     add_forces,
     combined,
-    dot,
     lengths_of,
     members,
     nodes_of,
     nothing,
     row_of,
-    scaled_sum,
     shape_of,
     vectors,
     write_own,
@@ -40,6 +38,7 @@ from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, WEIGHT
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, load, pack, spread, sqrt, store, where
+from tautline.kernels.vector import dot, scaled_sum
 
 TENSION = np.dtype(
     [("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("engineering", "i8"), ("slack", "i8")]
@@ -88,6 +87,21 @@ def strain_of(row, square):
         return 0.5 * (square - 1.0), 1.0, 0.0
     size = sqrt(square)
     return size - 1.0, 1.0 / size, -1.0 / (square * size)
+
+
+@kernel(forceinline=True)
+def _strain_of_four(engineering, engineered, square):
+    """What :func:`strain_of` says of four elements; ``engineering`` is 1 in the lanes that have engineering strain.
+
+    ``engineered`` tells whether any has: a rope of Green's strain alone takes no root.
+    """
+    strain, factor, bent = 0.5 * (square - 1.0), spread(1.0), spread(0.0)
+    if engineered:
+        size = sqrt(square)
+        strain = strain + engineering * (size - 1.0 - strain)
+        factor = factor + engineering * (1.0 / size - factor)
+        bent = -engineering / (square * size)
+    return strain, factor, bent
 
 
 @kernel
@@ -139,12 +153,7 @@ def tension_of_four(g, each, counts, i, j, shape, q, v, sums):
         # The first functions of both positions are opposite: position enters by its difference.
         n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
         e = combined((n1, n2, n3), shape)
-        square = dot(e, e)
-        strain, factor = 0.5 * (square - 1.0), spread(1.0)
-        if engineered:
-            size = sqrt(square)
-            strain = strain + engineering * (size - 1.0 - strain)
-            factor = factor + engineering * (1.0 / size - factor)
+        strain, factor, _ = _strain_of_four(engineering, engineered, dot(e, e))
         carried = p[WEIGHT] * length * stiffness * counts
         if slackens:
             carried = where(slack * strain < 0.0, 0.0, carried)
@@ -181,13 +190,7 @@ def write_tension_tangent(g, each, i, j, shape, q, v, cc, ck):
         p = g.points[k]
         n1, n2, n3 = functions = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
         e = combined(functions, shape)
-        square = dot(e, e)
-        strain, factor, bent = 0.5 * (square - 1.0), spread(1.0), none
-        if engineered:
-            size = sqrt(square)
-            strain = strain + engineering * (size - 1.0 - strain)
-            factor = factor + engineering * (1.0 / size - factor)
-            bent = -engineering / (square * size)
+        strain, factor, bent = _strain_of_four(engineering, engineered, dot(e, e))
         weight = p[WEIGHT] * length * stiffness
         if slackens:
             weight = where(slack * strain < 0.0, 0.0, weight)

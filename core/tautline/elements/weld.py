@@ -16,6 +16,7 @@ from tautline.elements.cubic import AXES
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import dot
 
 
 class Welds(NamedTuple):
@@ -37,7 +38,7 @@ def _residual(g, t, q, v, a, r):
     for i in range(g.a.size):
         x, x_size = _unit(q, g.a[i])
         y, y_size = _unit(q, g.b[i])
-        cosine = x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+        cosine = dot(x, y)
         for c in range(AXES):
             r[g.a[i] + c] -= g.stiffness[i] / x_size * (y[c] - cosine * x[c])
             r[g.b[i] + c] -= g.stiffness[i] / y_size * (x[c] - cosine * y[c])
@@ -48,7 +49,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for i in range(g.a.size):
         x, x_size = _unit(q, g.a[i])
         y, y_size = _unit(q, g.b[i])
-        cosine = x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+        cosine = dot(x, y)
         k = ck * g.stiffness[i]
         for c in range(AXES):
             dx, dy = y[c] - cosine * x[c], x[c] - cosine * y[c]

@@ -93,7 +93,7 @@ def compiled(function: Any) -> Any:
 
     vector = types.CPointer(types.float64)
 
-    def outer(t, q, v, f, n):
+    def outer(t: Any, q: Any, v: Any, f: Any, n: Any) -> None:
         force = carray(f, (n,))
         try:
             function(t, carray(q, (n,)), carray(v, (n,)), force)

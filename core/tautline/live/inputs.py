@@ -87,6 +87,7 @@ class Inputs(Mapping[str, Any]):
             self._set_vector(name, value)
             return
         k = self._number(name)
+        given: tuple[float, ...]
         try:
             if type(value) is float:
                 given = (value,)

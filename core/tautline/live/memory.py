@@ -88,7 +88,9 @@ class Memory:
         for first, last, view in self._parts:
             view[:] = block[first:last]
 
-    def combine(self, base: np.ndarray, others: Sequence[np.ndarray], weights: Sequence[float]) -> np.ndarray:
+    def combine(
+        self, base: np.ndarray, others: Sequence[np.ndarray], weights: Sequence[float] | np.ndarray
+    ) -> np.ndarray:
         """Bytes of the state ``base + sum of weight (other - base)``: a state that is extrapolated along differences.
 
         Floats are combined where all of them are finite. All else, such as what sticks and what slips, is the base's.

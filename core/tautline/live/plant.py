@@ -123,7 +123,7 @@ class _Linearisation:
         self.outputs: list[Output] = [sim.outputs.handle(name) for name in outputs]
         self._refuse_sums()
         self.sim = sim.copy()
-        self.system, self.state, self.t = self.sim.model.system, self.sim._state, sim.time
+        self.system, self.state, self.t = self.sim.model.system, self.sim.parts.state, sim.time
         self.groups, self.laws = self.system.link(SUMS), self.system.link(("commit",))
         dofs, functions = self.system.dofs, self.system.functions
         held = [int(dofs.held[k]) for k in dofs.driven]
@@ -364,7 +364,7 @@ class _Linearisation:
                 parts.append(np.ravel(differences[one.name]))
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    def _differences(self, dq, dv, da, values) -> dict[str, np.ndarray]:
+    def _differences(self, dq: np.ndarray, dv: np.ndarray, da: np.ndarray, values: np.ndarray) -> dict[str, np.ndarray]:
         """Derivatives of the compiled outputs along a direction, by steps that no kink lies in."""
         largest = max(float(np.abs(dq).max(initial=0.0)), float(np.abs(dv).max(initial=0.0)) / self._rate)
         largest = largest or float(np.abs(da).max(initial=0.0)) / self._rate**2 or 1.0
@@ -380,10 +380,13 @@ class _Linearisation:
                 return {name: (4.0 * one[name] - two[name]) / 3.0 for name in one}
             step *= FINER
 
-    def _central(self, h, dq, dv, da, values) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+    def _central(
+        self, h: float, dq: np.ndarray, dv: np.ndarray, da: np.ndarray, values: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
         """Central differences of the compiled outputs along a direction, and how large these are."""
         state = self.state
-        noted = self.sim._memory.read()
+        _, method, frames, memory = self.sim.parts
+        noted = memory.read()
         kept = [array.copy() for array in (state.full_q, state.full_v, state.full_a, state.residual)]
         compiled = [one for one in self.outputs if one.places is None]
         found: dict[str, np.ndarray] = {one.name: np.zeros(one.shape) for one in compiled}
@@ -400,13 +403,13 @@ class _Linearisation:
             self._residual()
             # What a law notes at the end of a step, such as a drive its torque and a contact its force, is of now.
             settle(self.laws, state, self.t)
-            record_now(self.sim._run.method, self.system, state, self.t, self.sim._frames.rows[0])
-            frame = self.sim.model.observe(self.sim._frames)
+            record_now(method, self.system, state, self.t, frames.rows[0])
+            frame = self.sim.model.observe(frames)
             for one in compiled:
                 value = np.array(one.value(frame), dtype=float)
                 found[one.name] = found[one.name] + 0.5 * sign / h * value
                 size[one.name] = max(size[one.name], float(np.abs(value).max(initial=0.0)))
-            self.sim._memory.write(noted)
+            memory.write(noted)
         for array, before in zip((state.full_q, state.full_v, state.full_a, state.residual), kept, strict=True):
             array[:] = before
         for function in at:

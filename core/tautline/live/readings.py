@@ -13,22 +13,6 @@ from tautline.live.errors import SimulationError, unknown
 from tautline.system.handles import Output, Parameter
 
 
-class OneFrame(Mapping[str, np.ndarray]):
-    """One of several frames that were observed together: the variables of that frame alone."""
-
-    def __init__(self, observed: Mapping[str, np.ndarray], frame: int) -> None:
-        self._observed, self._part = observed, slice(frame, frame + 1)
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self._observed[name][self._part]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._observed)
-
-    def __len__(self) -> int:
-        return len(self._observed)
-
-
 def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
     """Outputs of many frames of one model, observed together: what a call costs is paid once for all of them.
 
@@ -55,7 +39,7 @@ def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, nam
         if one.places is not None:
             found.append(vectors[one.places[0]][:, one.places[1]])
         else:
-            found.append(np.array([one.value(OneFrame(observed, k)) for k in range(len(rows))], float))
+            found.append(one.one_by_one(observed, len(rows)))
     return found
 
 
@@ -136,7 +120,8 @@ class Parameters(Mapping[str, Any]):
     def __contains__(self, name: object) -> bool:
         return name in self._parameters
 
-    def _parameter(self, name: str) -> Parameter:
+    def handle(self, name: str) -> Parameter:
+        """What is known of a parameter; raises UnknownName."""
         try:
             return self._parameters[name]
         except (KeyError, TypeError):  # a list is no name either
@@ -144,7 +129,7 @@ class Parameters(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         """Its value; raises UnknownName."""
-        return self._parameter(name).get()
+        return self.handle(name).get()
 
     def __setitem__(self, name: str, value: Any) -> None:
         """Change it, from the next step on.
@@ -156,7 +141,7 @@ class Parameters(Mapping[str, Any]):
         SimulationError
             For what is no number that it may have.
         """
-        parameter = self._parameter(name)
+        parameter = self.handle(name)
         unit = parameter.unit or "no unit"
         try:
             given = float(value)

@@ -7,7 +7,7 @@ import time as clock
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from tautline.integrators.time_loop import (
     PART,
     STEP,
     WORK_LIMIT,
+    Frames,
     compile_for,
     frames_of,
     loop_of,
@@ -57,6 +58,26 @@ CLOSE = 1.0e-9
 """Share of the output interval within which an advance ends at a frame."""
 LONG = 200_000
 """Steps, iterations and factorisations after which Ctrl-C is heard in the middle of an advance."""
+
+
+class Parts(NamedTuple):
+    """What a simulation works with: its own arrays, no copies, as they are until a force is added or it is restored.
+
+    Attributes
+    ----------
+    state : tautline.integrators.state.State
+    method : NamedTuple
+        Of integration, with its arrays.
+    frames : Frames
+        The one frame that it stands at.
+    memory : Memory
+        Of all that a saved state holds.
+    """
+
+    state: Any
+    method: Any
+    frames: Frames
+    memory: Memory
 
 
 class Simulation:
@@ -331,6 +352,11 @@ class Simulation:
         self._time = float(time)
         record_now(self._run.method, self.model.system, self._state, self._time, self._frames.rows[0])
         self._observed = None
+
+    @property
+    def parts(self) -> Parts:
+        """What it works with, for what stands beside it: a linearisation, a twin. To change it is to change the run."""
+        return Parts(self._state, self._run.method, self._frames, self._memory)
 
     @property
     def driven_scene(self) -> Any:

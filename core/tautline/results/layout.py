@@ -204,7 +204,8 @@ def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
         for name, values in numbers.items():
             _fill(h5py.h5d.open(group_id, name.encode()), values)
         return
-    group, scales = file.create_group("restart"), {}
+    group = file.create_group("restart")
+    scales: dict[Any, Any] = {}
     made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     made.set_obj_track_times(False)
     for name, values in numbers.items():

@@ -113,7 +113,8 @@ class Runner:
     def run(self, case: int, changes: Mapping[str, Any]) -> tuple[Row, dict[str, Finding]]:
         """Run a case: its row, and all findings without their values; what stops it early is told in the row."""
         began, used = time.perf_counter(), time.thread_time()
-        row, found = Row(case, DONE, process=os.getpid()), {}
+        row = Row(case, DONE, process=os.getpid())
+        found: dict[str, Finding] = {}
         try:
             with self._turn or nullcontext():
                 scene = self.tried.pop(case, None)
@@ -166,7 +167,7 @@ class Runner:
         if self.cancelled:
             raise Cancelled
 
-    def prepare(self, changes: Mapping[str, Any], announce: Callable[[int], None] | None = None) -> Any:
+    def prepare(self, changes: Mapping[str, Any], announce: Callable[[int], Any] | None = None) -> Any:
         """Build a case and compile or load what all will need, in this thread; returns the model, None of no run."""
         if self.job.verb != SIMULATE:
             return None

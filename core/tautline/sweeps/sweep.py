@@ -190,7 +190,7 @@ def run_sweep(
     folder: Path | None = None,
     resume: bool = False,
     progress: Progress | None = None,
-    announce: Callable[[int], None] | None = None,
+    announce: Callable[[int], Any] | None = None,
     say: Callable[[str], None] | None = None,
     begin: Callable[[], None] | None = None,
 ) -> Outcome:
@@ -258,7 +258,7 @@ class _Sweep:
                     scenes.append(self.scene.replace({one.key: value}, origin=ORIGIN))
         return [model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes]
 
-    def check(self, announce: Callable[[int], None] | None, say: Callable[[str], None]) -> None:
+    def check(self, announce: Callable[[int], Any] | None, say: Callable[[str], None]) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
         problems: dict[Problem, None] = {}
         finished = self.journal.done if self.journal is not None else ()

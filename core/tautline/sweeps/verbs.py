@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -115,10 +115,9 @@ class Watch:
             if output.places is not None:
                 vector, places = output.places
                 values = getattr(frames, vector)[:, places]
-                values = values if part is None else values[:, part]
             else:
-                values = _series(output, part, variables, len(frames.time), self.over[name])
-            values = np.array(values, float).reshape(len(frames.time), -1)
+                values = output.one_by_one(variables, len(frames.time))
+            values = np.array(values if part is None else values[:, part], float).reshape(len(frames.time), -1)
             self.rows[name].append(self.over[name](values, axis=1))
         return variables
 
@@ -170,7 +169,7 @@ def asks_limits(name: str) -> bool:
 
 def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
     """What each limit that the scene gives itself came to; no number where it could not be judged."""
-    found = {}
+    found: dict[str, Finding] = {}
     for record in records:
         if "output" not in record:
             continue
@@ -272,17 +271,6 @@ def output_of(outputs: Mapping[str, Any], name: str) -> tuple[Any, int | None]:
     if match and match[1] in outputs:
         return outputs[match[1]], int(match[2])
     raise KeyError(name)
-
-
-def _series(
-    output: Any, part: int | None, frames: Mapping[str, np.ndarray], count: int, over: Callable[..., Any]
-) -> np.ndarray:
-    """Values of an output in all frames, (frames,); of several numbers what `over` makes of them."""
-    found = np.empty(count)
-    for k in range(count):
-        value = output.value({name: array[k : k + 1] for name, array in frames.items()})
-        found[k] = over(np.asarray(value)) if part is None else np.asarray(value)[part]
-    return found
 
 
 def statistic(values: np.ndarray, time: np.ndarray, name: str) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -63,6 +63,26 @@ class Output:
     series: Callable[[Mapping[str, np.ndarray]], np.ndarray] | None = None
     variable: str = ""
     source: str = ""
+
+    def one_by_one(self, frames: Mapping[str, np.ndarray], count: int) -> np.ndarray:
+        """Its values in so many frames that were observed together, (count, ...)."""
+        return np.array([self.value(OneFrame(frames, k)) for k in range(count)], float)
+
+
+class OneFrame(Mapping[str, np.ndarray]):
+    """One of several frames that were observed together: the variables of that frame alone."""
+
+    def __init__(self, observed: Mapping[str, np.ndarray], frame: int) -> None:
+        self._observed, self._part = observed, slice(frame, frame + 1)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self._observed[name][self._part]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._observed)
+
+    def __len__(self) -> int:
+        return len(self._observed)
 
 
 @dataclass(frozen=True)

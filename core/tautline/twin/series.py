@@ -63,11 +63,12 @@ class Series:
                 f"standard deviation of {one.name}",
                 _take("estimates", one.name, "sd"),
             )
-        for one in plan.inputs:
-            add(f"input {one.name}", one.unit, f"{one.name}, smoothed", _take("inputs", one.name))
-        for one in plan.measured:
-            add(f"measured {one.name}", one.unit, f"{one.name}, measured", _take("measured", one.name))
-            add(f"residual {one.name}", one.unit, f"{one.name}, measured less expected", _take("residuals", one.name))
+        for moved in plan.inputs:
+            add(f"input {moved.name}", moved.unit, f"{moved.name}, smoothed", _take("inputs", moved.name))
+        for seen in plan.measured:
+            name, unit = seen.name, seen.unit
+            add(f"measured {name}", unit, f"{name}, measured", _take("measured", name))
+            add(f"residual {name}", unit, f"{name}, measured less expected", _take("residuals", name))
         shapes = twin.plan_names.shapes
         for name in dict.fromkeys([*(one.name for one in plan.measured), *plan.keep]):
             add(name, twin.units.get(name, ""), f"{name}, computed", _take("outputs", name), shapes.get(name, ()))

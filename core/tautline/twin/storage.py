@@ -36,7 +36,7 @@ def save(twin: Twin, path: Path) -> None:
         "origin": estimate.log.origin, "now": twin.now, "unsettled": twin.unsettled, "restarts": twin.restarts,
         "zeros": {str(k): v for k, v in readings.zeros.items()}, "rows": readings.rows.memory(),
         "tracks": [one.memory() for one in readings.tracks], "health": [one.memory() for one in readings.health],
-        "alarms": twin.watch.alarms.memory(), "blows_due": estimate.family._blows_due,
+        "alarms": twin.watch.alarms.memory(), "blows_due": estimate.family.blows_due,
         "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
     }  # fmt: skip
     samples = list(h.samples)
@@ -46,7 +46,7 @@ def save(twin: Twin, path: Path) -> None:
         "theta0": h.theta0, "mean": h.mean, "prior": h.prior, "prior_mean": h.prior_mean,
         "numbers": np.array([h.prior_time, h.released, h.since, h.changed]),
         "spread": h.spread, "correlation": h.correlation,
-        "variance": h._variance, "alike": h._alike, "learned": h._learned, "covariance": h.covariance,
+        "variance": h.variance, "alike": h.alike, "learned": h.learned, "covariance": h.covariance,
         "rough": h.rough, "largest": h.largest,
         "sample_time": np.array([s.time for s in samples]), "sample_y": np.array([s.y for s in samples]),
         "sample_y0": np.array([s.y0 for s in samples]), "sample_J": np.array([s.J for s in samples]),
@@ -54,7 +54,7 @@ def save(twin: Twin, path: Path) -> None:
         "sample_rows": np.array([np.broadcast_to(s.rows, s.y0.shape) for s in samples]),
     }  # fmt: skip
     for name, waves in readings.waves.items():
-        arrays[f"waves {name}"] = np.append(np.array(waves._values), [waves._next, waves._time, *waves._state])
+        arrays[f"waves {name}"] = waves.memory()
     beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         with beside.open("wb") as file:
@@ -117,10 +117,10 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     family, h = estimate.family, estimate.horizon
     family.at, family.apart = arrays["at"], arrays["apart"]
     family.set_parameters()
-    family._blows_due = [(float(t), int(k)) for t, k in words["blows_due"]]
+    family.blows_due = [(float(t), int(k)) for t, k in words["blows_due"]]
     for name in ("theta0", "mean", "prior", "prior_mean", "spread", "correlation", "covariance", "rough", "largest"):
         setattr(h, name, arrays[name])
-    h._variance, h._alike, h._learned = arrays["variance"], arrays["alike"], arrays["learned"]
+    h.variance, h.alike, h.learned = arrays["variance"], arrays["alike"], arrays["learned"]
     h.prior_time, h.released, h.since, h.changed = (float(x) for x in arrays["numbers"])
     h.samples = deque(
         Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use", "rows")))
@@ -137,7 +137,5 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
         health.recall(memory)
     twin.watch.alarms.recall(words["alarms"])
     for name, waves in readings.waves.items():
-        *values, waves._next, waves._time, a, b, c = arrays[f"waves {name}"].tolist()
-        waves._values.extend(values)
-        waves._state = np.array([a, b, c])
+        waves.recall(arrays[f"waves {name}"])
     estimate.log.keep(twin.now, family.save())

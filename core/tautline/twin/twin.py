@@ -101,8 +101,8 @@ class Twin:
     def _machine(self, first: Simulation) -> Machine:
         """What stands for the machine, with the free motions that matter."""
         free = getattr(self.application, "free_motions", None)
-        wanted = free is not None and self.plan.measured and self.plan.unknowns
-        blows = [Blow(*one) for one in free(self.scene)] if wanted else []
+        wanted = self.plan.measured and self.plan.unknowns
+        blows = [Blow(*one) for one in free(self.scene)] if free is not None and wanted else []
         return Machine(self.scene, driven_by(self.map), blows, first)
 
     def _begin_anew(self) -> None:
@@ -327,7 +327,7 @@ class Twin:
         } | self._further
         names = [one.name for one in plan.measured]
         shown = list(dict.fromkeys([*names, *plan.keep, *(one.target for one in plan.alarms)]))
-        lag = clock.monotonic() - row.arrived if rows.live else max(0.0, rows._newest - row.time)
+        lag = clock.monotonic() - row.arrived if rows.live else max(0.0, rows.newest - row.time)
         return {
             "time": row.time,
             "inputs": {name: float(state[0]) for name, state in inputs},

@@ -6,10 +6,11 @@ from kernels.strings import short_string as string
 from kernels.strings.short_string import WELLS, State, check_tangent
 from test_contact_groups import LAWS
 
-from drillstring.groups.beam_contact import PAD, BeamContact
+from drillstring.groups.beam_contact import BeamContact
 from drillstring.groups.beam_eccentricity import OFF_AXIS, BeamEccentricity
 from drillstring.groups.beam_mud import SLEEVE, BeamMud
 from drillstring.groups.beam_points import NODE, TURN, hole_of, nodes_as_points, points_of
+from drillstring.groups.contact import PAD
 from drillstring.results.beam_observe import nearest
 from drillstring.string.lumps import Tube, cut
 from drillstring.well.in_hole import hold_points, spot, write_frame

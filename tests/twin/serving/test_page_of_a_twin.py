@@ -185,7 +185,7 @@ def test_the_load_is_drawn_where_it_is(browser, page):
     lines = [told for stamp, readings in rows for told in twin.add(stamp, readings)]
     first = twin.estimate.family.simulations[0]
     tab, _, wrong = opened(browser, page)
-    page.publish(lines[-1], first.model, first._frames.rows[0])
+    page.publish(lines[-1], first.model, first.parts.frames.rows[0])
     patience = time.monotonic() + 20.0
     while not tab.evaluate("picture !== null && shape !== null") and time.monotonic() < patience:
         tab.wait_for_timeout(100)

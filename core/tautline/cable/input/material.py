@@ -274,7 +274,7 @@ def _contradictions(scene: CableScene, grown: np.ndarray) -> Iterator[Problem]:
 def _unknown(scene: CableScene, element: Element) -> Problem:
     nodes = {node.id: node for node in scene.nodes}
     first, second = element.nodes
-    key = _key(element)
+    key = nodes_key(element)
     apart = math.hypot(*chord(nodes[first].position, nodes[second].position))
     if apart >= FARTHEST:
         cause = f"nodes {first} and {second} are {apart:.3g} m apart: no element is that long"
@@ -292,11 +292,12 @@ def _backwards(scene: CableScene, element: Element, p: dict[int, float]) -> Prob
     if p[second] > p[first]:
         cause = f"p goes from {p[first]:g} m at node {first} to {p[second]:g} m at node {second}: "
         cause += "no element is that long" if p[second] - p[first] > 1.0 else "nothing is left of the element"
-        return scene.problem((*element.place, _key(element)), cause, "put right `p:` or pos0, in m")
+        return scene.problem((*element.place, nodes_key(element)), cause, "put right `p:` or pos0, in m")
     cause = f"p goes from {p[first]:g} m at node {first} to {p[second]:g} m at node {second}: it must grow"
     cure = f"swap the element's nodes, or put right `p:` and pos0 so that node {second} has the larger"
-    return scene.problem((*element.place, _key(element)), cause, cure)
+    return scene.problem((*element.place, nodes_key(element)), cause, cure)
 
 
-def _key(element: Element) -> str:
+def nodes_key(element: Element) -> str:
+    """Key under which an element names its nodes."""
     return "nodes7" if element.kind == "cubic" else "nodes4"

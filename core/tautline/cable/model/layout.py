@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 
@@ -163,7 +164,7 @@ class Layout:
             self.initial[place] = self.degrees.value[place]
 
 
-def _request(motion, end: float) -> FunctionRequest:
+def _request(motion: Any, end: float) -> FunctionRequest:
     name = f"function {motion.id}"
     place = Steering(name, "m", f"what follows {name}, since the start"), Steering(f"{name}.rate", "m/s", "its rate", 1)
     if motion.function is not None:

@@ -90,7 +90,9 @@ class Observer:
             made["multiplier"] = frames.a[:, self.multipliers.unknown] * self.multipliers.weight
         return made | energies_of(frames)
 
-    def _forces(self, made: dict[str, np.ndarray], slope: np.ndarray, slope_rate: np.ndarray):
+    def _forces(
+        self, made: dict[str, np.ndarray], slope: np.ndarray, slope_rate: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Axial force (m, elements) N and curvature 1/m in the middle of elements."""
         i, j = self.ends.T
         p, rate = made["material_coordinate"], made["material_velocity"]

@@ -238,7 +238,7 @@ class _Loop:
                 self.series.add(line)
             if self.page is not None:
                 first = self.twin.estimate.family.simulations[0]
-                self.page.publish(finite(line), first.model, first._frames.rows[0])
+                self.page.publish(finite(line), first.model, first.parts.frames.rows[0])
             self._tell(line)
         now = clock.monotonic()
         if lines and now - self.saved > SAVE_EVERY:

@@ -37,13 +37,13 @@ def numbers(text: str | None, option: str, unit: str) -> list[float]:
     """
     from pydantic import TypeAdapter, ValidationError
 
-    from tautline.scene.values.quantity import quantity
+    from tautline.scene.values.quantity import as_in_a_file, quantity
 
     adapter: Any = TypeAdapter(_annotated(quantity(unit, positive=True)))
 
     def read(word: str) -> float:
         try:
-            return float(adapter.validate_python(_plain(word)))
+            return float(adapter.validate_python(as_in_a_file(word)))
         except ValidationError as error:
             raise ValueError(str(error.errors()[0]["msg"])) from None
 
@@ -75,14 +75,6 @@ def number(text: str, option: str, unit: str, most: float | None = None, cure: s
     if most is not None and value > most:
         raise option_error(option, text, f"is more than {most:g}", cure)
     return value
-
-
-def as_in_a_file(text: str | None) -> float | str | None:
-    """A number as a scene's file would give it: with its unit as it was typed, or a plain one; None for None."""
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        return text
 
 
 def three_of(text: str, option: str, example: str) -> list[str]:
@@ -129,13 +121,6 @@ def _annotated(mark: Any) -> Any:
     from typing import Annotated
 
     return Annotated[float, mark]
-
-
-def _plain(word: str) -> Any:
-    try:
-        return float(word)
-    except ValueError:
-        return word
 
 
 def _each(text: str | None, option: str, read: Callable[[str], Any], cure: str = "see --help") -> list[Any]:

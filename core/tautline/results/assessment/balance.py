@@ -9,7 +9,7 @@ import numpy as np
 from tautline.results.assessment.rounding import unrounded
 
 ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
-"""Variables that every application stores, J."""
+"""Variables that every application stores, J, in the order of a frame's energies."""
 STORED_SHARE = 1.0e-6
 """Share of the energy there is that counts as going through the system."""
 ROUNDING = 1.0e-14

@@ -28,6 +28,8 @@ LARGEST_TABLE = 200_000_000
 MOST_FAULTS = 1000
 """Faults that are collected before a file is given up."""
 HEADER = re.compile(r"\s*(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*")
+NO_UNIT = ("", "-", "--", "1")
+"""What stands for a unit in the header of a column without one."""
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 WORDS = {
     "°": "deg", "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "dega": "deg",

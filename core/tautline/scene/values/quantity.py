@@ -210,6 +210,14 @@ class Quantity:
         return {"anyOf": choices, "description": f"{what}; {self.example}"} | ({"quantity": self.of} if self.of else {})
 
 
+def as_in_a_file(text: str | None) -> float | str | None:
+    """A number as a scene's file would give it: with its unit as it was typed, or a plain one; None for None."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return text
+
+
 def quantity(
     unit: str,
     *,

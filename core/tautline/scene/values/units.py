@@ -130,6 +130,8 @@ TOKEN = re.compile(
     r"|(?P<divide>/)|(?P<times>\*|·|⋅|-(?=[A-Za-z]))|(?P<open>\()|(?P<close>\)))"
 )
 LONGEST = 80
+RPM = 2.0 * math.pi / 60.0
+"""One turn a minute, rad/s."""
 
 
 class UnknownUnit(ValueError):

@@ -505,7 +505,7 @@ def run_to_accuracy(
     asked: float,
     path: str | Path | None = None,
     progress: Callable[[float, float], None] | None = None,
-    announce: Callable[[int], None] | None = None,
+    announce: Callable[[int], Any] | None = None,
     begin: Callable[[str, float, float], None] | None = None,
 ) -> Result:
     """Run a scene with the method and the step that reach an accuracy, and state what was reached.

@@ -195,7 +195,7 @@ def critical_steps(subject: Subject, progress: Callable[[str], None] = lambda te
     shortest = max(bars, key=lambda bar: bar.fastest, default=None)
     length = None if shortest is None else method_of(subject.explicit).reach_of_vibration / shortest.fastest
     progress("eigenvalues along the run")
-    why = []
+    why: list[str] = []
     look = _along(subject, why)
     found = look is not None and np.isfinite(look.least)
     bracket = None

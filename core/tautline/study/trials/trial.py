@@ -145,7 +145,7 @@ class Subject:
     end: float | None = None
     interval: float | None = None
     whole: float | None = None
-    announce: Callable[[int], None] | None = None
+    announce: Callable[[int], Any] | None = None
     change: Callable[[Model], Model] = field(default=lambda model: model)
 
     @property

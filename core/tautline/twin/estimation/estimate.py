@@ -163,7 +163,7 @@ class Estimate:
         return apart
 
     def _can_be(self, name: str, value: float) -> bool:
-        parameter = self._first.parameters._parameter(name)
+        parameter = self._first.parameters.handle(name)
         return parameter.least < value <= parameter.most
 
     def advance(self, time: float, inputs: list[tuple[str, np.ndarray]]) -> None:
@@ -202,7 +202,7 @@ class Estimate:
             return states[0], {}
         at = self.horizon.mean[self._parameters]
         weights = (self.horizon.mean - self.horizon.theta0)[self._seen] / self.family.apart
-        memory = self.family.simulations[0]._memory
+        memory = self.family.simulations[0].parts.memory
         block = memory.combine(states[0].block, [s.block for s in states[1:]], weights)
         return replace(states[0], block=block), dict(zip(self.family.names, at.tolist(), strict=True))
 

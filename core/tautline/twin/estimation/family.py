@@ -54,6 +54,8 @@ class Family:
     mixed : (b, p)
         Free motion that is in the difference of each parameter's neighbour, a unit of the parameter. It depends on
         where the window begins, and by the difference of frequencies it would grow: derivatives are given without it.
+    blows_due : list of (float, int)
+        Times, s, at which blows are still to fall, and their numbers; the next one first.
     """
 
     def __init__(self, simulations: Sequence[Simulation], names: Sequence[str], blows: Sequence[Blow] = ()) -> None:
@@ -62,7 +64,7 @@ class Family:
         self.mixed = np.zeros((len(blows), len(names)))
         self.trust: np.ndarray | None = None
         self.steady, self.rough = np.zeros(0), np.zeros(0)
-        self._blows_due: list[tuple[float, int]] = []
+        self.blows_due: list[tuple[float, int]] = []
 
     @property
     def time(self) -> float:
@@ -84,8 +86,8 @@ class Family:
 
     def advance(self, time: float, inputs: Sequence[tuple[str, np.ndarray]]) -> None:
         """Go on to a time with inputs that are reached there: name, (value, rate, second rate)."""
-        while self._blows_due and self._blows_due[0][0] <= self.time + 1e-9:
-            k = self._blows_due.pop(0)[1]
+        while self.blows_due and self.blows_due[0][0] <= self.time + 1e-9:
+            k = self.blows_due.pop(0)[1]
             self.simulations[1 + len(self.names) + k].displace(self.blows[k].output, self.blows[k].by)
         for sim in self.simulations:
             for name, state in inputs:
@@ -94,7 +96,7 @@ class Family:
 
     def frames(self) -> np.ndarray:
         """Frames (1 + p + b, width) of all, as they stand."""
-        return np.concatenate([sim._frames.rows for sim in self.simulations])
+        return np.concatenate([sim.parts.frames.rows for sim in self.simulations])
 
     def read(self, names: Sequence[str]) -> list[np.ndarray]:
         """Outputs of all: one array (1 + p + b, ...) for each name."""
@@ -196,7 +198,7 @@ class Family:
             Whether the first keeps the state as it is, and only its parameters are moved.
         """
         base, others = states[0], [state.block for state in states[1:]]
-        p, memory = len(self.names), self.simulations[0]._memory
+        p, memory = len(self.names), self.simulations[0].parts.memory
         moved = shift.copy()
         moved[p:] -= of.mixed @ shift[:p]
         at = of.at + shift[:p]
@@ -215,7 +217,7 @@ class Family:
     def strike(self, late: float) -> None:
         """Give the neighbours of free motions their blows: now, or a time later, s, where a blow comes late."""
         due = [(self.time + (late if blow.late else 0.0), k) for k, blow in enumerate(self.blows)]
-        self._blows_due = sorted(due)
+        self.blows_due = sorted(due)
 
 
 @dataclass(frozen=True)

@@ -103,6 +103,9 @@ class Horizon:
         The estimate.
     rough : (m, k)
         Scatter of the derivatives about their steady part.
+    variance, alike, learned : (m,)
+        Of what is left unexplained: its variance where no noise is given, over how many samples it stays alike, and
+        how often that was learned.
     released : float
         Time at which the prior was released for the last time; minus infinity.
     since, changed : float
@@ -134,8 +137,8 @@ class Horizon:
         self.released, self._contradicted = -np.inf, np.nan
         self.rough = np.zeros((m, k))
         self.largest = np.zeros(m)
-        self._variance = np.zeros(m)
-        self._alike, self._learned = np.ones(m), np.zeros(m)
+        self.variance = np.zeros(m)
+        self.alike, self.learned = np.ones(m), np.zeros(m)
 
     # -- samples -------------------------------------------------------------------------------------------------------
 
@@ -162,7 +165,7 @@ class Horizon:
             self.mean = np.where(self.free, 0.0, self.mean)
         else:
             # What was left unexplained was left by a linearisation elsewhere.
-            self._learned[:] = 0.0
+            self.learned[:] = 0.0
         self.solve()
 
     def begin_again(self) -> None:
@@ -171,7 +174,7 @@ class Horizon:
         self.prior_mean = np.where(self.free, 0.0, np.clip(self.mean, self.low, self.high))
         self.prior = np.diag(1.0 / self.first_sd**2)
         self.prior_time = np.nan
-        self._learned[:] = 0.0
+        self.learned[:] = 0.0
         self.mean, self.covariance = self.prior_mean.copy(), np.diag(self.first_sd**2)
 
     def cost(self, samples: Sequence[Sample], theta0: np.ndarray, anew: bool) -> float:
@@ -223,8 +226,8 @@ class Horizon:
     def deviations(self, y0: np.ndarray) -> np.ndarray:
         """Standard deviations of the sensors (..., m)."""
         given = np.where(self.relative, self.sd * np.maximum(np.abs(y0), FLOOR * self.largest), self.sd)
-        found = np.maximum(np.sqrt(self._variance), 1e-12)
-        guess = np.where(self._variance > 0.0, found, ROUGH * np.abs(y0) + 1e-12)
+        found = np.maximum(np.sqrt(self.variance), 1e-12)
+        guess = np.where(self.variance > 0.0, found, ROUGH * np.abs(y0) + 1e-12)
         return np.where(np.isfinite(given), np.maximum(given, 1e-12), guess)
 
     def _noise(self, samples: Sequence[Sample], y0: np.ndarray) -> np.ndarray:
@@ -251,7 +254,7 @@ class Horizon:
             residual = residual - np.median(residual, axis=0)
             scale = np.maximum(scale, np.median(np.abs(residual), axis=0) / 0.6745)
         far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
-        alike = UNSURE * np.maximum(1.0, self._alike) if alone else self.correlation
+        alike = UNSURE * np.maximum(1.0, self.alike) if alone else self.correlation
         weight = np.where(use, 1.0 / (sd**2 * alike), 0.0) / np.maximum(1.0, far) ** 2
         info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
         wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
@@ -339,7 +342,7 @@ class Horizon:
         among them.
         """
         y, y0, J, use = self._stacked(samples)
-        sd = self._noise(samples, y0) * np.sqrt(UNSURE * np.maximum(1.0, self._alike))
+        sd = self._noise(samples, y0) * np.sqrt(UNSURE * np.maximum(1.0, self.alike))
         weight = np.where(use, 1.0 / sd**2, 0.0)
         r = np.where(use, y - y0, 0.0) - J @ (old - self.theta0)
         ways = np.minimum(np.sum(use[..., None] & (J > 0.0), axis=0), np.sum(use[..., None] & (J < 0.0), axis=0))
@@ -367,16 +370,16 @@ class Horizon:
             part = (own - np.median(own)) / sd[use[:, i], i]
             power = float(np.median(np.abs(part)) / 0.6745) ** 2
             part = np.clip(part, -LARGEST_RESIDUAL * power**0.5, LARGEST_RESIDUAL * power**0.5)
-            self._learned[i] += 1.0
-            keep = max(3.0 * share, 1.0 / self._learned[i])
+            self.learned[i] += 1.0
+            keep = max(3.0 * share, 1.0 / self.learned[i])
             self.spread[i] += keep * (power - self.spread[i])
             if not np.isfinite(self.sd[i]):
                 middle = float(np.median(np.abs(own)) / 0.6745) ** 2
-                self._variance[i] = (
-                    middle if self._variance[i] == 0.0 else (1 - share) * self._variance[i] + share * middle
+                self.variance[i] = (
+                    middle if self.variance[i] == 0.0 else (1 - share) * self.variance[i] + share * middle
                 )
-            self._alike[i] += keep * (_alike(part) - self._alike[i])
-            self.correlation[i] = UNSURE * max(1.0, self.spread[i]) * max(1.0, self._alike[i])
+            self.alike[i] += keep * (_alike(part) - self.alike[i])
+            self.correlation[i] = UNSURE * max(1.0, self.spread[i]) * max(1.0, self.alike[i])
 
     # -- what it tells -------------------------------------------------------------------------------------------------
 
@@ -418,7 +421,7 @@ class Horizon:
         alone = 1.0 / np.sqrt(np.diag(np.linalg.inv(covariance)))  # if all others were known
         alike = covariance / np.outer(sd, sd)
         told: dict[frozenset[int], str] = {}
-        for i in np.flatnonzero(sd > UNSEEN * first):
+        for i in np.flatnonzero(sd > UNSEEN * first).tolist():
             name = self.unknowns[i].name
             if alone[i] > UNSEEN * first[i]:
                 told[frozenset([i])] = f"{name}: the sensors have not shown it so far"

@@ -119,7 +119,7 @@ class Readings:
         start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
         value = channel.scale * (row.values[i] - zero) + start
         health = self.health[i]
-        repeated = health.fault in ("stuck", "clipped") and value == health._last
+        repeated = health.repeats(value)
         return value if channel.low <= value <= channel.high and not repeated else np.nan
 
     def _first_state(

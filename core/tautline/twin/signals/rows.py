@@ -76,6 +76,8 @@ class Rows:
         with an absurd reading, which counts as missing.
     interval : float
         The sample interval, s; NaN until it is known.
+    newest : float
+        Largest time of a row so far, s; minus infinity before the first.
     """
 
     columns: Sequence[str]
@@ -89,7 +91,7 @@ class Rows:
         self.waiting: list[Row] = []
         self.past: deque[Row] = deque()
         self.reached = -np.inf
-        self._newest = -np.inf
+        self.newest = -np.inf
         self._suspect: Row | None = None
         self._late: list[Row] = []
         self._intervals: deque[float] = deque(maxlen=INTERVALS)
@@ -129,7 +131,7 @@ class Rows:
         if row.time <= self.reached:
             self._add_late(row)
             return
-        if row.time - self._newest > self._far and np.isfinite(self._newest):
+        if row.time - self.newest > self._far and np.isfinite(self.newest):
             self._suspect = row
             return
         self._late.clear()
@@ -148,7 +150,7 @@ class Rows:
             suspect.after_gap = True
             self.counts["gaps"] += 1
             self._insert(suspect)
-        elif row.time > self._newest - self._far:
+        elif row.time > self.newest - self._far:
             self.counts["future"] += 1
         else:
             self.counts["future"] += 1
@@ -167,7 +169,7 @@ class Rows:
             return
         rows, self._late = self._late, []
         step = self.interval if np.isfinite(self.interval) else rows[-1].time - rows[-2].time
-        back = max(self._newest, self.reached) + step - rows[0].time
+        back = max(self.newest, self.reached) + step - rows[0].time
         self.shift += back
         self.counts["late"] -= BACK
         self.counts["clock set back"] += 1
@@ -187,10 +189,10 @@ class Rows:
             return
         if k < len(self.waiting):
             self.counts["out of order"] += 1
-        elif np.isfinite(self._newest) and not row.after_gap:
-            self._intervals.append(row.time - self._newest)
+        elif np.isfinite(self.newest) and not row.after_gap:
+            self._intervals.append(row.time - self.newest)
         self.waiting.insert(k, row)
-        self._newest = max(self._newest, row.time)
+        self.newest = max(self.newest, row.time)
 
     def _compare_clocks(self, stamp: float, arrived: float) -> None:
         """Find how fast the source's clock runs beside ours."""
@@ -217,7 +219,7 @@ class Rows:
             return None
         row = self.waiting[0]
         behind = self._suspect is not None or any(one.after_gap for one in self.waiting[1:])
-        if not (end or behind or self._newest - row.time >= self.patience - 1e-9):
+        if not (end or behind or self.newest - row.time >= self.patience - 1e-9):
             return None
         self.waiting.pop(0)
         self.past.append(row)
@@ -247,6 +249,6 @@ class Rows:
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""
-        self.reached = self._newest = float(memory["reached"])
+        self.reached = self.newest = float(memory["reached"])
         self.shift, self.known_interval = float(memory["shift"]), float(memory["interval"])
         self.counts.update(memory["counts"])

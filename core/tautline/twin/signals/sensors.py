@@ -109,6 +109,10 @@ class Health:
             return np.nan
         return self._repeated(time, reading, low, high, width)
 
+    def repeats(self, reading: float) -> bool:
+        """Whether a reading to come, in SI, is the one that a sensor is stuck or clipped at."""
+        return self.fault in ("stuck", "clipped") and reading == self._last
+
     def _repeated(self, time: float, reading: float, low: float, high: float, width: float) -> float:
         """Judge values that are exactly alike."""
         same = reading == self._last

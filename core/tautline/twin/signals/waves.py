@@ -44,6 +44,16 @@ class Waves:
             self._next += STEP
         self._state, self._time = state, time
 
+    def memory(self) -> np.ndarray:
+        """What a later process needs to go on: values, when the next is due, and the newest time and state."""
+        return np.append(np.array(self._values), [self._next, self._time, *self._state])
+
+    def recall(self, memory: np.ndarray) -> None:
+        """Go on from what an earlier process kept."""
+        *values, self._next, self._time, a, b, c = memory.tolist()
+        self._values.extend(values)
+        self._state = np.array([a, b, c])
+
     def ahead(self, times: np.ndarray) -> np.ndarray:
         """Value, rate and second rate (n, 3) at times ahead (n,), s from the newest on."""
         if len(self._values) < FEWEST:

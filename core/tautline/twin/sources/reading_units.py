@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 
 from tautline.errors import TautlineError
-from tautline.scene.reading.columns import unit_named
+from tautline.scene.reading.columns import NO_UNIT, unit_named
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
-
-NO_UNIT = ("", "-", "--", "1")
 
 
 class OtherQuantity(TautlineError):

@@ -69,6 +69,11 @@ def title(results: Sequence[Result]) -> str:
     return title_of(results[0])
 
 
+def title_of_runs(runs: Sequence[Any]) -> str:
+    """The same of what is read of each result, which stands under `result`."""
+    return title([run.result for run in runs])
+
+
 def marker(time: np.ndarray) -> dict[str, Any]:
     """A run of one frame is a dot: a line through one point would be invisible."""
     return {"marker": "o"} if len(time) == 1 else {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
@@ -38,50 +38,62 @@ def _times(result: Result) -> tuple[np.ndarray, str]:
     return time - time[0], label(f"time since {begin:%Y-%m-%d %H:%M:%S} UTC", "s")
 
 
-def _panels(result: Result, rows: int) -> tuple[Figure, np.ndarray]:
-    return axes(rows, 1, 8.0, 4.4 if rows == 1 else 2.2 * rows + 0.6, title([result]), sharex=True)
-
-
 def _known(values: np.ndarray) -> np.ndarray:
     return values[np.isfinite(values)]
+
+
+def _one_each(result: Result, beginning: str, draw: Callable[..., str], nothing: NothingToShow) -> Figure:
+    """A panel for each variable with a beginning; ``draw`` puts it in and returns its unit.
+
+    Raises
+    ------
+    NothingToShow
+        That which is given, where the result has none of them.
+    """
+    time, along = _times(result)
+    names = _named(result, beginning)
+    if not names:
+        raise nothing
+    rows = len(names)
+    figure, plots = axes(rows, 1, 8.0, 4.4 if rows == 1 else 2.2 * rows + 0.6, title([result]), sharex=True)
+    for plot, name in zip(plots[:, 0], names, strict=True):
+        unit = draw(plot, result, name, time)
+        plot.set_ylabel(label(name, unit or "–", LETTERS))
+    return _finished(figure, plots, time, along)
 
 
 @styled
 def estimates(results: Sequence[Result]) -> Figure:
     """Estimates against time, each with its band of two standard deviations."""
     (result,) = results
-    time, along = _times(result)
-    names = _named(result, ESTIMATE)
-    if not names:
-        raise NothingToShow(result, "no estimate", "name what is not known under `estimate` in the map")
-    figure, plots = _panels(result, len(names))
-    for plot, name in zip(plots[:, 0], names, strict=True):
-        value, sd = (np.asarray(result[beginning + name], float) for beginning in (ESTIMATE, DEVIATION))
-        factor, unit = scale([_known(value)], result.variables[ESTIMATE + name].units)
-        low, high = (value - BAND * sd) / factor, (value + BAND * sd) / factor
-        words = f"± {BAND:g} standard deviations"
-        plot.fill_between(time, low, high, color=COLOURS[0], alpha=0.25, lw=0, label=words)
-        plot.plot(time, value / factor, color=COLOURS[0], label="estimate", **marker(time))
-        plot.set_ylabel(label(name, unit or "–", LETTERS))
-    return _finished(figure, plots, time, along)
+    cure = "name what is not known under `estimate` in the map"
+    return _one_each(result, ESTIMATE, _draw_estimate, NothingToShow(result, "no estimate", cure))
+
+
+def _draw_estimate(plot: Axes, result: Result, name: str, time: np.ndarray) -> str:
+    value, sd = (np.asarray(result[beginning + name], float) for beginning in (ESTIMATE, DEVIATION))
+    factor, unit = scale([_known(value)], result.variables[ESTIMATE + name].units)
+    low, high = (value - BAND * sd) / factor, (value + BAND * sd) / factor
+    words = f"± {BAND:g} standard deviations"
+    plot.fill_between(time, low, high, color=COLOURS[0], alpha=0.25, lw=0, label=words)
+    plot.plot(time, value / factor, color=COLOURS[0], label="estimate", **marker(time))
+    return unit
 
 
 @styled
 def residuals(results: Sequence[Result]) -> Figure:
     """What sensors show less what the scene expects, against time."""
     (result,) = results
-    time, along = _times(result)
-    names = _named(result, RESIDUAL)
-    if not names:
-        raise NothingToShow(result, "no residual", "give a sensor of the map an `output`")
-    figure, plots = _panels(result, len(names))
-    for plot, name in zip(plots[:, 0], names, strict=True):
-        value = np.asarray(result[RESIDUAL + name], float)
-        factor, unit = scale([_known(value)], result.variables[RESIDUAL + name].units)
-        plot.axhline(0.0, color=QUIET, lw=0.8, zorder=0)
-        plot.plot(time, value / factor, color=COLOURS[0], lw=1.0, label="measured less expected", **marker(time))
-        plot.set_ylabel(label(name, unit or "–", LETTERS))
-    return _finished(figure, plots, time, along)
+    cure = "give a sensor of the map an `output`"
+    return _one_each(result, RESIDUAL, _draw_residual, NothingToShow(result, "no residual", cure))
+
+
+def _draw_residual(plot: Axes, result: Result, name: str, time: np.ndarray) -> str:
+    value = np.asarray(result[RESIDUAL + name], float)
+    factor, unit = scale([_known(value)], result.variables[RESIDUAL + name].units)
+    plot.axhline(0.0, color=QUIET, lw=0.8, zorder=0)
+    plot.plot(time, value / factor, color=COLOURS[0], lw=1.0, label="measured less expected", **marker(time))
+    return unit
 
 
 @styled
