@@ -25,6 +25,9 @@ UNEVEN = 0.15
 """Share of a swing that is left in the mean over a period that is known to so much."""
 MODEL = 0.07
 """Relative standard deviation of what the soft string says of a weight's friction, beside runs of the model."""
+UNLIKE = 0.15
+"""Relative standard deviation of the axial friction of a string that turns: as its weight changes, the bit goes down
+faster or slower than the block, and all between at speeds of their own."""
 RESOLVED = 0.25
 """Interval of rows, over the period of a swing, above which they do not show it: each has it in a phase of its own."""
 FEWEST, LEAST = 5, 3
@@ -149,6 +152,9 @@ class AtBit:
         told: dict[str, tuple[float, float]] = {}
         if tables is not None and not locks and lacking is not None and hook_load is not None:
             share = _sliding(rows, tables, bool(motion.rotary))
+            if motion.rotary:
+                axial = UNLIKE * (tables.without - tables.middle.hook_load)
+                lacking = lacking._replace(variance=lacking.variance + axial**2)
             at, sd = self._loaded(tables, apart, lacking, share, hook_load.computed, torque)
             told["bit.weight"], self.shorter = (at.weight, sd.weight), (at.shorter, sd.shorter)
             if excess is not None:
