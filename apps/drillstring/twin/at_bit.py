@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from math import hypot, nan, sqrt
+from itertools import pairwise
+from math import hypot, nan, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.drilling.impedance import torsional_frequency
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.string.factors import Factors, factors_of
@@ -23,6 +25,15 @@ UNEVEN = 0.15
 """Share of a swing that is left in the mean over a period that is known to so much."""
 MODEL = 0.07
 """Relative standard deviation of what the soft string says of a weight's friction, beside runs of the model."""
+UNLIKE = 0.15
+"""Relative standard deviation of the axial friction of a string that turns: as its weight changes, the bit goes down
+faster or slower than the block, and all between at speeds of their own."""
+RESOLVED = 0.25
+"""Interval of rows, over the period of a swing, above which they do not show it: each has it in a phase of its own."""
+FEWEST, LEAST = 5, 3
+"""Rows of a mean, as far as there are so many on bottom; and those without which nothing is told."""
+LONGEST = 30.0
+"""Time, s, that a mean is not longer than."""
 SLOWEST_TURN = 0.1
 """Rotary speed below which the string does not turn, rad/s."""
 NAMES = {
@@ -75,10 +86,12 @@ class AtBit:
     scene : DrillstringScene
         Off bottom.
     mean_over : float
-        s.
+        s; longer where rows are so far apart that there are fewer than `FEWEST` in it.
 
     Attributes
     ----------
+    axial, torsional : float
+        Longest periods, s, in which hook load and torque swing.
     lost : list of str
         What cannot be told now, and why.
     shorter : tuple of float
@@ -88,6 +101,9 @@ class AtBit:
     def __init__(self, scene: DrillstringScene, mean_over: float) -> None:
         self._wall, self.mean_over = scene.well.wall, mean_over
         self._string = LoadedString(scene)
+        self.torsional = 1.0 / torsional_frequency(self._string.tubes)
+        pipe = self._string.tubes[0]
+        self.axial = self.torsional * sqrt(pipe.shear_modulus / pipe.youngs_modulus)
         self._rows: deque[AtSurface] = deque()
         self.lost: list[str] = []
         self.shorter = nan, nan
@@ -100,7 +116,11 @@ class AtBit:
     def add(self, row: AtSurface) -> None:
         """One more row on bottom."""
         self._rows.append(row)
-        while row.time - self._rows[0].time > self.mean_over:
+        while (span := row.time - self._rows[0].time) > self.mean_over:
+            # Rows that come slowly stay until there are enough; what was before a gap does not.
+            shortest = min(b.time - a.time for a, b in pairwise(self._rows)) if len(self._rows) <= FEWEST else 0.0
+            if span <= min(LONGEST, FEWEST * shortest):
+                break
             self._rows.popleft()
 
     def told(
@@ -116,10 +136,12 @@ class AtBit:
             Parameter -> estimate and standard deviation.
         """
         self.lost, self.shorter = [], (nan, nan)
+        if len(self._rows) < LEAST:
+            return {}
         rows = np.array(self._rows)
         motion = _motion(rows)
-        lacking = _mean(rows[:, 5], hook_load)
-        excess = _mean(rows[:, 6], torque) if motion.rotary else None
+        lacking = _mean(rows[:, (0, 5)], hook_load, self.axial)
+        excess = _mean(rows[:, (0, 6)], torque, self.torsional) if motion.rotary else None
         if torque is not None and not motion.rotary:
             self.lost.append(LOCKED_ROTARY)
         factors, apart = self._friction(friction)
@@ -130,6 +152,9 @@ class AtBit:
         told: dict[str, tuple[float, float]] = {}
         if tables is not None and not locks and lacking is not None and hook_load is not None:
             share = _sliding(rows, tables, bool(motion.rotary))
+            if motion.rotary:
+                axial = UNLIKE * (tables.without - tables.middle.hook_load)
+                lacking = lacking._replace(variance=lacking.variance + axial**2)
             at, sd = self._loaded(tables, apart, lacking, share, hook_load.computed, torque)
             told["bit.weight"], self.shorter = (at.weight, sd.weight), (at.shorter, sd.shorter)
             if excess is not None:
@@ -177,13 +202,26 @@ class AtBit:
         return at, Loaded(*np.sqrt(variance).tolist())
 
 
-def _mean(values: np.ndarray, known: Known | None) -> _Mean | None:
-    """Mean of the values that there are: what swings goes out of that of about a period up to some share."""
-    values = values[np.isfinite(values)]
-    if known is None or not values.size:
+def _mean(rows: np.ndarray, known: Known | None, period: float) -> _Mean | None:
+    """Mean of the values that there are of rows (n, 2) of times and values, which swing in a period, s.
+
+    Where rows show the swing, it goes out of the mean of about a period up to some share. Where they are too far apart
+    for that, each is off by itself. Then it goes out as noise does, and how large it is, is known of few rows only
+    (Student's distribution).
+    """
+    rows = rows[np.isfinite(rows[:, 1])]
+    n, values = len(rows), rows[:, 1]
+    if known is None or not n:
         return None
-    swings = UNEVEN * sqrt(max(0.0, float(values.var()) - known.noise**2))
-    return _Mean(float(values.mean()), known.noise**2 / values.size + swings**2)
+    if n < LEAST or np.median(np.diff(rows[:, 0])) <= RESOLVED * period:
+        swings = UNEVEN * sqrt(max(0.0, float(values.var()) - known.noise**2))
+        return _Mean(float(values.mean()), known.noise**2 / n + swings**2)
+    # What changes slowly counts too: a swing near the rate of the rows looks like that.
+    variance = float(((values - values.mean()) ** 2).sum()) / max(n - 3, 0.25)
+    # Of a wave, n samples in steps of the phase have a mean of at most this share of its amplitude (a geometric sum).
+    step = float(np.median(np.diff(rows[:, 0]))) / period
+    part = 1.0 / n if step > 1.0 - RESOLVED else min(1.0 / n, 1.0 / (n * sin(pi * step)) ** 2)
+    return _Mean(float(values.mean()), known.noise**2 / n + variance * part)
 
 
 def _motion(rows: np.ndarray) -> Motion:

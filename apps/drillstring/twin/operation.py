@@ -19,6 +19,7 @@ from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import weight_per_length
 from drillstring.string.factors import factors_of
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
+from drillstring.twin.row_rate import Needed, RowInterval
 from drillstring.twin.severity import Settings as SeveritySettings
 from drillstring.twin.severity import Severity
 from drillstring.twin.stands import with_stand
@@ -110,6 +111,8 @@ class RigOperation(Operation):
         self._moved = nan, nan
         self._told_in = RigState.UNKNOWN
         self._weight_on_bit = nan
+        self._interval, self._estimates, self._slow = RowInterval(), False, list[str]()
+        self._unsaid, self._said = list[str](), False
         self._lay_out()
 
     def _lay_out(self) -> None:
@@ -121,6 +124,8 @@ class RigOperation(Operation):
             self._severity.line = line
             self._severity.clear()
         self._at_bit = AtBit(self.scene, max(MEAN, 1.0 / line.frequency))
+        highest, over = self._severity.settings.highest, self._at_bit.mean_over
+        self._needed = Needed.of(self.mean, self._at_bit.axial, self._at_bit.torsional, highest, over)
 
     def built(self, sim: Any) -> None:
         """Learn what the string weighs.
@@ -139,6 +144,7 @@ class RigOperation(Operation):
 
     def doubts(self, plan: Plan) -> list[str]:
         """A hook load that has the block's weight in it, where the scene states that weight and the map no zero."""
+        self._estimates = any(not one.is_offset for one in plan.unknowns)
         weight = quantity(self.weight, "N")
         return [
             f"{one.column}: top.weight says that block and top drive weigh {weight}, and the sensor's zero is 0. The "
@@ -164,6 +170,9 @@ class RigOperation(Operation):
 
     def before(self, time: float, values: Mapping[str, float]) -> Guidance:
         """Find the state of the rig, and say how the row is to be taken."""
+        self._slow = self._needed.lost(self._interval.add(time), estimates=self._estimates)
+        if self._slow and not self._said:
+            self._unsaid, self._said = list(self._slow), True
         signals = {KNOWN_AS.get(name, name): value for name, value in values.items()}
         asked = {name: signals.get(name, nan) for name in ASKED}
         # A rig's hook load has the block's weight in it; that of the scene has not.
@@ -181,6 +190,11 @@ class RigOperation(Operation):
             return Guidance(use=False, paused=True)
         self._look(time, asked)
         return Guidance(use=state in OFF_BOTTOM and time - self.rig.since >= STARTING, scene=self._longer())
+
+    def remarks(self) -> list[str]:
+        """What rows that come slowly do not tell, once."""
+        said, self._unsaid = self._unsaid, []
+        return [f"cannot be told: {one}" for one in said]
 
     def _longer(self) -> DrillstringScene | None:
         """The string that came out of the slips, where it is longer or shorter than before."""
@@ -269,7 +283,7 @@ class RigOperation(Operation):
         rig: dict[str, Any] = {
             "state": str(self.rig.state), "since": self.rig.since, "added": self.added,
             "connections": self._before + self._connections,
-            "cannot_be_told": [*self.rig.lost(), *self._at_bit.lost],
+            "cannot_be_told": [*self.rig.lost(), *self._slow, *self._at_bit.lost],
         }  # fmt: skip
         if self._ends:
             rig["stick_slip_ends"] = self._ends

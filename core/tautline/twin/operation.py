@@ -72,6 +72,10 @@ class Operation(Protocol):
         """Take the values of a row in SI, by names of the map, before the simulation goes on to it."""
         return Guidance()
 
+    def remarks(self) -> list[str]:
+        """What rows have shown, such as that they come too slowly: sentences, each of them given once."""
+        return []
+
     def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
         """Which sensors (m,) tell something: all simulations (n, ...) do then what the machine does."""
         return np.ones(len(sensors), bool)

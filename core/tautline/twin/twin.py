@@ -145,6 +145,7 @@ class Twin:
         use = True
         if self.operation is not None:
             guided = self.operation.before(row.time, self.readings.named(values))
+            self.notes += self.operation.remarks()
             if guided.paused:
                 return self._wait(row, values)
             if guided.scene is not None or self.paused:

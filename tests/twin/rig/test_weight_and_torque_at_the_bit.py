@@ -124,6 +124,19 @@ def test_what_a_wrong_friction_makes_wrong_on_bottom_is_in_the_deviation(sliding
     assert 0.5 * believed[1] < abs(believed[0] - right) < 1.5 * believed[1]
 
 
+def test_a_string_that_turns_may_go_down_at_other_speeds_than_the_block_and_its_weight_says_so():
+    speed, turned = 0.02, 12.0
+    load, torque = own_soft_string(0.0, False)
+    # The torque of a sliding pipe over its radius is the force; the part of it along the hole is as the speeds are.
+    along = torque * speed / turned / (0.5 * PIPE[0]) ** 2
+    found = AtBit(tautline.read(SCENE), 3.0)
+    for k in range(20):
+        found.add(AtSurface(0.1 * k, 0.1 * k * speed, turned, load - along, torque, 60e3, 0.0))
+    sd = found.told(NOISE, NOISE, {"wall.friction": (FRICTION, 1e-6)})["bit.weight"][1]
+    assert along > 1e3
+    assert sd == pytest.approx(0.15 * along, rel=0.3)
+
+
 # -- beside a run ------------------------------------------------------------------------------------------------------
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from tautline.twin.map import Channel
 from tautline.twin.signals.rows import Row
-from tautline.twin.signals.smoothing import coming_to_rest, joined, noise_of, smooth
+from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth
 
 JOIN = 3.0
 """Shortest time in which a difference is made up for, s."""
@@ -25,6 +25,10 @@ SLOW = 0.02
 """Speed over the fastest at which a motion may be joined at once."""
 NOISES = 101
 """Samples of which the noise is the median."""
+UNKNOWN = 4
+"""Samples without noise that are put before the first: a machine that sets off at once must not pass for noise."""
+LEARNED = ("_noises", "_bends")
+"""Names of what is known of the noise."""
 FAR = 2.0
 """Delays from an instant within which samples are looked at."""
 JUMP = 3.0
@@ -53,6 +57,7 @@ class InputTrack:
         self._apart, self._from, self._over = np.zeros(3), -np.inf, 1.0
         self._held, self._held_at = np.full(3, np.nan), np.nan
         self._noises: deque[float] = deque(maxlen=NOISES)
+        self._bends: deque[float] = deque(UNKNOWN * [0.0], maxlen=NOISES)
         self._break = np.nan
 
     @property
@@ -99,9 +104,13 @@ class InputTrack:
         return keep
 
     def _noise(self, values: np.ndarray) -> float:
-        """Standard deviation of the sensor: as the map says, or as the samples show."""
+        """Standard deviation of the sensor: as the map says, or as the samples show.
+
+        Motion enters both estimates: a wave that of three samples, and a change of speed that of six, for as many rows.
+        """
         self._noises.append(noise_of(values))
-        found = float(np.median(self._noises)) / 0.6745
+        self._bends.append(bend_of(values))
+        found = float(min(np.median(self._noises), np.median(self._bends))) / 0.6745
         return found if not np.isfinite(self.channel.sd) else max(found, self.channel.sd)
 
     def hold(self, time: float) -> np.ndarray:
@@ -128,9 +137,12 @@ class InputTrack:
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
         names = ("state", "time", "missing", "fastest", "_apart", "_from", "_over", "_held", "_held_at")
-        return {name: np.asarray(getattr(self, name)).tolist() for name in names}
+        return {name: np.asarray(getattr(self, name)).tolist() for name in (*names, *LEARNED)}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""
         for name, value in memory.items():
+            if name in LEARNED:
+                setattr(self, name, deque(value, maxlen=NOISES))
+                continue
             setattr(self, name, np.array(value, float) if isinstance(value, list) else value)

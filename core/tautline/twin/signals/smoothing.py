@@ -4,6 +4,11 @@ A polynomial is laid through the samples by least squares (A. Savitzky and M. J.
 1964; here for any stamps). Its order is the lowest, from a cubic on, that leaves no more than noise: what moves
 smoothly is met to the digits of the sensor, and noise is not taken for motion. Where there are few samples, as beside a
 gap, it is a parabola, a line or a constant.
+
+A machine is moved at steady speeds with short changes between them. A change that takes about as long as rows are apart
+is no polynomial: one through the samples on both sides swings about the motion for rows before and after it, and what
+is driven by it is shaken near the rate of the rows. There the rate is that of the side on which the motion is steady
+(as H. Akima, J. ACM 17, 1970, weighs slopes), and the change is left to the interval that it is in.
 """
 
 from __future__ import annotations
@@ -16,6 +21,12 @@ ACCEPTED = 1.5
 """Residual of a fit over the noise with which its order is high enough."""
 AT_EDGE = 4
 """Highest order where samples are on one side only."""
+UNRESOLVED = 0.02
+"""Change of the rate with the last two orders, over the range of slopes, from which on no polynomial is the motion."""
+WILD = 1.0
+"""The same of an instant with samples on one side only."""
+STEADY = 0.02
+"""Bend of three samples, over the largest nearby, below which they are on a line."""
 FIFTH = 252.0**0.5
 REST = 1.0
 """Time constant with which a motion comes to rest where samples are missing, s."""
@@ -56,14 +67,52 @@ def smooth(times: np.ndarray, values: np.ndarray, at: float, reach: float, noise
     powers = (t / h)[:, None] ** np.arange(highest + 1)
     # The value is subtracted before the fit, so that a large offset costs no digits.
     y = x - x[0]
+    rates: list[float] = []
     for order in range(lowest, highest + 1):
         fit = np.linalg.lstsq(powers[:, : order + 1], y, rcond=None)[0]
         left = y - powers[:, : order + 1] @ fit
+        rates.append(float(fit[1]) / h if order else 0.0)
         if left @ left <= (ACCEPTED * noise) ** 2 * max(t.size - order - 1, 0):
             break
+    else:
+        k = int(np.argmin(np.abs(t)))
+        rate = np.nan
+        if abs(t[k]) > 1e-9:
+            pass  # the sample at the instant itself is missing
+        elif both and _unresolved(t, y, rates, UNRESOLVED):
+            rate = _steady_rate(t, y, k, noise)
+        elif k == 0 and t.size > 1 and _unresolved(t, y, rates, WILD):
+            rate = float((y[1] - y[0]) / (t[1] - t[0]))
+        if np.isfinite(rate):
+            return np.array([float(y[k] + x[0]), rate, 0.0])
     found = np.zeros(3)
     found[: min(3, fit.size)] = fit[:3]
     return np.array([found[0] + x[0], found[1] / h, 2.0 * found[2] / h**2])
+
+
+def _unresolved(t: np.ndarray, y: np.ndarray, rates: list[float], share: float) -> bool:
+    """Whether the rate still changes by a share of the range of slopes with the last two orders of a fit."""
+    slopes = np.diff(y) / np.diff(t)
+    return max(abs(one - rates[-1]) for one in rates[-3:]) > share * float(np.ptp(slopes))
+
+
+def _steady_rate(t: np.ndarray, y: np.ndarray, k: int, noise: float) -> float:
+    """Rate at the k-th sample by the side, of three samples, on which the motion is steady; NaN where none is.
+
+    Where it is steady on both, the change is at the sample, or far from it: then it is the mean.
+    """
+    bends = np.abs(np.diff(np.diff(y) / np.diff(t)))
+    most = STEADY * float(bends.max(initial=0.0))
+    steady = []
+    for first in (k - 2, k):
+        if first < 0 or first + 3 > t.size:
+            continue
+        three = slice(first, first + 3)
+        width = float(t[first + 2] - t[first])
+        # Noise of a sample enters the difference of two slopes by the root of six over the interval.
+        if bends[first] <= most + ACCEPTED * 6.0**0.5 * noise / (0.5 * width):
+            steady.append(float(np.polyfit(t[three], y[three], 1)[0]))
+    return float(np.mean(steady)) if steady else np.nan
 
 
 def noise_of(values: np.ndarray) -> float:
@@ -73,6 +122,11 @@ def noise_of(values: np.ndarray) -> float:
     order is zero.
     """
     return abs(float(np.diff(values, 5)[-1])) / FIFTH if values.size >= 6 else 0.0
+
+
+def bend_of(values: np.ndarray) -> float:
+    """Size of the noise that three neighbouring samples show, of which a steady motion has none; as `noise_of`."""
+    return abs(float(np.diff(values, 2)[-1])) / 6.0**0.5 if values.size >= 3 else 0.0
 
 
 def coming_to_rest(state: np.ndarray, after: float) -> np.ndarray:

@@ -1,0 +1,143 @@
+"""Weight and torque at the bit from rows that come slowly: deviations that are true, and what is said at the start."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import tautline
+from drillstring.twin.at_bit import AtBit, AtSurface, Known
+from drillstring.twin.row_rate import Needed, RowInterval
+from tautline.twin.twin import Twin
+
+SCENE = """
+well:
+  sections: [{hold: 2400 m}]
+  diameter: 8.5 in
+  wall: {stiffness: 1.0e9, damping: 2.0e6, friction: 0.25}
+string:
+  - {name: drill pipe, length: rest, od: 0.127, id: 0.1086}
+  - {name: collars, length: 80 m, od: 0.165, id: 0.0714}
+material: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}
+mud: {density: 1200}
+damping: {rotation: 5, translation: 50, structural: 5 ms}
+top: {block: 0, rotation: 0}
+bit: {on_bottom: false}
+model: {kind: lumped, elements: 40}
+solver: {method: generalized-alpha, rho_inf: 0.5, step: 10 ms, end: 110 s}
+output: {interval: 0.1 s}
+"""
+LENGTH = 2400.0
+MAP = """
+sensors:
+  - {column: block, unit: m, input: top.block, zero: first}
+  - {column: rotary_speed, unit: rad/s, input: top.rotary_speed}
+  - {column: hook_load, unit: N, output: top.hook_load, sd: 0.2 %}
+  - {column: torque, unit: N m, output: surface_torque, sd: 0.5 %}
+  - {column: flow, unit: m^3/s, signal: flow}
+  - {column: bit_depth, unit: m, signal: bit_depth}
+  - {column: hole_depth, unit: m, signal: hole_depth}
+estimate:
+  - {parameter: wall.friction, start: 0.25, sd: 0.001, range: [0.02, 0.8]}
+ahead: 0 s
+"""
+
+
+@pytest.mark.parametrize("interval", [1.0, 2.6, 5.0])
+def test_a_swing_that_rows_do_not_show_is_in_the_deviation_of_the_weight(interval):
+    random, within = np.random.default_rng(5), []
+    scene = tautline.read(SCENE)
+    weight, swing, noise = 60e3, 8e3, 500.0
+    for _ in range(60):
+        found, period = AtBit(scene, 3.1), random.uniform(1.7, 2.1)
+        phase = random.uniform(0.0, 2.0 * np.pi)
+        for k in range(12):
+            t = interval * k
+            # Two swings of a string are no multiples of one another.
+            off = swing * np.sin(2.0 * np.pi * t / period + phase) + 0.3 * swing * np.sin(7.3 * t + 2.0 * phase)
+            lacking = weight + off + noise * random.standard_normal()
+            found.add(AtSurface(t, 0.0, 12.0, 600e3, 0.0, lacking, 2e3))
+        told, sd = found.told(Known(noise, 0.0), Known(1.0, 0.0), {})["bit.weight"]
+        within.append(abs(told - weight) < 2.0 * sd)
+    assert np.mean(within) > 0.8
+
+
+def test_a_single_row_on_bottom_tells_no_weight():
+    found = AtBit(tautline.read(SCENE), 3.1)
+    found.add(AtSurface(0.0, 0.0, 12.0, 600e3, 0.0, 60e3, 2e3))
+    assert found.told(Known(1.0, 0.0), Known(1.0, 0.0), {}) == {}
+
+
+def test_what_slow_rows_do_not_tell_is_said_with_the_interval_that_is_needed():
+    needed = Needed.of(4.0, 1.9, 3.1, 1.3, 3.1)
+    assert needed.lost(0.4, estimates=True) == [] == needed.lost(float("nan"), estimates=True)
+    assert [one.split(":")[0] for one in needed.lost(1.0, estimates=True)] == [
+        "bit.weight and bit.torque as they swing", "bit.stick_slip"
+    ]  # fmt: skip
+    slow = needed.lost(5.0, estimates=True)
+    assert slow[0].startswith("friction: rows come every 5 s, and at least every 1.33 s is needed")
+    assert len(needed.lost(5.0, estimates=False)) == 2
+    interval = RowInterval()
+    assert [np.isfinite(interval.add(2.0 * k)) for k in range(6)] == [False] * 4 + [True] * 2
+    assert interval.value == 2.0
+
+
+# -- beside a run ------------------------------------------------------------------------------------------------------
+
+
+@functools.cache
+def run():
+    """A run that goes up, comes down, turns and drills, with a ramp of weight."""
+    steps = [(3, -0.2), (13, 0.2), (15, 0.15), (24, -0.09), (34, -0.03), (42, -0.024), (70, 0.006)]
+    bit = {
+        "on_bottom": True, "weight": "1 kN", "torque": {"static": 4000.0, "kinetic": 4000.0, "weight": 100e3},
+        "penetration": {"rate": "12 mm/s", "speed": 12.0, "weight": 100e3},
+    }  # fmt: skip
+    block = {"velocity": {"sum": [{"ramp": {"to": to, "over": 2.0, "at": at}} for at, to in steps]}}
+    turned = {"ramp": {"to": 12.0, "over": 4.0, "at": 16.0}}
+    changes = {("top", "block"): block, ("top", "rotation"): turned, ("bit",): bit}
+    result = tautline.simulate(tautline.read(SCENE).with_values({p: (v, "a test") for p, v in changes.items()}))
+    names = ("time", "block_position", "hook_load", "surface_torque", "weight_on_bit", "torque_on_bit")
+    return {name: np.array(result[name]) for name in names} | {"turned": np.array(result["rotation_rate"])[:, 0]}
+
+
+@functools.cache
+def followed(every):
+    """A twin beside every so many seconds of the run: its lines, and what it had to say."""
+    right, random, lines = run(), np.random.default_rng(2), []
+    twin = Twin(tautline.read(SCENE), MAP)
+    said = []
+    for k in range(0, right["time"].size, round(every / 0.1)):
+        down = LENGTH + float(right["block_position"][k])
+        lines += twin.add(float(right["time"][k]), {
+            "block": right["block_position"][k], "rotary_speed": right["turned"][k],
+            "hook_load": right["hook_load"][k] * (1.0 + 0.002 * random.standard_normal()),
+            "torque": right["surface_torque"][k] * (1.0 + 0.005 * random.standard_normal()),
+            "flow": 0.03, "bit_depth": down, "hole_depth": down if right["weight_on_bit"][k] > 1e3 else LENGTH + 2.0,
+        })  # fmt: skip
+        said.append(len(twin.notes))
+    return lines + twin.finish(), twin.notes, said
+
+
+@pytest.mark.parametrize("every", [0.4, 1.0, 5.0])
+@pytest.mark.parametrize(("name", "of"), [("bit.weight", "weight_on_bit"), ("bit.torque", "torque_on_bit")])
+def test_weight_and_torque_are_within_two_stated_deviations_however_slowly_rows_come(every, name, of):
+    right, (lines, _, _) = run(), followed(every)
+    over, within = max(3.1, 4.0 * every), []
+    for line in lines:
+        if line["time"] > 45.0 + over and name in line["estimates"]:
+            one = line["estimates"][name]
+            near = (right["time"] > line["time"] - over) & (right["time"] <= line["time"])
+            within.append(abs(one["value"] - right[of][near].mean()) < 2.0 * one["sd"])
+    assert len(within) > 0.8 * (65.0 - over) / every
+    assert np.mean(within) > 0.85
+
+
+@pytest.mark.parametrize(("every", "count"), [(0.4, 0), (1.0, 1), (5.0, 3)])
+def test_a_twin_says_once_and_at_the_start_what_so_few_rows_do_not_tell(every, count):
+    lines, notes, said = followed(every)
+    notes = [one for one in notes if "rows come every" in one]
+    assert len(notes) == count
+    assert count == 0 or next(k for k, number in enumerate(said) if number) < 12
+    told = [one for one in lines[-1]["rig"]["cannot_be_told"] if "rows come every" in one]
+    assert len(told) == count
