@@ -127,8 +127,8 @@ def parse_speeds(text: str) -> list[float]:
 
     from pydantic import TypeAdapter, ValidationError
 
-    from tautline.cli.options.lists import as_in_a_file, stepped, three_of
-    from tautline.scene.values.quantity import quantity
+    from tautline.cli.options.lists import stepped, three_of
+    from tautline.scene.values.quantity import as_in_a_file, quantity
 
     refuse = partial(option_error, "--speed", text)
 
