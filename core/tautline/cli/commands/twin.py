@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.options.changes import as_given, changed
+from tautline.cli.output.called import called
 from tautline.cli.output.console import finite, print_json, print_text, say
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import SceneError, option_error
@@ -388,7 +389,7 @@ def record(
     for name in (one for one in columns if one in empty):
         cause = "it is no part of the simulation, or a fault takes it away"
         say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
-    following = f"{catalogue.name} twin {path} --map {map}{as_given(changes)} --source {output}"
+    following = f"{called(catalogue.name)} twin {path} --map {map}{as_given(changes)} --source {output}"
     say(f"wrote {output}: {count} rows. Next: {following}", "green")
     if as_json:
         print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})
