@@ -163,7 +163,7 @@ def _sheaves(scene: CraneScene) -> Sentences:
         if item.law == "capstan" and not item.locked and item.inertia == 0.0:
             text = (
                 f"nothing resists {item.name}: without inertia it turns with the rope, and the friction of law: "
-                "capstan never acts; give inertia, locked: yes, or law: frictionless"
+                "capstan never acts; give inertia, locked: true, or law: frictionless"
             )
             yield where(scene, item, "law"), text
 

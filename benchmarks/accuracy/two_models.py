@@ -102,7 +102,7 @@ def under_heave(quick: bool) -> str:
                 *(("–", "–") if ran.result is finest else apart), f"{1e6 * ran.step:.0f} µs",
             )
         )  # fmt: skip
-    head = ("string", "way of the bit", "bit apart, at most", "hook load apart, rms", "wall time of a step")
+    head = ("string", "bit displacement", "bit apart, at most", "hook load apart, rms", "wall time of a step")
     return table(head, rows)
 
 

@@ -1,4 +1,4 @@
-"""The garden hose of the thesis' Case 3: run time, error against run time, limit cycles, stability boundary.
+"""The garden hose of the thesis' Case 3: error against run time, limit cycles, stability boundary.
 
 Writes docs/hose_validation.md, each part in its place, and the figures of docs/hose.md. With --quick nothing is
 written.
@@ -290,11 +290,11 @@ def _reference() -> Any:
 
 
 PARTS: dict[str, Callable[[bool], Section]] = {
-    "speed": speed, "precision": precision, "cycles": cycles, "boundary": boundary
+    "precision": precision, "cycles": cycles, "boundary": boundary
 }  # fmt: skip
 HEAD = (
     "# The hose beside references\n\nWritten by `python -m benchmarks.hose.validation`; "
-    "`python -m benchmarks.hose.validation speed` (or "
+    "`python -m benchmarks.hose.validation precision` (or "
     f"{', '.join(list(PARTS)[1:])}) measures one part anew. The claims that tests hold the program to are in "
     "[claims.md](claims.md), what the keys mean in [hose.md](hose.md).\n"
 )

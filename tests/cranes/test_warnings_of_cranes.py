@@ -1,6 +1,8 @@
 """What `check` warns of in a crane scene: with cause and cure, and only where there is cause."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -139,6 +141,19 @@ def test_elastic_compression_and_friction_that_cannot_act_are_told():
     assert "never acts" in only(one_fall(path=free), "path[1].sheave.law")
     for more in ({"inertia": 10.0}, {"locked": True}):
         assert told(one_fall(path=[WINCH, tip(law="capstan", friction=0.1, **more), HOOK]), "path[1].sheave.law") == []
+
+
+def test_what_is_said_to_be_written_of_a_sheave_that_is_locked_is_taken():
+    path = Path(__file__).parents[2] / "data" / "hoist.yaml"
+    text = path.read_text(encoding="utf-8")
+    old = "inertia: 20, law: no_slip, bearing: {friction: 0.005, radius: 0.06}"
+    assert old in text
+    free = CraneScene.parse(text.replace(old, "law: capstan, friction: 0.1"))
+    said = only(free, "path[1].sheave.law")
+    (written,) = re.findall(r"locked: \w+", said)
+    assert (
+        told(CraneScene.parse(text.replace(old, f"law: capstan, friction: 0.1, {written}")), "path[1].sheave.law") == []
+    )
 
 
 def test_a_winch_that_begins_with_a_jump_is_told_the_front_it_sends():

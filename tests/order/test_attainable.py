@@ -5,10 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from of_the_suite import studies
 
+from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
+from tautline.cli.options.changes import changed
 from tautline.simulation import simulate
 
 DATA = Path(__file__).parents[2] / "data"
@@ -45,6 +48,24 @@ def test_a_tolerance_below_rounding_is_said_and_costs_no_halvings(name, toleranc
     assert other.attributes["steps"] == one["steps"]
     assert other.attributes["halvings"] == 0
     assert other.attributes["newton_iterations"] < 4 * one["newton_iterations"]
+
+
+@pytest.mark.parametrize("file", ["tripping.yaml", "field_well.yaml", *studies("jwell.yaml", "hanging.yaml")])
+def test_a_tolerance_below_rounding_is_said_of_lumps_too_whose_unknowns_are_zero_as_drawn(file):
+    # tripping stopped at 0 s with 1e-17, and the cure was a smaller step; the field well halved its steps 377 times
+    application = Drillstring()
+    scene = application.read(DATA / file)
+    model = application.build(changed(scene, ["solver.tolerance=1e-17"]))
+    (note,) = [one for one in model.notes if "rounding" in one]
+    assert note.startswith("solver.tolerance = 1e-17 is below")
+    assert 1e-15 < model.solver.tolerance == model.attributes["tolerance"] < 1e-10
+    asked, given = (
+        simulate(replace(one, solver=replace(one.solver, end=2.0, tolerance=model.solver.tolerance)))
+        for one in (model, application.build(scene))
+    )
+    assert asked.attributes["halvings"] == 0
+    assert (asked["tension"] == given["tension"]).all()  # the look at rest leaves no trace
+    assert not any("rounding" in one for one in application.build(scene).notes)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -65,6 +65,16 @@ def test_the_commands_of_a_block_do_what_their_files_assert(commands, folder, ra
         ran(folder, *words)
 
 
+def test_a_command_that_is_a_script_names_itself_as_it_was_called_and_the_next_command_runs(folder, ran):
+    told = " ".join(ran(folder, "buoys.py", "check", "raft.yaml").stderr.split())
+    following = told.split("Next: ")[1].split()
+    assert following == ["python", "buoys.py", "simulate", "raft.yaml"]
+    told = " ".join(ran(folder, *following[1:], "--quiet").stderr.split())
+    told = " ".join(ran(folder, "buoys.py", "chek", code=2).stderr.split())
+    assert "see `python buoys.py --help`" in told
+    assert "Usage: python buoys.py" in ran(folder, "buoys.py", "--help").stdout
+
+
 def test_the_figure_of_the_page_is_offered_and_drawn(folder, ran):
     ran(folder, "drawn.py", "simulate", "raft.yaml")
     refused = ran(folder, "drawn.py", "plot", "raft.nc", "--what", "portrayt", code=2)

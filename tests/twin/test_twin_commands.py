@@ -1,6 +1,7 @@
 """The commands ``record`` and ``twin``: what goes in, what comes out, and what they refuse."""
 
 import json
+import shlex
 import subprocess
 import sys
 
@@ -353,6 +354,55 @@ def test_numbers_that_a_record_cannot_have_are_refused_and_nothing_is_written(
     words = ["record", SCENE, "--map", str(rehearsal / "map.yaml"), "-o", str(tmp_path / "r.csv"), f"{option}={given}"]
     code, _, err = here(*words)
     assert code == 2 and cause in " ".join(err.split()) and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "options, cause",
+    [
+        (["--fault=rope_tension:bias:20:30:5"], "no row lies in these times"),
+        (["--fault=rope_tension:stuck:1.01:1.09"], "no row lies in these times"),
+        (["--fault=rope_tension:lost:-3:0"], "no row lies in these times"),
+        (["--fault=rope_tension:bias:0:1"], "has no size, which bias needs"),
+        (["--gap=20:30"], "no row lies in these times"), (["--gap=8:4"], "ends before it begins"),
+        (["--gap=0:100"], "no row is left"), (["--gap=0:0.5", "--gap=0.5:3"], "no row is left"),
+        (["--dropout=100 %"], "no row is left"),
+    ],
+)  # fmt: skip
+def test_a_fault_or_a_gap_that_changes_no_row_is_refused_and_so_is_a_record_without_rows(
+    rehearsal, here, tmp_path, options, cause
+):
+    words = ["record", SCENE, "--map", str(rehearsal / "map.yaml"), "-o", str(tmp_path / "r.csv"), "--end", "2 s"]
+    code, _, err = here(*words, *options)
+    said = " ".join(err.split())
+    assert code == 2 and cause in said and "fault of the program" not in said and not list(tmp_path.iterdir())
+    if "lies" in cause:
+        assert "rows are from 0 s to 2 s, 10 a second" in said
+
+
+def test_faults_and_gaps_that_reach_beyond_the_rows_change_those_within(rehearsal, here, tmp_path):
+    words = ["record", SCENE, "--map", str(rehearsal / "map.yaml"), "--end", "1 s", "-o"]
+    whole, part = tmp_path / "whole.csv", tmp_path / "part.csv"
+    assert here(*words, str(whole))[0] == 0
+    assert here(*words, str(part), "--gap=-5:0.3", "--gap=1:9", "--fault=heave:bias:0.8:99:7")[0] == 0
+    before, after = (np.genfromtxt(one, delimiter=",", skip_header=1) for one in (whole, part))
+    assert after[:, 0] == pytest.approx(0.1 * np.arange(3, 10))
+    assert after[:, 2] - before[3:10, 2] == pytest.approx([0, 0, 0, 0, 0, 7, 7], abs=1e-6)
+
+
+def test_the_next_command_of_a_record_names_the_changes_of_its_scene_and_runs(rehearsal, here, tmp_path):
+    changes = ["--set", "rope.damping=2 ms"]
+    words = [SCENE, "--map", str(rehearsal / "map.yaml"), *changes]
+    code, _, err = here("record", *words, "-o", str(tmp_path / "r.csv"), "--end", "0.5 s")
+    assert code == 0
+    following = shlex.split(" ".join(err.split()).split("Next: crane ")[1])
+    assert following[-4:] == [*changes, "--source", str(tmp_path / "r.csv")]
+    assert here(*following)[0] == 0
+
+
+def test_a_column_of_a_record_that_is_always_empty_is_warned_of(rehearsal, here, tmp_path):
+    words = ["record", SCENE, "--map", str(rehearsal / "map.yaml"), "--end", "0.5 s", "-o", str(tmp_path / "r.csv")]
+    code, _, err = here(*words, "--fault=heave:lost:0:9")
+    assert code == 0 and "warning: heave is empty in all rows" in " ".join(err.split())
 
 
 @pytest.mark.parametrize(

@@ -53,12 +53,12 @@ def refuse_other_kind(path: Path, own: Callable[[dict[str, Any]], bool]) -> None
         return
     _refuse_no_scene(root, str(path))
     if name := _application_of(root):
-        own = f"`{name}`, or " if _has_command(name) else ""
+        own = f"`{name}`, or " if has_command(name) else ""
         cure = f"use {own}`tautline`, which knows all kinds"
         raise SceneError([Problem(str(path), None, "", None, f"is a scene of {name}", cure)])
 
 
-def _has_command(name: str) -> bool:
+def has_command(name: str) -> bool:
     """Whether a command of that name is installed."""
     from importlib.metadata import entry_points
 

@@ -10,7 +10,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
-from tautline.cli.output import duration
+from tautline.cli.output import called, duration
 from tautline.cli.output.console import abandon_output, print_json, say, unwritable
 from tautline.interruption import ended_by_signal
 from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
@@ -85,6 +85,7 @@ def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
     # A process that was started for this command; one that has other things to do keeps its own ways.
     ours = arguments is None
     duration.begin(of_process=ours)
+    called.begin(ours, app.info.name or "")
     if ours:
         left_at_exit()
     with collected_rarely() if ours else nullcontext(), ended_by_signal() if ours else nullcontext():
@@ -102,7 +103,7 @@ def _outcome(app: typer.Typer, given: list[str]) -> int:
     # `--debug` may stand anywhere, and not only before the verb, where typer would want it.
     arguments = [argument for argument in given if argument != "--debug"]
     try:
-        code = app(arguments, standalone_mode=False, prog_name=app.info.name)
+        code = app(arguments, standalone_mode=False, prog_name=called.called(app.info.name or ""))
     except Ended as end:
         return end.code
     except BrokenPipeError:
@@ -131,7 +132,7 @@ def _refused(error: Exception, app: typer.Typer, as_json: bool, verb: str = "") 
     code, status = ExitCode.BAD_INPUT, "bad input"
     if type(error).__name__ == "NoArgsIsHelpError":
         return code  # the help was printed and says it all
-    name = app.info.name or ""
+    name = called.called(app.info.name or "")
     known = {
         str(one.name or one.callback.__name__).replace("_", "-") for one in app.registered_commands if one.callback
     }

@@ -27,6 +27,8 @@ DOUBT = "doubt"
 """The error type of a number that is sound and doubtful: see `tautline.scene.doubts`."""
 MADE = "made once"
 """Where a scene keeps what was prepared of it: no name of a field."""
+TRUTHS = {"true": ("true", "yes", "y", "on", "1"), "false": ("false", "no", "n", "off", "0")}
+"""What is written where true or false is meant; most of it was that in YAML 1.1."""
 WITHOUT_TEXT = (
     "a scene that was put together in Python cannot be changed by keys",
     "read it from a file, a text or a dict: tautline.read",
@@ -400,7 +402,9 @@ def _plain(error: Any) -> tuple[str, str]:
         return "is not one of the known words", nearest(str(given), words)
     if given is None:
         return "is empty", "give a value, or remove the key"
-    names = {"int": ("a whole number", "12"), "bool": ("true or false", "true"), "string": ("a text", "drill pipe")}
+    if kind.startswith("bool_"):
+        return "must be true or false", _truth(given)
+    names = {"int": ("a whole number", "12"), "string": ("a text", "drill pipe")}
     names |= {"tuple": ("a list", "[0, 1]"), "list": ("a list", "[0, 1]")}
     if kind.startswith("int_") and isinstance(given, float) and given.is_integer():
         return "must be a whole number, written without a point or an exponent", f"write {given:.0f}"
@@ -418,6 +422,16 @@ def _plain(error: Any) -> tuple[str, str]:
         name, relation = limits[kind]
         return f"must be {relation} {context[name]}", f"give a number that is {relation} {context[name]}"
     return str(error["msg"]).lower(), "see the schema"
+
+
+def _truth(given: Any) -> str:
+    """What to write in place of a word or a number that was meant as true or false."""
+    said = str(given).strip().lower()
+    meant = next((word for word, others in TRUTHS.items() if said in others), None)
+    if meant is None:
+        return "write true or false, without quotes"
+    why = "" if said == meant else f"; {given} is a {'number' if said in ('0', '1') else 'word'} in YAML 1.2"
+    return f"write {meant}, without quotes{why}"
 
 
 def word(*known: str, aliases: dict[str, str] | None = None) -> BeforeValidator:

@@ -21,9 +21,12 @@ from tautline.twin.operation import Operation
 
 KINDS = ("stuck", "lost", "bias", "drift", "scale", "clip", "spike")
 """Faults of a sensor."""
+SIZED = ("bias", "drift", "scale", "clip", "spike")
+"""Those that say nothing without a size."""
 MOST_ROWS = 1.0e8
 """Rows that a record may have."""
-EXAMPLE = "write COLUMN:KIND:FROM:TO[:SIZE], such as rope_tension:bias:20:30:5"
+EXAMPLE = "write COLUMN:KIND:FROM:TO[:SIZE], such as rope_tension:bias:4:8:5"
+GAP_EXAMPLE = "write FROM:TO in s, such as 4:8"
 
 
 @dataclass(frozen=True)
@@ -119,8 +122,10 @@ def record(
     if last * sensing.rate > MOST_ROWS:
         cause = f"is {last * sensing.rate:.2g} rows, and a record has {MOST_ROWS:.0e} at most"
         raise option_error("--rate", f"{sensing.rate:g}", cause, "give fewer rows a second, or an earlier --end")
+    final = int(np.floor(last * sensing.rate + 1e-9))
+    _check_times(sensing, final)
     earlier: deque[tuple[float, np.ndarray]] = deque()
-    for k in range(int(np.floor(last * sensing.rate + 1e-9)) + 1):
+    for k in range(final + 1):
         time = k / sensing.rate
         if time > sim.time:
             sim.advance_to(time)
@@ -136,6 +141,28 @@ def record(
         arrives = rng.random() >= sensing.dropout and not any(a <= time < b for a, b in sensing.gaps)
         if arrives:
             yield stamp, readings
+
+
+def _check_times(sensing: Sensing, final: int) -> None:
+    """Refuse a fault and a gap in which no row lies, of rows 0 to ``final``: a rehearsal would pass without it."""
+    times = f"rows are from 0 s to {final / sensing.rate:g} s, {sensing.rate:g} a second"
+    for one in sensing.faults:
+        if not _has_row(one.begin, one.end, sensing.rate, final):
+            given = f"{one.column}:{one.kind}:{one.begin:g}:{one.end:g}"
+            cure = f"give times in which there are rows, or a later --end; {times}"
+            raise option_error("--fault", given, "changes nothing: no row lies in these times", cure)
+    for begin, end in sensing.gaps:
+        if not _has_row(begin, end, sensing.rate, final):
+            cure = f"give times in which there are rows, or a later --end; {times}"
+            raise option_error("--gap", f"{begin:g}:{end:g}", "leaves nothing out: no row lies in these times", cure)
+
+
+def _has_row(begin: float, end: float, rate: float, final: int) -> bool:
+    """Whether begin <= k / rate < end for one of the rows k = 0 to ``final``."""
+    if not begin < end or begin > (final + 1.0) / rate:
+        return False
+    first = int(np.floor(max(begin, 0.0) * rate))
+    return any(begin <= k / rate < end for k in range(max(first - 1, 0), min(first + 2, final) + 1))
 
 
 def _values(sim: Simulation, plan: Plan, operation: Operation | None) -> np.ndarray:
@@ -172,9 +199,22 @@ def read_fault(text: str) -> Fault:
         raise option_error("--fault", text, "is no fault of a sensor", cure)
     try:
         begin, end = float(parts[2]), float(parts[3])
-        size = float(parts[4]) if len(parts) == 5 else 0.0
+        size = float(parts[4]) if len(parts) == 5 else None
     except ValueError:
         raise option_error("--fault", text, "has a time or a size that is no number", EXAMPLE) from None
     if not begin < end:
         raise option_error("--fault", text, "ends before it begins", EXAMPLE)
-    return Fault(parts[0], kind, begin, end, size)
+    if kind in SIZED and (size is None or not np.isfinite(size)):
+        raise option_error("--fault", text, f"has no size, which {kind} needs", EXAMPLE)
+    return Fault(parts[0], kind, begin, end, size or 0.0)
+
+
+def read_gap(text: str) -> tuple[float, float]:
+    """Begin and end of times without rows, s, as they are written in the option; raises SceneError."""
+    try:
+        begin, end = (float(part) for part in text.split(":"))
+    except ValueError:
+        raise option_error("--gap", text, "is no gap", GAP_EXAMPLE) from None
+    if not begin < end:
+        raise option_error("--gap", text, "ends before it begins", GAP_EXAMPLE)
+    return begin, end

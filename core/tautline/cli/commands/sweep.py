@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.commands.simulate import print_warnings
 from tautline.cli.options.changes import as_given, changed
+from tautline.cli.output.called import called
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
 from tautline.cli.output.numba_version import version_note
@@ -109,7 +110,7 @@ def _report(
         place = "" if outcome.result is None else f" -o {outcome.result.parent}"
         if outcome.lost:
             say(outcome.lost, "red")
-        say(f"interrupted; go on: {catalogue.name} sweep {file}{place} --resume{as_given(changes)}", "yellow")
+        say(f"interrupted; go on: {called(catalogue.name)} sweep {file}{place} --resume{as_given(changes)}", "yellow")
     if as_json:
         print_json(
             {

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue, refuse_scene
-from tautline.cli.options.changes import changed
+from tautline.cli.options.changes import as_given, changed
+from tautline.cli.output.called import called
 from tautline.cli.output.console import finite, print_json, print_text, say
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import SceneError, option_error
@@ -350,7 +351,7 @@ def record(
     """
     from tautline.integrators.status import StoppedEarly
     from tautline.results.target import check_record
-    from tautline.twin.record import Sensing, read_fault
+    from tautline.twin.record import Sensing, read_fault, read_gap
     from tautline.twin.record import record as recorded
 
     scene = changed(catalogue.read(path)[1], changes)
@@ -359,7 +360,7 @@ def record(
     sensing = Sensing(
         rate=_number("--rate", given["rate"], "Hz", 10.0), noise=_share("--noise", given["noise"]),
         dropout=_share("--dropout", given["dropout"]), jitter=_number("--jitter", given["jitter"], "s", 0.0),
-        delay=_number("--delay", given["delay"], "s", 0.0), gaps=[_gap(text) for text in given["gap"] or ()],
+        delay=_number("--delay", given["delay"], "s", 0.0), gaps=[read_gap(text) for text in given["gap"] or ()],
         faults=[read_fault(text) for text in given["fault"] or ()], seed=given["seed"],
     )  # fmt: skip
     if not sensing.rate > 0.0:
@@ -367,21 +368,29 @@ def record(
     until = _number("--end", end, "s", float("nan"))
     check_record(output, force)
     rows = recorded(scene, read, sensing, None if until != until else until)
-    first = next(rows)
+    first = next(rows, None)
+    if first is None:
+        cause = "no row is left of the record, by --gap and --dropout"
+        raise option_error("-o", str(output), cause, "leave fewer rows out, or give a later --end")
     columns = [one.column for one in read.sensors]
     units = {one.column: one.unit for one in read.sensors}
-    count, status = 0, "done"
+    count, status, empty = 0, "done", set(columns)
     with output.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["time [s]", *(f"{name} [{units[name]}]" if units[name] else name for name in columns)])
         try:
             for time, values in itertools.chain([first], rows):
                 writer.writerow([f"{time:.6f}", *_cells(values, columns)])
+                empty -= {name for name in empty if values[name] == values[name]}
                 count += 1
         except StoppedEarly as stop:
             say(f"{path}: {stop.line}", "red")
             status = stop.status.word
-    say(f"wrote {output}: {count} rows. Next: {catalogue.name} twin {path} --map {map} --source {output}", "green")
+    for name in (one for one in columns if one in empty):
+        cause = "it is no part of the simulation, or a fault takes it away"
+        say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
+    following = f"{called(catalogue.name)} twin {path} --map {map}{as_given(changes)} --source {output}"
+    say(f"wrote {output}: {count} rows. Next: {following}", "green")
     if as_json:
         print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})
     if status != "done":
@@ -423,11 +432,3 @@ def _share(option: str, text: str | None) -> float:
 
 def _cells(values: dict[str, float], columns: Sequence[str]) -> list[str]:
     return [f"{values[name]:.9g}" if values[name] == values[name] else "" for name in columns]
-
-
-def _gap(text: str) -> tuple[float, float]:
-    try:
-        begin, end = (float(part) for part in text.split(":"))
-    except ValueError:
-        raise option_error("--gap", text, "is no gap", "write FROM:TO in s, such as 20:25") from None
-    return begin, end

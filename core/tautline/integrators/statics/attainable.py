@@ -14,6 +14,8 @@ from tautline.integrators.generalized_alpha import coefficients
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.search import ROUNDING
 from tautline.integrators.state import State, new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.status import StoppedEarly
 from tautline.kernels.matrix import Factors, factorise_matrix, new_factors, sizes_of_rows, solve_matrix
 from tautline.scene.methods import method_of
 from tautline.system.model import Model, SolverSettings
@@ -37,7 +39,7 @@ def within_rounding(model: Model, key: str = "solver.tolerance", many: float = m
     asked = settings.tolerance < EXAMINED or model.system.size >= many
     if method_of(settings.method).explicit or not asked:
         return model
-    least = attainable(model.system, settings)
+    least = attainable(model.system, settings, model.step_limit)
     if not settings.tolerance < least < 1.0:
         return model
     note = (
@@ -48,14 +50,21 @@ def within_rounding(model: Model, key: str = "solver.tolerance", many: float = m
     return replace(model, solver=replace(settings, tolerance=least), notes=[*model.notes, note], attributes=attributes)
 
 
-def attainable(system: System, settings: SolverSettings) -> float:
+def attainable(system: System, settings: SolverSettings, step_limit: float = math.inf) -> float:
     """Least tolerance, by the settings' criterion, that rounding lets the iteration reach; zero where nothing moves.
 
-    A row's force is the sum of stiffnesses times positions, each of sixteen digits, as the drawing has them.
+    A row's force is the sum of stiffnesses times positions, each of sixteen digits, as the drawing has them. Where the
+    unknowns are displacements from it, as those of lumps, they are zero there, and those at rest are taken: a search
+    for them may change an unknown by ``step_limit`` (m or rad) at once. Where there is no rest nothing is known: zero.
     """
     state = new_state(system)
     if not system.size:
         return 0.0
+    if not state.q.any():
+        try:
+            find_equilibrium(system, state, step_limit)
+        except StoppedEarly:
+            return 0.0
     # Room for the stiffness, and then for the tangent of a step: of many unknowns each takes hundreds of megabytes.
     factors = new_factors(system.size, system.bandwidth, system.border)
     with np.errstate(all="ignore"):

@@ -1,0 +1,24 @@
+"""How a person calls the command of this process: what it prints as the next command has to run as it stands."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+
+from tautline.application.installed import has_command
+
+_script = ""
+
+
+def begin(of_process: bool, name: str) -> None:
+    """Look how the process was started, where it serves this command only; else the command goes by its name."""
+    global _script
+    script = sys.argv[0] if of_process and sys.argv else ""
+    # With `python -m` the first argument is a file too, which is not what was written; an installed name is shorter.
+    by_file = script.endswith(".py") and getattr(sys.modules.get("__main__"), "__spec__", None) is None
+    _script = script if by_file and not has_command(name) else ""
+
+
+def called(name: str) -> str:
+    """The words for a shell: ``python script.py`` for a command that is a script, else its name."""
+    return f"python {shlex.quote(_script)}" if _script else name
