@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -173,6 +173,22 @@ def simulate(
     ResultError
         Where ``resume`` holds no state to go on from, or that of another scene, or has come to the end already.
     """
+    # One of many runs is the only one of its model.
+    with model.system.beginning_anew() if brief is None else nullcontext():
+        return _run(model, path, progress, resume, announce, look, afterwards, brief)
+
+
+def _run(
+    model: Model,
+    path: str | Path | None,
+    progress: Callable[[float, float], None] | None,
+    resume: Result | None,
+    announce: Callable[[int], Any] | None,
+    look: Look | None,
+    afterwards: Afterwards | None,
+    brief: Brief | None,
+) -> Result:
+    """Run a model whose groups are as they were built; see `simulate`."""
     attributes = {} if brief is not None else {**model.attributes, "version": __version__}
     make, model = _store_of(model, brief)
     run = Run(model, look, brief)

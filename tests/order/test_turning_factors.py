@@ -5,6 +5,7 @@ import pytest
 from physics.cables.rope_text import PINNED, chain, model_of, scene, straight
 from scipy.sparse.linalg import splu
 
+from tautline.integrators.corrector.rows import STRIP
 from tautline.integrators.corrector.turning import Fixed, Turning, face, to_faced, to_turned, turn, turning_of
 from tautline.kernels.jit import entry
 from tautline.live.simulation import Simulation
@@ -115,3 +116,16 @@ def test_a_rope_that_swings_keeps_its_factors_for_hundreds_of_steps():
     assert run.attributes["factorisations"] <= 10  # 60 as they were
     full = simulate(model_of(items, time_step=0.001, time_end=1.0, rho_inf=0.8, plotpoints=10.0, newton="full"))
     np.testing.assert_allclose(run["position"], full["position"], rtol=0.0, atol=1e-6)
+
+
+def test_full_vectors_are_the_unknowns_of_a_rope_of_several_strips_after_every_step():
+    n = 600
+    assert 6 * n > 2 * STRIP
+    xyz, p = straight((0.0, 0.0, 0.0), (60.0, 0.0, 0.0), n), np.linspace(0.0, 60.0, n + 1)
+    sim = Simulation(scene(chain(xyz, p, {0: PINNED}, EA=1.0e5, EJ=3.0)))
+    state, free = sim.parts.state, sim.model.system.dofs.free
+    for _ in range(3):
+        sim.advance(0.01)
+        assert np.abs(state.v).max() > 0.0
+        for reduced, full in ((state.q, state.full_q), (state.v, state.full_v), (state.a, state.full_a)):
+            np.testing.assert_array_equal(full[free], reduced)

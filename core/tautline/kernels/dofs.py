@@ -104,17 +104,24 @@ SIX = 6
 def _copy_runs(runs, source, read, target, written):
     """Copy all runs; ``read`` and ``written`` say whether source and target are by `UNKNOWNS` or by `PLACES`."""
     for k in range(0, runs.size, RUN):
-        a, b, count = runs[k + read], runs[k + written], runs[k + COUNT]
-        for _ in range(runs[k + REPEATS]):
-            if count == SIX:
-                four, fifth, sixth = load(source, a), source[a + 4], source[a + 5]
-                store(target, b, four)
-                target[b + 4], target[b + 5] = fifth, sixth
-            else:
-                for i in range(count):
-                    target[b + i] = source[a + i]
-            a += runs[k + read + 1]
-            b += runs[k + written + 1]
+        copy_some_runs(runs, k, 0, runs[k + REPEATS], source, read, target, written)
+
+
+@kernel(forceinline=True)
+def copy_some_runs(runs, k, begin, end, source, read, target, written):
+    """Copy runs ``begin`` to ``end`` - 1 of the series that stands at k; see `_copy_runs`."""
+    count, step, stride = runs[k + COUNT], runs[k + read + 1], runs[k + written + 1]
+    a, b = runs[k + read] + begin * step, runs[k + written] + begin * stride
+    for _ in range(begin, end):
+        if count == SIX:
+            four, fifth, sixth = load(source, a), source[a + 4], source[a + 5]
+            store(target, b, four)
+            target[b + 4], target[b + 5] = fifth, sixth
+        else:
+            for i in range(count):
+                target[b + i] = source[a + i]
+        a += step
+        b += stride
 
 
 @kernel(forceinline=True)
@@ -124,6 +131,12 @@ def expand(dofs, reduced, full):
     if dofs.runs.size == 0:
         for i in range(dofs.free.size):
             full[dofs.free[i]] = reduced[i]
+    expand_tied(dofs, reduced, full)
+
+
+@kernel
+def expand_tied(dofs, reduced, full):
+    """Write what depends on several unknowns, or on held ones, into the full vector."""
     for i in dofs.tied:
         x = 0.0
         for k in range(dofs.start[i], dofs.start[i + 1]):

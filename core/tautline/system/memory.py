@@ -57,3 +57,32 @@ def recall(memory: Mapping[str, np.ndarray], state: Any, groups: tuple[Any, ...]
         for name, place in places.items():
             place[...] = np.frombuffer(memory[name].tobytes(), place.dtype).reshape(place.shape)
     return wrong
+
+
+class Beginning:
+    """What groups remember before a run: the next one of the same model begins as this one did.
+
+    Stuck contacts, worn rope and scratch are brought back. What somebody has set since the run ended stays set.
+
+    Parameters
+    ----------
+    groups : tuple
+        Of a model that has not run.
+    """
+
+    def __init__(self, groups: tuple[Any, ...]) -> None:
+        self._before = remember((), groups, ())
+        self._after = self._before
+
+    def has_ended(self, groups: tuple[Any, ...]) -> None:
+        """A run has ended."""
+        self._after = remember((), groups, ())
+
+    def bring_back(self, groups: tuple[Any, ...]) -> None:
+        """Have the groups as they were, but for what is no longer as the run left it."""
+        for name, place in places_of((), groups, ()).items():
+            before, after = (np.frombuffer(known[name].tobytes(), np.uint8) for known in (self._before, self._after))
+            if not np.array_equal(before, after):
+                now = np.frombuffer(place.tobytes(), np.uint8)
+                now = np.where(now == after, before, now)
+                place[...] = np.frombuffer(now.tobytes(), place.dtype).reshape(place.shape)

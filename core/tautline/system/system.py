@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from tautline.kernels.groups import laid_out, link, without_friction
 from tautline.kernels.matrix import Factors, new_factors
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.masters import Masters
+from tautline.system.memory import Beginning
 from tautline.system.pattern import Pattern, narrow, pattern_of
 
 
@@ -167,6 +169,19 @@ class System:
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
     lasting: Lasting = field(default_factory=Lasting, repr=False, compare=False)
     _spare: Factors | None = field(default=None, init=False, repr=False, compare=False)
+    _beginning: Beginning | None = field(default=None, init=False, repr=False, compare=False)
+
+    @contextmanager
+    def beginning_anew(self) -> Iterator[None]:
+        """Within it is a run: it begins with what the groups remembered before the first one."""
+        if self._beginning is None:
+            self._beginning = Beginning(self.groups)
+        else:
+            self._beginning.bring_back(self.groups)
+        try:
+            yield
+        finally:
+            self._beginning.has_ended(self.groups)
 
     def spare_factors(self) -> Factors:
         """Room for a tangent and its factors, for whoever needs some for a moment: the next may write over them."""

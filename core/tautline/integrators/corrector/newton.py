@@ -14,6 +14,7 @@ import numpy as np
 from tautline.integrators.corrector.partial_newton import Window
 from tautline.integrators.corrector.rows import (
     AllRows,
+    advance_rows,
     aim,
     ask_as_before,
     ask_for_all,
@@ -36,7 +37,6 @@ from tautline.kernels import groups as over
 from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
 from tautline.kernels.factors.band import BOLD, CAREFUL
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.matrix import (
     Factors,
     Matrix,
@@ -152,7 +152,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
     event = False
     contraction = c.contraction
     for iteration in range(c.max_iterations + 1):
-        expand_rows(c.rows, dofs, state)
+        expand_rows(c.rows, dofs, state, iteration == 0)
         if c.factored_for[0] != 0.0:
             turn_factors(c.rows, state)
         changed[COUNT] = changed[PLACED] = 0
@@ -197,11 +197,11 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
         if row != 0:
             state.counters[WORST] = row - 1
             return SINGULAR
-        energy = _step(c, state, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
+        energy = _step(c, dofs, state, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
         state.counters[ITERATIONS] += 1
         if c.by_energy and energy <= c.tolerance and not over.may_switch(groups):
             # What is left of the residual is below what the criterion cares for: it is not evaluated again.
-            expand_rows(c.rows, dofs, state)
+            expand_rows(c.rows, dofs, state, False)
             return DONE
         previous = size
     return NOT_CONVERGED
@@ -263,23 +263,15 @@ def _add_switching(smooth, matrix, groups, dofs, state, t, beta, gamma):
 
 
 @kernel
-def _step(c, state, beta, gamma, fraction):
+def _step(c, dofs, state, beta, gamma, fraction):
     """Solve for the increment and add it; returns the energy error of eq. 2.78."""
     first, last = solve_for_increment(c.rows, c.factors, c.increment, c.right_side)
     first = max(0, first)
-    products, steps = spread(0.0), spread(0.0)
-    speeds = spread(c.fastest[0] if last - first < state.q.size else 0.0)
-    for i in range(first, last, LANES):
-        step = -fraction * gather(c.increment, i, last)
-        v = gather(state.v, i, last)
-        products += where(within(i, last), gather(c.right_side, i, last) * step, 0.0)
-        speeds = larger(abs(v), speeds)
-        steps = larger(abs(step), steps)
-        scatter(state.q, i, last, gather(state.q, i, last) + step)
-        scatter(state.v, i, last, v + gamma * step)
-        scatter(state.a, i, last, gather(state.a, i, last) + beta * step)
-    fastest = largest(speeds)
+    fastest = c.fastest[0] if last - first < state.q.size else 0.0
+    product, most, fastest = advance_rows(
+        c.rows, dofs, state, c.increment, c.right_side, first, last, (fraction, beta, gamma), fastest
+    )
     state.counters[ROWS] += last - first
     c.fastest[0] = fastest
-    c.rounded[0] = 1 if gamma * largest(steps) <= ROUNDED * fastest else 0
-    return np.sqrt(abs(total(products)) / (fraction * c.unit))
+    c.rounded[0] = 1 if gamma * most <= ROUNDED * fastest else 0
+    return np.sqrt(abs(product) / (fraction * c.unit))

@@ -14,10 +14,14 @@ from tautline.integrators.corrector.turning import Fixed, Turning, face, to_face
 from tautline.integrators.state import worst_between
 from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type
-from tautline.kernels.dofs import expand, reduce
+from tautline.kernels.dofs import COUNT, PLACES, REPEATS, RUN, UNKNOWNS, copy_some_runs, expand, expand_tied, reduce
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.vector import copy
 from tautline.system.system import System
+
+STRIP = 1536
+"""Unknowns that are moved together."""
 
 
 class AllRows(NamedTuple):
@@ -47,10 +51,68 @@ def _aim(rows, dofs, state, right_side, per_scale, tolerance, tried, slow):
 
 
 @kernel(forceinline=True)
-def _expand(rows, dofs, state):
-    expand(dofs, state.q, state.full_q)
-    expand(dofs, state.v, state.full_v)
-    expand(dofs, state.a, state.full_a)
+def _expand(rows, dofs, state, predicted):
+    # What an iteration adds is written by `_advance`.
+    if predicted:
+        expand(dofs, state.q, state.full_q)
+        expand(dofs, state.v, state.full_v)
+        expand(dofs, state.a, state.full_a)
+
+
+@kernel(forceinline=True)
+def _expand_part(rows, dofs, state, predicted):
+    part.expand_part(rows, dofs, state)
+
+
+@kernel(forceinline=True)
+def _add(state, increment, right_side, first, last, factors, sums):
+    """Add increments of rows; sums of work, largest step and largest velocity before it, in lanes."""
+    fraction, beta, gamma = factors
+    products, steps, speeds = sums
+    for i in range(first, last, LANES):
+        step = -fraction * gather(increment, i, last)
+        v = gather(state.v, i, last)
+        products += where(within(i, last), gather(right_side, i, last) * step, 0.0)
+        speeds = larger(abs(v), speeds)
+        steps = larger(abs(step), steps)
+        scatter(state.q, i, last, gather(state.q, i, last) + step)
+        scatter(state.v, i, last, v + gamma * step)
+        scatter(state.a, i, last, gather(state.a, i, last) + beta * step)
+    return products, steps, speeds
+
+
+@kernel
+def _advance_part(rows, dofs, state, increment, right_side, first, last, factors, fastest):
+    start = spread(0.0), spread(0.0), spread(fastest)
+    products, steps, speeds = _add(state, increment, right_side, first, last, factors, start)
+    return total(products), largest(steps), largest(speeds)
+
+
+@kernel
+def _advance(rows, dofs, state, increment, right_side, first, last, factors, fastest):
+    """Strip by strip, each written into the full vectors while a processor has it at hand."""
+    runs = dofs.runs
+    sums = spread(0.0), spread(0.0), spread(fastest)
+    for k in range(0, runs.size, RUN):
+        at, count, repeats = runs[k + UNKNOWNS], runs[k + COUNT], runs[k + REPEATS]
+        many = max(1, STRIP // count)
+        for begin in range(0, repeats, many):
+            end = min(begin + many, repeats)
+            sums = _add(state, increment, right_side, at + begin * count, at + end * count, factors, sums)
+            copy_some_runs(runs, k, begin, end, state.q, UNKNOWNS, state.full_q, PLACES)
+            copy_some_runs(runs, k, begin, end, state.v, UNKNOWNS, state.full_v, PLACES)
+            copy_some_runs(runs, k, begin, end, state.a, UNKNOWNS, state.full_a, PLACES)
+    if runs.size == 0:
+        sums = _add(state, increment, right_side, first, last, factors, sums)
+        expand(dofs, state.q, state.full_q)
+        expand(dofs, state.v, state.full_v)
+        expand(dofs, state.a, state.full_a)
+    else:
+        expand_tied(dofs, state.q, state.full_q)
+        expand_tied(dofs, state.v, state.full_v)
+        expand_tied(dofs, state.a, state.full_a)
+    products, steps, speeds = sums
+    return total(products), largest(steps), largest(speeds)
 
 
 @kernel(forceinline=True)
@@ -102,7 +164,8 @@ def _face_factors(rows, state):
 take_all = by_type({AllRows: _take_all, Window: part.take_all})
 take_changed = by_type({AllRows: _take_changed, Window: part.take_changed})
 aim = by_type({AllRows: _aim, Window: part.aim})
-expand_rows = by_type({AllRows: _expand, Window: part.expand_part})
+expand_rows = by_type({AllRows: _expand, Window: _expand_part})
+advance_rows = by_type({AllRows: _advance, Window: _advance_part})
 balance = by_type({AllRows: _balance, Window: part.balance_part})
 worst_row = by_type({AllRows: _worst, Window: part.worst_of_part})
 heed_place = by_type({AllRows: _heed_nothing, Window: part.heed_place})
