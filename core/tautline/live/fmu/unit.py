@@ -50,13 +50,8 @@ class Core:
         self.given: dict[str, float] = {}
         self.begin, self.stale, self.stepped = 0.0, False, False
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
-        self.inputs = {
-            name: float(self.sim.inputs[name])
-            for asked in self.told["inputs"]
-            for name in (
-                [asked] if asked in self.sim.inputs else [n for n in self.sim.inputs if n.startswith(f"{asked}[")]
-            )
-        }
+        self.inputs = [name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked)]
+        self.sent: dict[str, float] = {}
         self.outputs = {
             part: (name, at) for name in self.told["outputs"] for part, at in parts_of(self.sim.outputs.handle(name))
         }
@@ -87,7 +82,9 @@ class Core:
     def get(self, name: str) -> float:
         """An input, an output or a parameter."""
         if name in self.inputs:
-            return self.given.get(name, self.inputs[name])
+            if name in self.given or name in self.sent:
+                return self.given.get(name, self.sent.get(name, 0.0))
+            return float(self.sim.inputs[name])
         if name in self.outputs:
             output, at = self.outputs[name]
             value = self.ready[output]
@@ -115,9 +112,9 @@ class Core:
             raise SimulationError(cause, "set the state that was saved there")
         self.stepped = True
         for name, value in self.given.items():
-            # What stays as it is needs no way to it.
-            if value != self.inputs[name]:
-                sim.inputs[name] = self.inputs[name] = value
+            # What was given before and stays as it is needs no way to it. What was never given still goes by the scene.
+            if self.sent.get(name) != value:
+                sim.inputs[name] = self.sent[name] = value
         self.given.clear()
         sim.advance_to(time - self.begin + length)
 
@@ -126,7 +123,7 @@ class Core:
     def save(self) -> dict[str, Any]:
         """All that a state of the FMU is."""
         return {
-            "state": self.ready.save(), "inputs": dict(self.inputs), "given": dict(self.given),
+            "state": self.ready.save(), "sent": dict(self.sent), "given": dict(self.given),
             "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
         }  # fmt: skip
 
@@ -134,7 +131,7 @@ class Core:
         """Stand where a state was saved."""
         self.stale = False
         self.sim.restore(saved["state"])
-        self.inputs, self.given = dict(saved["inputs"]), dict(saved["given"])
+        self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
         self.changed, self.stepped, self.begin = dict(saved["changed"]), saved["stepped"], saved["begin"]
 
 

@@ -1,0 +1,65 @@
+"""What runs inside an FMU, without a host: inputs and parameters as a host sets them, refused and at the start."""
+
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import tautline
+from tautline.live.fmu.unit import Core, from_bytes, to_bytes
+from tautline.live.fmu.writing import write_fmu
+
+pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
+
+DATA = Path(__file__).parents[2] / "data"
+SPEED, HEAVE = "winch.pay_out_speed", "vessel.heave"
+HEIGHT, TENSION = "payload.position[2]", "winch.tension"
+H = 0.05
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Resources of an FMU of the hoist: the scene itself hoists at 2 m/s, and its ship heaves by 0.5 m."""
+    made = tmp_path_factory.mktemp("fmu")
+    write_fmu(DATA / "hoist.yaml", made / "hoist.fmu", [SPEED, HEAVE], ["payload.position", TENSION])
+    with zipfile.ZipFile(made / "hoist.fmu") as file:
+        file.extractall(made)
+    return made / "resources"
+
+
+def still_with(heave=0.0):
+    """The same scene with a winch that stands, and a ship that lies still at a heave, m."""
+    changes = {"vessel.motion": {"heave": {"constant": heave}}, "path[0].drum.pay_out": 0}
+    return tautline.Simulation(tautline.read(DATA / "hoist.yaml").replace(changes))
+
+
+def test_an_input_of_zero_holds_what_the_scene_itself_would_move(folder):
+    core = Core(folder)
+    for k in range(40):
+        core.set(SPEED, 0.0)
+        core.set(HEAVE, 0.0)
+        core.step(k * H, H)
+    rest = still_with()
+    assert core.get(HEIGHT) == pytest.approx(rest["payload.position"][2], abs=1e-6)
+    assert core.get(TENSION) == pytest.approx(rest["winch.tension"], rel=1e-6)
+
+
+def test_an_input_that_was_never_set_still_goes_by_the_scene_and_says_so(folder):
+    core = Core(folder)
+    core.set(HEAVE, 0.0)
+    core.step(0.0, 1.0)
+    assert core.get(SPEED) == pytest.approx(-2.0) and core.get(HEAVE) == 0.0
+
+
+def test_a_state_knows_which_inputs_were_set(folder):
+    """After going back to a time before the first set, a zero is again the first one given."""
+    core = Core(folder)
+    saved = from_bytes(to_bytes(core.save()))
+    heights = []
+    for _ in range(2):
+        core.set(SPEED, 0.0)
+        core.set(HEAVE, 0.0)
+        core.step(0.0, 1.0)
+        heights.append(core.get(HEIGHT))
+        core.restore(saved)
+    assert heights == pytest.approx([5.0, 5.0], abs=1e-6)
