@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import tautline
+from tautline.live.errors import SimulationError
 from tautline.live.fmu.unit import Core, from_bytes, to_bytes
 from tautline.live.fmu.writing import write_fmu
 
@@ -63,3 +64,62 @@ def test_a_state_knows_which_inputs_were_set(folder):
         heights.append(core.get(HEIGHT))
         core.restore(saved)
     assert heights == pytest.approx([5.0, 5.0], abs=1e-6)
+
+
+def test_an_input_set_in_the_initialisation_is_that_of_the_start_and_nothing_jumps(folder):
+    """The reference is the scene with a ship that lies 1 m higher for good."""
+    core = Core(folder)
+    core.set(SPEED, 0.0)
+    core.set(HEAVE, 1.0)
+    assert core.get(HEAVE) == 1.0
+    core.initialise()
+    high = still_with(heave=1.0)
+    assert core.get(TENSION) == pytest.approx(high["winch.tension"], rel=1e-9)
+    for k in range(20):
+        core.set(HEAVE, 1.0)
+        core.step(k * H, H)
+        assert core.get(TENSION) == pytest.approx(high["winch.tension"], rel=1e-6)
+        assert core.get(HEIGHT) == pytest.approx(5.0, abs=1e-6)
+
+
+def test_an_input_set_after_the_initialisation_is_reached_in_the_first_step(folder):
+    core = Core(folder)
+    core.initialise()
+    core.set(SPEED, 0.0)
+    core.set(HEAVE, 0.01)
+    core.step(0.0, H)
+    assert core.sim.inputs[HEAVE] == pytest.approx(0.01) and core.get(TENSION) > 1.1 * still_with()["winch.tension"]
+
+
+def test_a_state_keeps_the_inputs_of_the_start(folder):
+    core = Core(folder)
+    core.set(SPEED, 0.0)
+    core.set(HEAVE, 1.0)
+    core.initialise()
+    other = Core(folder)
+    other.initialise()
+    other.restore(from_bytes(to_bytes(core.save())))
+    other.step(0.0, 1.0)
+    assert other.get(HEAVE) == 1.0 and other.get(HEIGHT) == pytest.approx(5.0, abs=1e-6)
+
+
+def test_a_simulation_starts_with_its_inputs_at_initial_values():
+    """References are scenes with that constant heave, and that constant speed of the winch."""
+    scene = tautline.read(DATA / "hoist.yaml")
+    held = tautline.Simulation(scene, initial={HEAVE: 1.0, SPEED: 0.0})
+    held.advance(0.5)
+    assert held["payload.position"][2] == pytest.approx(5.0, abs=1e-6)
+    assert held["winch.tension"] == pytest.approx(still_with(heave=1.0)["winch.tension"], rel=1e-6)
+    changes = {"vessel.motion": {"heave": {"constant": 0.0}}, "path[0].drum.pay_out": {"constant": -0.2}}
+    wanted = tautline.Simulation(scene.replace(changes))
+    found = tautline.Simulation(scene, initial={SPEED: -0.2, HEAVE: 0.0})
+    for sim in (wanted, found):
+        sim.advance(0.5)
+    assert found["winch.pay_out"] == pytest.approx(-0.1, rel=1e-9)
+    assert found["winch.tension"] == pytest.approx(wanted["winch.tension"], rel=1e-9)
+
+
+@pytest.mark.parametrize("value", [float("nan"), "high", (1.0, 0.5)])
+def test_an_initial_value_that_cannot_be_is_refused(value):
+    with pytest.raises(SimulationError, match=HEAVE):
+        tautline.Simulation(DATA / "hoist.yaml", initial={HEAVE: value})

@@ -87,9 +87,23 @@ class Inputs(Mapping[str, Any]):
             self._set_vector(name, value)
             return
         k = self._number(name)
+        given = self._checked(k, name, value)
+        row = self.memory[k]
+        row[TARGET] = given[0]
+        row[RATE] = given[1] if len(given) > 1 else np.nan
+        row[SECOND] = given[2] if len(given) > 2 else 0.0
+        row[STATE] = GIVEN
+        self._active.add(k)
+
+    def checked(self, name: str, value: Any) -> None:
+        """Refuse what cannot be given to an input, as giving it does; nothing is changed."""
+        self._checked(self._number(name), name, value)
+
+    def _checked(self, k: int, name: str, value: Any) -> tuple[float, ...]:
+        """What is given, as one to three numbers."""
         try:
             if type(value) is float:
-                given = (value,)
+                given: tuple[float, ...] = (value,)
             else:
                 given = tuple(float(x) for x in (value if isinstance(value, (tuple, list, np.ndarray)) else (value,)))
         except (TypeError, ValueError):
@@ -102,25 +116,47 @@ class Inputs(Mapping[str, Any]):
         if not steering.least <= given[0] <= steering.most:
             cause = f"{name} = {given[0]:g} is not from {steering.least:g} to {steering.most:g}"
             raise SimulationError(cause, f"it is {steering.text}")
-        row = self.memory[k]
-        row[TARGET] = given[0]
-        row[RATE] = given[1] if len(given) > 1 else np.nan
-        row[SECOND] = given[2] if len(given) > 2 else 0.0
-        row[STATE] = GIVEN
-        self._active.add(k)
+        return given
 
     def _set_vector(self, name: str, value: Any) -> None:
         """Give all components of a vector."""
-        parts = [part for part in self._numbers if part.startswith(f"{name}[")]
-        if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != len(parts):
-            raise SimulationError(f"{name} = {value!r} is no vector", f"give {len(parts)} numbers")
         before = self.memory.copy(), set(self._active)
         try:
-            for part, x in zip(parts, value, strict=True):
+            for part, x in self._components(name, value):
                 self[part] = x
         except SimulationError:
             self.memory[:], self._active = before
             raise
+
+    def _components(self, name: str, value: Any) -> list[tuple[str, Any]]:
+        """Names and values of the components of a vector; of a number its own."""
+        parts = self.parts_of(name)
+        if parts == [name]:
+            return [(name, value)]
+        if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != len(parts):
+            raise SimulationError(f"{name} = {value!r} is no vector", f"give {len(parts)} numbers")
+        return list(zip(parts, value, strict=True))
+
+    def begin(self, name: str, value: Any) -> None:
+        """Hold an input at a value from now on, until another is given: at once, so before the start is found.
+
+        Raises
+        ------
+        UnknownName
+            For a name that is none of the inputs.
+        SimulationError
+            For what is no finite number, or beyond what may be given.
+        """
+        for part, x in self._components(name, value):
+            k = self._number(part)
+            given = self._checked(k, part, x)
+            if len(given) > 1:
+                raise SimulationError(f"{part} = {x!r} is no single number", "give one number to be held")
+            for steering, function in self._list[k].members:
+                stands = steering.factor * given[0]
+                now = self._now(function)[0] if steering.order else stands
+                self.hold(function, self._clock(), np.array([now, stands if steering.order else 0.0, 0.0]))
+            self.memory[k, SLOPE], self.memory[k, STATE] = 0.0, AT_REST
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Unit, shape and meaning of every input."""

@@ -72,13 +72,18 @@ class Simulation:
         Frames that are kept for `result`: all, none, or those of the last so many seconds.
     parameters : mapping, optional
         Values of parameters by name, with which the start is found.
+    initial : mapping, optional
+        Values of inputs by name, at which they are held from the start on, until others are given. The start is found
+        with them. A speed is there at once, as a constant speed of the scene's own is.
 
     Raises
     ------
     SceneError
         For bad input.
     UnknownName
-        For an input that the scene cannot have.
+        For an input that the scene cannot have, and for a name in `parameters` or `initial` that there is not.
+    SimulationError
+        For a value that a parameter or an input cannot have.
     StoppedEarly
         Where no start is found.
     """
@@ -90,6 +95,7 @@ class Simulation:
         *,
         keep: bool | float = True,
         parameters: Mapping[str, Any] | None = None,
+        initial: Mapping[str, Any] | None = None,
     ) -> None:
         from tautline import read
 
@@ -101,6 +107,8 @@ class Simulation:
         self._prepare(model)
         for name, value in (parameters or {}).items():
             self.parameters[name] = value
+        for name, value in (initial or {}).items():
+            self.inputs.begin(name, value)
         self._start()
 
     def _prepare(self, model: Model) -> None:

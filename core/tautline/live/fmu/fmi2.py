@@ -76,8 +76,8 @@ class Unit(Fmi2Slave):
         self.core.begin = float(start_time)
 
     def exit_initialization_mode(self) -> None:
-        """Find the start with the parameters as they are now."""
-        self._guarded(lambda: self.core.ready)
+        """Find the start with the parameters and inputs as they are now."""
+        self._guarded(self.core.initialise)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """One communication step; a failure is told in the host's log."""

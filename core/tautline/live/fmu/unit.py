@@ -48,7 +48,8 @@ class Core:
         self.scene = folder / SCENE
         self.changed: dict[str, float] = {}
         self.given: dict[str, float] = {}
-        self.begin, self.stale, self.stepped = 0.0, False, False
+        self.held: dict[str, float] = {}
+        self.begin, self.stale, self.initialised, self.stepped = 0.0, False, False, False
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
         self.inputs = [name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked)]
         self.sent: dict[str, float] = {}
@@ -73,17 +74,25 @@ class Core:
 
     @property
     def ready(self) -> Simulation:
-        """The simulation with the parameters that were set before it began."""
+        """The simulation with the parameters and inputs that were set before it began."""
         if self.stale:
-            self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False, parameters=self.changed)
+            told = self.told["inputs"]
+            self.sim = Simulation(self.scene, told, keep=False, parameters=self.changed, initial=self.held)
+            self.sent = dict(self.held)
             self.stale = False
         return self.sim
+
+    def initialise(self) -> None:
+        """Find the start, after which inputs are reached in steps; raises what the simulation raises."""
+        self.initialised = True
+        self.ready  # noqa: B018
 
     def get(self, name: str) -> float:
         """An input, an output or a parameter."""
         if name in self.inputs:
-            if name in self.given or name in self.sent:
-                return self.given.get(name, self.sent.get(name, 0.0))
+            for known in (self.given, self.held if self.stale else self.sent):
+                if name in known:
+                    return known[name]
             return float(self.sim.inputs[name])
         if name in self.outputs:
             output, at = self.outputs[name]
@@ -92,9 +101,12 @@ class Core:
         return float(self.changed.get(name, self.sim.parameters[name]))
 
     def set(self, name: str, value: float) -> None:
-        """An input, reached at the end of the next communication step; or a parameter."""
+        """An input, held from the start on, or reached at the end of the next communication step; or a parameter."""
         if name in self.inputs:
-            self.given[name] = float(value)
+            if self.initialised or self.stepped:
+                self.given[name] = float(value)
+            else:
+                self.held[name], self.stale = float(value), True
             return
         self.changed[name] = float(value)
         if self.stepped:
@@ -124,7 +136,7 @@ class Core:
         """All that a state of the FMU is."""
         return {
             "state": self.ready.save(), "sent": dict(self.sent), "given": dict(self.given),
-            "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
+            "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
         }  # fmt: skip
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -132,7 +144,8 @@ class Core:
         self.stale = False
         self.sim.restore(saved["state"])
         self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
-        self.changed, self.stepped, self.begin = dict(saved["changed"]), saved["stepped"], saved["begin"]
+        self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
+        self.stepped, self.begin = saved["stepped"], saved["begin"]
 
 
 def to_bytes(saved: dict[str, Any]) -> bytes:
