@@ -73,6 +73,8 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         As `tautline.Simulation` does.
     UnknownName
         For a name that there is not.
+    SimulationError
+        For two inputs that drive the same.
     ResultError
         Where the file cannot be written, or PythonFMU is missing.
     """
@@ -93,6 +95,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     sim = Simulation(scene, inputs=inputs, keep=False)
     for name in outputs:
         parts_of(sim.outputs.handle(name))
+    _refuse_rivals(sim, inputs)
     named = re.sub(r"\W", "_", path.stem)
     name = named if named[:1].isalpha() else f"fmu_{named}"
     with tempfile.TemporaryDirectory() as work:
@@ -123,6 +126,15 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
             sys.path[:] = known
             sys.modules.pop(script.stem, None)
     return [line for line in needs.splitlines()[5:7] if line]
+
+
+def _refuse_rivals(sim: Simulation, inputs: Sequence[str]) -> None:
+    """Refuse two inputs that drive the same: a host sets all of them, and one would be lost."""
+    taken = {part for name in inputs for part in sim.inputs.parts_of(name)}
+    for name in inputs:
+        for other in sim.inputs.rivals(name):
+            if other in taken:
+                raise SimulationError(f"{name} and {other} drive the same", "leave one of them out of --inputs")
 
 
 def _files(scene: Any, folder: Path) -> list[Path]:
