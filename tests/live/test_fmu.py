@@ -136,6 +136,21 @@ def test_fmi_3_validates_and_gives_what_fmi_2_gives(fed, tmp_path):
     assert hosted(_fed3, str(path), table) == found
 
 
+def _started_late(path, start):
+    found = fmpy.simulate_fmu(
+        path, start_time=start, stop_time=start + 0.5, output_interval=H, output=["winch.tension"], validate=False
+    )
+    return found["winch.tension"].tolist()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_host_may_begin_at_another_time_than_zero(fmi, tmp_path):
+    path = tmp_path / "late.fmu"
+    write_fmu(DATA / "hoist.yaml", path, INPUTS, OUTPUTS, fmi=fmi)
+    whole = tautline.simulate(DATA / "hoist.yaml", end=0.5)["drum_tension"][:, 0]
+    assert np.allclose(hosted(_started_late, str(path), 10.0), whole, rtol=1e-9)
+
+
 def _fed(path, table):
     unit, reference = unit_of(path)
     unit.exitInitializationMode()

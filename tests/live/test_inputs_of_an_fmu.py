@@ -123,3 +123,16 @@ def test_a_simulation_starts_with_its_inputs_at_initial_values():
 def test_an_initial_value_that_cannot_be_is_refused(value):
     with pytest.raises(SimulationError, match=HEAVE):
         tautline.Simulation(DATA / "hoist.yaml", initial={HEAVE: value})
+
+
+def test_the_first_step_says_when_it_begins_and_a_later_gap_is_refused(folder):
+    core = Core(folder)
+    core.initialise()
+    core.step(100.0, H)
+    core.step(100.0 + H, H)
+    with pytest.raises(SimulationError, match="the host steps from 7 s"):
+        core.step(7.0, H)
+    other = Core(folder)
+    other.restore(from_bytes(to_bytes(core.save())))
+    with pytest.raises(SimulationError, match=r"the unit stands at 100\.1 s"):
+        other.step(0.0, H)

@@ -73,7 +73,7 @@ class Unit(Fmi2Slave):
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
         """Take the host's time of the start."""
-        self.core.begin = float(start_time)
+        self.core.start_at(start_time)
 
     def exit_initialization_mode(self) -> None:
         """Find the start with the parameters and inputs as they are now."""

@@ -28,7 +28,10 @@ KINDS: dict[str, dict[str, Any]] = {
 
 
 class Unit(Fmi3Slave):
-    """A simulation as an FMI 3.0 slave."""
+    """A simulation as an FMI 3.0 slave.
+
+    PythonFMU3 drops the start time that the host gives: the first step says it.
+    """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -58,10 +61,6 @@ class Unit(Fmi3Slave):
         root = super().to_xml(model_options or {})
         root.set("variableNamingConvention", "flat")
         return root
-
-    def setup_experiment(self, start_time: float) -> None:
-        """Take the host's time of the start."""
-        self.core.begin = float(start_time)
 
     def exit_initialization_mode(self) -> None:
         """Find the start with the parameters and inputs as they are now."""

@@ -49,7 +49,8 @@ class Core:
         self.changed: dict[str, float] = {}
         self.given: dict[str, float] = {}
         self.held: dict[str, float] = {}
-        self.begin, self.stale, self.initialised, self.stepped = 0.0, False, False, False
+        self.begin, self.timed = 0.0, False
+        self.stale, self.initialised, self.stepped = False, False, False
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
         self.inputs = [name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked)]
         self.sent: dict[str, float] = {}
@@ -81,6 +82,10 @@ class Core:
             self.sent = dict(self.held)
             self.stale = False
         return self.sim
+
+    def start_at(self, time: float) -> None:
+        """Take the host's time of the start, s. Where no host says it, the first step does."""
+        self.begin, self.timed = float(time), True
 
     def initialise(self) -> None:
         """Find the start, after which inputs are reached in steps; raises what the simulation raises."""
@@ -117,6 +122,8 @@ class Core:
     def step(self, time: float, length: float) -> None:
         """One communication step; raises what the simulation raises."""
         sim = self.ready
+        if not self.timed:
+            self.start_at(time)
         if abs(time - self.begin - sim.time) > NEAR * max(1.0, abs(time)):
             from tautline.live.errors import SimulationError
 
@@ -137,6 +144,7 @@ class Core:
         return {
             "state": self.ready.save(), "sent": dict(self.sent), "given": dict(self.given),
             "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
+            "timed": self.timed,
         }  # fmt: skip
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -145,7 +153,7 @@ class Core:
         self.sim.restore(saved["state"])
         self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
         self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
-        self.stepped, self.begin = saved["stepped"], saved["begin"]
+        self.stepped, self.begin, self.timed = saved["stepped"], saved["begin"], saved["timed"]
 
 
 def to_bytes(saved: dict[str, Any]) -> bytes:
