@@ -292,6 +292,26 @@ def test_parameters_set_before_the_initialisation_are_those_of_the_start(hoist):
     assert mass == 5000.0
 
 
+def _below_zero(path):
+    unit, reference = unit_of(path)
+    mass, told = [reference["payload.mass"]], []
+    unit.setReal(mass, [-5.0])
+    unit.exitInitializationMode()
+    told += unit.getReal([*mass, reference["winch.tension"]])
+    try:
+        unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=H)
+    except Exception as error:
+        told.append(str(error))
+    unit.setReal(mass, [5000.0])
+    unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=H)
+    return told
+
+
+def test_a_mass_below_zero_fails_the_step_and_the_unit_lives(hoist):
+    mass, tension, told = hosted(_below_zero, str(hoist))
+    assert mass == 5000.0 and tension == pytest.approx(48740.9, rel=1e-3) and "fmi2DoStep failed" in told
+
+
 def _two_blocked(path):
     unit, reference = unit_of(path)
     unit.exitInitializationMode()

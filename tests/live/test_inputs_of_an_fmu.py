@@ -136,3 +136,45 @@ def test_the_first_step_says_when_it_begins_and_a_later_gap_is_refused(folder):
     other.restore(from_bytes(to_bytes(core.save())))
     with pytest.raises(SimulationError, match=r"the unit stands at 100\.1 s"):
         other.step(0.0, H)
+
+
+@pytest.mark.parametrize(
+    ("name", "bad", "good"),
+    [("payload.mass", -5.0, 5000.0), ("payload.mass", float("nan"), 5000.0), (HEAVE, float("inf"), 0.0)],
+)
+@pytest.mark.parametrize("late", [False, True])
+def test_a_value_that_cannot_be_is_refused_and_no_step_is_made_until_one_that_can_is_set(folder, name, bad, good, late):
+    core = Core(folder)
+    if late:
+        core.initialise()
+        core.step(0.0, H)
+    before = core.get(name), core.get(TENSION)
+    with pytest.raises(SimulationError, match=name):
+        core.set(name, bad)
+    core.initialise()
+    assert (core.get(name), core.get(TENSION)) == before
+    for _ in range(2):
+        with pytest.raises(SimulationError, match=name):
+            core.step(H if late else 0.0, H)
+    core.set(name, good)
+    core.step(H if late else 0.0, H)
+    assert core.get(name) == good and 0.0 < core.get(TENSION) < 1e5
+
+
+def test_a_start_that_is_not_found_fails_the_steps_and_nothing_that_is_read(folder, monkeypatch):
+    core = Core(folder)
+    tension = core.get(TENSION)
+    core.set("payload.mass", 6000.0)
+
+    def none(*_, **__):
+        raise SimulationError("no equilibrium")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("tautline.live.fmu.unit.Simulation", none)
+        assert core.get(TENSION) == tension
+        for act in (core.initialise, lambda: core.step(0.0, H)):
+            with pytest.raises(SimulationError, match="no start is found with what was set: no equilibrium"):
+                act()
+    core.set("payload.mass", 5500.0)
+    core.step(0.0, H)
+    assert core.get(TENSION) == pytest.approx(1.1 * tension, rel=0.02)

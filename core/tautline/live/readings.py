@@ -156,6 +156,12 @@ class Parameters(Mapping[str, Any]):
         SimulationError
             For what is no number that it may have.
         """
+        given = self.checked(name, value)
+        with self._changes():
+            self._parameters[name].set(given)
+
+    def checked(self, name: str, value: Any) -> float:
+        """What a parameter would become; it is not changed. Raises as changing it does."""
         parameter = self._parameter(name)
         unit = parameter.unit or "no unit"
         try:
@@ -168,8 +174,7 @@ class Parameters(Mapping[str, Any]):
             upper = f", at most {parameter.most:g}" if np.isfinite(parameter.most) else ""
             told = f"{bounds}{upper} ({unit})" if np.isfinite(parameter.least) else f"a finite number ({unit})"
             raise SimulationError(f"{name} = {given:g} cannot be", f"give {told}")
-        with self._changes():
-            parameter.set(given)
+        return given
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Unit, shape and meaning of every parameter."""

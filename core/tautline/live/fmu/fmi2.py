@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
@@ -43,7 +44,7 @@ class Unit(Fmi2Slave):
             self.units[name] = unit
             variable = Real(
                 name, description=text, getter=lambda name=name: core.get(name),
-                setter=None if kind == "output" else (lambda value, name=name: core.set(name, value)), **KINDS[kind],
+                setter=None if kind == "output" else partial(self._set, name), **KINDS[kind],
             )  # fmt: skip
             self.register_variable(variable, nested=False)
 
@@ -82,6 +83,10 @@ class Unit(Fmi2Slave):
     def do_step(self, current_time: float, step_size: float) -> bool:
         """One communication step; a failure is told in the host's log."""
         return self._guarded(lambda: self.core.step(current_time, step_size))
+
+    def _set(self, name: str, value: float) -> None:
+        """Set an input or a parameter. PythonFMU has no way to say that it is refused but the log: steps then fail."""
+        self._guarded(lambda: self.core.set(name, value))
 
     def _guarded(self, act: Any) -> bool:
         try:

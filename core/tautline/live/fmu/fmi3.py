@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 from xml.etree.ElementTree import Element
 
@@ -52,7 +53,7 @@ class Unit(Fmi3Slave):
         for name, unit, text, kind in signals:
             variable = Float64(
                 name, description=text, unit=unit if unit in BASE else None, getter=lambda name=name: core.get(name),
-                setter=None if kind == "output" else (lambda value, name=name: core.set(name, value)), **KINDS[kind],
+                setter=None if kind == "output" else partial(self._set, name), **KINDS[kind],
             )  # fmt: skip
             self.register_variable(variable, nested=False)
 
@@ -70,6 +71,10 @@ class Unit(Fmi3Slave):
         """One communication step; a failure is told in the host's log."""
         done = self._guarded(lambda: self.core.step(current_time, step_size))
         return Fmi3StepResult(status=Fmi3Status.ok if done else Fmi3Status.error)
+
+    def _set(self, name: str, value: float) -> None:
+        """Set an input or a parameter. PythonFMU has no way to say that it is refused but the log: steps then fail."""
+        self._guarded(lambda: self.core.set(name, value))
 
     def _guarded(self, act: Any) -> bool:
         try:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tautline.errors import TautlineError
+from tautline.live.errors import SimulationError
 from tautline.live.memory import State, as_sent, sum_of
 from tautline.live.simulation import Simulation
 from tautline.system.handles import Output
@@ -49,6 +52,8 @@ class Core:
         self.changed: dict[str, float] = {}
         self.given: dict[str, float] = {}
         self.held: dict[str, float] = {}
+        self.refused: dict[str, str] = {}
+        self.fault = ""
         self.begin, self.timed = 0.0, False
         self.stale, self.initialised, self.stepped = False, False, False
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
@@ -75,10 +80,22 @@ class Core:
 
     @property
     def ready(self) -> Simulation:
-        """The simulation with the parameters and inputs that were set before it began."""
+        """The simulation with the parameters and inputs that were set before it began.
+
+        Raises
+        ------
+        SimulationError
+            Where no start is found with them. The last start that was found stays.
+        """
         if self.stale:
+            if self.fault:
+                raise SimulationError(self.fault)
             told = self.told["inputs"]
-            self.sim = Simulation(self.scene, told, keep=False, parameters=self.changed, initial=self.held)
+            try:
+                self.sim = Simulation(self.scene, told, keep=False, parameters=self.changed, initial=self.held)
+            except TautlineError as error:
+                self.fault = f"no start is found with what was set: {error}; the outputs are those of the start before"
+                raise SimulationError(self.fault) from None
             self.sent = dict(self.held)
             self.stale = False
         return self.sim
@@ -93,7 +110,7 @@ class Core:
         self.ready  # noqa: B018
 
     def get(self, name: str) -> float:
-        """An input, an output or a parameter."""
+        """An input, an output or a parameter. Of a start that is not found it is what the start before has."""
         if name in self.inputs:
             for known in (self.given, self.held if self.stale else self.sent):
                 if name in known:
@@ -101,32 +118,47 @@ class Core:
             return float(self.sim.inputs[name])
         if name in self.outputs:
             output, at = self.outputs[name]
-            value = self.ready[output]
+            with suppress(SimulationError):
+                self.ready  # noqa: B018
+            value = self.sim[output]
             return float(value[at]) if at else float(value)
         return float(self.changed.get(name, self.sim.parameters[name]))
 
     def set(self, name: str, value: float) -> None:
-        """An input, held from the start on, or reached at the end of the next communication step; or a parameter."""
-        if name in self.inputs:
-            if self.initialised or self.stepped:
-                self.given[name] = float(value)
+        """An input, held from the start on, or reached at the end of the next communication step; or a parameter.
+
+        Raises
+        ------
+        SimulationError
+            For a value that it cannot have. It stays as it was, and no step is made until it is set to one it can have.
+        """
+        value = float(value)
+        try:
+            if name in self.inputs:
+                self.sim.inputs.checked(name, value)
+            elif self.stepped:
+                self.sim.parameters[name] = value
             else:
-                self.held[name], self.stale = float(value), True
+                self.sim.parameters.checked(name, value)
+        except SimulationError as error:
+            self.refused[name] = str(error)
+            raise
+        self.refused.pop(name, None)
+        if name in self.inputs and (self.initialised or self.stepped):
+            self.given[name] = value
             return
-        self.changed[name] = float(value)
-        if self.stepped:
-            self.sim.parameters[name] = float(value)
-        else:
-            self.stale = True
+        (self.held if name in self.inputs else self.changed)[name] = value
+        if not self.stepped:
+            self.stale, self.fault = True, ""
 
     def step(self, time: float, length: float) -> None:
-        """One communication step; raises what the simulation raises."""
+        """One communication step; raises what the simulation raises, and where a value that was set is refused."""
+        if self.refused:
+            raise SimulationError("; ".join(self.refused.values()))
         sim = self.ready
         if not self.timed:
             self.start_at(time)
         if abs(time - self.begin - sim.time) > NEAR * max(1.0, abs(time)):
-            from tautline.live.errors import SimulationError
-
             cause = f"the host steps from {time:g} s, and the unit stands at {self.begin + sim.time:g} s"
             raise SimulationError(cause, "set the state that was saved there")
         self.stepped = True
@@ -149,7 +181,8 @@ class Core:
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Stand where a state was saved."""
-        self.stale = False
+        self.stale, self.fault = False, ""
+        self.refused.clear()
         self.sim.restore(saved["state"])
         self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
         self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
