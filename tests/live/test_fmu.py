@@ -4,7 +4,9 @@ import json
 import multiprocessing
 import os
 import zipfile
+from contextlib import suppress
 from pathlib import Path
+from queue import Empty
 
 import numpy as np
 import pytest
@@ -61,7 +63,13 @@ def hosted(act, *given):
     queue = context.Queue()
     process = context.Process(target=_child, args=(queue, act, given))
     process.start()
-    found, fault = queue.get(timeout=300)
+    for _ in range(300):
+        with suppress(Empty):
+            found, fault = queue.get(timeout=1)
+            break
+        assert process.exitcode in (None, 0), f"the host died: {process.exitcode}"
+    else:
+        raise AssertionError("the host says nothing")
     process.join()
     assert fault is None, fault
     return found
@@ -190,6 +198,34 @@ def _alone(path, steps):
 def test_left_alone_an_fmu_gives_what_simulate_gives(hoist):
     whole = tautline.simulate(DATA / "hoist.yaml", end=1.0)["drum_tension"][:, 0]
     assert np.allclose(hosted(_alone, str(hoist), len(whole) - 1), whole, rtol=1e-9)
+
+
+def _of_one_file(path):
+    """Tensions of three instances that share a folder, of which each has another load, stepped in turn."""
+    folder = fmpy.extract(path)
+    told = fmpy.read_model_description(folder)
+    reference = {variable.name: variable.valueReference for variable in told.modelVariables}
+    units = []
+    for k in range(3):
+        unit = fmpy.fmi2.FMU2Slave(
+            guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier,
+            instanceName=f"unit {k}",
+        )  # fmt: skip
+        unit.instantiate()
+        unit.setupExperiment(startTime=0.0)
+        unit.enterInitializationMode()
+        unit.setReal([reference["payload.mass"]], [4000.0 + 1000.0 * k])
+        unit.exitInitializationMode()
+        units.append(unit)
+    found = [unit.getReal([reference["winch.tension"]])[0] for unit in units]
+    for unit in units:
+        unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=H)
+    return found
+
+
+def test_one_process_holds_several_instances_of_one_file(hoist):
+    tensions = hosted(_of_one_file, str(hoist))
+    assert np.allclose(np.diff(tensions), 1000.0 * 9.81, rtol=0.01)
 
 
 def _saved(path):

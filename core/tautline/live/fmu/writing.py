@@ -19,16 +19,54 @@ from tautline.results.errors import ResultError
 from tautline.scene.reading.files import files_of
 from tautline.version import __version__
 
-SCRIPT = '''"""Written by Tautline: the class that the host makes."""
+SCRIPTS = {
+    2: '''"""Written by Tautline: the class that the host makes."""
 
-from {package} import Fmi{fmi}Slave
+from pythonfmu import Fmi2Slave
 
-from tautline.live.fmu.fmi{fmi} import Unit
+from tautline.live.fmu import fmi2, unit
 
 
-class {name}(Unit, Fmi{fmi}Slave):
+class {name}(Fmi2Slave):
     """A Tautline scene."""
-'''
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.unit = fmi2.Unit(self)
+
+    def to_xml(self, model_options=None):
+        return self.unit.complete(super().to_xml(model_options or {{}}))
+
+    def setup_experiment(self, start_time, stop_time=None, tolerance=None):
+        self.unit.core.start_at(start_time)
+
+    def exit_initialization_mode(self):
+        self.unit.initialise()
+
+    def do_step(self, current_time, step_size):
+        return self.unit.step(current_time, step_size)
+
+    def _get_fmu_state(self):
+        return self.unit.core.save()
+
+    def _set_fmu_state(self, state):
+        self.unit.core.restore(state)
+
+    _fmu_state_to_bytes = staticmethod(unit.to_bytes)
+    _fmu_state_from_bytes = staticmethod(unit.from_bytes)
+''',
+    3: '''"""Written by Tautline: the class that the host makes."""
+
+from pythonfmu3 import Fmi3Slave
+
+from tautline.live.fmu.fmi3 import Unit
+
+
+class {name}(Unit, Fmi3Slave):
+    """A Tautline scene."""
+''',
+}
+"""By version of the standard. A class of FMI 2 has no base but PythonFMU's: see `tautline.live.fmu.fmi2`."""
 PACKAGES = {2: "pythonfmu", 3: "pythonfmu3"}
 """What makes an FMU of each version of the standard."""
 STATES = {
@@ -102,7 +140,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         folder = Path(work)
         files = _files(sim.scene, folder)
         script = folder / f"{name}_unit.py"
-        script.write_text(SCRIPT.format(name=name, fmi=fmi, package=package), encoding="utf8")
+        script.write_text(SCRIPTS[fmi].format(name=name), encoding="utf8")
         told = {"inputs": list(inputs), "outputs": list(outputs), "name": name, "version": __version__}
         (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
         notes = folder / "documentation"
