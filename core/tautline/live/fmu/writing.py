@@ -11,11 +11,13 @@ from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from tautline.live.errors import SimulationError
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
 from tautline.results.errors import ResultError
+from tautline.results.target import check_unit
 from tautline.scene.reading.files import files_of
 from tautline.version import __version__
 
@@ -114,7 +116,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     SimulationError
         For two inputs that drive the same.
     ResultError
-        Where the file cannot be written, or PythonFMU is missing.
+        Where the file cannot be written or is there and no FMU of ours, or PythonFMU is missing.
     """
     path = Path(path)
     if fmi not in PACKAGES:
@@ -124,10 +126,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         builder = import_module(package).FmuBuilder
     except ModuleNotFoundError:
         raise ResultError(path, f"needs {package}, which is not installed", "pip install 'tautline[fmi]'") from None
-    if path.suffix != ".fmu":
-        raise ResultError(path, "is no name of an FMU", "let it end with .fmu")
-    if not path.parent.is_dir():
-        raise ResultError(path, "its folder does not exist", "make the folder first")
+    check_unit(path)
     if not outputs:
         raise SimulationError("an FMU without an output says nothing", "give --outputs")
     sim = Simulation(scene, inputs=inputs, keep=False)
@@ -156,7 +155,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
                 script, made, [folder / DESCRIPTION, *files], notes, canBeInstantiatedOnlyOncePerProcess=False,
                 needsExecutionTool=True, **STATES[fmi],
             )  # fmt: skip
-            shutil.copyfile(made / f"{name}.fmu", path)
+            _put(made / f"{name}.fmu", path)
         except OSError as error:
             raise ResultError(path, f"cannot be written: {error.strerror or error}", "choose another place") from None
         finally:
@@ -164,6 +163,17 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
             sys.path[:] = known
             sys.modules.pop(script.stem, None)
     return [line for line in needs.splitlines()[5:7] if line]
+
+
+def _put(made: Path, path: Path) -> None:
+    """Copy a file beside where it is to be, and rename it: there is the earlier one or this, never a part."""
+    path = path.resolve()  # a link stays one
+    beside = path.parent / f".{path.name}.{uuid4().hex[:8]}.part"
+    try:
+        shutil.copyfile(made, beside)
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def _refuse_rivals(sim: Simulation, inputs: Sequence[str]) -> None:
