@@ -140,6 +140,7 @@ def test_fmi_3_validates_and_gives_what_fmi_2_gives(fed, tmp_path):
     path = tmp_path / "three.fmu"
     write_fmu(DATA / "hoist.yaml", path, INPUTS, OUTPUTS, fmi=3)
     assert validate_fmu(str(path)) == []
+    assert fmpy.read_model_description(str(path)).coSimulation.canHandleVariableCommunicationStepSize
     table, found = fed[0][:21], fed[1][:20]
     assert hosted(_fed3, str(path), table) == found
 

@@ -165,6 +165,8 @@ class Parameters(Mapping[str, Any]):
         parameter = self._parameter(name)
         unit = parameter.unit or "no unit"
         try:
+            if isinstance(value, (bool, np.bool_)):
+                raise TypeError
             given = float(value)
         except (TypeError, ValueError):
             raise SimulationError(f"{name} = {value!r} is no number", f"give one in SI ({unit})") from None

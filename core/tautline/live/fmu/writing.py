@@ -72,8 +72,8 @@ class {name}(Unit, Fmi3Slave):
 PACKAGES = {2: "pythonfmu", 3: "pythonfmu3"}
 """What makes an FMU of each version of the standard."""
 STATES = {
-    2: {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True},
-    3: {"canGetAndSetFMUState": True, "canSerializeFMUState": True},
+    2: {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, "canHandleVariableCommunicationStepSize": True},
+    3: {"canGetAndSetFMUState": True, "canSerializeFMUState": True, "canHandleVariableCommunicationStepSize": True},
 }
 NEEDS = """Tautline {version} as an FMU for co-simulation, FMI {fmi}.0
 ======================================================
