@@ -121,10 +121,12 @@ class Parameters(Mapping[str, Any]):
     ----------
     parameters : dict of str to Parameter
     changes : callable
-        Gives what is entered while one changes.
+        Name -> what is entered while that parameter changes.
     """
 
-    def __init__(self, parameters: dict[str, Parameter], changes: Callable[[], AbstractContextManager[None]]) -> None:
+    def __init__(
+        self, parameters: dict[str, Parameter], changes: Callable[[str], AbstractContextManager[None]]
+    ) -> None:
         self._parameters, self._changes = parameters, changes
 
     def __iter__(self) -> Iterator[str]:
@@ -157,7 +159,7 @@ class Parameters(Mapping[str, Any]):
             For what is no number that it may have.
         """
         given = self.checked(name, value)
-        with self._changes():
+        with self._changes(name):
             self._parameters[name].set(given)
 
     def checked(self, name: str, value: Any) -> float:
