@@ -615,3 +615,13 @@ def test_a_part_of_a_name_without_quotes_between_braces_is_refused_with_the_quot
         DrillstringScene.parse(f"bodies:\n  - {line}\n", "crate.yaml")
     told = str(refused.value)
     assert 'put the name in quotes: "crate.position[2]"' in told and "expected" not in told
+
+
+@pytest.mark.parametrize(
+    ("given", "missing", "example"),
+    [("peak_period: 9", "significant_height", "2.5 m"), ("significant_height: 2", "peak_period", "9 s")],
+)
+def test_a_sea_without_its_height_or_period_is_told_one_that_a_sea_has(given, missing, example):
+    text = TEXT.replace("{constant: 0 rpm}", f"{{spectrum: {{{given}}}}}")
+    with pytest.raises(SceneError, match=rf"{missing}: is missing; add `{missing}:`, such as {example}"):
+        DrillstringScene.parse(text, "jwell.yaml")
