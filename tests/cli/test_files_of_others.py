@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import h5py
@@ -39,6 +40,24 @@ def test_an_earlier_result_is_replaced(here, tmp_path):
     for _ in range(2):
         code = here("simulate", SCENE, "-q", "--no-verify", "--end", "0.1", "-o", str(tmp_path / "hoist.nc"))[0]
         assert code == 0
+
+
+@pytest.mark.parametrize("content", [b"PK of another program", b"text", None])
+def test_an_fmu_replaces_an_fmu_of_tautline_and_no_other_file(here, tmp_path, content):
+    pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
+    mine, made = tmp_path / "mine.fmu", tmp_path / "made.fmu"
+    if content is None:
+        with zipfile.ZipFile(mine, "w") as archive:
+            archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
+    else:
+        mine.write_bytes(content)
+    before = mine.read_bytes()
+    words = ["--inputs", "winch.pay_out_speed", "--outputs", "winch.tension"]
+    code, _, err = here("fmu", SCENE, "-o", str(mine), *words)
+    assert code == 2 and "exists and is no FMU of Tautline: it would be lost" in said(err)
+    assert mine.read_bytes() == before
+    assert [here("fmu", SCENE, "-o", str(made), *words)[0] for _ in range(2)] == [0, 0]
+    assert sorted(tmp_path.iterdir()) == [made, mine]
 
 
 def test_a_schema_replaces_a_schema_and_no_other_json(here, tmp_path):

@@ -630,3 +630,21 @@ def test_where_every_section_is_at_fault_the_list_is_not_called_empty():
     with pytest.raises(SceneError) as caught:
         DrillstringScene.parse(TEXT.replace("od: 0.127", "od: thick").replace("od: 0.165", "od: thin"))
     assert [problem.key for problem in caught.value.problems] == ["string[0].od", "string[1].od"]
+
+
+@pytest.mark.parametrize("line", ["{output: crate.position[2], statistic: range}", "{crate.position[2]: 3}"])
+def test_a_part_of_a_name_without_quotes_between_braces_is_refused_with_the_quotes(line):
+    with pytest.raises(SceneError) as refused:
+        DrillstringScene.parse(f"bodies:\n  - {line}\n", "crate.yaml")
+    told = str(refused.value)
+    assert 'put the name in quotes: "crate.position[2]"' in told and "expected" not in told
+
+
+@pytest.mark.parametrize(
+    ("given", "missing", "example"),
+    [("peak_period: 9", "significant_height", "2.5 m"), ("significant_height: 2", "peak_period", "9 s")],
+)
+def test_a_sea_without_its_height_or_period_is_told_one_that_a_sea_has(given, missing, example):
+    text = TEXT.replace("{constant: 0 rpm}", f"{{spectrum: {{{given}}}}}")
+    with pytest.raises(SceneError, match=rf"{missing}: is missing; add `{missing}:`, such as {example}"):
+        DrillstringScene.parse(text, "jwell.yaml")

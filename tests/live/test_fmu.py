@@ -4,7 +4,9 @@ import json
 import multiprocessing
 import os
 import zipfile
+from contextlib import suppress
 from pathlib import Path
+from queue import Empty
 
 import numpy as np
 import pytest
@@ -61,7 +63,13 @@ def hosted(act, *given):
     queue = context.Queue()
     process = context.Process(target=_child, args=(queue, act, given))
     process.start()
-    found, fault = queue.get(timeout=300)
+    for _ in range(300):
+        with suppress(Empty):
+            found, fault = queue.get(timeout=1)
+            break
+        assert process.exitcode in (None, 0), f"the host died: {process.exitcode}"
+    else:
+        raise AssertionError("the host says nothing")
     process.join()
     assert fault is None, fault
     return found
@@ -132,8 +140,24 @@ def test_fmi_3_validates_and_gives_what_fmi_2_gives(fed, tmp_path):
     path = tmp_path / "three.fmu"
     write_fmu(DATA / "hoist.yaml", path, INPUTS, OUTPUTS, fmi=3)
     assert validate_fmu(str(path)) == []
+    assert fmpy.read_model_description(str(path)).coSimulation.canHandleVariableCommunicationStepSize
     table, found = fed[0][:21], fed[1][:20]
     assert hosted(_fed3, str(path), table) == found
+
+
+def _started_late(path, start):
+    found = fmpy.simulate_fmu(
+        path, start_time=start, stop_time=start + 0.5, output_interval=H, output=["winch.tension"], validate=False
+    )
+    return found["winch.tension"].tolist()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_host_may_begin_at_another_time_than_zero(fmi, tmp_path):
+    path = tmp_path / "late.fmu"
+    write_fmu(DATA / "hoist.yaml", path, INPUTS, OUTPUTS, fmi=fmi)
+    whole = tautline.simulate(DATA / "hoist.yaml", end=0.5)["drum_tension"][:, 0]
+    assert np.allclose(hosted(_started_late, str(path), 10.0), whole, rtol=1e-9)
 
 
 def _fed(path, table):
@@ -175,6 +199,34 @@ def _alone(path, steps):
 def test_left_alone_an_fmu_gives_what_simulate_gives(hoist):
     whole = tautline.simulate(DATA / "hoist.yaml", end=1.0)["drum_tension"][:, 0]
     assert np.allclose(hosted(_alone, str(hoist), len(whole) - 1), whole, rtol=1e-9)
+
+
+def _of_one_file(path):
+    """Tensions of three instances that share a folder, of which each has another load, stepped in turn."""
+    folder = fmpy.extract(path)
+    told = fmpy.read_model_description(folder)
+    reference = {variable.name: variable.valueReference for variable in told.modelVariables}
+    units = []
+    for k in range(3):
+        unit = fmpy.fmi2.FMU2Slave(
+            guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier,
+            instanceName=f"unit {k}",
+        )  # fmt: skip
+        unit.instantiate()
+        unit.setupExperiment(startTime=0.0)
+        unit.enterInitializationMode()
+        unit.setReal([reference["payload.mass"]], [4000.0 + 1000.0 * k])
+        unit.exitInitializationMode()
+        units.append(unit)
+    found = [unit.getReal([reference["winch.tension"]])[0] for unit in units]
+    for unit in units:
+        unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=H)
+    return found
+
+
+def test_one_process_holds_several_instances_of_one_file(hoist):
+    tensions = hosted(_of_one_file, str(hoist))
+    assert np.allclose(np.diff(tensions), 1000.0 * 9.81, rtol=0.01)
 
 
 def _saved(path):
@@ -275,6 +327,26 @@ def test_parameters_set_before_the_initialisation_are_those_of_the_start(hoist):
     other = tautline.Simulation(tautline.read(DATA / "hoist.yaml").replace({"bodies[0].mass": "6 t"}))
     assert tension == pytest.approx(other["winch.tension"], rel=1e-6)
     assert mass == 5000.0
+
+
+def _below_zero(path):
+    unit, reference = unit_of(path)
+    mass, told = [reference["payload.mass"]], []
+    unit.setReal(mass, [-5.0])
+    unit.exitInitializationMode()
+    told += unit.getReal([*mass, reference["winch.tension"]])
+    try:
+        unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=H)
+    except Exception as error:
+        told.append(str(error))
+    unit.setReal(mass, [5000.0])
+    unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=H)
+    return told
+
+
+def test_a_mass_below_zero_fails_the_step_and_the_unit_lives(hoist):
+    mass, tension, told = hosted(_below_zero, str(hoist))
+    assert mass == 5000.0 and tension == pytest.approx(48740.9, rel=1e-3) and "fmi2DoStep failed" in told
 
 
 def _two_blocked(path):

@@ -122,3 +122,13 @@ def test_a_state_that_was_damaged_on_its_way_is_refused(sim):
     early = type(state)(-5.0, state.scene, state.layout, state.block, state.frames)
     with pytest.raises(SimulationError, match="no time"):
         sim.restore(early)
+
+
+@pytest.mark.parametrize("value", [True, False, np.True_])
+def test_true_and_false_are_no_mass_and_no_time(value):
+    sim = tautline.Simulation(HOIST, keep=False)
+    with pytest.raises(SimulationError, match="is no number"):
+        sim.parameters["payload.mass"] = value
+    with pytest.raises(SimulationError, match="is no time"):
+        sim.advance(value)
+    assert sim.time == 0.0 and sim.parameters["payload.mass"] == 5000.0

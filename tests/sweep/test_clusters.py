@@ -135,3 +135,49 @@ def test_a_scheduler_that_is_lost_on_the_way_keeps_what_was_finished_and_is_told
     assert _left_out(outcome) == ["percentiles are those of the 2 cases so far, of 6"]
     with pytest.raises(SchedulerLost):
         _end_of(Gone(), "a")
+
+
+LOST = """
+import logging, os, signal, sys, time
+import distributed
+from tautline.sweeps import workers
+
+NAMES = ["distributed.client", "distributed.batched", "distributed.comm.tcp"]
+talker = logging.getLogger("distributed.client")
+levels = [logging.getLogger(name).level for name in NAMES]
+place, scheduler = sys.argv[1], int(sys.argv[2])
+
+with workers._client(place, 1) as client:
+    waiting = client.submit(time.sleep, 60, pure=False)
+    os.kill(scheduler, signal.SIGKILL)
+    try:
+        workers._end_of(waiting, place)
+    except workers.SchedulerLost as error:
+        print(error)
+    talker.error("not to be seen")
+assert [logging.getLogger(name).level for name in NAMES] == levels
+talker.error("seen again")
+"""
+
+
+def test_a_scheduler_that_is_killed_is_told_without_a_traceback_and_dask_speaks_again_afterwards(tmp_path):
+    place = tmp_path / "scheduler.json"
+    words = ["--port", "0", "--no-dashboard", "--host", "127.0.0.1", "--scheduler-file", str(place)]
+    scheduler = subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli.dask_scheduler", *words], cwd=tmp_path,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        until = time.monotonic() + 30.0
+        while not place.exists() and time.monotonic() < until:
+            time.sleep(0.05)
+        address = json.loads(place.read_text(encoding="utf8"))["address"]
+        done = subprocess.run(
+            [sys.executable, "-c", LOST, address, str(scheduler.pid)], capture_output=True, text=True, timeout=60
+        )
+    finally:
+        scheduler.kill()
+        scheduler.wait()
+    assert done.returncode == 0, done.stderr
+    assert "answers no more" in done.stdout
+    assert "Traceback" not in done.stderr and "not to be seen" not in done.stderr and "seen again" in done.stderr

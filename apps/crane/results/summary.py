@@ -158,7 +158,8 @@ def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     """Tension at rest of every span end, (n,) N, and a note where it is an estimate, if a scene starts as drawn."""
     first = ends_of(result)[0]
     if layout.scene.start == "static":
-        return first, ""
+        # A load that was changed on the way has another tension at rest, of which no frame is known.
+        return first, ", by the load at the start" if result.attributes.get("parameters_changed") else ""
     found = static_tension(layout.scene, layout.path)
     return (np.zeros(first.size) if found is None else found.ravel()), ", tension at rest estimated"
 

@@ -37,9 +37,9 @@ def real(value: Any, what: str, cure: str) -> float:
     Raises
     ------
     SimulationError
-        For what is no number, or several.
+        For what is no number, or several. True and False are none: they are slips, not 1 and 0.
     """
-    if not isinstance(value, (str, bytes)) and np.ndim(value) == 0:
+    if not isinstance(value, (str, bytes, bool, np.bool_)) and np.ndim(value) == 0:
         with suppress(TypeError, ValueError):
             return float(value)
     raise SimulationError(f"{value!r} is no {what}", cure)

@@ -42,6 +42,7 @@ class Inputs(Mapping[str, Any]):
         self._inputs, self._functions, self._clock = inputs, functions, clock
         self._numbers = {name: k for k, name in enumerate(inputs)}
         self._list = list(inputs.values())
+        self._rivals = _rivals_of(self._list)
         self.memory = np.zeros((len(inputs), 5))
         self.memory[:, SLOPE] = np.nan
         self._active: set[int] = set()
@@ -81,12 +82,48 @@ class Inputs(Mapping[str, Any]):
         UnknownName
             For a name that is none of the inputs.
         SimulationError
-            For what is no finite number, or beyond what may be given.
+            For what is no finite number, or beyond what may be given; and beside another input that drives the same
+            and was given since the last advance.
         """
         if name not in self._numbers and f"{name}[0]" in self._numbers:
             self._set_vector(name, value)
             return
         k = self._number(name)
+        given = self._checked(k, name, value)
+        if self._rivals[k]:
+            self._take_over(k, name)
+        row = self.memory[k]
+        row[TARGET] = given[0]
+        row[RATE] = given[1] if len(given) > 1 else np.nan
+        row[SECOND] = given[2] if len(given) > 2 else 0.0
+        row[STATE] = GIVEN
+        self._active.add(k)
+
+    def rivals(self, name: str) -> list[str]:
+        """Names of other inputs that drive the same, as a winch's speed and its place do; raises UnknownName."""
+        names = list(self._inputs)
+        return [names[other] for part in self.parts_of(name) for other in self._rivals[self._numbers[part]]]
+
+    def _take_over(self, k: int, name: str) -> None:
+        """Let an input drive what another has driven until now; refuse both in one advance, where one would be lost."""
+        names = list(self._inputs)
+        for other in self._rivals[k]:
+            if self.memory[other, STATE] == GIVEN:
+                place, _ = sorted((k, other), key=lambda one: self._list[one].steering.order)
+                cause = f"{name} and {names[other]} drive the same, and both are given for one advance"
+                cure = f"give one of them, or {names[place]} = (value, rate)"
+                raise SimulationError(cause, cure if self._list[place].steering.order == 0 else "give one of them")
+        for other in self._rivals[k]:
+            # It would come to rest where it was to go. What it knows of its last advance is old when it is next given.
+            self.memory[other, SLOPE], self.memory[other, STATE] = np.nan, AT_REST
+            self._active.discard(other)
+
+    def checked(self, name: str, value: Any) -> None:
+        """Refuse what cannot be given to an input, as giving it does; nothing is changed."""
+        self._checked(self._number(name), name, value)
+
+    def _checked(self, k: int, name: str, value: Any) -> tuple[float, ...]:
+        """What is given, as one to three numbers."""
         given: tuple[float, ...]
         try:
             if type(value) is float:
@@ -103,25 +140,50 @@ class Inputs(Mapping[str, Any]):
         if not steering.least <= given[0] <= steering.most:
             cause = f"{name} = {given[0]:g} is not from {steering.least:g} to {steering.most:g}"
             raise SimulationError(cause, f"it is {steering.text}")
-        row = self.memory[k]
-        row[TARGET] = given[0]
-        row[RATE] = given[1] if len(given) > 1 else np.nan
-        row[SECOND] = given[2] if len(given) > 2 else 0.0
-        row[STATE] = GIVEN
-        self._active.add(k)
+        return given
 
     def _set_vector(self, name: str, value: Any) -> None:
         """Give all components of a vector."""
-        parts = [part for part in self._numbers if part.startswith(f"{name}[")]
-        if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != len(parts):
-            raise SimulationError(f"{name} = {value!r} is no vector", f"give {len(parts)} numbers")
         before = self.memory.copy(), set(self._active)
         try:
-            for part, x in zip(parts, value, strict=True):
+            for part, x in self._components(name, value):
                 self[part] = x
         except SimulationError:
             self.memory[:], self._active = before
             raise
+
+    def _components(self, name: str, value: Any) -> list[tuple[str, Any]]:
+        """Names and values of the components of a vector; of a number its own."""
+        parts = self.parts_of(name)
+        if parts == [name]:
+            return [(name, value)]
+        if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != len(parts):
+            raise SimulationError(f"{name} = {value!r} is no vector", f"give {len(parts)} numbers")
+        return list(zip(parts, value, strict=True))
+
+    def begin(self, name: str, value: Any) -> None:
+        """Hold an input at a value from now on, until another is given: at once, so before the start is found.
+
+        Raises
+        ------
+        UnknownName
+            For a name that is none of the inputs.
+        SimulationError
+            For what is no finite number, or beyond what may be given.
+        """
+        for part, x in self._components(name, value):
+            k = self._number(part)
+            given = self._checked(k, part, x)
+            if len(given) > 1:
+                raise SimulationError(f"{part} = {x!r} is no single number", "give one number to be held")
+            for steering, function in self._list[k].members:
+                stands = steering.factor * given[0]
+                now = self._now(function)[0] if steering.order else stands
+                self.hold(function, self._clock(), np.array([now, stands if steering.order else 0.0, 0.0]))
+            for other in self._rivals[k]:
+                if self.memory[other, STATE] != AS_WRITTEN:
+                    raise SimulationError(f"{part} and {list(self._inputs)[other]} drive the same", "give one of them")
+            self.memory[k, SLOPE], self.memory[k, STATE] = 0.0, AT_REST
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Unit, shape and meaning of every input."""
@@ -221,6 +283,12 @@ class Inputs(Mapping[str, Any]):
         piece = slice(first + int(tracks[0]), last + int(tracks[-1]) + 1)
         parts = [f.track_from, f.track_to, f.wave_to, f.breaks[first:last], f.origins[piece], f.coefficients[piece]]
         return [self.memory, *parts]
+
+
+def _rivals_of(inputs: Sequence[Input]) -> list[list[int]]:
+    """For each input the numbers of others that drive a function that it drives."""
+    driven = [{function for _, function in one.members} for one in inputs]
+    return [[j for j, b in enumerate(driven) if j != i and a & b] for i, a in enumerate(driven)]
 
 
 def _between(before: float, after: float) -> float:

@@ -105,10 +105,12 @@ class Parameters(Mapping[str, Any]):
     ----------
     parameters : dict of str to Parameter
     changes : callable
-        Gives what is entered while one changes.
+        Name -> what is entered while that parameter changes.
     """
 
-    def __init__(self, parameters: dict[str, Parameter], changes: Callable[[], AbstractContextManager[None]]) -> None:
+    def __init__(
+        self, parameters: dict[str, Parameter], changes: Callable[[str], AbstractContextManager[None]]
+    ) -> None:
         self._parameters, self._changes = parameters, changes
 
     def __iter__(self) -> Iterator[str]:
@@ -141,9 +143,17 @@ class Parameters(Mapping[str, Any]):
         SimulationError
             For what is no number that it may have.
         """
+        given = self.checked(name, value)
+        with self._changes(name):
+            self._parameters[name].set(given)
+
+    def checked(self, name: str, value: Any) -> float:
+        """What a parameter would become; it is not changed. Raises as changing it does."""
         parameter = self.handle(name)
         unit = parameter.unit or "no unit"
         try:
+            if isinstance(value, (bool, np.bool_)):
+                raise TypeError
             given = float(value)
         except (TypeError, ValueError):
             raise SimulationError(f"{name} = {value!r} is no number", f"give one in SI ({unit})") from None
@@ -153,8 +163,7 @@ class Parameters(Mapping[str, Any]):
             upper = f", at most {parameter.most:g}" if np.isfinite(parameter.most) else ""
             told = f"{bounds}{upper} ({unit})" if np.isfinite(parameter.least) else f"a finite number ({unit})"
             raise SimulationError(f"{name} = {given:g} cannot be", f"give {told}")
-        with self._changes():
-            parameter.set(given)
+        return given
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Unit, shape and meaning of every parameter."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -93,13 +93,18 @@ class Simulation:
         Frames that are kept for `result`: all, none, or those of the last so many seconds.
     parameters : mapping, optional
         Values of parameters by name, with which the start is found.
+    initial : mapping, optional
+        Values of inputs by name, at which they are held from the start on, until others are given. The start is found
+        with them. A speed is there at once, as a constant speed of the scene's own is.
 
     Raises
     ------
     SceneError
         For bad input.
     UnknownName
-        For an input that the scene cannot have.
+        For an input that the scene cannot have, and for a name in `parameters` or `initial` that there is not.
+    SimulationError
+        For a value that a parameter or an input cannot have.
     StoppedEarly
         Where no start is found.
     """
@@ -111,6 +116,7 @@ class Simulation:
         *,
         keep: bool | float = True,
         parameters: Mapping[str, Any] | None = None,
+        initial: Mapping[str, Any] | None = None,
     ) -> None:
         from tautline import read
 
@@ -122,6 +128,8 @@ class Simulation:
         self._prepare(model)
         for name, value in (parameters or {}).items():
             self.parameters[name] = value
+        for name, value in (initial or {}).items():
+            self.inputs.begin(name, value)
         self._start()
 
     def _prepare(self, model: Model) -> None:
@@ -146,10 +154,11 @@ class Simulation:
         self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
         self.outputs = Outputs(handles.outputs, self._observe, vectors)
-        self.parameters = Parameters(handles.parameters, self._parameter_changes)
+        self.parameters = Parameters(handles.parameters, self._parameter_change)
         self._prepared = handles.prepared
         self._forces: list[Force | Group] = []
         self._begun = False
+        self._changed: set[str] = set()
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
         self._kept = Kept(self._frames.rows.shape[1], span)
@@ -370,6 +379,12 @@ class Simulation:
             self._observed = self.model.observe(self._frames)
         return self._observed
 
+    def _parameter_change(self, name: str) -> AbstractContextManager[None]:
+        """While a parameter changes; after the start its name is kept, for what the result says by the start."""
+        if self._begun:
+            self._changed.add(name)
+        return self._parameter_changes()
+
     @contextmanager
     def _parameter_changes(self) -> Iterator[None]:
         """While a parameter changes, or a blow falls: what the system has more of it then was put in from outside.
@@ -411,7 +426,10 @@ class Simulation:
             cure = "advance it to a frame: those that were kept are later than the state that was restored"
             raise SimulationError("no frame was kept", cure if self._keep else "make the simulation with keep=True")
         model = self.model
-        stored = Store(None, model.variables, model.coordinates, {**model.attributes, "version": __version__})
+        about = {**model.attributes, "version": __version__}
+        if self._changed:
+            about["parameters_changed"] = ", ".join(sorted(self._changed))
+        stored = Store(None, model.variables, model.coordinates, about)
         frames = frames_of(rows.copy(), model.system.q.size)
         found = {"time": frames.time.copy(), **model.observe(frames)}
         run.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
@@ -495,7 +513,7 @@ class Simulation:
         for force in self._forces:
             other._add(force.copy())
         other.restore(self.save())
-        other._kept = self._kept.copy()
+        other._kept, other._changed = self._kept.copy(), set(self._changed)
         return other
 
     __copy__ = copy

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import zipfile
 from pathlib import Path
@@ -21,6 +22,8 @@ TWIN = "twin"
 """The application that results of twins name."""
 WORDS = "words.npy"
 """What stands in the archive that a twin keeps its state in."""
+UNIT = "resources/unit.json"
+"""What says in an FMU of ours what goes in and out."""
 PAGES, DOCTYPE = (".html", ".htm"), b"<!doctype html"
 """Endings of web pages, and how they begin."""
 
@@ -169,6 +172,38 @@ def _holds_words(path: Path) -> bool:
         with zipfile.ZipFile(path) as archive:
             return WORDS in archive.namelist()
     except (OSError, zipfile.BadZipFile):
+        return False
+
+
+def check_unit(path: Path) -> Path:
+    """Check that an FMU may be written to a path, and return it; an earlier one of ours there may be replaced.
+
+    Raises
+    ------
+    ResultError
+        For another ending than .fmu, a folder that is not there, and a file that is no FMU of ours: it would be lost.
+    """
+    if path.suffix != ".fmu":
+        raise ResultError(path, "is no name of an FMU", "let it end with .fmu")
+    check_folder(path)
+    if path.is_dir():
+        raise ResultError(path, "is a folder", f"name a file in it: -o {path / 'scene.fmu'}")
+    if path.exists() and not path.is_file():
+        raise ResultError(path, "is not a regular file", "name another with -o")
+    if path.is_file() and not os.access(path, os.W_OK):
+        raise ResultError(path, "is write-protected", "name another with -o, or make it writable")
+    if path.is_file() and path.stat().st_size and not _is_our_unit(path):
+        raise ResultError(path, "exists and is no FMU of Tautline: it would be lost", "name another file with -o")
+    return path
+
+
+def _is_our_unit(path: Path) -> bool:
+    """Whether a file is an archive with the description and the scene that every FMU of ours has."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            told = json.loads(archive.read(UNIT))
+            return isinstance(told, dict) and {"inputs", "outputs", "version"} <= set(told)
+    except (OSError, KeyError, ValueError, RuntimeError, zipfile.BadZipFile):
         return False
 
 

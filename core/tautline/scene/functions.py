@@ -122,8 +122,10 @@ class Spectrum(Model):
     """A random sea: JONSWAP waves, times the response `rao` (the value per metre of wave)."""
 
     kind: Annotated[Literal["jonswap"], word("jonswap")] = "jonswap"
-    significant_height: Annotated[float, quantity("m", nonnegative=True, of="significant wave height")]
-    peak_period: Annotated[float, quantity("s", positive=True, of="peak period")]
+    significant_height: Annotated[float, quantity("m", nonnegative=True, of="significant wave height")] = Field(
+        examples=["2.5 m"]
+    )
+    peak_period: Annotated[float, quantity("s", positive=True, of="peak period")] = Field(examples=["9 s"])
     gamma: Annotated[float, quantity("", positive=True, at_most=20.0, of="peak factor")] = 3.3
     seed: Annotated[Whole, Field(ge=0)] = 0
     rao: Number = 1.0

@@ -34,6 +34,10 @@ AHEAD = 3
 """Pieces that wait at each worker."""
 LOCAL = "local"
 """In place of the address of a scheduler: a cluster on this machine."""
+TALKERS = tuple(f"distributed.{one}" for one in ("batched", "client", "comm", "comm.core", "comm.tcp"))
+"""Loggers of Dask that tell how a scheduler is lost."""
+SILENT = logging.CRITICAL + 1
+"""Level at which a logger says nothing."""
 PATIENCE = 10.0
 """Time, s, in which a scheduler has to answer."""
 
@@ -195,6 +199,20 @@ def _lost(error: Any, cases: list[int], address: str) -> Iterator[Found]:
 
 
 @contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Dask from telling a lost scheduler by tracebacks, which we tell in a sentence; loggers are left as found."""
+    loggers = [logging.getLogger(name) for name in TALKERS]
+    levels = [one.level for one in loggers]
+    for one in loggers:
+        one.setLevel(SILENT)
+    try:
+        yield
+    finally:
+        for one, level in zip(loggers, levels, strict=True):
+            one.setLevel(level)
+
+
+@contextmanager
 def _client(address: str, jobs: int) -> Iterator[Any]:
     """A client of a scheduler, or of a cluster of our own, which ends with it."""
     try:
@@ -213,6 +231,7 @@ def _client(address: str, jobs: int) -> Iterator[Any]:
             place: Any = stack.enter_context(cluster)
         else:
             place = address
+        stack.enter_context(_quiet())
         try:
             client = Client(place, set_as_default=False, timeout=PATIENCE)
         except (OSError, ValueError) as error:

@@ -1,7 +1,8 @@
-"""The slave of FMI 2.0, as PythonFMU makes it: only the FMU's own script imports this."""
+"""What the slave of FMI 2.0 asks, which PythonFMU makes of the FMU's own script: only that imports this."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
@@ -11,7 +12,7 @@ from pythonfmu.enums import Fmi2Causality, Fmi2Initial, Fmi2Status, Fmi2Variabil
 from pythonfmu.variables import Real
 
 from tautline.errors import TautlineError
-from tautline.live.fmu.unit import BASE, Core, from_bytes, to_bytes
+from tautline.live.fmu.unit import BASE, Core
 from tautline.version import __version__
 
 KINDS: dict[str, dict[str, Any]] = {
@@ -25,31 +26,37 @@ KINDS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-class Unit(Fmi2Slave):
-    """A simulation as an FMI 2.0 slave."""
+class Unit:
+    """A simulation that an FMI 2.0 slave asks for all that it is.
 
-    author = "Tautline"
-    version = __version__
+    It is no slave itself: PythonFMU's library runs a line of its own in the namespace of the second instance's script,
+    and a process that holds two ends there if the class has a base from elsewhere than PythonFMU.
 
-    def __init__(self, **kwargs: Any) -> None:
-        super().__init__(**kwargs)
-        self.core = core = Core(str(self.resources))
-        self.modelName = core.told["name"]
-        self.description = core.sim.scene.title or "a Tautline scene"
+    Parameters
+    ----------
+    slave : Fmi2Slave
+        Made already; variables are registered with it.
+    """
+
+    def __init__(self, slave: Fmi2Slave) -> None:
+        self.slave = slave
+        self.core = core = Core(str(slave.resources))
+        slave.author, slave.version = "Tautline", __version__
+        slave.modelName = core.told["name"]
+        slave.description = core.sim.scene.title or "a Tautline scene"
         solver = core.sim.model.solver
-        self.default_experiment = DefaultExperiment(0.0, solver.end, solver.interval)
+        slave.default_experiment = DefaultExperiment(0.0, solver.end, solver.interval)
         self.units: dict[str, str] = {}
         for name, unit, text, kind in core.signals():
             self.units[name] = unit
             variable = Real(
                 name, description=text, getter=lambda name=name: core.get(name),
-                setter=None if kind == "output" else (lambda value, name=name: core.set(name, value)), **KINDS[kind],
+                setter=None if kind == "output" else partial(self._set, name), **KINDS[kind],
             )  # fmt: skip
-            self.register_variable(variable, nested=False)
+            slave.register_variable(variable, nested=False)
 
-    def to_xml(self, model_options: Any = None) -> Element:
+    def complete(self, root: Element) -> Element:
         """The model description, with units and the unknowns of the initialisation."""
-        root = super().to_xml(model_options or {})
         # Names of things may have blanks.
         root.set("variableNamingConvention", "flat")
         used = [unit for unit in dict.fromkeys(self.units.values()) if unit in BASE]
@@ -69,38 +76,22 @@ class Unit(Fmi2Slave):
                 SubElement(unknowns, "Unknown", dict(unknown.attrib))
         return root
 
-    def setup_experiment(
-        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
-    ) -> None:
-        """Take the host's time of the start."""
-        self.core.begin = float(start_time)
+    def initialise(self) -> None:
+        """Find the start with the parameters and inputs as they are now."""
+        self._guarded(self.core.initialise)
 
-    def exit_initialization_mode(self) -> None:
-        """Find the start with the parameters as they are now."""
-        self._guarded(lambda: self.core.ready)
-
-    def do_step(self, current_time: float, step_size: float) -> bool:
+    def step(self, current_time: float, step_size: float) -> bool:
         """One communication step; a failure is told in the host's log."""
         return self._guarded(lambda: self.core.step(current_time, step_size))
+
+    def _set(self, name: str, value: float) -> None:
+        """Set an input or a parameter. PythonFMU has no way to say that it is refused but the log: steps then fail."""
+        self._guarded(lambda: self.core.set(name, value))
 
     def _guarded(self, act: Any) -> bool:
         try:
             act()
         except TautlineError as error:
-            self.log(str(error), Fmi2Status.error)
+            self.slave.log(str(error), Fmi2Status.error)
             return False
         return True
-
-    def _get_fmu_state(self) -> dict[str, Any]:
-        return self.core.save()
-
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
-        self.core.restore(state)
-
-    @staticmethod
-    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
-        return to_bytes(state)
-
-    @staticmethod
-    def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
-        return from_bytes(state)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 from xml.etree.ElementTree import Element
 
@@ -28,7 +29,10 @@ KINDS: dict[str, dict[str, Any]] = {
 
 
 class Unit(Fmi3Slave):
-    """A simulation as an FMI 3.0 slave."""
+    """A simulation as an FMI 3.0 slave.
+
+    PythonFMU3 drops the start time that the host gives: the first step says it.
+    """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -49,7 +53,7 @@ class Unit(Fmi3Slave):
         for name, unit, text, kind in signals:
             variable = Float64(
                 name, description=text, unit=unit if unit in BASE else None, getter=lambda name=name: core.get(name),
-                setter=None if kind == "output" else (lambda value, name=name: core.set(name, value)), **KINDS[kind],
+                setter=None if kind == "output" else partial(self._set, name), **KINDS[kind],
             )  # fmt: skip
             self.register_variable(variable, nested=False)
 
@@ -59,18 +63,18 @@ class Unit(Fmi3Slave):
         root.set("variableNamingConvention", "flat")
         return root
 
-    def setup_experiment(self, start_time: float) -> None:
-        """Take the host's time of the start."""
-        self.core.begin = float(start_time)
-
     def exit_initialization_mode(self) -> None:
-        """Find the start with the parameters as they are now."""
-        self._guarded(lambda: self.core.ready)
+        """Find the start with the parameters and inputs as they are now."""
+        self._guarded(self.core.initialise)
 
     def do_step(self, current_time: float, step_size: float) -> Fmi3StepResult:
         """One communication step; a failure is told in the host's log."""
         done = self._guarded(lambda: self.core.step(current_time, step_size))
         return Fmi3StepResult(status=Fmi3Status.ok if done else Fmi3Status.error)
+
+    def _set(self, name: str, value: float) -> None:
+        """Set an input or a parameter. PythonFMU has no way to say that it is refused but the log: steps then fail."""
+        self._guarded(lambda: self.core.set(name, value))
 
     def _guarded(self, act: Any) -> bool:
         try:

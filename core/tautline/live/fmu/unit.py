@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tautline.errors import TautlineError
+from tautline.live.errors import SimulationError
 from tautline.live.memory import State, as_sent, sum_of
 from tautline.live.simulation import Simulation
 from tautline.system.handles import Output
@@ -48,15 +51,14 @@ class Core:
         self.scene = folder / SCENE
         self.changed: dict[str, float] = {}
         self.given: dict[str, float] = {}
-        self.begin, self.stale, self.stepped = 0.0, False, False
+        self.held: dict[str, float] = {}
+        self.refused: dict[str, str] = {}
+        self.fault = ""
+        self.begin, self.timed = 0.0, False
+        self.stale, self.initialised, self.stepped = False, False, False
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
-        self.inputs = {
-            name: float(self.sim.inputs[name])
-            for asked in self.told["inputs"]
-            for name in (
-                [asked] if asked in self.sim.inputs else [n for n in self.sim.inputs if n.startswith(f"{asked}[")]
-            )
-        }
+        self.inputs = [name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked)]
+        self.sent: dict[str, float] = {}
         self.outputs = {
             part: (name, at) for name in self.told["outputs"] for part, at in parts_of(self.sim.outputs.handle(name))
         }
@@ -78,46 +80,92 @@ class Core:
 
     @property
     def ready(self) -> Simulation:
-        """The simulation with the parameters that were set before it began."""
+        """The simulation with the parameters and inputs that were set before it began.
+
+        Raises
+        ------
+        SimulationError
+            Where no start is found with them. The last start that was found stays.
+        """
         if self.stale:
-            self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False, parameters=self.changed)
+            if self.fault:
+                raise SimulationError(self.fault)
+            told = self.told["inputs"]
+            try:
+                self.sim = Simulation(self.scene, told, keep=False, parameters=self.changed, initial=self.held)
+            except TautlineError as error:
+                self.fault = f"no start is found with what was set: {error}; the outputs are those of the start before"
+                raise SimulationError(self.fault) from None
+            self.sent = dict(self.held)
             self.stale = False
         return self.sim
 
+    def start_at(self, time: float) -> None:
+        """Take the host's time of the start, s. Where no host says it, the first step does."""
+        self.begin, self.timed = float(time), True
+
+    def initialise(self) -> None:
+        """Find the start, after which inputs are reached in steps; raises what the simulation raises."""
+        self.initialised = True
+        self.ready  # noqa: B018
+
     def get(self, name: str) -> float:
-        """An input, an output or a parameter."""
+        """An input, an output or a parameter. Of a start that is not found it is what the start before has."""
         if name in self.inputs:
-            return self.given.get(name, self.inputs[name])
+            for known in (self.given, self.held if self.stale else self.sent):
+                if name in known:
+                    return known[name]
+            return float(self.sim.inputs[name])
         if name in self.outputs:
             output, at = self.outputs[name]
-            value = self.ready[output]
+            with suppress(SimulationError):
+                self.ready  # noqa: B018
+            value = self.sim[output]
             return float(value[at]) if at else float(value)
         return float(self.changed.get(name, self.sim.parameters[name]))
 
     def set(self, name: str, value: float) -> None:
-        """An input, reached at the end of the next communication step; or a parameter."""
-        if name in self.inputs:
-            self.given[name] = float(value)
+        """An input, held from the start on, or reached at the end of the next communication step; or a parameter.
+
+        Raises
+        ------
+        SimulationError
+            For a value that it cannot have. It stays as it was, and no step is made until it is set to one it can have.
+        """
+        value = float(value)
+        try:
+            if name in self.inputs:
+                self.sim.inputs.checked(name, value)
+            elif self.stepped:
+                self.sim.parameters[name] = value
+            else:
+                self.sim.parameters.checked(name, value)
+        except SimulationError as error:
+            self.refused[name] = str(error)
+            raise
+        self.refused.pop(name, None)
+        if name in self.inputs and (self.initialised or self.stepped):
+            self.given[name] = value
             return
-        self.changed[name] = float(value)
-        if self.stepped:
-            self.sim.parameters[name] = float(value)
-        else:
-            self.stale = True
+        (self.held if name in self.inputs else self.changed)[name] = value
+        if not self.stepped:
+            self.stale, self.fault = True, ""
 
     def step(self, time: float, length: float) -> None:
-        """One communication step; raises what the simulation raises."""
+        """One communication step; raises what the simulation raises, and where a value that was set is refused."""
+        if self.refused:
+            raise SimulationError("; ".join(self.refused.values()))
         sim = self.ready
+        if not self.timed:
+            self.start_at(time)
         if abs(time - self.begin - sim.time) > NEAR * max(1.0, abs(time)):
-            from tautline.live.errors import SimulationError
-
             cause = f"the host steps from {time:g} s, and the unit stands at {self.begin + sim.time:g} s"
             raise SimulationError(cause, "set the state that was saved there")
         self.stepped = True
         for name, value in self.given.items():
-            # What stays as it is needs no way to it.
-            if value != self.inputs[name]:
-                sim.inputs[name] = self.inputs[name] = value
+            # What was given before and stays as it is needs no way to it. What was never given still goes by the scene.
+            if self.sent.get(name) != value:
+                sim.inputs[name] = self.sent[name] = value
         self.given.clear()
         sim.advance_to(time - self.begin + length)
 
@@ -126,16 +174,19 @@ class Core:
     def save(self) -> dict[str, Any]:
         """All that a state of the FMU is."""
         return {
-            "state": self.ready.save(), "inputs": dict(self.inputs), "given": dict(self.given),
-            "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
+            "state": self.ready.save(), "sent": dict(self.sent), "given": dict(self.given),
+            "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
+            "timed": self.timed,
         }  # fmt: skip
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Stand where a state was saved."""
-        self.stale = False
+        self.stale, self.fault = False, ""
+        self.refused.clear()
         self.sim.restore(saved["state"])
-        self.inputs, self.given = dict(saved["inputs"]), dict(saved["given"])
-        self.changed, self.stepped, self.begin = dict(saved["changed"]), saved["stepped"], saved["begin"]
+        self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
+        self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
+        self.stepped, self.begin, self.timed = saved["stepped"], saved["begin"], saved["timed"]
 
 
 def to_bytes(saved: dict[str, Any]) -> bytes:

@@ -11,29 +11,69 @@ from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from tautline.live.errors import SimulationError
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
 from tautline.results.errors import ResultError
+from tautline.results.target import check_unit
 from tautline.scene.reading.files import files_of
 from tautline.version import __version__
 
-SCRIPT = '''"""Written by Tautline: the class that the host makes."""
+SCRIPTS = {
+    2: '''"""Written by Tautline: the class that the host makes."""
 
-from {package} import Fmi{fmi}Slave
+from pythonfmu import Fmi2Slave
 
-from tautline.live.fmu.fmi{fmi} import Unit
+from tautline.live.fmu import fmi2, unit
 
 
-class {name}(Unit, Fmi{fmi}Slave):
+class {name}(Fmi2Slave):
     """A Tautline scene."""
-'''
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.unit = fmi2.Unit(self)
+
+    def to_xml(self, model_options=None):
+        return self.unit.complete(super().to_xml(model_options or {{}}))
+
+    def setup_experiment(self, start_time, stop_time=None, tolerance=None):
+        self.unit.core.start_at(start_time)
+
+    def exit_initialization_mode(self):
+        self.unit.initialise()
+
+    def do_step(self, current_time, step_size):
+        return self.unit.step(current_time, step_size)
+
+    def _get_fmu_state(self):
+        return self.unit.core.save()
+
+    def _set_fmu_state(self, state):
+        self.unit.core.restore(state)
+
+    _fmu_state_to_bytes = staticmethod(unit.to_bytes)
+    _fmu_state_from_bytes = staticmethod(unit.from_bytes)
+''',
+    3: '''"""Written by Tautline: the class that the host makes."""
+
+from pythonfmu3 import Fmi3Slave
+
+from tautline.live.fmu.fmi3 import Unit
+
+
+class {name}(Unit, Fmi3Slave):
+    """A Tautline scene."""
+''',
+}
+"""By version of the standard. A class of FMI 2 has no base but PythonFMU's: see `tautline.live.fmu.fmi2`."""
 PACKAGES = {2: "pythonfmu", 3: "pythonfmu3"}
 """What makes an FMU of each version of the standard."""
 STATES = {
-    2: {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True},
-    3: {"canGetAndSetFMUState": True, "canSerializeFMUState": True},
+    2: {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, "canHandleVariableCommunicationStepSize": True},
+    3: {"canGetAndSetFMUState": True, "canSerializeFMUState": True, "canHandleVariableCommunicationStepSize": True},
 }
 NEEDS = """Tautline {version} as an FMU for co-simulation, FMI {fmi}.0
 ======================================================
@@ -73,8 +113,10 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         As `tautline.Simulation` does.
     UnknownName
         For a name that there is not.
+    SimulationError
+        For two inputs that drive the same.
     ResultError
-        Where the file cannot be written, or PythonFMU is missing.
+        Where the file cannot be written or is there and no FMU of ours, or PythonFMU is missing.
     """
     path = Path(path)
     if fmi not in PACKAGES:
@@ -84,22 +126,20 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         builder = import_module(package).FmuBuilder
     except ModuleNotFoundError:
         raise ResultError(path, f"needs {package}, which is not installed", "pip install 'tautline[fmi]'") from None
-    if path.suffix != ".fmu":
-        raise ResultError(path, "is no name of an FMU", "let it end with .fmu")
-    if not path.parent.is_dir():
-        raise ResultError(path, "its folder does not exist", "make the folder first")
+    check_unit(path)
     if not outputs:
         raise SimulationError("an FMU without an output says nothing", "give --outputs")
     sim = Simulation(scene, inputs=inputs, keep=False)
     for name in outputs:
         parts_of(sim.outputs.handle(name))
+    _refuse_rivals(sim, inputs)
     named = re.sub(r"\W", "_", path.stem)
     name = named if named[:1].isalpha() else f"fmu_{named}"
     with tempfile.TemporaryDirectory() as work:
         folder = Path(work)
         files = _files(sim.scene, folder)
         script = folder / f"{name}_unit.py"
-        script.write_text(SCRIPT.format(name=name, fmi=fmi, package=package), encoding="utf8")
+        script.write_text(SCRIPTS[fmi].format(name=name), encoding="utf8")
         told = {"inputs": list(inputs), "outputs": list(outputs), "name": name, "version": __version__}
         (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
         notes = folder / "documentation"
@@ -115,7 +155,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
                 script, made, [folder / DESCRIPTION, *files], notes, canBeInstantiatedOnlyOncePerProcess=False,
                 needsExecutionTool=True, **STATES[fmi],
             )  # fmt: skip
-            shutil.copyfile(made / f"{name}.fmu", path)
+            _put(made / f"{name}.fmu", path)
         except OSError as error:
             raise ResultError(path, f"cannot be written: {error.strerror or error}", "choose another place") from None
         finally:
@@ -123,6 +163,26 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
             sys.path[:] = known
             sys.modules.pop(script.stem, None)
     return [line for line in needs.splitlines()[5:7] if line]
+
+
+def _put(made: Path, path: Path) -> None:
+    """Copy a file beside where it is to be, and rename it: there is the earlier one or this, never a part."""
+    path = path.resolve()  # a link stays one
+    beside = path.parent / f".{path.name}.{uuid4().hex[:8]}.part"
+    try:
+        shutil.copyfile(made, beside)
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def _refuse_rivals(sim: Simulation, inputs: Sequence[str]) -> None:
+    """Refuse two inputs that drive the same: a host sets all of them, and one would be lost."""
+    taken = {part for name in inputs for part in sim.inputs.parts_of(name)}
+    for name in inputs:
+        for other in sim.inputs.rivals(name):
+            if other in taken:
+                raise SimulationError(f"{name} and {other} drive the same", "leave one of them out of --inputs")
 
 
 def _files(scene: Any, folder: Path) -> list[Path]:

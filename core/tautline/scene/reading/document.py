@@ -248,6 +248,13 @@ def key_named(name: str, origin: str) -> Path_:
     raise SceneError([Problem(origin, None, "", str(name), "is no name of a key", cure)])
 
 
+def _bare_part(line: str) -> str:
+    """A name such as ``crate.position[2]`` that stands without quotes between { and }; empty where there is none."""
+    rest = re.sub(r"\"[^\"]*\"|'[^']*'", "", line)
+    found = re.search(r"\{(?:[^}]*?[:,{])? *([\w .-]*\w\[\d+\][\w.\[\]]*)", rest)
+    return found.group(1).strip() if found else ""
+
+
 def _quoted(text: str) -> str:
     """A text as YAML wants it where it holds what else has a meaning."""
     return "'" + text.replace("'", "''") + "'"
@@ -467,6 +474,9 @@ class _Composer:
             cause = "a colon followed by a space stands inside a text, and YAML takes it for another key"
             key, text = around.strip().split(": ", 1)
             return self.refuse(line, cause, f"put the text in quotes: {shorten(f'{key}: {_quoted(text)}')}")
+        if bare := _bare_part(around):
+            cause = f"{bare} stands between {{ and }}, where YAML takes a bracket for the start of a list"
+            return self.refuse(line, cause, f'put the name in quotes: "{bare}"')
         began = error.context_mark
         since = f" ({error.context}, line {began.line + 1})" if began and error.context else ""
         return self.refuse(

@@ -1,0 +1,180 @@
+"""What runs inside an FMU, without a host: inputs and parameters as a host sets them, refused and at the start."""
+
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import tautline
+from tautline.live.errors import SimulationError
+from tautline.live.fmu.unit import Core, from_bytes, to_bytes
+from tautline.live.fmu.writing import write_fmu
+
+pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
+
+DATA = Path(__file__).parents[2] / "data"
+SPEED, HEAVE = "winch.pay_out_speed", "vessel.heave"
+HEIGHT, TENSION = "payload.position[2]", "winch.tension"
+H = 0.05
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Resources of an FMU of the hoist: the scene itself hoists at 2 m/s, and its ship heaves by 0.5 m."""
+    made = tmp_path_factory.mktemp("fmu")
+    write_fmu(DATA / "hoist.yaml", made / "hoist.fmu", [SPEED, HEAVE], ["payload.position", TENSION])
+    with zipfile.ZipFile(made / "hoist.fmu") as file:
+        file.extractall(made)
+    return made / "resources"
+
+
+def still_with(heave=0.0):
+    """The same scene with a winch that stands, and a ship that lies still at a heave, m."""
+    changes = {"vessel.motion": {"heave": {"constant": heave}}, "path[0].drum.pay_out": 0}
+    return tautline.Simulation(tautline.read(DATA / "hoist.yaml").replace(changes))
+
+
+def test_an_input_of_zero_holds_what_the_scene_itself_would_move(folder):
+    core = Core(folder)
+    for k in range(40):
+        core.set(SPEED, 0.0)
+        core.set(HEAVE, 0.0)
+        core.step(k * H, H)
+    rest = still_with()
+    assert core.get(HEIGHT) == pytest.approx(rest["payload.position"][2], abs=1e-6)
+    assert core.get(TENSION) == pytest.approx(rest["winch.tension"], rel=1e-6)
+
+
+def test_an_input_that_was_never_set_still_goes_by_the_scene_and_says_so(folder):
+    core = Core(folder)
+    core.set(HEAVE, 0.0)
+    core.step(0.0, 1.0)
+    assert core.get(SPEED) == pytest.approx(-2.0) and core.get(HEAVE) == 0.0
+
+
+def test_a_state_knows_which_inputs_were_set(folder):
+    """After going back to a time before the first set, a zero is again the first one given."""
+    core = Core(folder)
+    saved = from_bytes(to_bytes(core.save()))
+    heights = []
+    for _ in range(2):
+        core.set(SPEED, 0.0)
+        core.set(HEAVE, 0.0)
+        core.step(0.0, 1.0)
+        heights.append(core.get(HEIGHT))
+        core.restore(saved)
+    assert heights == pytest.approx([5.0, 5.0], abs=1e-6)
+
+
+def test_an_input_set_in_the_initialisation_is_that_of_the_start_and_nothing_jumps(folder):
+    """The reference is the scene with a ship that lies 1 m higher for good."""
+    core = Core(folder)
+    core.set(SPEED, 0.0)
+    core.set(HEAVE, 1.0)
+    assert core.get(HEAVE) == 1.0
+    core.initialise()
+    high = still_with(heave=1.0)
+    assert core.get(TENSION) == pytest.approx(high["winch.tension"], rel=1e-9)
+    for k in range(20):
+        core.set(HEAVE, 1.0)
+        core.step(k * H, H)
+        assert core.get(TENSION) == pytest.approx(high["winch.tension"], rel=1e-6)
+        assert core.get(HEIGHT) == pytest.approx(5.0, abs=1e-6)
+
+
+def test_an_input_set_after_the_initialisation_is_reached_in_the_first_step(folder):
+    core = Core(folder)
+    core.initialise()
+    core.set(SPEED, 0.0)
+    core.set(HEAVE, 0.01)
+    core.step(0.0, H)
+    assert core.sim.inputs[HEAVE] == pytest.approx(0.01) and core.get(TENSION) > 1.1 * still_with()["winch.tension"]
+
+
+def test_a_state_keeps_the_inputs_of_the_start(folder):
+    core = Core(folder)
+    core.set(SPEED, 0.0)
+    core.set(HEAVE, 1.0)
+    core.initialise()
+    other = Core(folder)
+    other.initialise()
+    other.restore(from_bytes(to_bytes(core.save())))
+    other.step(0.0, 1.0)
+    assert other.get(HEAVE) == 1.0 and other.get(HEIGHT) == pytest.approx(5.0, abs=1e-6)
+
+
+def test_a_simulation_starts_with_its_inputs_at_initial_values():
+    """References are scenes with that constant heave, and that constant speed of the winch."""
+    scene = tautline.read(DATA / "hoist.yaml")
+    held = tautline.Simulation(scene, initial={HEAVE: 1.0, SPEED: 0.0})
+    held.advance(0.5)
+    assert held["payload.position"][2] == pytest.approx(5.0, abs=1e-6)
+    assert held["winch.tension"] == pytest.approx(still_with(heave=1.0)["winch.tension"], rel=1e-6)
+    changes = {"vessel.motion": {"heave": {"constant": 0.0}}, "path[0].drum.pay_out": {"constant": -0.2}}
+    wanted = tautline.Simulation(scene.replace(changes))
+    found = tautline.Simulation(scene, initial={SPEED: -0.2, HEAVE: 0.0})
+    for sim in (wanted, found):
+        sim.advance(0.5)
+    assert found["winch.pay_out"] == pytest.approx(-0.1, rel=1e-9)
+    assert found["winch.tension"] == pytest.approx(wanted["winch.tension"], rel=1e-9)
+
+
+@pytest.mark.parametrize("value", [float("nan"), "high", (1.0, 0.5)])
+def test_an_initial_value_that_cannot_be_is_refused(value):
+    with pytest.raises(SimulationError, match=HEAVE):
+        tautline.Simulation(DATA / "hoist.yaml", initial={HEAVE: value})
+
+
+def test_the_first_step_says_when_it_begins_and_a_later_gap_is_refused(folder):
+    core = Core(folder)
+    core.initialise()
+    core.step(100.0, H)
+    core.step(100.0 + H, H)
+    with pytest.raises(SimulationError, match="the host steps from 7 s"):
+        core.step(7.0, H)
+    other = Core(folder)
+    other.restore(from_bytes(to_bytes(core.save())))
+    with pytest.raises(SimulationError, match=r"the unit stands at 100\.1 s"):
+        other.step(0.0, H)
+
+
+@pytest.mark.parametrize(
+    ("name", "bad", "good"),
+    [("payload.mass", -5.0, 5000.0), ("payload.mass", float("nan"), 5000.0), (HEAVE, float("inf"), 0.0)],
+)
+@pytest.mark.parametrize("late", [False, True])
+def test_a_value_that_cannot_be_is_refused_and_no_step_is_made_until_one_that_can_is_set(folder, name, bad, good, late):
+    core = Core(folder)
+    if late:
+        core.initialise()
+        core.step(0.0, H)
+    before = core.get(name), core.get(TENSION)
+    with pytest.raises(SimulationError, match=name):
+        core.set(name, bad)
+    core.initialise()
+    assert (core.get(name), core.get(TENSION)) == before
+    for _ in range(2):
+        with pytest.raises(SimulationError, match=name):
+            core.step(H if late else 0.0, H)
+    core.set(name, good)
+    core.step(H if late else 0.0, H)
+    assert core.get(name) == good and 0.0 < core.get(TENSION) < 1e5
+
+
+def test_a_start_that_is_not_found_fails_the_steps_and_nothing_that_is_read(folder, monkeypatch):
+    core = Core(folder)
+    tension = core.get(TENSION)
+    core.set("payload.mass", 6000.0)
+
+    def none(*_, **__):
+        raise SimulationError("no equilibrium")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("tautline.live.fmu.unit.Simulation", none)
+        assert core.get(TENSION) == tension
+        for act in (core.initialise, lambda: core.step(0.0, H)):
+            with pytest.raises(SimulationError, match="no start is found with what was set: no equilibrium"):
+                act()
+    core.set("payload.mass", 5500.0)
+    core.step(0.0, H)
+    assert core.get(TENSION) == pytest.approx(1.1 * tension, rel=0.02)
