@@ -140,7 +140,13 @@ def parse_speeds(text: str) -> list[float]:
     try:
         numbers = adapter.validate_python(given)
     except ValidationError as error:
-        raise refuse(f"is no range of speeds: {error.errors()[0]['msg']}", example) from None
+        wrong = error.errors()[0]
+        said = str(wrong["msg"])
+        said = said if said.startswith("'") else f"'{given[int(wrong['loc'][0])]}' {said}"
+        raise refuse(f"is no range of speeds: {said}", example) from None
+    bare = [one for one in given if isinstance(one, float) and one != 0.0]
+    if bare and any(isinstance(one, str) for one in given):
+        raise refuse(f"has units, and {bare[0]:g} has none", f"give each its unit; {example}")
     if ":" not in text:
         return numbers
     three_of(text, "--speed", example)

@@ -144,6 +144,7 @@ BAD_SPEEDS = {
     "12:0:3": "never gets to its end",
     "0:12:1e-9": "more than 10000",
     "0:12 kg:3": "'kg' is not the unit of a speed",
+    "0:12 m/s:3": "has units, and 3 has none",
     "nan": "not a finite number",
     "0:inf:1": "not a finite number",
     "0,nan,3": "not a finite number",

@@ -7,6 +7,7 @@ import pytest
 
 from tautline.application.installed import Installed
 from tautline.simulation import simulate
+from tautline.system.memory import Beginning
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -38,3 +39,14 @@ def test_what_is_set_between_two_runs_stays_set():
     alone = model_of("hoist.yaml", **keys)
     alone.handles().parameters["payload.mass"].set(mass)
     assert again["tension"] == pytest.approx(simulate(alone)["tension"], rel=1e-9)
+
+
+def test_what_a_run_and_then_somebody_has_changed_is_what_somebody_has_set():
+    numbers, records = np.array([1.0, 2.0, np.nan]), np.zeros(2, [("worn", float), ("count", np.int64)])
+    beginning = Beginning((numbers, records))
+    numbers[:], records["worn"], records["count"] = [2.0, 3.0, 0.0], 0.02, 7
+    beginning.has_ended((numbers, records))
+    numbers[0], records["worn"][1] = 3.0, 0.03
+    beginning.bring_back((numbers, records))
+    np.testing.assert_array_equal(numbers, [3.0, 2.0, np.nan])
+    assert records["worn"].tolist() == [0.0, 0.03] and records["count"].tolist() == [0, 0]

@@ -362,7 +362,9 @@ def test_numbers_that_a_record_cannot_have_are_refused_and_nothing_is_written(
         (["--fault=rope_tension:bias:20:30:5"], "no row lies in these times"),
         (["--fault=rope_tension:stuck:1.01:1.09"], "no row lies in these times"),
         (["--fault=rope_tension:lost:-3:0"], "no row lies in these times"),
-        (["--fault=rope_tension:bias:0:1"], "has no size, which bias needs"),
+        (["--fault=heave:bias:0:1"], "has no size, which bias needs; write heave:bias:0:1:5"),
+        (["--fault=heave:stuck:0:1:5"], "has a size, and stuck has none; write heave:stuck:0:1"),
+        (["--gap", "nan:2"], "is no gap"),
         (["--gap=20:30"], "no row lies in these times"), (["--gap=8:4"], "ends before it begins"),
         (["--gap=0:100"], "no row is left"), (["--gap=0:0.5", "--gap=0.5:3"], "no row is left"),
         (["--dropout=100 %"], "no row is left"),
@@ -392,10 +394,11 @@ def test_faults_and_gaps_that_reach_beyond_the_rows_change_those_within(rehearsa
 def test_the_next_command_of_a_record_names_the_changes_of_its_scene_and_runs(rehearsal, here, tmp_path):
     changes = ["--set", "rope.damping=2 ms"]
     words = [SCENE, "--map", str(rehearsal / "map.yaml"), *changes]
-    code, _, err = here("record", *words, "-o", str(tmp_path / "r.csv"), "--end", "0.5 s")
+    record = tmp_path / "a name with blanks.csv"
+    code, _, err = here("record", *words, "-o", str(record), "--end", "0.5 s")
     assert code == 0
     following = shlex.split(" ".join(err.split()).split("Next: crane ")[1])
-    assert following[-4:] == [*changes, "--source", str(tmp_path / "r.csv")]
+    assert following[-4:] == [*changes, "--source", str(record)]
     assert here(*following)[0] == 0
 
 

@@ -106,7 +106,7 @@ def campbell(
     highest = number(up_to, "--up-to", "Hz", HIGHEST, "ask for what the string is shaken at") if up_to else None
     upper = parse_depth(drillstring, top)
     held = parse_held(drillstring, hold)
-    figure, table = figure_place(output, f"{scene.stem}_campbell"), check_table(csv)
+    figure, table = figure_place(output, f"{scene.stem}_campbell"), check_table(csv, "mode,kind,plane")
     found = searched(scene, as_json, lambda: compute(drillstring, speeds, lines, kinds, highest, upper, held))
     _print(drillstring, found)
     _draw(drillstring, scene, found, figure)

@@ -67,7 +67,7 @@ def form(
     way, meshes, kinds = _way(by, most), parse_elements(elements), parse_models(model)
     read_scenes = [changed(read(path), changes) for path in scenes]
     name = f"{scenes[0].stem}_form" if len(scenes) == 1 else "forms"
-    figure, table = figure_place(output, name), check_table(csv)
+    figure, table = figure_place(output, name), check_table(csv, "scene,model,elements,node")
     found = []
     for path, scene in zip(scenes, read_scenes, strict=True):
         search = partial(find_form, scene, meshes, way, most or MOST_STEPS, kinds)

@@ -99,7 +99,7 @@ def torque_drag(
     kinds = parse_models(model) or [drillstring.model.kind]
     drillstring = of_kind(drillstring, kinds[0])
     own = own_friction(drillstring)
-    figure, table = figure_place(output, f"{scene.stem}_torque_drag"), check_table(csv)
+    figure, table = figure_place(output, f"{scene.stem}_torque_drag"), check_table(csv, "model,friction,depth")
     factors = parse_frictions(friction, own.shoe) if friction is not None else None
     reamed = parse_reaming(reaming, rotary)
     depths = parse_depths(depth) if depth is not None else None

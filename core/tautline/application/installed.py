@@ -208,7 +208,10 @@ class Installed:
                 return application
         _refuse_no_scene(root, name)
         known = ", ".join(application.name for application in self.all()) or "none"
-        cure = f"installed applications: {known}; `new --list` shows scenes of each"
+        cure = (
+            f"installed applications: {known}; `new --list` shows scenes of each. An application of your own has to be "
+            "installed or registered: docs/extending.md"
+        )
         for application_name, why in self.broken.items():
             cure += f"; {application_name} could not be loaded ({why})"
         raise SceneError([Problem(name, None, "", None, "no installed application knows this kind of scene", cure)])

@@ -6,6 +6,7 @@ import json
 import os
 import zipfile
 from pathlib import Path
+from shlex import quote
 from uuid import uuid4
 
 from tautline.results.errors import ResultError
@@ -215,7 +216,7 @@ def check_folder(path: Path) -> None:
         raise ResultError(path, f"cannot be written: {error}", "give another name with -o") from None
     if not found:
         raise ResultError(
-            path, f"there is no folder {path.parent}", f"make it, mkdir -p {path.parent}, or name another"
+            path, f"there is no folder {path.parent}", f"make it, mkdir -p {quote(str(path.parent))}, or name another"
         )
     if not folder:
         raise ResultError(path, f"{path.parent} is a file, not a folder", "name another folder with -o")
@@ -260,19 +261,29 @@ def _begins_as_page(path: Path) -> bool:
         return file.read(len(DOCTYPE)).lower() == DOCTYPE
 
 
-def check_table(path: Path | None) -> Path | None:
-    """The same of a table, where one was asked for.
+def check_table(path: Path | None, begins: str) -> Path | None:
+    """The same of a table, where one was asked for; an earlier one of the same command may be replaced.
+
+    Parameters
+    ----------
+    begins : str
+        How the first line of such a table begins.
 
     Raises
     ------
     ResultError
-        For another ending than .csv, and for a folder that is not there.
+        For another ending than .csv, for a folder that is not there, and for a file that would be lost.
     """
     if path is None:
         return None
     if path.suffix.lower() != ".csv":
         raise ResultError(path, f"ends in '{path.suffix}', and is to be a table", "name it .csv")
     check_folder(path)
+    if path.is_file():
+        with path.open("rb") as file:
+            start = file.read(len(begins.encode()))
+        if start and start != begins.encode():
+            raise ResultError(path, "exists and is another table: it would be lost", "name another file with --csv")
     return path
 
 

@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
+from shlex import quote
 from typing import IO, Any
 
 from tautline.results.disk import Lock
@@ -60,7 +61,8 @@ class Journal:
         if folder.exists() and not folder.is_dir():
             raise ResultError(folder, "is a file, and the results of a sweep go into a folder", "name another with -o")
         if not folder.parent.is_dir():
-            raise ResultError(folder, f"there is no folder {folder.parent}", f"make it, mkdir -p {folder.parent}")
+            cure = f"make it, mkdir -p {quote(str(folder.parent))}"
+            raise ResultError(folder, f"there is no folder {folder.parent}", cure)
         if not os.access(folder if folder.exists() else folder.parent, os.W_OK):
             raise ResultError(folder, "cannot be written to", "name another with -o")
         if not self.path.exists():

@@ -81,8 +81,19 @@ class Beginning:
     def bring_back(self, groups: tuple[Any, ...]) -> None:
         """Have the groups as they were, but for what is no longer as the run left it."""
         for name, place in places_of((), groups, ()).items():
-            before, after = (np.frombuffer(known[name].tobytes(), np.uint8) for known in (self._before, self._after))
+            before, after = self._before[name], self._after[name]
             if not np.array_equal(before, after):
-                now = np.frombuffer(place.tobytes(), np.uint8)
-                now = np.where(now == after, before, now)
-                place[...] = np.frombuffer(now.tobytes(), place.dtype).reshape(place.shape)
+                for column, was, left in _columns(place, before, after):
+                    column[...] = np.where(_same(column, left), was, column)
+
+
+def _columns(place: np.ndarray, *copies: np.ndarray) -> Iterator[tuple[np.ndarray, ...]]:
+    """An array, or each field of its records, with the same of its copies."""
+    alike = [np.frombuffer(one.tobytes(), place.dtype).reshape(place.shape) for one in copies]
+    for field in place.dtype.names or [()]:
+        yield place[field], *(one[field] for one in alike)
+
+
+def _same(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Where two arrays are the same; no number is the same as no number."""
+    return (a == b) | ((a != a) & (b != b))

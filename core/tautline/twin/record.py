@@ -195,7 +195,8 @@ def read_fault(text: str) -> Fault:
     parts = text.split(":")
     kind = parts[1] if len(parts) > 1 else ""
     if len(parts) not in (4, 5) or kind not in KINDS:
-        cure = f"{nearest(kind, KINDS)}; {EXAMPLE}" if len(parts) > 1 else EXAMPLE
+        meant = nearest(kind, KINDS)
+        cure = f"{meant}{' ' if meant.endswith('?') else '; '}{EXAMPLE}" if len(parts) > 1 else EXAMPLE
         raise option_error("--fault", text, "is no fault of a sensor", cure)
     try:
         begin, end = float(parts[2]), float(parts[3])
@@ -205,7 +206,9 @@ def read_fault(text: str) -> Fault:
     if not begin < end:
         raise option_error("--fault", text, "ends before it begins", EXAMPLE)
     if kind in SIZED and (size is None or not np.isfinite(size)):
-        raise option_error("--fault", text, f"has no size, which {kind} needs", EXAMPLE)
+        raise option_error("--fault", text, f"has no size, which {kind} needs", f"write {':'.join(parts[:4])}:5")
+    if kind not in SIZED and size is not None:
+        raise option_error("--fault", text, f"has a size, and {kind} has none", f"write {':'.join(parts[:4])}")
     return Fault(parts[0], kind, begin, end, size or 0.0)
 
 
@@ -215,6 +218,8 @@ def read_gap(text: str) -> tuple[float, float]:
         begin, end = (float(part) for part in text.split(":"))
     except ValueError:
         raise option_error("--gap", text, "is no gap", GAP_EXAMPLE) from None
+    if not (np.isfinite(begin) and np.isfinite(end)):
+        raise option_error("--gap", text, "is no gap", GAP_EXAMPLE)
     if not begin < end:
         raise option_error("--gap", text, "ends before it begins", GAP_EXAMPLE)
     return begin, end

@@ -96,6 +96,17 @@ def test_csv_has_the_numbers_of_json_one_row_for_each_depth_and_friction_factor(
     assert drillstring_("torque-drag", "jwell.yaml", "--csv", "loads.txt")[0] == 2
 
 
+@pytest.mark.parametrize("verb", ["torque-drag", "campbell", "form"])
+def test_a_table_replaces_one_of_the_same_command_and_no_other(drillstring_, verb):
+    mine, words = Path("mine.csv"), (verb, "jwell.yaml", "--csv", "mine.csv")
+    mine.write_text("depth [m],pick_up [kN]\n3000,800\n")
+    code, _, err = drillstring_(*words)
+    assert code == 2 and "exists and is another table: it would be lost" in " ".join(err.split())
+    assert mine.read_text().startswith("depth [m],pick_up")
+    mine.unlink()
+    assert [drillstring_(*words)[0] for _ in range(2)] == [0, 0]
+
+
 def test_json_has_the_keys_of_the_contract_for_the_scenes_own_depth_and_friction(drawing):
     code, out, err = drawing("torque-drag", "jwell.yaml", "--json", *FEW)
     report = only_object(out)

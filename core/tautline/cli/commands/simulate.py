@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tautline.application.installed import Catalogue
 from tautline.cli.options.changes import as_given, changed
-from tautline.cli.output.called import called
+from tautline.cli.output.called import typed
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.duration import total_time
 from tautline.cli.output.first_run import compiling
@@ -76,7 +76,8 @@ def check(
         console().print(two_columns(rows))
     count = len(warnings)
     warned = f", {count} warning{'s' * (count > 1)}" if count else ""
-    say(f"{scene} can be run{warned}. Next: {called(catalogue.name)} simulate {scene}{as_given(changes)}", "green")
+    following = typed(catalogue.name, "simulate", scene) + as_given(changes)
+    say(f"{scene} can be run{warned}. Next: {following}", "green")
     if as_json:
         warnings = [{"where": warning.where, "text": warning.text} for warning in warnings]
         drawn = {} if figure is None else {"figure": str(figure)}
@@ -387,9 +388,11 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
             say("nothing was stored: the run only served to find the step", "yellow")
         elif seen := result.attributes.get("frames_seen"):
             told = f"statistics of {seen} frames, and {frames} round the extremes"
-            say(f"wrote {result.path}: {told}. Next: {called(catalogue.name)} export --csv {result.path}", "green")
+            following = typed(catalogue.name, "export", "--csv", result.path)
+            say(f"wrote {result.path}: {told}. Next: {following}", "green")
         else:
-            say(f"wrote {result.path}: {frames}. Next: {called(catalogue.name)} plot {result.path}", "green")
+            following = typed(catalogue.name, "plot", result.path)
+            say(f"wrote {result.path}: {frames}. Next: {following}", "green")
     system = str(result.attributes.get("units") or "si") if result is not None else "si"
     for warning in report["warnings"]:
         say(f"warning: {in_words(warning, system)}", "yellow")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.output.called import called
+from tautline.cli.output.called import typed
 from tautline.cli.output.console import print_text, say
 from tautline.scene.errors import Problem, SceneError
 
@@ -42,7 +42,7 @@ def new(catalogue: Catalogue, template: str | None, output: Path | None, listed:
         return
     path = Path(f"{name}.yaml") if output is None else output
     write(path, templates[name], force)
-    say(f"wrote {path}. Next: {called(catalogue.name)} simulate {path}", "green")
+    say(f"wrote {path}. Next: {typed(catalogue.name, 'simulate', path)}", "green")
 
 
 def schema(catalogue: Catalogue, output: Path | None) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.commands.simulate import print_warnings
 from tautline.cli.options.changes import as_given, changed
-from tautline.cli.output.called import called
+from tautline.cli.output.called import typed
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
 from tautline.cli.output.numba_version import version_note
@@ -107,10 +107,11 @@ def _report(
             if path is not None:
                 say(f"wrote {path}", "green")
     if outcome.interrupted:
-        place = "" if outcome.result is None else f" -o {outcome.result.parent}"
+        place = () if outcome.result is None else ("-o", outcome.result.parent)
         if outcome.lost:
             say(outcome.lost, "red")
-        say(f"interrupted; go on: {called(catalogue.name)} sweep {file}{place} --resume{as_given(changes)}", "yellow")
+        following = typed(catalogue.name, "sweep", file, *place, "--resume") + as_given(changes)
+        say(f"interrupted; go on: {following}", "yellow")
     if as_json:
         print_json(
             {

@@ -8,6 +8,7 @@ import json
 import logging
 import math
 import re
+import shlex
 import time as clock
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.options.changes import as_given, changed
-from tautline.cli.output.called import called
+from tautline.cli.output.called import typed
 from tautline.cli.output.console import finite, print_json, print_text, say
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import SceneError, option_error
@@ -389,7 +390,8 @@ def record(
     for name in (one for one in columns if one in empty):
         cause = "it is no part of the simulation, or a fault takes it away"
         say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
-    following = f"{called(catalogue.name)} twin {path} --map {map}{as_given(changes)} --source {output}"
+    following = typed(catalogue.name, "twin", path, "--map", map) + as_given(changes)
+    following += f" --source {shlex.quote(str(output))}"
     say(f"wrote {output}: {count} rows. Next: {following}", "green")
     if as_json:
         print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})

@@ -19,6 +19,11 @@ def begin(of_process: bool, name: str) -> None:
     _script = script if by_file and not has_command(name) else ""
 
 
+def typed(name: str, *words: object) -> str:
+    """A command line that runs as it stands: blanks in names of files are quoted."""
+    return " ".join((called(name), *(shlex.quote(str(word)) for word in words)))
+
+
 def called(name: str) -> str:
     """The words for a shell: ``python script.py`` for a command that is a script, else its name."""
     return f"python {shlex.quote(_script)}" if _script else name
