@@ -99,7 +99,7 @@ def axes(
     width, height : float
         Size of the whole figure, inches.
     title : str
-        Heading of the figure.
+        Heading of the figure; a line of it that is too long goes on in the next.
     **subplots
         Passed on to ``Figure.subplots``: ``sharex``, ``width_ratios`` and so on.
 
@@ -112,7 +112,8 @@ def axes(
     figure = Figure(figsize=(width, height), layout="constrained")
     plots = figure.subplots(rows, columns, squeeze=False, **subplots)
     if title:
-        lines = textwrap.wrap(title, max(20, int(LETTERS * width)))
+        room = max(20, int(LETTERS * width))
+        lines = [line for part in title.splitlines() for line in textwrap.wrap(part, room)]
         figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=12)
     return figure, plots
 
