@@ -11,10 +11,8 @@ import numpy as np
 from tautline.results.errors import ResultError
 from tautline.results.naming import shortfall, stem, title_of
 from tautline.results.result import Result
-from tautline.view.figures.figure import Axes, Figure, label
+from tautline.view.figures.figure import Axes, Figure, label, shortened
 
-LONGEST_NAME = 40
-"""Letters of a result's name that a legend has room for."""
 MOST_LISTED = 12
 """Words that a refusal lists before it counts the rest."""
 
@@ -56,7 +54,7 @@ def names(results: Sequence[Result]) -> list[str]:
     placed = [f"{folder}/{one}" for folder, one in zip(folders, stems, strict=True)]
     numbered = [f"{number + 1}: {one}" for number, one in enumerate(stems)]
     for chosen in (titles, stems, placed, numbered):
-        short = [name if len(name) <= LONGEST_NAME else "…" + name[1 - LONGEST_NAME :] for name in chosen]
+        short = [shortened(name) for name in chosen]
         if all(short) and len(set(short)) == len(short):
             return short
     return numbered

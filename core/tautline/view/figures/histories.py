@@ -19,6 +19,7 @@ from tautline.view.figures.figure import (
     legend_above,
     sample_line,
     scale,
+    shortened,
     styled,
     widen,
 )
@@ -128,7 +129,9 @@ def spectrum_figure(results: Sequence[Result], panels: Panels) -> Figure:
         for run, name, signal, frequency, size in lines:
             swings = size.max() > LEAST_LINE * np.abs(signal).max()
             largest = largest_line(size) if swings else None
-            words = f"{name}: {_named(frequency, size / factor, unit, largest) if swings else 'does not swing'}"
+            words = (
+                f"{shortened(name)}: {_named(frequency, size / factor, unit, largest) if swings else 'does not swing'}"
+            )
             words = words if len(results) == 1 else f"{names(results)[run]}, {words}"
             look = {"color": colour(run, len(results)), "lw": 1.1}
             plot.semilogy(frequency[1:], np.maximum(size[1:] / factor, 1e-300), label=words, **look)
