@@ -79,5 +79,9 @@ def look_of(view: str | None, exaggerate: float | None) -> Look:
     from tautline.view.space.appearance import Look
 
     if exaggerate is not None and not exaggerate < LARGEST:
-        raise ResultError("--exaggerate", f"{exaggerate:g} is no factor", "give a number above zero, such as 50")
+        raise ResultError(
+            "--exaggerate",
+            f"{exaggerate:g} is no factor",
+            f"give a number above 0 and below {LARGEST:,.0f}, such as 50",
+        )
     return Look(view or "", exaggerate)

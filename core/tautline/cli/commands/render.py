@@ -42,7 +42,8 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     look = in_units_of(result, look_of(asked["view"], asked["exaggerate"]))
     for option in ("radius", "speed"):
         if asked[option] is not None and not asked[option] < LARGEST:
-            raise ResultError(f"--{option}", f"{asked[option]:g} is no factor", "give a number above zero, such as 2")
+            cure = f"give a number above 0 and below {LARGEST:,.0f}, such as 2"
+            raise ResultError(f"--{option}", f"{asked[option]:g} is no factor", cure)
     appearance = appearance_of(catalogue.for_result(result), result, look)
     say_missing(result)
     written: list[Path] = []
