@@ -114,7 +114,7 @@ def test_a_factor_that_nobody_can_mean_is_refused(here, tmp_path, option):
     result = tmp_path / "hoist.nc"
     assert here("simulate", SCENE, "-q", "--no-verify", "--end", "0.1", "-o", str(result))[0] == 0
     code, _, err = here("render", str(result), "--image", "last", "-o", str(tmp_path / "picture.png"), option)
-    assert code == 2 and "is no factor" in said(err)
+    assert code == 2 and "is no factor" in said(err) and "below 1,000,000" in said(err)
     assert [one.name for one in tmp_path.iterdir()] == ["hoist.nc"]
 
 

@@ -4,15 +4,20 @@ import os
 import signal
 from pathlib import Path
 
+import numpy as np
 import pytest
+import pyvista
 import yaml
 from cli.in_process import commands_of, only_object
 from physics.lifting.crane_scenes import fall, hoist
 
 import tautline
 from crane.application import Crane
-from tautline.integrators.status import Status
+from tautline.integrators.status import Status, StoppedEarly
 from tautline.results import store
+from tautline.results.naming import shortfall
+from tautline.results.result import Result
+from tautline.results.variable import Variable
 from tautline.study.trials import step_error
 from tautline.twin.twin import Twin
 
@@ -110,3 +115,67 @@ def test_a_live_result_of_an_advance_that_was_interrupted_says_so_and_the_next_d
     sim._arrive = observe
     sim.advance(0.1)
     assert sim.result.attributes["status"] == "done"
+
+
+MISSING = "stopped early: two blocked, last frame at "
+
+
+@pytest.fixture(scope="module")
+def blocked(tmp_path_factory):
+    """A result of a run that two-blocked."""
+    path = tmp_path_factory.mktemp("blocked") / "r.nc"
+    (path.parent / "scene.yaml").write_text(yaml.safe_dump(RUNS["two blocked"][0]))
+    with pytest.raises(StoppedEarly):
+        tautline.simulate(path.parent / "scene.yaml", path)
+    return path
+
+
+def test_figures_of_a_run_that_stopped_early_say_so_in_their_headings(blocked):
+    result = tautline.Result.read(blocked)
+    words = f"{MISSING}{result.time[-1]:g} s"
+    for name in ("overview", "path", "tension", "winch", "energy", "bending"):
+        assert " ".join(result.plot(name).get_suptitle().splitlines()[1:]) == words, name
+    both = result.plot("drum_tension", beside=[result])
+    assert " ".join(both.get_suptitle().split()).count(MISSING) == 2
+
+
+def test_commands_that_show_a_run_that_stopped_early_say_so_and_so_do_their_files(blocked, tmp_path, capsys):
+    command = commands_of(Crane(), capsys)
+    for words in (
+        ("plot", blocked, "-o", tmp_path / "figures", "--what", "overview"),
+        ("render", blocked, "--html", tmp_path / "page.html"),
+        ("export", blocked, "--vtk", "--every", "1000", "-o", tmp_path / "frames"),
+    ):
+        code, _, said = command(*words)
+        assert code == 0 and MISSING in said, words[0]
+    assert MISSING in (tmp_path / "page.html").read_text()
+    held = [pyvista.read(file).field_data for file in (tmp_path / "frames").glob("*.vtp")]
+    assert any(MISSING in str(one["notes"]) for one in held if "notes" in one)
+
+
+def test_a_whole_run_is_shown_without_a_word_on_its_end(tmp_path, capsys):
+    tautline.simulate(yaml.safe_dump(fall()), path=tmp_path / "r.nc")
+    result = tautline.Result.read(tmp_path / "r.nc")
+    assert len(result.plot("energy").get_suptitle().splitlines()) == 1
+    code, _, said = commands_of(Crane(), capsys)("render", tmp_path / "r.nc", "--html", tmp_path / "page.html")
+    assert code == 0 and "early" not in said and "unfinished" not in said
+
+
+@pytest.mark.parametrize(
+    ("status", "words"),
+    [
+        ("done", ""),
+        ("running", "unfinished: the run goes on, or was killed, last frame at 2 s"),
+        ("interrupted", "stopped early: interrupted, last frame at 2 s"),
+        ("imbalance", "the energy of the run does not balance"),
+        ("not converged", "stopped early: not converged, last frame at 2 s"),
+    ],
+)
+def test_what_is_missing_of_a_run_is_told_for_every_status(status, words):
+    time = Variable("time", ("time",), "s", "time")
+    result = Result(None, ([time], {"time": np.array([0.0, 2.0])}, {}, {"status": status}, {}))
+    assert shortfall(result) == words
+    of_a_twin = Result(
+        None, ([time], {"time": np.array([0.0, 2.0])}, {}, {"status": status, "application": "twin"}, {})
+    )
+    assert (shortfall(of_a_twin) == "") == (status != "not converged")

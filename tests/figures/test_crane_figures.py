@@ -31,6 +31,21 @@ def lines(plot):
     return {line.get_label(): (np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in drawn}
 
 
+def test_long_titles_and_names_leave_the_figures_their_room(tmp_path):
+    """matplotlib warns where it finds no room for the plots, and leaves them where they are."""
+    long = "the payload of the customer with a very very long name and a serial number 12345-67890-ABCDEF"
+    of = one_fall(bodies=[LOAD | {"name": long}], path=[WINCH, TIP, {"end": {"name": "hook", "body": long}}])
+    made = result(of)
+    made._contents[3]["title"] = "A long title that goes on and on about the lift of a payload with a crane " * 4
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        drawn = draw([made])
+        check(drawn, tmp_path, pixels=False)
+    assert len(drawn["path"].get_suptitle().splitlines()) == 2
+    labels = [line.get_label() for name in ("payload", "spectrum") for plot in drawn[name].axes for line in plot.lines]
+    assert any("ABCDEF" in text for text in labels) and not any(long in text for text in labels)
+
+
 NEAR = {"breaking_load": "60 kN"}
 KINDS = [
     (one_fall(rope=NEAR), {"slack": True, "across": 3.0}, EACH),

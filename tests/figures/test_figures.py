@@ -304,3 +304,12 @@ def test_a_figure_shows_itself_in_a_notebook_without_pyplot(anew):
 
 def test_drawing_leaves_the_users_own_style_alone(anew):
     assert anew["style"]
+
+
+@pytest.mark.parametrize("bodies", [12, 200])
+def test_what_is_on_the_wall_is_told_from_what_is_off_it_and_stands_before_it(bodies):
+    section = draw([result(None, frames=3, bodies=bodies)], ["path"])["path"].axes[0]
+    dots = {line.get_label().split()[-3]: line for line in section.get_lines() if line.get_marker() == "o"}
+    on, off = dots["on"], dots["off"]
+    assert on.get_markeredgecolor() != off.get_markeredgecolor() and on.get_zorder() > off.get_zorder()
+    assert (on.get_markersize() < 5) == (bodies == 200)

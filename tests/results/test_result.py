@@ -37,6 +37,15 @@ def frames(first, count):
     return {"time": time, "tension": tension, "stuck": np.outer(time > 0.3, [1, 1, 1]) > 0, "hook_load": tension[:, 0]}
 
 
+@pytest.fixture
+def stored(tmp_path):
+    """Path of a result."""
+    with Store(tmp_path / "own.nc", VARIABLES, COORDINATES, ATTRIBUTES) as store:
+        store.append(frames(0, 50))
+        store.finish()
+    return tmp_path / "own.nc"
+
+
 @pytest.fixture(params=["file", "memory"])
 def result(request, tmp_path):
     store = Store(tmp_path / "a.nc" if request.param == "file" else None, VARIABLES, COORDINATES, ATTRIBUTES)
@@ -101,11 +110,38 @@ def test_a_result_in_memory_has_the_attributes_of_the_same_one_in_a_file(tmp_pat
     xarray.testing.assert_identical(memory.data, file.data)
 
 
-def test_the_data_set_of_a_result_can_be_stored_and_is_a_result_again(result, tmp_path):
-    result.data.to_netcdf(tmp_path / "copy.nc", engine="h5netcdf")
+@pytest.mark.parametrize("engine", [None, "h5netcdf", "netcdf4"])
+def test_the_data_set_of_a_result_can_be_stored_and_is_a_result_again(result, tmp_path, engine):
+    """None is what a user gets who asks for no engine: it depends on what is installed."""
+    result.data.to_netcdf(tmp_path / "copy.nc", engine=engine)
     copy = Result.read(tmp_path / "copy.nc")
+    assert copy.variables == result.variables
+    assert all(type(value) is type(result.attributes[key]) for key, value in copy.attributes.items())
+    assert check_target(tmp_path / "copy.nc")
     np.testing.assert_array_equal(copy["tension"], frames(0, 50)["tension"])
     assert copy.headline == result.headline and copy.attributes == result.attributes
+
+
+@pytest.mark.parametrize("engine", [None, "h5netcdf", "netcdf4"])
+def test_a_data_set_that_is_stored_onto_its_own_file_does_not_lose_the_run(stored, engine):
+    Result.read(stored).data.to_netcdf(stored, engine=engine)
+    again = Result.read(stored)
+    np.testing.assert_array_equal(again["tension"], frames(0, 50)["tension"])
+    again.data["tension"].to_netcdf(stored, engine=engine)
+    with h5py.File(stored) as file:
+        np.testing.assert_array_equal(file["tension"][...], frames(0, 50)["tension"])
+
+
+@pytest.mark.parametrize("part", [lambda data: data, lambda data: data[["tension"]], lambda data: data.isel(time=0)])
+def test_a_large_result_is_read_as_it_is_used_and_refuses_to_be_stored_onto_itself(stored, monkeypatch, part):
+    whole, before = Result.read(stored).data, stored.read_bytes()
+    monkeypatch.setattr("tautline.results.result.LARGE", 0)
+    data = Result.read(stored).data
+    xarray.testing.assert_identical(xarray.Dataset(data.variables, attrs=data.attrs), whole)
+    with pytest.raises(ResultError, match="would be lost"):
+        part(data).to_netcdf(stored)
+    assert stored.read_bytes() == before
+    part(data).to_netcdf(stored.with_name("copy.nc"))
 
 
 def test_nothing_that_a_result_gives_out_changes_it(result):

@@ -142,7 +142,8 @@ def test_a_folder_that_cannot_be_written_to_is_bad_input():
 
 def test_a_full_disk_leaves_the_earlier_table(tmp_path):
     """A limit on the size of files stands in for the disk."""
-    (tmp_path / "run.csv").write_text("earlier")
+    earlier = "time [s],hook_load [N]\n0.0,1.0\n"
+    (tmp_path / "run.csv").write_text(earlier)
     result = stored(frames=4000)
     limit = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limit[1]))
@@ -151,4 +152,33 @@ def test_a_full_disk_leaves_the_earlier_table(tmp_path):
             write_csv(result, tmp_path / "run.csv")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limit)
-    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("run.csv", "earlier")]
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("run.csv", earlier)]
+
+
+@pytest.mark.parametrize(
+    "mine",
+    [
+        "name,phone\nAnn,12\n",
+        "time [s],pressure [bar]\n0,1\n",
+        "time [s],pressure [bar],hook_load [kN]\n",
+        "\nnotes\n",
+        "a" * 200_000,
+        "\x00\x01\x02",
+    ],
+)
+@pytest.mark.parametrize("name", ["run.csv", "run_position.csv", "run_by_node.csv"])
+def test_a_table_that_export_would_not_write_is_not_replaced_and_nothing_is_written(tmp_path, mine, name):
+    (tmp_path / name).write_text(mine)
+    with pytest.raises(ResultError, match="exists and is no table of such a result: it would be lost"):
+        write_csv(stored(), tmp_path / "run.csv")
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [(name, mine)]
+
+
+def test_earlier_tables_are_replaced_by_those_of_other_variables_and_of_another_run(tmp_path):
+    write_csv(stored(), tmp_path / "run.csv", ("count",))
+    files = write_csv(stored(frames=7), tmp_path / "run.csv")
+    assert write_csv(stored(frames=9), tmp_path / "run.csv") == files
+    write_csv(stored(), tmp_path / "run.csv", ("hook_load",))
+    assert read(tmp_path / "run.csv")[0] == ["time [s]", "hook_load [N]"]
+    (tmp_path / "run.csv").write_text("")
+    write_csv(stored(), tmp_path / "run.csv", ("hook_load",))

@@ -424,3 +424,16 @@ def test_frames_are_asked_for_without_work(hoist):
 def test_an_unknown_view_is_refused_with_those_there_are():
     with pytest.raises(ResultError, match=next(iter(VIEWS))):
         seen(result(one_fall(), frames=1), view="inside")
+
+
+def test_the_tensions_of_a_sheave_are_told_by_what_their_sides_lead_to():
+    """Which side runs on changes with the rope's direction, and what a side leads to does not."""
+    of = one_fall()
+    made = result(of)
+    solid = next(one for one in appearance(made, Look()).solids if one.name.endswith(of.sheaves[0].name))
+    told = {one.text: one.values for one in solid.histories if one.unit == "N"}
+    i = next(k for k, item in enumerate(of.path) if item is of.sheaves[0])
+    sides = {f"tension, side of {of.path[i - 1].name}": (i - 1, 1), f"tension, side of {of.path[i + 1].name}": (i, 0)}
+    for text, (span, side) in sides.items():
+        np.testing.assert_array_equal(told[text], made["tension"][:, span, side])
+    assert not any("running" in text for text in told)

@@ -10,6 +10,7 @@ import math
 import re
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -415,6 +416,23 @@ def test_the_scale_bar_has_the_length_that_it_says(hoist_in_a_tab):
         "const p = t.clone().project(c), q = b.project(c); return 0.5 * innerWidth * (q.x - p.x); })()"
     )
     assert wide == pytest.approx(apart, abs=1.0)
+
+
+def test_lengths_of_a_page_in_field_units_are_round_feet_and_as_long_as_they_say(browser, tmp_path):
+    written = write_page(replace(swinging(), units="field", levels=()), tmp_path / "feet.html", frames=21)
+    with Opened(browser, written) as opened:
+        number, unit = opened.ask("document.getElementById('length').textContent").split()[:2]
+        assert unit == "ft" and number.strip("0.") in {"1", "2", "5"}
+        wide = opened.ask("document.getElementById('rule').getBoundingClientRect().width")
+        metres = 0.3048 * float(number)
+        apart = opened.ask(
+            "(() => { const c = tautline.camera, t = tautline.controls.target, e = c.matrixWorld.elements;"
+            f"const b = t.clone().set(t.x + {metres} * e[0], t.y + {metres} * e[1], t.z + {metres} * e[2]);"
+            "const p = t.clone().project(c), q = b.project(c); return 0.5 * innerWidth * (q.x - p.x); })()"
+        )
+        assert wide == pytest.approx(apart, abs=1.0)
+        grid = [one for one in opened.ask("document.getElementById('keys').textContent").split("grid of ")[1:]]
+        assert len(grid) == 1 and grid[0].split(",")[0] in {"1 ft", "2 ft", "5 ft", "0.5 ft"}
 
 
 def test_who_wants_less_motion_sees_pictures_and_nothing_between(browser, swing):

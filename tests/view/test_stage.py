@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -228,3 +229,14 @@ def test_drawing_leaves_the_theme_the_environment_and_the_logger_of_the_process_
     monkeypatch.delenv("DISPLAY", raising=False)
     ran = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
+
+
+def test_the_pitch_of_the_grid_is_round_in_the_unit_that_it_is_told_in():
+    with_floor = replace(appearance(), levels=())
+    told = {}
+    for units in ("si", "field"):
+        stage = Stage(replace(with_floor, units=units))
+        told[units] = stage._grid_notes()[-1].split(" on a floor")[0]
+        stage.close()
+    assert told["si"].endswith(" m") and told["field"].endswith(" ft")
+    assert {text.split()[2].strip("0.") for text in told.values()} <= {"1", "2", "5"}

@@ -1,6 +1,7 @@
 """Pictures and films as files."""
 
 import hashlib
+from pathlib import Path
 
 import imageio_ffmpeg
 import numpy as np
@@ -139,3 +140,11 @@ def test_the_same_frame_makes_the_same_picture(stage):
     stage.show(33)
     stage.picture()
     assert digest() == before
+
+
+def test_a_name_without_an_ending_is_taken_for_a_folder_that_is_not_there(tmp_path):
+    wanted = tmp_path / "pictures"
+    with pytest.raises(ResultError, match=r"there is no folder of this name.*make it, mkdir .*pictures\.png"):
+        places(wanted, Path("run.nc"), np.array([0.0, 1.0]), [1])
+    wanted.mkdir()
+    assert places(wanted, Path("run.nc"), np.array([0.0, 1.0]), [1]) == [wanted / "run_1s.png"]

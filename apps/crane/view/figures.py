@@ -33,6 +33,7 @@ from tautline.view.figures.figure import (
     legend_above,
     scale,
     shade,
+    shortened,
     styled,
     widen,
 )
@@ -188,7 +189,7 @@ def payload(runs: Sequence[_Run]) -> Figure:
 def _columns(plot: Axes, runs: Sequence[_Run], number: int, values: np.ndarray, things: Sequence[str]) -> None:
     """Draw (frames, things) values of one of the runs; colours tell runs apart where there are several."""
     run = runs[number]
-    for k, name in enumerate(things):
+    for k, name in enumerate(map(shortened, things)):
         if len(runs) == 1:
             look, words = {"color": colour(k, len(things))}, name
         else:

@@ -34,8 +34,10 @@ def of_sheave(result: Any, path: Any, i: int) -> tuple[History, ...]:
     found = []
     if "tension" in result:
         tension = np.asarray(result["tension"])
-        found.append(History("tension_on", "tension running on", "N", tension[:, i - 1, 1]))
-        found.append(History("tension_off", "tension running off", "N", tension[:, i, 0]))
+        # By the neighbours, as figures say it: which side runs on and which off changes with the rope's direction.
+        before, after = path[i - 1].name, path[i + 1].name
+        found.append(History("tension_before", f"tension, side of {before}", "N", tension[:, i - 1, 1]))
+        found.append(History("tension_after", f"tension, side of {after}", "N", tension[:, i, 0]))
     if "sheave_load" in result:
         load = np.linalg.norm(np.asarray(result["sheave_load"])[:, k], axis=-1)
         found.append(History("sheave_load", "force of the rope", "N", load))

@@ -13,7 +13,7 @@ from crane.geometry.drawing import outline
 from crane.geometry.reeving import Wheel, turned
 from crane.results.course import Course, nodes_of
 from crane.scene.scene import Anchor, CraneScene, Drum, Sheave
-from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, equal_scale, label, save, styled
+from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, equal_scale, label, save, shortened, styled
 from tautline.view.figures.figure import outline as edged
 
 ARC_POINTS, CIRCLE_POINTS = 24, 61
@@ -21,7 +21,8 @@ OUT_OF_PLANE = 0.02
 """Share of a path's size by which it may leave a plane that is shown alone."""
 FAR = 4.0
 """Size of a path over that of the crane's fixed wheels from which these get a picture of their own."""
-MOST_NAMES = 12
+MOST_NAMES, MOST_LETTERS = 12, 24
+"""Names of bodies beside a picture, and letters of one: a longer one would leave the picture no room."""
 NAMES = "xyz"
 WATER, GROUND_COLOUR = "#56B4E9", "#8C6D46"
 
@@ -213,7 +214,12 @@ def _names(plot: Axes, shot: Snapshot, plane: tuple[int, int], extent: np.ndarra
         at = place[list(plane)]
         if np.all(at >= low - 1e-9) and np.all(at <= high + 1e-9):
             text = plot.annotate(
-                name, (at[0], at[1]), xytext=(8, 0), textcoords="offset points", va="center", fontsize=9
+                shortened(name, MOST_LETTERS),
+                (at[0], at[1]),
+                xytext=(8, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=9,
             )
             edged(text)
 

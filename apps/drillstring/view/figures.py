@@ -41,6 +41,8 @@ NO_TORQUE = 1.0
 """Torques that stay below this are not drawn, N m."""
 MOST_ORBITS = 6
 """Lumps whose ways across the hole are drawn."""
+MOST_DOTS = 60
+"""Lumps on a path from which on their dots are small."""
 LEAST_ORBIT, LEAST_SHARE = 1e-7, 0.05
 """Motion across the hole below which a lump rests: m, and as a share of the largest."""
 SIDE_FORCE = "side force on the wall, per {part}"
@@ -160,9 +162,12 @@ def path(results: Sequence[Result]) -> Figure:
             plot.plot(*flatten(well), color="#D9D9D9", lw=6, solid_capstyle="round", label="well")
         across, up = flatten(position)
         plot.plot(across, up, color=COLOURS[0], lw=1.2, label="string" if well is not None else None)
-        dots = {"ls": "", "marker": "o", "ms": 5, "mec": COLOURS[1], "mew": 1.2}
-        plot.plot(across[touching], up[touching], mfc=COLOURS[1], label=f"{part} on the wall", **dots)
-        plot.plot(across[~touching], up[~touching], mfc="white", label=f"{part} off the wall", **dots)
+        # Where many run into one another, those on the wall must still be told from the others, and stand before them.
+        size = 5.0 if len(position) <= MOST_DOTS else 3.0
+        dots = {"ls": "", "marker": "o", "ms": size, "mew": 0.24 * size}
+        on, off = {"mfc": COLOURS[1], "mec": COLOURS[1], "zorder": 3}, {"mfc": "white", "mec": QUIET, "zorder": 2.5}
+        plot.plot(across[touching], up[touching], label=f"{part} on the wall", **on, **dots)
+        plot.plot(across[~touching], up[~touching], label=f"{part} off the wall", **off, **dots)
         plot.set_aspect("equal", adjustable="box")
         plot.locator_params(axis="x", nbins=5 if span[0] > 0.6 * span[1] else 3)
         for set_limits, values, size in zip((plot.set_xlim, plot.set_ylim), flatten(course), span, strict=True):

@@ -52,7 +52,7 @@ def whirl(results: Sequence[Result], name: str = "") -> Figure:
     if np.ptp(result["lateral_displacement"][:, lump], axis=0).max() < LEAST_MOTION:
         raise NothingToShow(result, f"no motion of {part} {lump} across the hole")
     words = "the bit" if lump == result["lateral_displacement"].shape[1] - 1 else f"{part} {lump}"
-    heading = f"{title(results)}: whirl of {words}"
+    heading = title(results, f"whirl of {words}")
     figure, plots = axes(2, 2, 10.5, 8.2, heading, width_ratios=[1.0, 1.35], height_ratios=[1.2, 1.0])
     ratio = one.ratio()
     _orbit(figure, plots[0, 0], one)

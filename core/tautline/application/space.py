@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
-    from tautline.view.space.appearance import Look
+    from tautline.view.space.appearance import Appearance, Look
 
 LARGEST = 1.0e6
 """Factor that nobody can mean to give."""
@@ -52,10 +52,20 @@ def in_space(
     from tautline.view.space.stage import Stage
     from tautline.view.space.still import frame_of
 
-    appearance = Installed().for_result(result).appearance(result, in_units_of(result, look_of(view, exaggerate)))
+    look = in_units_of(result, look_of(view, exaggerate))
+    appearance = appearance_of(Installed().for_result(result), result, look)
     stage = Stage(appearance, colour, radius, camera, size, window)
     stage.show(frame_of(str(time), appearance.time))
     return stage.plotter
+
+
+def appearance_of(application: Any, result: Result, look: Look) -> Appearance:
+    """What a result looks like, by its application; its notes begin with what of the run is missing."""
+    from tautline.results.naming import shortfall
+
+    seen = application.appearance(result, look)
+    missing = shortfall(result)
+    return replace(seen, notes=(missing, *seen.notes)) if missing else seen
 
 
 def in_units_of(result: Result, look: Look) -> Look:
@@ -69,5 +79,9 @@ def look_of(view: str | None, exaggerate: float | None) -> Look:
     from tautline.view.space.appearance import Look
 
     if exaggerate is not None and not exaggerate < LARGEST:
-        raise ResultError("--exaggerate", f"{exaggerate:g} is no factor", "give a number above zero, such as 50")
+        raise ResultError(
+            "--exaggerate",
+            f"{exaggerate:g} is no factor",
+            f"give a number above 0 and below {LARGEST:,.0f}, such as 50",
+        )
     return Look(view or "", exaggerate)

@@ -1,8 +1,17 @@
-"""What a result is called in headings: by its title, else by its file."""
+"""What a result is called in headings: by its title, else by its file; and what is said of one that is not whole."""
 
 from __future__ import annotations
 
 from tautline.results.result import Result
+from tautline.results.target import TWIN
+
+DONE, IMBALANCE = "done", "imbalance"
+WORDS = {
+    "running": "unfinished: the run goes on, or was killed",
+    "interrupted": "stopped early: interrupted",
+    IMBALANCE: "the energy of the run does not balance",
+}
+"""What is said of some statuses of runs. Any other is the cause of an early stop by itself."""
 
 
 def stem(result: Result, otherwise: str = "result") -> str:
@@ -13,3 +22,15 @@ def stem(result: Result, otherwise: str = "result") -> str:
 def title_of(result: Result, otherwise: str = "result") -> str:
     """Title of a result, or the name of its file where it has none."""
     return str(result.attributes.get("title") or stem(result, otherwise))
+
+
+def shortfall(result: Result) -> str:
+    """Why a result is not that of a whole run, and where it ends; empty for a whole one.
+
+    A twin goes on until somebody stops it, so that only a failure makes its result less than whole.
+    """
+    status = str(result.attributes.get("status", DONE))
+    if status == DONE or (status in WORDS and result.attributes.get("application") == TWIN):
+        return ""
+    cause = WORDS.get(status, f"stopped early: {status}")
+    return cause if status == IMBALANCE else f"{cause}, last frame at {float(result.time[-1]):.6g} s"

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 
 from tautline.errors import ArgumentTypeError
+from tautline.results.attributes import attributes_of, mark_of
 from tautline.results.errors import ResultError
 from tautline.results.headline import plain
 from tautline.results.layout import FORMAT, Coordinate, as_number, decoded, encoded
@@ -28,6 +29,10 @@ Contents = tuple[Sequence[Variable], Mapping[str, np.ndarray], Mapping[str, Coor
 
 ATTEMPTS, PAUSE = 10, 0.02
 
+LARGE = 1_000_000_000
+"""Bytes of a file that are not taken into memory unasked; to read so many takes a second or two."""
+LAZILY = "tautline.results.large"
+"""The module that opens larger ones. It imports xarray when it is imported, which only a data set needs."""
 PICTURES, SPACE = "tautline.application.pictures", "tautline.application.space"
 """Modules that draw results. They know the applications and stand above this one, so they are named here and looked up
 when a picture is asked for; nothing here imports them."""
@@ -75,8 +80,8 @@ class Result:
         _check_file(path)
         result = cls(path)
         with result._open() as file:
-            mark = file.attrs.get("format", "")
-            if not str(mark).startswith(FORMAT.split()[0]) or "time" not in file:
+            mark = mark_of(file)
+            if not mark.startswith(FORMAT.split()[0]) or "time" not in file:
                 raise ResultError(path, "is a NetCDF file, but not a Tautline result", "name one that `simulate` wrote")
             if mark != FORMAT:
                 raise ResultError(path, f"has format '{mark}', and this version reads '{FORMAT}'", "update Tautline")
@@ -99,11 +104,7 @@ class Result:
         if self._contents is not None:
             return encoded({"format": FORMAT, **self._contents[3]})
         with self._open() as file:
-            return {
-                key: value.item() if isinstance(value, np.generic) else value
-                for key, value in file.attrs.items()
-                if not key.startswith("_NC")
-            }
+            return attributes_of(file)
 
     @property
     def warnings(self) -> list[str]:
@@ -197,13 +198,18 @@ class Result:
     def data(self) -> xarray.Dataset:
         """Everything as an ``xarray.Dataset``, fit for ``to_netcdf``: dicts and lists of its attributes are JSON texts.
 
-        Arrays are read from the file when they are used. Those of a run in memory cannot be written to.
+        Of a file above `LARGE` bytes arrays are read when they are used; a smaller one is read at once and closed, so
+        that it may be written over. Arrays of a run in memory cannot be written to.
         """
         import xarray
 
         if self._contents is None:
             assert self.path is not None
-            return xarray.open_dataset(self.path, engine="h5netcdf")
+            if self.path.stat().st_size > LARGE:
+                return import_module(LAZILY).lazy(self.path)
+            with self._open() as file:
+                held = {name: (one.dims, _values(file[name]), _described(one)) for name, one in self.variables.items()}
+            return xarray.Dataset(held, attrs=self._encoded)
         variables, arrays, coordinates, *_ = self._contents
         entries: dict[str, Any] = {
             variable.name: (variable.dims, _read_only(arrays[variable.name]), _described(variable))
@@ -278,7 +284,8 @@ def _variable(name: str, data: h5py.Dataset) -> Variable:
         dims: tuple[str, ...] = (name,)
     else:
         dims = tuple(axis[0].name.split("/")[-1] if len(axis) else "" for axis in data.dims)
-    return Variable(name, dims, str(data.attrs.get("units", "")), str(data.attrs.get("long_name", "")))
+    said = attributes_of(data)
+    return Variable(name, dims, str(said.get("units", "")), str(said.get("long_name", "")))
 
 
 def _values(data: h5py.Dataset) -> np.ndarray:

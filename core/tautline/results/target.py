@@ -143,10 +143,12 @@ def _writer(path: Path) -> str:
     """The application that has written rows or frames into a file; empty for any other file."""
     import h5py
 
+    from tautline.results.attributes import attributes_of, mark_of
+
     try:
         with h5py.File(path, "r") as file:
-            ours = str(file.attrs.get("format", "")).startswith(OURS) and "time" in file and len(file["time"]) > 0
-            return str(file.attrs.get("application", "")) or "unknown" if ours else ""
+            ours = mark_of(file).startswith(OURS) and "time" in file and len(file["time"]) > 0
+            return str(attributes_of(file).get("application", "")) or "unknown" if ours else ""
     except OSError:
         return ""
 
@@ -305,8 +307,10 @@ def _is_result(path: Path) -> bool:
     """Whether a file is a result of ours, or one that cannot be opened: damaged, or written to at this time."""
     import h5py
 
+    from tautline.results.attributes import mark_of
+
     try:
         with h5py.File(path, "r") as file:
-            return str(file.attrs.get("format", "")).startswith(OURS)
+            return mark_of(file).startswith(OURS)
     except OSError:
         return True

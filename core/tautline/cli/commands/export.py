@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tautline.application.installed import Catalogue
-from tautline.cli.output.console import console, print_json, say
+from tautline.cli.output.console import console, print_json, say, say_missing
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
@@ -64,20 +64,21 @@ def export(
             files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
     if vtk:
         files += _write_vtk(catalogue, result, base, look, every)
+    say_missing(result)
     _say_files(files)
     if as_json:
         print_json({"status": "done", "files": [str(file) for file in files]})
 
 
 def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, every: int) -> list[Path]:
+    from tautline.application.space import appearance_of
     from tautline.results.errors import ResultError
 
     application = catalogue.for_result(result)
-    appearance = getattr(application, "appearance", None)
-    if appearance is None:
+    if getattr(application, "appearance", None) is None:
         cause = f"results of {application.name} have no appearance in space"
         raise ResultError("--vtk", cause, "leave it out, and take --csv")
-    seen = appearance(result, look)
+    seen = appearance_of(application, result, look)
     seen = seen if every == 1 else seen.thinned(every)
     try:
         from tautline.view.files.paraview import write_paraview

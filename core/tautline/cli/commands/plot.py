@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tautline.application.installed import Catalogue
 from tautline.application.twins import drawer
-from tautline.cli.output.console import print_json, say
+from tautline.cli.output.console import print_json, say, say_missing
 
 FORMATS = ("png", "svg", "pdf")
 PICTURES = ("jpg", "jpeg", "gif", "bmp", "tif", "tiff", "webp", "eps", "ps")
@@ -72,6 +72,8 @@ def plot(
         if made and not any(folder.iterdir()):
             folder.rmdir()
         raise
+    for result in results:
+        say_missing(result)
     for file in written:
         say(f"wrote {file}", "green")
     if as_json:

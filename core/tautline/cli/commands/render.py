@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.application.space import LARGEST, in_units_of, look_of
-from tautline.cli.output.console import print_json, say
+from tautline.application.space import LARGEST, appearance_of, in_units_of, look_of
+from tautline.cli.output.console import print_json, say, say_missing
 
 if TYPE_CHECKING:
     from tautline.view.space.appearance import Appearance
@@ -42,8 +42,10 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     look = in_units_of(result, look_of(asked["view"], asked["exaggerate"]))
     for option in ("radius", "speed"):
         if asked[option] is not None and not asked[option] < LARGEST:
-            raise ResultError(f"--{option}", f"{asked[option]:g} is no factor", "give a number above zero, such as 2")
-    appearance = catalogue.for_result(result).appearance(result, look)
+            cure = f"give a number above 0 and below {LARGEST:,.0f}, such as 2"
+            raise ResultError(f"--{option}", f"{asked[option]:g} is no factor", cure)
+    appearance = appearance_of(catalogue.for_result(result), result, look)
+    say_missing(result)
     written: list[Path] = []
     if asked["html"] is not None:
         from tautline.results.target import check_page

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from tautline.results.errors import WriteError
+    from tautline.results.result import Result
 
 
 @functools.cache
@@ -35,6 +36,14 @@ def console() -> Console:
 def say(text: str, style: str = "") -> None:
     """Print a line for people; brackets in it are just brackets."""
     console().print(text, style=style or None, markup=False)
+
+
+def say_missing(result: Result) -> None:
+    """Warn that a result which is about to be shown is not that of a whole run."""
+    from tautline.results.naming import shortfall
+
+    if missing := shortfall(result):
+        say(f"{result.path or 'result'}: {missing}", "yellow")
 
 
 def finite(value: Any) -> Any:

@@ -47,7 +47,7 @@ def write_csv(
     result : Result
         What is read only.
     path : str or Path
-        The ending ``.csv`` is added where it lacks. Earlier files of these names are replaced.
+        The ending ``.csv`` is added where it lacks. Earlier tables of these names are replaced.
     what : sequence of str
         Names of variables; empty for all.
     progress : callable, optional
@@ -60,13 +60,14 @@ def write_csv(
     Raises
     ------
     ResultError
-        For a name that the result does not have, a missing folder, or a file that cannot be written; every table is
-        then whole or as it was before.
+        For a name that the result does not have, a missing folder, a file that is there and no table of such a result,
+        or one that cannot be written; every table is then whole or as it was before.
     """
     path = Path(path)
     path = path if path.suffix.lower() == ".csv" else path.with_name(path.name + ".csv")
     check_folder(path)
     tables = _tables(_chosen(result, what), path)
+    _check_replaceable(result, tables, path)
     for number, table in enumerate(tables, start=1):
         _write(result, table)
         if progress is not None:
@@ -101,12 +102,49 @@ def _tables(variables: Sequence[Variable], path: Path) -> list[_Table]:
     return tables
 
 
-def _write(result: Result, table: _Table) -> None:
-    """Write a table under another name, and give it its own when it is whole."""
+def _check_replaceable(result: Result, tables: Sequence[_Table], path: Path) -> None:
+    """Raise ResultError if a table would take the place of a file that is no table of such a result.
+
+    Most of its columns, and the first, must be of those that there can be: a log of a machine begins with its time too,
+    and an earlier table may be of other variables, or of a scene that has been changed since.
+    """
+    every = {table.file: table for table in _tables(_chosen(result, ()), path)}
+    for table in tables:
+        held = _header(table.file)
+        if not held:
+            continue
+        known = {title for one in (table, every.get(table.file, table)) for title in _columns(result, one)[0]}
+        if held[0] not in known or 2 * sum(title in known for title in held) <= len(held):
+            cause = "exists and is no table of such a result: it would be lost"
+            raise ResultError(table.file, cause, "name another file with -o")
+
+
+def _header(file: Path) -> list[str]:
+    """First row of a file that is there; empty where nothing can be lost."""
+    if not file.is_file() or not file.stat().st_size:
+        return []
+    try:
+        with file.open(encoding="utf8", errors="replace", newline="") as text:
+            return next(csv.reader(text), None) or [""]
+    except OSError as error:
+        raise ResultError(file, f"cannot be read: {error.strerror}", "name another file with -o") from None
+    except csv.Error:
+        return [""]
+
+
+def _columns(result: Result, table: _Table) -> tuple[list[str], list[np.ndarray]]:
+    """Titles of all columns, and the arrays that they are of."""
     index = [result.variables[table.rows]] if table.rows in result.variables else []
     variables = index + [one for one in table.variables if one not in index]
     arrays = [np.asarray(result[one.name]) for one in variables]
-    header = [title for one, array in zip(variables, arrays, strict=True) for title in _titles(result, one, array)]
+    return [
+        title for one, array in zip(variables, arrays, strict=True) for title in _titles(result, one, array)
+    ], arrays
+
+
+def _write(result: Result, table: _Table) -> None:
+    """Write a table under another name, and give it its own when it is whole."""
+    header, arrays = _columns(result, table)
     count = len(arrays[0]) if table.rows else 1
     blocks = [array.reshape(count, -1) for array in arrays]
     waiting = table.file.with_name(f".{table.file.name}.{uuid4().hex[:8]}.part")

@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 
 from tautline.results.errors import ResultError
-from tautline.results.naming import stem, title_of
+from tautline.results.naming import shortfall, stem, title_of
 from tautline.results.result import Result
-from tautline.view.figures.figure import Axes, Figure, label
+from tautline.view.figures.figure import Axes, Figure, label, shortened
 
-LONGEST_NAME = 40
-"""Letters of a result's name that a legend has room for."""
 MOST_LISTED = 12
 """Words that a refusal lists before it counts the rest."""
 
@@ -56,17 +54,19 @@ def names(results: Sequence[Result]) -> list[str]:
     placed = [f"{folder}/{one}" for folder, one in zip(folders, stems, strict=True)]
     numbered = [f"{number + 1}: {one}" for number, one in enumerate(stems)]
     for chosen in (titles, stems, placed, numbered):
-        short = [name if len(name) <= LONGEST_NAME else "…" + name[1 - LONGEST_NAME :] for name in chosen]
+        short = [shortened(name) for name in chosen]
         if all(short) and len(set(short)) == len(short):
             return short
     return numbered
 
 
-def title(results: Sequence[Result]) -> str:
-    """Heading of a figure."""
+def title(results: Sequence[Result], what: str = "") -> str:
+    """Heading of a figure: the result's title, what is shown of it, and a line that says what of a run is missing."""
+    head = title_of(results[0]) if len(results) == 1 else "Comparison of results"
+    missing = [shortfall(result) for result in results]
     if len(results) > 1:
-        return "Comparison of results"
-    return title_of(results[0])
+        missing = [f"{name} {why}" for name, why in zip(names(results), missing, strict=True) if why]
+    return "\n".join([f"{head}: {what}" if what else head, *filter(None, ["; ".join(missing)])])
 
 
 def title_of_runs(runs: Sequence[Any]) -> str:

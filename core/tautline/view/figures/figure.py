@@ -68,6 +68,9 @@ STYLE: dict[Any, Any] = {
 styled = matplotlib.rc_context(STYLE)
 """Decorator of every function that draws: the style holds inside it, and a user's own settings are left alone."""
 
+LONGEST_NAME = 40
+"""Letters of a name that a legend has room for."""
+
 LETTERS, LETTERS_OF_LEGEND = 10.5, 14.6
 """Letters of a heading and of a legend in an inch."""
 
@@ -99,7 +102,7 @@ def axes(
     width, height : float
         Size of the whole figure, inches.
     title : str
-        Heading of the figure.
+        Heading of the figure; a line of it that is too long goes on in one more, and is cut off there.
     **subplots
         Passed on to ``Figure.subplots``: ``sharex``, ``width_ratios`` and so on.
 
@@ -112,9 +115,17 @@ def axes(
     figure = Figure(figsize=(width, height), layout="constrained")
     plots = figure.subplots(rows, columns, squeeze=False, **subplots)
     if title:
-        lines = textwrap.wrap(title, max(20, int(LETTERS * width)))
+        room = max(20, int(LETTERS * width))
+        lines = [
+            line for part in title.splitlines() for line in textwrap.wrap(part, room, max_lines=2, placeholder=" …")
+        ]
         figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=12)
     return figure, plots
+
+
+def shortened(name: str, most: int = LONGEST_NAME) -> str:
+    """A name of at most so many letters; what tells names apart is more often at their ends."""
+    return name if len(name) <= most else "…" + name[1 - most :]
 
 
 def colour(number: int, count: int) -> Any:

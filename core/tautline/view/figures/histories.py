@@ -19,10 +19,11 @@ from tautline.view.figures.figure import (
     legend_above,
     sample_line,
     scale,
+    shortened,
     styled,
     widen,
 )
-from tautline.view.figures.spectrum import late_spectrum
+from tautline.view.figures.spectrum import LOBE, largest_line, late_spectrum
 
 Panels = Mapping[tuple[str, str], Sequence[tuple[str, np.ndarray] | None]]
 """Text and unit of a panel -> of each result, a name and a history (frames,); None where a result has none."""
@@ -42,8 +43,6 @@ LEAST_LINE = 1e-9
 """Share of a signal's size below which what swings is rounding."""
 SHARE = 0.5
 """Of a run, at its end, that a spectrum is taken of."""
-SLOWEST = 3.0
-"""Turns in that time, of what is named as the largest line."""
 FEWEST_FRAMES = 16
 """Of a spectrum, which would show nothing but its window."""
 
@@ -127,16 +126,17 @@ def spectrum_figure(results: Sequence[Result], panels: Panels) -> Figure:
     for plot, ((text, unit), lines) in zip(plots[:, 0], shown, strict=True):
         factor, unit = scale([size for *_, size in lines], unit)
         top = max(float(size.max()) for *_, size in lines) / factor
-        for run, name, _, frequency, size in lines:
-            # What is slower than a few turns in the time looked at is what is left of a drift.
-            slowest = SLOWEST / (SHARE * (results[run].time[-1] - results[run].time[0]))
-            peak = np.r_[False, (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:]), False] & (frequency >= slowest)
-            largest = int(np.where(peak, size, 0.0).argmax() if peak.any() else size.argmax())
-            words = f"{name}: {size[largest] / factor:.3g} {unit} at {frequency[largest]:.3g} Hz"
+        for run, name, signal, frequency, size in lines:
+            swings = size.max() > LEAST_LINE * np.abs(signal).max()
+            largest = largest_line(size) if swings else None
+            words = (
+                f"{shortened(name)}: {_named(frequency, size / factor, unit, largest) if swings else 'does not swing'}"
+            )
             words = words if len(results) == 1 else f"{names(results)[run]}, {words}"
             look = {"color": colour(run, len(results)), "lw": 1.1}
             plot.semilogy(frequency[1:], np.maximum(size[1:] / factor, 1e-300), label=words, **look)
-            plot.plot(frequency[largest], size[largest] / factor, marker="v", ms=6, ls="", color=look["color"])
+            if largest is not None:
+                plot.plot(frequency[largest], size[largest] / factor, marker="v", ms=6, ls="", color=look["color"])
             widest = max(widest, float(frequency[size / factor > top * 10.0**-DECADES].max(initial=0.0)))
         plot.set_ylim(top * 10.0**-DECADES, 3.0 * top)
         plot.set_ylabel(label(f"amplitude of\n{text}", unit))
@@ -145,3 +145,11 @@ def spectrum_figure(results: Sequence[Result], panels: Panels) -> Figure:
     plots[-1, 0].set_xlim(0.0, widest)
     figure.align_ylabels(plots[:, 0])
     return figure
+
+
+def _named(frequency: np.ndarray, size: np.ndarray, unit: str, largest: int | None) -> str:
+    """What a legend says of a spectrum's largest line."""
+    if largest is None:
+        slowest = frequency[min(LOBE, len(frequency) - 1)]
+        return f"slower than {slowest:.2g} Hz, the run is too short to tell it from drift"
+    return f"{size[largest]:.3g} {unit} at {frequency[largest]:.3g} Hz"

@@ -10,6 +10,12 @@ BLACKMAN_HARRIS = (0.35875, 0.48829, 0.14128, 0.01168)
 four steps of frequency wide with the first, eight with the second (F. J. Harris, Proc. IEEE 66, 1978, 51-83)."""
 WINDOWS, SHORTEST, LONGEST = 12, 32, 512
 """Windows that a run is cut into for spectra against time, and the least and most frames of one."""
+FINENESS = 4
+"""Steps of a spectrum's frequency in what the run's length allows."""
+LOBE = 4 * FINENESS
+"""Steps to either side over which a line with the second window reaches: what is highest there alone is a line."""
+LEAST_OF_LARGEST = 0.01
+"""Share of the largest amplitude below which what is highest beside it is not named."""
 
 
 def spectrum(time: np.ndarray, signal: np.ndarray, cosines: tuple[float, ...] = HANN) -> tuple[np.ndarray, np.ndarray]:
@@ -43,8 +49,8 @@ def spectrum(time: np.ndarray, signal: np.ndarray, cosines: tuple[float, ...] = 
     turn = 2.0 * np.pi * np.arange(count) / count
     window = sum((-1.0) ** k * share * np.cos(k * turn) for k, share in enumerate(cosines))
     mean = (window * signal).sum() / window.sum()
-    lines = np.abs(np.fft.rfft((signal - mean) * window, 4 * count)) * 2.0 / window.sum()
-    return np.fft.rfftfreq(4 * count, even[1] - even[0]), lines
+    lines = np.abs(np.fft.rfft((signal - mean) * window, FINENESS * count)) * 2.0 / window.sum()
+    return np.fft.rfftfreq(FINENESS * count, even[1] - even[0]), lines
 
 
 def late_spectrum(time: np.ndarray, signal: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
@@ -58,6 +64,30 @@ def late_spectrum(time: np.ndarray, signal: np.ndarray, share: float) -> tuple[n
     if len(time) < 4:
         return np.zeros(0), np.zeros(0)
     return spectrum(time, signal - np.polynomial.Polynomial.fit(time, signal, 1)(time), BLACKMAN_HARRIS)
+
+
+def largest_line(size: np.ndarray) -> int | None:
+    """Place of the largest line in a spectrum by `late_spectrum`.
+
+    What is left of a drift stands at the slow end, and its lobe reaches as far as that of a line; whatever is within a
+    lobe of something higher belongs to that.
+
+    Parameters
+    ----------
+    size : (k,) array
+        Amplitudes.
+
+    Returns
+    -------
+    int or None
+        None where all that stands out is too slow for the time looked at to tell it from a drift.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    highest = size == maximum_filter1d(size, 2 * LOBE + 1, mode="nearest")
+    highest[: LOBE + 1] = highest[-1:] = False
+    highest &= (size > 0.0) & (size >= LEAST_OF_LARGEST * size.max(initial=0.0))
+    return int(np.where(highest, size, 0.0).argmax()) if highest.any() else None
 
 
 def full_spectra(time: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

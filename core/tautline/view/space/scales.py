@@ -15,7 +15,10 @@ FLAT = 0.05
 
 
 def grid_pitch(size: float) -> float:
-    """Pitch of a grid on the ground, m: 1, 2 or 5 times a power of ten, at most an eighth of the picture's size."""
+    """Pitch of a grid on the ground: 1, 2 or 5 times a power of ten, at most an eighth of the picture's size.
+
+    It is in the unit of the size, in which it is round.
+    """
     power = 10.0 ** np.floor(np.log10(size / 8.0))
     return float(power * next(digit for digit in (5.0, 2.0, 1.0) if digit * power <= size / 8.0 * (1.0 + 1e-6)))
 

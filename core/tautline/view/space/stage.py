@@ -14,6 +14,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 
+from tautline.scene.values.systems import length_unit
 from tautline.view.figures.figure import round_numbers, scale_in
 from tautline.view.space.appearance import Appearance, Arrows, Line, Solid
 from tautline.view.space.camera import ANGLE, CLOSE, Aim, aim, fitted
@@ -319,7 +320,8 @@ class Stage:
 
     def _grid(self, height: float) -> None:
         """Lines of a round pitch on a level; they fade as it does."""
-        pitch = grid_pitch(self.size)
+        metres, _ = length_unit(self.appearance.units)
+        pitch = grid_pitch(self.size / metres) * metres
         middle = np.round(0.5 * (self._extent.min(axis=0) + self._extent.max(axis=0)) / pitch)[:2] * pitch
         line, along = pitch * np.arange(-GRID, GRID + 1), pitch * GRID * np.linspace(-1.0, 1.0, PIECES + 1)
         b, a = np.meshgrid(np.repeat(along, 2)[1:-1], line)
@@ -404,7 +406,8 @@ class Stage:
     def _grid_notes(self) -> list[str]:
         """The pitch of the grid, and whether lengths are true."""
         true = [] if self.appearance.enlarged else ["lengths and motions 1:1"]
-        grids = [f"grid of {grid_pitch(self.size):g} m" for one in self.surfaces if not one.level.clear]
+        metres, unit = length_unit(self.appearance.units)
+        grids = [f"grid of {grid_pitch(self.size / metres):g} {unit}" for one in self.surfaces if not one.level.clear]
         floor = (
             " on a floor that is not in the scene" if any(one.level.name == FLOOR_NAME for one in self.surfaces) else ""
         )

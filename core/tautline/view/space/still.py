@@ -70,6 +70,9 @@ def places(output: Path | None, result: Path, time: np.ndarray, frames: list[int
     if not path.absolute().parent.is_dir():
         raise ResultError(path, f"there is no folder {path.parent}", "make it, or name another with -o")
     if len(frames) == 1 and output is not None and not folder:
+        if not path.suffix:
+            cure = f"make it, mkdir {path}, or name a picture, {path}.png"
+            raise ResultError(path, "there is no folder of this name, and a picture's name has an ending", cure)
         return [path]
     return [path.with_name(f"{path.stem}_{time[frame]:g}s{path.suffix or '.png'}") for frame in frames]
 

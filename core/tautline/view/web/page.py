@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from tautline.results.errors import ResultError
+from tautline.scene.values.systems import length_unit
 from tautline.view.figures.figure import round_numbers, scale_in
 from tautline.view.space.appearance import Appearance, History, Level, Line, Quantity, Values
 from tautline.view.space.camera import ANGLE
@@ -211,6 +212,7 @@ def describe(appearance: Appearance, pack: Pack, colour: str | None, radius: flo
         "numbers": [int(frame) for frame in pack.frames],
         "moments": [float(time) for time in np.asarray(appearance.time)[moments]],
         "size": size,
+        "length": dict(zip(("metres", "unit"), length_unit(appearance.units), strict=True)),
         "outermost": _outermost(extent - middle).round(6).tolist(),
         "eye": [float(part) for part in appearance.eye],
         "angle": ANGLE,

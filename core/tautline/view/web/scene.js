@@ -283,6 +283,11 @@ function round(most) {
   return [5, 2, 1].find((digit) => digit * power <= most * 1.000001) * power;
 }
 
+/** The same of a length, m, which is round in the unit of lengths of the page. */
+function round_length(most) {
+  return round(most / page.length.metres) * page.length.metres;
+}
+
 /** Colours of a quantity, "rrggbb..." of 256, as a texture. */
 function texture(table) {
   const bytes = new Uint8Array(4 * 256).fill(255);
@@ -585,7 +590,7 @@ class Plane {
       blendSrcAlpha: spec.clear ? null : ONE,
       uniforms: {
         plain: { value: rgb(spec.colour) }, line: { value: rgb("#ffffff") }, haze: { value: rgb("#ffffff") }, sun: { value: sun },
-        opacity: { value: spec.opacity }, pitch: { value: round(size / 8) }, grid: { value: spec.clear ? 0 : 1 }, size: { value: far },
+        opacity: { value: spec.opacity }, pitch: { value: round_length(size / 8) }, grid: { value: spec.clear ? 0 : 1 }, size: { value: far },
       },
     });
     this.mesh = new THREE.Mesh(geometry, this.material);

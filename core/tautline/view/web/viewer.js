@@ -428,7 +428,7 @@ function legend() {
   for (const [text, factor] of page.enlarged) entry(`${text} drawn ${Number(factor.toPrecision(4))} times larger`, "enlarged");
   if (!page.enlarged.length) entry("lengths and motions 1 : 1, not exaggerated", "true");
   if (page.factor !== null) entry(`lines drawn ${Number(page.factor.toPrecision(3))} times as thick`);
-  if (planes.some((plane) => plane.material.uniforms.grid.value)) entry(`grid of ${round(page.size / 8)} m${page.floor ? ", on a floor that is not in the scene" : ""}`);
+  if (planes.some((plane) => plane.material.uniforms.grid.value)) entry(`grid of ${length_said(round_length(page.size / 8))}${page.floor ? ", on a floor that is not in the scene" : ""}`);
   if (page.levels.some((one) => one.waves)) entry("waves: the sea that moves the vessel");
 }
 
@@ -438,12 +438,21 @@ for (const note of page.notes) made("li", $("notes"), note);
 if (page.frames > frames) made("li", $("notes"), `${frames} of ${page.frames} stored frames, evenly spread`);
 const thicker = made("li", $("keys"), "", "thicker");
 
+/** A length in the unit of the page; in metres, with a prefix that keeps it short. */
+function length_said(length) {
+  const { metres, unit } = page.length;
+  const written = (value) => `${Number(value.toPrecision(3))}`;
+  if (unit !== "m") return `${written(length / metres)} ${unit}`;
+  if (length >= 1000) return `${written(length / 1000)} km`;
+  return length >= 1 ? `${written(length)} m` : length >= 0.01 ? `${written(100 * length)} cm` : `${written(1000 * length)} mm`;
+}
+
 /** A round length, as long as it is in the middle of the view. */
 function scale_bar() {
   const pixel = (2 * camera.position.distanceTo(controls.target) * Math.tan((page.angle * Math.PI) / 360)) / innerHeight;
-  const length = round(Math.min(180, 0.3 * innerWidth) * pixel);
+  const length = round_length(Math.min(180, 0.3 * innerWidth) * pixel);
   $("rule").style.width = `${length / pixel}px`;
-  const text = length >= 1000 ? `${length / 1000} km` : length >= 1 ? `${length} m` : length >= 0.01 ? `${Number((100 * length).toPrecision(3))} cm` : `${Number((1000 * length).toPrecision(3))} mm`;
+  const text = length_said(length);
   $("length").textContent = page.enlarged.length ? `${text} (true, not across)` : text;
 }
 

@@ -1,0 +1,69 @@
+"""A spectrum names a line that is there, and none where the run is too short to tell it from a drift.
+
+The reference is a sine whose amplitude and frequency are chosen, on a drift that is no straight line.
+"""
+
+import numpy as np
+import pytest
+
+from tautline.results.result import Result
+from tautline.results.variable import Variable
+from tautline.view.figures.histories import spectrum_figure
+from tautline.view.figures.spectrum import largest_line, late_spectrum
+
+SWING, TURNS_A_SECOND = 0.4, 0.35
+
+
+def run(end, interval=0.05):
+    """A result of so many seconds with a swing on a load that is hoisted faster and faster."""
+    time = np.arange(0.0, end + 0.5 * interval, interval)
+    height = 0.3 * (time / end) ** 3 + SWING * np.sin(2 * np.pi * TURNS_A_SECOND * time)
+    variables = [Variable("time", ("time",), "s", "time"), Variable("height", ("time",), "m", "height")]
+    return Result(None, (variables, {"time": time, "height": height}, {}, {"title": "made up"}, {}))
+
+
+def drawn(made):
+    """The legend and the marks of a spectrum of the height."""
+    figure = spectrum_figure([made], {("height", "m"): [("load", made["height"])]})
+    curve, *marks = figure.axes[0].get_lines()
+    return curve.get_label(), marks
+
+
+def test_a_line_of_a_run_that_is_long_enough_has_the_amplitude_and_frequency_of_the_sine():
+    words, marks = drawn(run(80.0))
+    size, frequency = (float(word) for word in (words.split()[1], words.split()[-2]))
+    assert size == pytest.approx(SWING, rel=0.02) and frequency == pytest.approx(TURNS_A_SECOND, abs=0.01)
+    assert len(marks) == 1
+
+
+def test_a_run_of_fewer_turns_than_the_window_needs_names_no_line():
+    """Two turns and a half in the second half of it: what is highest beside them is the foot of their lobe."""
+    words, marks = drawn(run(14.0))
+    assert words == "load: slower than 0.57 Hz, the run is too short to tell it from drift"
+    assert not marks
+
+
+@pytest.mark.parametrize("end", np.linspace(4.0, 60.0, 29))
+def test_whatever_the_length_of_a_run_a_named_line_is_the_sine(end):
+    made = run(end)
+    frequency, size = late_spectrum(made.time, made["height"], 0.5)
+    place = largest_line(size)
+    if place is not None:
+        assert frequency[place] == pytest.approx(TURNS_A_SECOND, rel=0.1)
+        assert size[place] == pytest.approx(SWING, rel=0.1)
+    # Of more than five turns in the second half it is always found.
+    assert place is not None or 0.5 * end * TURNS_A_SECOND < 5.0
+
+
+def test_a_lower_line_beside_a_higher_one_is_not_the_largest():
+    time = np.linspace(0.0, 60.0, 3001)
+    two = 0.1 * np.sin(2 * np.pi * 2.0 * time) + 0.5 * np.sin(2 * np.pi * 1.0 * time)
+    frequency, size = late_spectrum(time, two, 0.5)
+    assert frequency[largest_line(size)] == pytest.approx(1.0, abs=0.01)
+
+
+def test_what_stands_still_beside_what_swings_is_said_to_stand_still():
+    made = run(80.0)
+    panels = {("height", "m"): [("load", made["height"]), ("anchor", np.full(len(made.time), 3.0))]}
+    figure = spectrum_figure([made, made], panels)
+    assert figure.axes[0].get_lines()[-1].get_label().endswith("anchor: does not swing")
