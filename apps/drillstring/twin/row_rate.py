@@ -8,7 +8,7 @@ from math import isfinite, nan
 
 import numpy as np
 
-from drillstring.twin.at_bit import FEWEST, RESOLVED
+from drillstring.twin.at_bit import RESOLVED, mean_time
 from tautline.twin.estimation.estimate import FEWEST as FEWEST_OF_FRICTION
 
 TYPICAL = 5
@@ -79,10 +79,9 @@ class Needed:
                 "as the map has them at the start"
             )
         if interval > NEARLY * self.swing:
-            over = max(self.mean, (FEWEST - 1) * interval)
             found.append(
                 f"bit.weight and bit.torque as they swing: {come}, and at least every {self.swing:.2g} s is needed. "
-                f"Both are means over {over:.3g} s, and their stated deviations are larger"
+                f"Both are means over {mean_time(interval, self.mean):.3g} s, and their stated deviations are larger"
             )
         if interval > NEARLY * self.stick_slip:
             found.append(f"bit.stick_slip: {come}, and at least every {self.stick_slip:.2g} s is needed")

@@ -43,7 +43,7 @@ ahead: 0 s
 """
 
 
-@pytest.mark.parametrize("interval", [1.0, 2.6, 5.0])
+@pytest.mark.parametrize("interval", [1.0, 2.6, 5.0, 16.0, 30.0])
 def test_a_swing_that_rows_do_not_show_is_in_the_deviation_of_the_weight(interval):
     random, within = np.random.default_rng(5), []
     scene = tautline.read(SCENE)
@@ -66,6 +66,34 @@ def test_a_single_row_on_bottom_tells_no_weight():
     found = AtBit(tautline.read(SCENE), 3.1)
     found.add(AtSurface(0.0, 0.0, 12.0, 600e3, 0.0, 60e3, 2e3))
     assert found.told(Known(1.0, 0.0), Known(1.0, 0.0), {}) == {}
+
+
+@pytest.mark.parametrize("interval", [1.0, 5.0, 8.0, 10.0, 14.0, 16.0, 30.0, 60.0])
+def test_weight_is_told_however_slowly_rows_come_and_the_remark_says_over_which_time(interval):
+    found, slope = AtBit(tautline.read(SCENE), 3.1), 100.0
+    for k in range(12):
+        # In a vertical hole the hook lacks the weight: the mean of a ramp is that of the middle of its time.
+        found.add(AtSurface(interval * k, 0.0, 12.0, 600e3, 0.0, 20e3 + slope * interval * k, 2e3))
+    told = found.told(Known(1.0, 0.0), Known(1.0, 0.0), {})
+    assert set(told) == {"bit.weight", "bit.torque"}
+    over = 2.0 * (20e3 + slope * interval * 11 - told["bit.weight"][0]) / slope
+    assert found.lost == []
+    remark = next(one for one in Needed.of(4.0, 1.9, 3.1, 1.3, 3.1).lost(interval, estimates=True) if "swing" in one)
+    assert float(remark.split("means over ")[1].split(" s")[0]) == pytest.approx(over, abs=0.5)
+    assert over == pytest.approx(min(4, max(2, 30 // interval)) * interval, abs=0.1)
+
+
+def test_too_few_rows_on_bottom_are_a_reason_that_is_told():
+    found, told = AtBit(tautline.read(SCENE), 3.1), []
+    # A gap of the data on bottom: what was before it does not count.
+    for t in (0.0, 0.4, 0.8, 60.0, 60.4, 60.8):
+        found.add(AtSurface(t, 0.0, 12.0, 600e3, 0.0, 60e3, 2e3))
+        told.append(bool(found.told(Known(1.0, 0.0), Known(1.0, 0.0), {})))
+        assert told[-1] or found.lost == [
+            "bit.weight and bit.torque: at least 3 rows on bottom without a gap are needed, and there are fewer so far"
+        ]
+        assert not (told[-1] and found.lost)
+    assert told == [False, False, True] * 2
 
 
 def test_what_slow_rows_do_not_tell_is_said_with_the_interval_that_is_needed():
