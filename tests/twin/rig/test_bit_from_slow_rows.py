@@ -8,6 +8,7 @@ import pytest
 import tautline
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
 from drillstring.twin.row_rate import Needed, RowInterval
+from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
 SCENE = """
@@ -108,6 +109,38 @@ def test_what_slow_rows_do_not_tell_is_said_with_the_interval_that_is_needed():
     interval = RowInterval()
     assert [np.isfinite(interval.add(2.0 * k)) for k in range(6)] == [False] * 4 + [True] * 2
     assert interval.value == 2.0
+
+
+def standing(twin, times):
+    """Lines of a twin beside a string that stands off bottom."""
+    row = {"block": 0.0, "rotary_speed": 0.0, "hook_load": 600e3, "torque": 0.0, "flow": 0.0}
+    row |= {"bit_depth": LENGTH - 50.0, "hole_depth": LENGTH}
+    return [line for t in times for line in twin.add(float(t), row)]
+
+
+def remarks(twin):
+    return [one.split(":")[1].strip() for one in twin.notes if "rows come every" in one]
+
+
+def test_a_twin_that_is_begun_again_says_nothing_twice_and_knows_at_once_how_often_rows_come(tmp_path):
+    first = Twin(tautline.read(SCENE), MAP)
+    lines = standing(first, np.arange(0.0, 20.0, 1.0))
+    assert len(remarks(first)) == 1
+    save(first, tmp_path / "state.npz")
+    again = Twin(tautline.read(SCENE), MAP)
+    load(again, tmp_path / "state.npz")
+    after = standing(again, np.arange(20.0, 40.0, 1.0))
+    assert remarks(again) == []
+    told = [[x for x in line["rig"]["cannot_be_told"] if "rows come" in x] for line in (lines[-1], after[0], after[-1])]
+    assert len(told[0]) == 1 and told[0] == told[1] == told[2]
+
+
+def test_what_rows_no_longer_tell_when_they_come_more_slowly_is_said_then():
+    twin = Twin(tautline.read(SCENE), MAP)
+    standing(twin, np.arange(0.0, 10.0, 1.0))
+    assert remarks(twin) == ["bit.weight and bit.torque as they swing"]
+    standing(twin, np.arange(10.0, 120.0, 5.0))
+    assert sorted(remarks(twin)) == ["bit.stick_slip", "bit.weight and bit.torque as they swing", "friction"]
 
 
 # -- beside a run ------------------------------------------------------------------------------------------------------
