@@ -108,3 +108,25 @@ def test_before_a_motion_is_known_it_goes_on_at_its_speed():
     waves = Waves()
     waves.add(0.0, np.array([1.0, 0.2, 0.0]))
     assert waves.ahead(np.array([2.0]))[0].tolist() == pytest.approx([1.4, 0.2, 0.0])
+
+
+def shaken(reach, rows=40):
+    """Root mean square of the second rates that an input is given in its first rows, at 1 Hz; its sensor stands."""
+    times = np.arange(float(rows))
+    within = np.abs(times[:, None] - times) <= 2.0 * reach + 1e-9
+    found = []
+    for seed in range(30):
+        values = 0.05 * np.random.default_rng(seed).standard_normal(rows)
+        data = [Row(t, np.array([x])) for t, x in zip(times, values, strict=True)]
+        track = InputTrack(CHANNEL, 0)
+        track.begin(0.0, times[0] - 1.0)
+        for k in range(16):
+            around = [data[i] for i in np.flatnonzero(within[k])]
+            found.append(track.follow(around, values[within[k]], data[k], reach)[2] if k > 1 else 0.0)
+    return float(np.sqrt(np.mean(np.square(found))))
+
+
+@pytest.mark.parametrize("reach", [3.0, 5.0, 10.0])
+def test_noise_that_the_map_does_not_state_is_not_taken_for_motion_in_the_first_rows_either(reach):
+    # The second difference of three such samples has sqrt(6) times their deviation.
+    assert shaken(reach) < 0.5 * 6.0**0.5 * 0.05

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from itertools import pairwise
-from math import hypot, nan, pi, sin, sqrt
+from math import hypot, inf, nan, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -33,7 +33,7 @@ RESOLVED = 0.25
 FEWEST, LEAST = 5, 3
 """Rows of a mean, as far as there are so many on bottom; and those without which nothing is told."""
 LONGEST = 30.0
-"""Time, s, that a mean is not longer than."""
+"""Time, s, that a mean is not longer than, unless the fewest rows that tell anything are further apart."""
 SLOWEST_TURN = 0.1
 """Rotary speed below which the string does not turn, rad/s."""
 NAMES = {
@@ -43,6 +43,9 @@ NAMES = {
 """Parameters that are friction factors of a string that slips."""
 LITTLE = 1e-6
 """Friction force N, or torque N m, over the weight of the string, N, that counts as none."""
+TOO_FEW = (
+    f"bit.weight and bit.torque: at least {LEAST} rows on bottom without a gap are needed, and there are fewer so far"
+)
 LOCKED_ROTARY = "bit.torque: the string does not turn, and the wall may hold any torque of the bit"
 NO_WEIGHT = "bit.torque: the weight on the bit is not known, and the friction torque depends on it"
 LOCKED_UP = (
@@ -76,6 +79,15 @@ class _Mean(NamedTuple):
 
     value: float
     variance: float
+
+
+def mean_time(interval: float, mean_over: float) -> float:
+    """Time, s, over which weight and torque are averaged of rows an interval, s, apart, where `mean_over` is asked for.
+
+    As `AtBit` keeps its rows.
+    """
+    rows = min(FEWEST, max(LEAST, int(LONGEST / interval) + 1))
+    return max(mean_over, (rows - 1) * interval)
 
 
 class AtBit:
@@ -119,7 +131,8 @@ class AtBit:
         while (span := row.time - self._rows[0].time) > self.mean_over:
             # Rows that come slowly stay until there are enough; what was before a gap does not.
             shortest = min(b.time - a.time for a, b in pairwise(self._rows)) if len(self._rows) <= FEWEST else 0.0
-            if span <= min(LONGEST, FEWEST * shortest):
+            longest = LONGEST if len(self._rows) > LEAST else inf
+            if span <= min(longest, FEWEST * shortest):
                 break
             self._rows.popleft()
 
@@ -137,6 +150,7 @@ class AtBit:
         """
         self.lost, self.shorter = [], (nan, nan)
         if len(self._rows) < LEAST:
+            self.lost.append(TOO_FEW)
             return {}
         rows = np.array(self._rows)
         motion = _motion(rows)

@@ -19,7 +19,7 @@ from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import weight_per_length
 from drillstring.string.factors import factors_of
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
-from drillstring.twin.row_rate import Needed, RowInterval
+from drillstring.twin.row_rate import Needed, Remarks, RowInterval
 from drillstring.twin.severity import Settings as SeveritySettings
 from drillstring.twin.severity import Severity
 from drillstring.twin.stands import with_stand
@@ -112,7 +112,7 @@ class RigOperation(Operation):
         self._told_in = RigState.UNKNOWN
         self._weight_on_bit = nan
         self._interval, self._estimates, self._slow = RowInterval(), False, list[str]()
-        self._unsaid, self._said = list[str](), False
+        self._remarks, self._unsaid = Remarks(), list[str]()
         self._lay_out()
 
     def _lay_out(self) -> None:
@@ -171,8 +171,7 @@ class RigOperation(Operation):
     def before(self, time: float, values: Mapping[str, float]) -> Guidance:
         """Find the state of the rig, and say how the row is to be taken."""
         self._slow = self._needed.lost(self._interval.add(time), estimates=self._estimates)
-        if self._slow and not self._said:
-            self._unsaid, self._said = list(self._slow), True
+        self._unsaid += self._remarks.new(self._slow)
         signals = {KNOWN_AS.get(name, name): value for name, value in values.items()}
         asked = {name: signals.get(name, nan) for name in ASKED}
         # A rig's hook load has the block's weight in it; that of the scene has not.
@@ -192,9 +191,9 @@ class RigOperation(Operation):
         return Guidance(use=state in OFF_BOTTOM and time - self.rig.since >= STARTING, scene=self._longer())
 
     def remarks(self) -> list[str]:
-        """What rows that come slowly do not tell, once."""
-        said, self._unsaid = self._unsaid, []
-        return [f"cannot be told: {one}" for one in said]
+        """What rows that come slowly do not tell, once of each subject, however often the twin is begun again."""
+        unsaid, self._unsaid = self._unsaid, []
+        return [f"cannot be told: {one}" for one in unsaid]
 
     def _longer(self) -> DrillstringScene | None:
         """The string that came out of the slips, where it is longer or shorter than before."""
@@ -314,10 +313,17 @@ class RigOperation(Operation):
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
-        return {"added": self.added, "connections": self._before + self._connections, "rig": self.rig.memory()}
+        return {
+            "added": self.added, "connections": self._before + self._connections, "rig": self.rig.memory(),
+            "interval": self._interval.memory(), "said": self._remarks.memory(),
+        }  # fmt: skip
 
     def recall(self, memory: Mapping[str, Any]) -> DrillstringScene | None:
         """Go on from what an earlier process kept; gives the string as it had grown."""
         self.rig.recall(memory["rig"])
         self._before = int(memory["connections"])
+        # States that were written before these were kept do not have them.
+        if "interval" in memory:
+            self._interval.recall(memory["interval"])
+            self._remarks.recall(memory["said"])
         return self._grown(float(memory["added"])) if memory["added"] else None

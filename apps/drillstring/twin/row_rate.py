@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
+from typing import Any
 
 import numpy as np
 
-from drillstring.twin.at_bit import FEWEST, RESOLVED
+from drillstring.twin.at_bit import RESOLVED, mean_time
 from tautline.twin.estimation.estimate import FEWEST as FEWEST_OF_FRICTION
 
 TYPICAL = 5
@@ -37,6 +39,15 @@ class RowInterval:
     def value(self) -> float:
         """s."""
         return float(np.median(self._intervals)) if len(self._intervals) >= TYPICAL - 1 else nan
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on."""
+        return {"last": self._last, "intervals": list(self._intervals)}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what an earlier process kept."""
+        self._last = float(memory["last"])
+        self._intervals = deque(memory["intervals"], maxlen=REMEMBERED)
 
 
 @dataclass(frozen=True)
@@ -79,11 +90,35 @@ class Needed:
                 "as the map has them at the start"
             )
         if interval > NEARLY * self.swing:
-            over = max(self.mean, (FEWEST - 1) * interval)
             found.append(
                 f"bit.weight and bit.torque as they swing: {come}, and at least every {self.swing:.2g} s is needed. "
-                f"Both are means over {over:.3g} s, and their stated deviations are larger"
+                f"Both are means over {mean_time(interval, self.mean):.3g} s, and their stated deviations are larger"
             )
         if interval > NEARLY * self.stick_slip:
             found.append(f"bit.stick_slip: {come}, and at least every {self.stick_slip:.2g} s is needed")
         return found
+
+
+class Remarks:
+    """Sentences that are said once of each subject, which is what stands before the colon."""
+
+    def __init__(self) -> None:
+        self._subjects: set[str] = set()
+
+    def new(self, sentences: list[str]) -> list[str]:
+        """Those on a subject of which nothing was said; from now on something was."""
+        found = [one for one in sentences if _subject(one) not in self._subjects]
+        self._subjects.update(map(_subject, found))
+        return found
+
+    def memory(self) -> list[str]:
+        """What a later process needs to go on."""
+        return sorted(self._subjects)
+
+    def recall(self, memory: list[str]) -> None:
+        """Go on from what an earlier process kept."""
+        self._subjects = set(memory)
+
+
+def _subject(sentence: str) -> str:
+    return sentence.split(":")[0]

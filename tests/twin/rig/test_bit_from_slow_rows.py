@@ -8,6 +8,7 @@ import pytest
 import tautline
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
 from drillstring.twin.row_rate import Needed, RowInterval
+from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
 SCENE = """
@@ -43,7 +44,7 @@ ahead: 0 s
 """
 
 
-@pytest.mark.parametrize("interval", [1.0, 2.6, 5.0])
+@pytest.mark.parametrize("interval", [1.0, 2.6, 5.0, 16.0, 30.0])
 def test_a_swing_that_rows_do_not_show_is_in_the_deviation_of_the_weight(interval):
     random, within = np.random.default_rng(5), []
     scene = tautline.read(SCENE)
@@ -68,6 +69,34 @@ def test_a_single_row_on_bottom_tells_no_weight():
     assert found.told(Known(1.0, 0.0), Known(1.0, 0.0), {}) == {}
 
 
+@pytest.mark.parametrize("interval", [1.0, 5.0, 8.0, 10.0, 14.0, 16.0, 30.0, 60.0])
+def test_weight_is_told_however_slowly_rows_come_and_the_remark_says_over_which_time(interval):
+    found, slope = AtBit(tautline.read(SCENE), 3.1), 100.0
+    for k in range(12):
+        # In a vertical hole the hook lacks the weight: the mean of a ramp is that of the middle of its time.
+        found.add(AtSurface(interval * k, 0.0, 12.0, 600e3, 0.0, 20e3 + slope * interval * k, 2e3))
+    told = found.told(Known(1.0, 0.0), Known(1.0, 0.0), {})
+    assert set(told) == {"bit.weight", "bit.torque"}
+    over = 2.0 * (20e3 + slope * interval * 11 - told["bit.weight"][0]) / slope
+    assert found.lost == []
+    remark = next(one for one in Needed.of(4.0, 1.9, 3.1, 1.3, 3.1).lost(interval, estimates=True) if "swing" in one)
+    assert float(remark.split("means over ")[1].split(" s")[0]) == pytest.approx(over, abs=0.5)
+    assert over == pytest.approx(min(4, max(2, 30 // interval)) * interval, abs=0.1)
+
+
+def test_too_few_rows_on_bottom_are_a_reason_that_is_told():
+    found, told = AtBit(tautline.read(SCENE), 3.1), []
+    # A gap of the data on bottom: what was before it does not count.
+    for t in (0.0, 0.4, 0.8, 60.0, 60.4, 60.8):
+        found.add(AtSurface(t, 0.0, 12.0, 600e3, 0.0, 60e3, 2e3))
+        told.append(bool(found.told(Known(1.0, 0.0), Known(1.0, 0.0), {})))
+        assert told[-1] or found.lost == [
+            "bit.weight and bit.torque: at least 3 rows on bottom without a gap are needed, and there are fewer so far"
+        ]
+        assert not (told[-1] and found.lost)
+    assert told == [False, False, True] * 2
+
+
 def test_what_slow_rows_do_not_tell_is_said_with_the_interval_that_is_needed():
     needed = Needed.of(4.0, 1.9, 3.1, 1.3, 3.1)
     assert needed.lost(0.4, estimates=True) == [] == needed.lost(float("nan"), estimates=True)
@@ -80,6 +109,38 @@ def test_what_slow_rows_do_not_tell_is_said_with_the_interval_that_is_needed():
     interval = RowInterval()
     assert [np.isfinite(interval.add(2.0 * k)) for k in range(6)] == [False] * 4 + [True] * 2
     assert interval.value == 2.0
+
+
+def standing(twin, times):
+    """Lines of a twin beside a string that stands off bottom."""
+    row = {"block": 0.0, "rotary_speed": 0.0, "hook_load": 600e3, "torque": 0.0, "flow": 0.0}
+    row |= {"bit_depth": LENGTH - 50.0, "hole_depth": LENGTH}
+    return [line for t in times for line in twin.add(float(t), row)]
+
+
+def remarks(twin):
+    return [one.split(":")[1].strip() for one in twin.notes if "rows come every" in one]
+
+
+def test_a_twin_that_is_begun_again_says_nothing_twice_and_knows_at_once_how_often_rows_come(tmp_path):
+    first = Twin(tautline.read(SCENE), MAP)
+    lines = standing(first, np.arange(0.0, 20.0, 1.0))
+    assert len(remarks(first)) == 1
+    save(first, tmp_path / "state.npz")
+    again = Twin(tautline.read(SCENE), MAP)
+    load(again, tmp_path / "state.npz")
+    after = standing(again, np.arange(20.0, 40.0, 1.0))
+    assert remarks(again) == []
+    told = [[x for x in line["rig"]["cannot_be_told"] if "rows come" in x] for line in (lines[-1], after[0], after[-1])]
+    assert len(told[0]) == 1 and told[0] == told[1] == told[2]
+
+
+def test_what_rows_no_longer_tell_when_they_come_more_slowly_is_said_then():
+    twin = Twin(tautline.read(SCENE), MAP)
+    standing(twin, np.arange(0.0, 10.0, 1.0))
+    assert remarks(twin) == ["bit.weight and bit.torque as they swing"]
+    standing(twin, np.arange(10.0, 120.0, 5.0))
+    assert sorted(remarks(twin)) == ["bit.stick_slip", "bit.weight and bit.torque as they swing", "friction"]
 
 
 # -- beside a run ------------------------------------------------------------------------------------------------------

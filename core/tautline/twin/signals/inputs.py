@@ -25,8 +25,11 @@ SLOW = 0.02
 """Speed over the fastest at which a motion may be joined at once."""
 NOISES = 101
 """Samples of which the noise is the median."""
-UNKNOWN = 4
-"""Samples without noise that are put before the first: a machine that sets off at once must not pass for noise."""
+ENOUGH, UNKNOWN = 7, 4
+"""Bends from which on they tell of the noise by themselves; and how many without noise count beside fewer of them.
+
+A machine that sets off at once must not pass for noise: a change of speed that takes two intervals bends three times
+three samples, which are the minority of seven."""
 LEARNED = ("_noises", "_bends")
 """Names of what is known of the noise."""
 FAR = 2.0
@@ -57,7 +60,7 @@ class InputTrack:
         self._apart, self._from, self._over = np.zeros(3), -np.inf, 1.0
         self._held, self._held_at = np.full(3, np.nan), np.nan
         self._noises: deque[float] = deque(maxlen=NOISES)
-        self._bends: deque[float] = deque(UNKNOWN * [0.0], maxlen=NOISES)
+        self._bends: deque[float] = deque(maxlen=NOISES)
         self._break = np.nan
 
     @property
@@ -108,9 +111,13 @@ class InputTrack:
 
         Motion enters both estimates: a wave that of three samples, and a change of speed that of six, for as many rows.
         """
-        self._noises.append(noise_of(values))
-        self._bends.append(bend_of(values))
-        found = float(min(np.median(self._noises), np.median(self._bends))) / 0.6745
+        # At the first row all samples that are there tell, and later each that is new.
+        for end in range(values.size if self._noises else min(values.size, 6), values.size + 1):
+            self._noises.append(noise_of(values[:end]))
+        for end in range(values.size if self._bends else min(values.size, 3), values.size + 1):
+            self._bends.append(bend_of(values[:end]))
+        unknown = UNKNOWN * [0.0] if len(self._bends) < ENOUGH else []
+        found = float(min(np.median(self._noises), np.median([*self._bends, *unknown]))) / 0.6745
         return found if not np.isfinite(self.channel.sd) else max(found, self.channel.sd)
 
     def hold(self, time: float) -> np.ndarray:
