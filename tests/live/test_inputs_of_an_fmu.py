@@ -103,6 +103,34 @@ def test_a_state_keeps_the_inputs_of_the_start(folder):
     assert other.get(HEAVE) == 1.0 and other.get(HEIGHT) == pytest.approx(5.0, abs=1e-6)
 
 
+def test_an_instance_that_takes_a_state_of_an_initialised_one_goes_on_as_that_does(folder):
+    """No start is found anew: a speed that is set next is reached in the step, by a cubic whose mean is half of it."""
+    core, other = Core(folder), Core(folder)
+    for name in (SPEED, HEAVE):
+        core.set(name, 0.0)
+    core.initialise()
+    other.restore(from_bytes(to_bytes(core.save())))
+    for one in (core, other):
+        one.set(SPEED, -0.5)
+        one.step(0.0, 0.2)
+        assert one.sim["winch.pay_out"] == pytest.approx(-0.05, rel=1e-9)
+    assert other.get(TENSION) == core.get(TENSION)
+
+
+def test_a_state_from_before_the_initialisation_takes_inputs_of_the_start_again(folder):
+    """The reference is a speed that is there from the start on: -0.5 m/s over 0.2 s."""
+    core = Core(folder)
+    saved = from_bytes(to_bytes(core.save()))
+    core.initialise()
+    core.step(0.0, 0.2)
+    core.restore(saved)
+    for name, value in ((SPEED, -0.5), (HEAVE, 0.0)):
+        core.set(name, value)
+    core.initialise()
+    core.step(0.0, 0.2)
+    assert core.sim["winch.pay_out"] == pytest.approx(-0.1, rel=1e-9)
+
+
 def test_a_simulation_starts_with_its_inputs_at_initial_values():
     """References are scenes with that constant heave, and that constant speed of the winch."""
     scene = tautline.read(DATA / "hoist.yaml")

@@ -176,7 +176,7 @@ class Core:
         return {
             "state": self.ready.save(), "sent": dict(self.sent), "given": dict(self.given),
             "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
-            "timed": self.timed,
+            "timed": self.timed, "initialised": self.initialised,
         }  # fmt: skip
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -187,6 +187,8 @@ class Core:
         self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
         self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
         self.stepped, self.begin, self.timed = saved["stepped"], saved["begin"], saved["timed"]
+        # Else an input that is set next would be taken for one of a start that is still to be found, or the reverse.
+        self.initialised = saved["initialised"]
 
 
 def to_bytes(saved: dict[str, Any]) -> bytes:
