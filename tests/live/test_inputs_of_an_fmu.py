@@ -193,12 +193,8 @@ def test_a_start_that_is_not_found_fails_the_steps_and_nothing_that_is_read(fold
     core = Core(folder)
     tension = core.get(TENSION)
     core.set("payload.mass", 6000.0)
-
-    def none(*_, **__):
-        raise SimulationError("no equilibrium")
-
     with monkeypatch.context() as patched:
-        patched.setattr("tautline.live.fmu.unit.Simulation", none)
+        patched.setattr("tautline.live.fmu.unit.Simulation", _no_equilibrium)
         assert core.get(TENSION) == tension
         for act in (core.initialise, lambda: core.step(0.0, H)):
             with pytest.raises(SimulationError, match="no start is found with what was set: no equilibrium"):
@@ -206,3 +202,41 @@ def test_a_start_that_is_not_found_fails_the_steps_and_nothing_that_is_read(fold
     core.set("payload.mass", 5500.0)
     core.step(0.0, H)
     assert core.get(TENSION) == pytest.approx(1.1 * tension, rel=0.02)
+
+
+DEEP = 1.0e5
+"""A heave, m, with which no equilibrium is found."""
+
+
+@pytest.mark.parametrize("asked", ["initialise", "step"])
+def test_a_start_that_an_input_prevents_is_found_once_the_input_is_set_to_another(folder, asked):
+    core = Core(folder)
+    act = core.initialise if asked == "initialise" else lambda: core.step(0.0, H)
+    core.set(SPEED, 0.0)
+    core.set(HEAVE, DEEP)
+    for _ in range(2):
+        with pytest.raises(SimulationError, match="no start is found with what was set"):
+            act()
+    core.set(HEAVE, 1.0)
+    act()
+    core.step(0.0 if asked == "initialise" else H, H)
+    assert core.get(TENSION) == pytest.approx(still_with(heave=1.0)["winch.tension"], rel=1e-6)
+
+
+def test_an_input_is_of_the_start_while_a_parameter_that_was_set_later_prevents_it(folder, monkeypatch):
+    core = Core(folder)
+    core.set(SPEED, 0.0)
+    core.initialise()
+    core.set(HEAVE, 0.5)
+    core.set("payload.mass", 6000.0)
+    with monkeypatch.context() as patched:
+        patched.setattr("tautline.live.fmu.unit.Simulation", _no_equilibrium)
+        with pytest.raises(SimulationError, match="no start is found"):
+            core.step(0.0, H)
+    core.set(HEAVE, 1.0)
+    core.step(0.0, H)
+    assert core.get(HEAVE) == 1.0 and core.get(HEIGHT) == pytest.approx(5.0, abs=1e-6)
+
+
+def _no_equilibrium(*_, **__):
+    raise SimulationError("no equilibrium")

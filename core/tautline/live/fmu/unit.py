@@ -105,9 +105,12 @@ class Core:
         self.begin, self.timed = float(time), True
 
     def initialise(self) -> None:
-        """Find the start, after which inputs are reached in steps; raises what the simulation raises."""
-        self.initialised = True
+        """Find the start, after which inputs are reached in steps; raises what the simulation raises.
+
+        Where none is found, inputs that are set next are still those of the start.
+        """
         self.ready  # noqa: B018
+        self.initialised = True
 
     def get(self, name: str) -> float:
         """An input, an output or a parameter. Of a start that is not found it is what the start before has."""
@@ -144,9 +147,12 @@ class Core:
             self.refused[name] = str(error)
             raise
         self.refused.pop(name, None)
-        if name in self.inputs and (self.initialised or self.stepped):
+        # Where no start is found, an input may be why: to be reached in a step it would never be heard.
+        without_start = self.stale and self.fault
+        if name in self.inputs and (self.initialised or self.stepped) and not without_start:
             self.given[name] = value
             return
+        self.given.pop(name, None)
         (self.held if name in self.inputs else self.changed)[name] = value
         if not self.stepped:
             self.stale, self.fault = True, ""
