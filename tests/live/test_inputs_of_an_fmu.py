@@ -147,6 +147,47 @@ def test_a_simulation_starts_with_its_inputs_at_initial_values():
     assert found["winch.tension"] == pytest.approx(wanted["winch.tension"], rel=1e-9)
 
 
+PLACE = "winch.pay_out"
+
+
+@pytest.mark.parametrize("start", ["static", "as drawn"])
+def test_a_winch_whose_load_starts_as_drawn_starts_at_no_other_place_than_zero(start):
+    """As much rope is found as lets the load hang as drawn: a winch elsewhere would be read so, and move nothing."""
+    scene = tautline.read(DATA / "hoist.yaml").replace({"start": start})
+    for value in (-1.0, 1.0):
+        with pytest.raises(SimulationError, match=r"winch.pay_out = -?1 cannot be at the start.*give 0.*the speed"):
+            tautline.Simulation(scene, initial={PLACE: value})
+    assert tautline.Simulation(scene, initial={PLACE: 0.0})[PLACE] == 0.0
+
+
+def test_a_winch_of_a_scene_that_gives_its_rope_s_length_starts_at_any_place_and_the_load_with_it():
+    """The reference is a scene whose rope is 1 m shorter."""
+    scene = tautline.read(DATA / "hoist.yaml").replace({"path[0].drum.pay_out": 0, "vessel.motion": {"heave": 0}})
+    wound = tautline.Simulation(scene.replace({"rope.length": 60.0}), [PLACE], initial={PLACE: -1.0})
+    short = tautline.Simulation(scene.replace({"rope.length": 59.0}))
+    assert wound["payload.position"][2] == pytest.approx(short["payload.position"][2], abs=1e-6)
+    assert wound["winch.tension"] == pytest.approx(short["winch.tension"], rel=1e-6)
+    assert wound[PLACE] == -1.0
+
+
+def test_an_fmu_whose_winch_was_placed_at_the_start_says_why_it_cannot_and_starts_once_it_is_at_zero(tmp_path):
+    write_fmu(DATA / "hoist.yaml", tmp_path / "placed.fmu", [PLACE, HEAVE], ["payload.position", TENSION])
+    with zipfile.ZipFile(tmp_path / "placed.fmu") as file:
+        file.extractall(tmp_path)
+    core = Core(tmp_path / "resources")
+    core.set(HEAVE, 0.0)
+    core.set(PLACE, -1.0)
+    with pytest.raises(SimulationError, match=r"with what was set: winch.pay_out = -1 cannot be"):
+        core.initialise()
+    core.set(PLACE, 0.0)
+    core.initialise()
+    for k in range(20):
+        core.set(PLACE, -0.05 * (k + 1))
+        core.step(k * 0.5, 0.5)
+    core.step(10.0, 2.0)
+    assert core.get(HEIGHT) == pytest.approx(6.0, abs=0.02)
+
+
 @pytest.mark.parametrize("value", [float("nan"), "high", (1.0, 0.5)])
 def test_an_initial_value_that_cannot_be_is_refused(value):
     with pytest.raises(SimulationError, match=HEAVE):
