@@ -129,7 +129,11 @@ class Inputs(Mapping[str, Any]):
             if type(value) is float:
                 given = (value,)
             else:
-                given = tuple(float(x) for x in (value if isinstance(value, (tuple, list, np.ndarray)) else (value,)))
+                listed = value if isinstance(value, (tuple, list, np.ndarray)) else (value,)
+                # True and False are slips, not 1 and 0.
+                if any(isinstance(x, (bool, np.bool_)) for x in listed):
+                    raise TypeError
+                given = tuple(float(x) for x in listed)
         except (TypeError, ValueError):
             given = ()
         if not 1 <= len(given) <= 3 or not np.isfinite(sum(given)):

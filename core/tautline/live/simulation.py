@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from tautline.application.installed import Installed
+from tautline.errors import ArgumentTypeError
 from tautline.integrators.method import method_for
 from tautline.integrators.schedule import frame_times
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
@@ -56,6 +57,8 @@ BEGIN = 7
 """Place of the time of the last frame among the arguments of a loop."""
 CLOSE = 1.0e-9
 """Share of the output interval within which an advance ends at a frame."""
+EXAMPLES = {"parameters": '{"payload.mass": 5200.0}', "initial": '{"winch.pay_out_speed": -0.2}'}
+"""Of values by name."""
 LONG = 200_000
 """Steps, iterations and factorisations after which Ctrl-C is heard in the middle of an advance."""
 
@@ -105,6 +108,8 @@ class Simulation:
         For an input that the scene cannot have, and for a name in `parameters` or `initial` that there is not.
     SimulationError
         For a value that a parameter or an input cannot have.
+    ArgumentTypeError
+        For `parameters` or `initial` that are no mapping.
     StoppedEarly
         Where no start is found.
     """
@@ -124,11 +129,12 @@ class Simulation:
         self._application = Installed().of(self.scene)
         self._named = _names_of(inputs)
         self._keep = keep if isinstance(keep, bool) else _span_of(keep)
+        begin, held = _values_of(parameters, "parameters"), _values_of(initial, "initial")
         model = self._application.build(self._application.driven(self.scene, self._named))
         self._prepare(model)
-        for name, value in (parameters or {}).items():
+        for name, value in begin.items():
             self.parameters[name] = value
-        for name, value in (initial or {}).items():
+        for name, value in held.items():
             self.inputs.begin(name, value)
         self._start()
 
@@ -604,6 +610,15 @@ def _names_of(inputs: Any) -> tuple[str, ...]:
         if not isinstance(name, str):
             raise SimulationError(f"{name!r} is no name of an input", 'give names, such as ["winch.pay_out"]')
     return names
+
+
+def _values_of(given: Any, what: str) -> Mapping[str, Any]:
+    """Values by name; raises ArgumentTypeError for what is none."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise ArgumentTypeError(f"{what} = {given!r} is no mapping; give values by name, such as {EXAMPLES[what]}")
+    return given
 
 
 def _span_of(keep: Any) -> float:
