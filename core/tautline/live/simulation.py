@@ -456,7 +456,8 @@ class Simulation:
 
     def save(self) -> State:
         """The simulation as it stands. It can be pickled, and restored in another process."""
-        return State(self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count)
+        changed = tuple(sorted(self._changed))
+        return State(self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count, changed)
 
     def restore(self, state: State) -> None:
         """Stand where a state was saved: everything goes on from there to the bit. Frames after it are dropped.
@@ -469,6 +470,7 @@ class Simulation:
         check(state, self._mark, self._memory.layout, self._memory.size)
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
+        self._changed = set(state.changed)
         self._stopped = self._status = ""
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
@@ -519,7 +521,7 @@ class Simulation:
         for force in self._forces:
             other._add(force.copy())
         other.restore(self.save())
-        other._kept, other._changed = self._kept.copy(), set(self._changed)
+        other._kept = self._kept.copy()
         return other
 
     __copy__ = copy

@@ -200,7 +200,8 @@ class Core:
 def to_bytes(saved: dict[str, Any]) -> bytes:
     """A state as bytes: numbers as JSON, then the block."""
     state: State = saved["state"]
-    head = {**saved, "state": [state.time, state.scene, state.layout, state.frames, sum_of(state.block)]}
+    told = [state.time, state.scene, state.layout, state.frames, sum_of(state.block), state.changed]
+    head = {**saved, "state": told}
     return json.dumps(head).encode("utf8") + b"\0" + state.block.tobytes()
 
 
@@ -208,6 +209,6 @@ def from_bytes(data: bytes) -> dict[str, Any]:
     """What `to_bytes` wrote; raises SimulationError where it is something else by now."""
     head, _, block = bytes(data).partition(b"\0")
     saved = json.loads(head)
-    time, scene, layout, frames, expected = saved["state"]
-    saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, expected)
+    time, scene, layout, frames, *others = saved["state"]
+    saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, *others)
     return saved
