@@ -103,6 +103,34 @@ def test_a_state_keeps_the_inputs_of_the_start(folder):
     assert other.get(HEAVE) == 1.0 and other.get(HEIGHT) == pytest.approx(5.0, abs=1e-6)
 
 
+def test_an_instance_that_takes_a_state_of_an_initialised_one_goes_on_as_that_does(folder):
+    """No start is found anew: a speed that is set next is reached in the step, by a cubic whose mean is half of it."""
+    core, other = Core(folder), Core(folder)
+    for name in (SPEED, HEAVE):
+        core.set(name, 0.0)
+    core.initialise()
+    other.restore(from_bytes(to_bytes(core.save())))
+    for one in (core, other):
+        one.set(SPEED, -0.5)
+        one.step(0.0, 0.2)
+        assert one.sim["winch.pay_out"] == pytest.approx(-0.05, rel=1e-9)
+    assert other.get(TENSION) == core.get(TENSION)
+
+
+def test_a_state_from_before_the_initialisation_takes_inputs_of_the_start_again(folder):
+    """The reference is a speed that is there from the start on: -0.5 m/s over 0.2 s."""
+    core = Core(folder)
+    saved = from_bytes(to_bytes(core.save()))
+    core.initialise()
+    core.step(0.0, 0.2)
+    core.restore(saved)
+    for name, value in ((SPEED, -0.5), (HEAVE, 0.0)):
+        core.set(name, value)
+    core.initialise()
+    core.step(0.0, 0.2)
+    assert core.sim["winch.pay_out"] == pytest.approx(-0.1, rel=1e-9)
+
+
 def test_a_simulation_starts_with_its_inputs_at_initial_values():
     """References are scenes with that constant heave, and that constant speed of the winch."""
     scene = tautline.read(DATA / "hoist.yaml")
@@ -117,6 +145,47 @@ def test_a_simulation_starts_with_its_inputs_at_initial_values():
         sim.advance(0.5)
     assert found["winch.pay_out"] == pytest.approx(-0.1, rel=1e-9)
     assert found["winch.tension"] == pytest.approx(wanted["winch.tension"], rel=1e-9)
+
+
+PLACE = "winch.pay_out"
+
+
+@pytest.mark.parametrize("start", ["static", "as drawn"])
+def test_a_winch_whose_load_starts_as_drawn_starts_at_no_other_place_than_zero(start):
+    """As much rope is found as lets the load hang as drawn: a winch elsewhere would be read so, and move nothing."""
+    scene = tautline.read(DATA / "hoist.yaml").replace({"start": start})
+    for value in (-1.0, 1.0):
+        with pytest.raises(SimulationError, match=r"winch.pay_out = -?1 cannot be at the start.*give 0.*the speed"):
+            tautline.Simulation(scene, initial={PLACE: value})
+    assert tautline.Simulation(scene, initial={PLACE: 0.0})[PLACE] == 0.0
+
+
+def test_a_winch_of_a_scene_that_gives_its_rope_s_length_starts_at_any_place_and_the_load_with_it():
+    """The reference is a scene whose rope is 1 m shorter."""
+    scene = tautline.read(DATA / "hoist.yaml").replace({"path[0].drum.pay_out": 0, "vessel.motion": {"heave": 0}})
+    wound = tautline.Simulation(scene.replace({"rope.length": 60.0}), [PLACE], initial={PLACE: -1.0})
+    short = tautline.Simulation(scene.replace({"rope.length": 59.0}))
+    assert wound["payload.position"][2] == pytest.approx(short["payload.position"][2], abs=1e-6)
+    assert wound["winch.tension"] == pytest.approx(short["winch.tension"], rel=1e-6)
+    assert wound[PLACE] == -1.0
+
+
+def test_an_fmu_whose_winch_was_placed_at_the_start_says_why_it_cannot_and_starts_once_it_is_at_zero(tmp_path):
+    write_fmu(DATA / "hoist.yaml", tmp_path / "placed.fmu", [PLACE, HEAVE], ["payload.position", TENSION])
+    with zipfile.ZipFile(tmp_path / "placed.fmu") as file:
+        file.extractall(tmp_path)
+    core = Core(tmp_path / "resources")
+    core.set(HEAVE, 0.0)
+    core.set(PLACE, -1.0)
+    with pytest.raises(SimulationError, match=r"with what was set: winch.pay_out = -1 cannot be"):
+        core.initialise()
+    core.set(PLACE, 0.0)
+    core.initialise()
+    for k in range(20):
+        core.set(PLACE, -0.05 * (k + 1))
+        core.step(k * 0.5, 0.5)
+    core.step(10.0, 2.0)
+    assert core.get(HEIGHT) == pytest.approx(6.0, abs=0.02)
 
 
 @pytest.mark.parametrize("value", [float("nan"), "high", (1.0, 0.5)])
@@ -165,12 +234,8 @@ def test_a_start_that_is_not_found_fails_the_steps_and_nothing_that_is_read(fold
     core = Core(folder)
     tension = core.get(TENSION)
     core.set("payload.mass", 6000.0)
-
-    def none(*_, **__):
-        raise SimulationError("no equilibrium")
-
     with monkeypatch.context() as patched:
-        patched.setattr("tautline.live.fmu.unit.Simulation", none)
+        patched.setattr("tautline.live.fmu.unit.Simulation", _no_equilibrium)
         assert core.get(TENSION) == tension
         for act in (core.initialise, lambda: core.step(0.0, H)):
             with pytest.raises(SimulationError, match="no start is found with what was set: no equilibrium"):
@@ -178,3 +243,41 @@ def test_a_start_that_is_not_found_fails_the_steps_and_nothing_that_is_read(fold
     core.set("payload.mass", 5500.0)
     core.step(0.0, H)
     assert core.get(TENSION) == pytest.approx(1.1 * tension, rel=0.02)
+
+
+DEEP = 1.0e5
+"""A heave, m, with which no equilibrium is found."""
+
+
+@pytest.mark.parametrize("asked", ["initialise", "step"])
+def test_a_start_that_an_input_prevents_is_found_once_the_input_is_set_to_another(folder, asked):
+    core = Core(folder)
+    act = core.initialise if asked == "initialise" else lambda: core.step(0.0, H)
+    core.set(SPEED, 0.0)
+    core.set(HEAVE, DEEP)
+    for _ in range(2):
+        with pytest.raises(SimulationError, match="no start is found with what was set"):
+            act()
+    core.set(HEAVE, 1.0)
+    act()
+    core.step(0.0 if asked == "initialise" else H, H)
+    assert core.get(TENSION) == pytest.approx(still_with(heave=1.0)["winch.tension"], rel=1e-6)
+
+
+def test_an_input_is_of_the_start_while_a_parameter_that_was_set_later_prevents_it(folder, monkeypatch):
+    core = Core(folder)
+    core.set(SPEED, 0.0)
+    core.initialise()
+    core.set(HEAVE, 0.5)
+    core.set("payload.mass", 6000.0)
+    with monkeypatch.context() as patched:
+        patched.setattr("tautline.live.fmu.unit.Simulation", _no_equilibrium)
+        with pytest.raises(SimulationError, match="no start is found"):
+            core.step(0.0, H)
+    core.set(HEAVE, 1.0)
+    core.step(0.0, H)
+    assert core.get(HEAVE) == 1.0 and core.get(HEIGHT) == pytest.approx(5.0, abs=1e-6)
+
+
+def _no_equilibrium(*_, **__):
+    raise SimulationError("no equilibrium")

@@ -132,3 +132,21 @@ def test_true_and_false_are_no_mass_and_no_time(value):
     with pytest.raises(SimulationError, match="is no time"):
         sim.advance(value)
     assert sim.time == 0.0 and sim.parameters["payload.mass"] == 5000.0
+
+
+@pytest.mark.parametrize("value", [True, False, np.True_, (0.0, True), [np.False_, 0.0], np.array([True])])
+def test_true_and_false_are_no_value_of_an_input(value):
+    sim = tautline.Simulation(HOIST, keep=False)
+    before = sim.inputs["winch.pay_out_speed"]
+    with pytest.raises(SimulationError, match=r"winch.pay_out_speed = .* is neither a finite number"):
+        sim.inputs["winch.pay_out_speed"] = value
+    with pytest.raises(SimulationError, match=r"winch.pay_out_speed = .* is neither a finite number"):
+        tautline.Simulation(HOIST, keep=False, initial={"winch.pay_out_speed": value})
+    assert sim.inputs["winch.pay_out_speed"] == before
+
+
+@pytest.mark.parametrize("what", ["parameters", "initial"])
+@pytest.mark.parametrize("given", [[1], "x", 0, ["winch.pay_out"], ()])
+def test_values_that_have_no_names_are_refused(what, given):
+    with pytest.raises(tautline.ArgumentTypeError, match=f"{what} = .* is no mapping; give values by name"):
+        tautline.Simulation(HOIST, **{what: given})

@@ -236,6 +236,28 @@ def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, here, tmp
     assert not (tmp_path / "x.nc").exists()
 
 
+def test_a_map_that_drives_a_winch_by_its_place_and_by_its_speed_is_refused_at_the_second_of_them(
+    rehearsal, here, tmp_path
+):
+    first = "  - {column: heave,"
+    assert first in MAP
+    speed = "  - {column: winch_speed, unit: m/s, input: winch.pay_out_speed}\n"
+    (tmp_path / "map.yaml").write_text(MAP.replace(first, speed + first, 1))
+    head, *rows = (rehearsal / "r.csv").read_text().splitlines()
+    (tmp_path / "r.csv").write_text("\n".join([f"{head},winch_speed [m/s]", *(f"{row},0" for row in rows)]))
+    arguments = [SCENE, "--map", str(tmp_path / "map.yaml")]
+    for words in (
+        ["record", *arguments, "-o", str(tmp_path / "x.csv")],
+        ["twin", *arguments, "--source", str(tmp_path / "r.csv"), "-o", str(tmp_path / "x.nc")],
+    ):
+        code, _, told = here(*words)
+        said = " ".join(told.split())
+        assert code == 2 and "Traceback" not in told
+        assert "map.yaml:4" in said and "winch.pay_out_speed and winch.pay_out drive the same" in said
+        assert "leave one of them out, or measure one of them: write output: winch.pay_out_speed" in said
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["map.yaml", "r.csv"]
+
+
 @pytest.mark.parametrize("kind, wrong", [("input", "winch.payout"), ("output", "winch.tensoin")])
 def test_a_record_with_a_map_that_does_not_fit_is_refused_by_line_and_key_as_a_twin_is(
     rehearsal, here, tmp_path, kind, wrong

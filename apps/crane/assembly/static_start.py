@@ -60,13 +60,17 @@ def draw_true(layout: Layout, system: System, state: State) -> None:
         NO_EQUILIBRIUM, naming the unknown that is worst, or a load that no length of rope brings to where it is drawn.
     """
     limit = SHORTEST_WAY * float(layout.path.chords.min())
-    weights = _hanging(layout)
     _rest(system, state, limit)
-    if weights and layout.scene.rope.length is None:
-        _lengthen(layout, system, state, weights, limit)
+    if finds_rope(layout):
+        _lengthen(layout, system, state, _hanging(layout), limit)
     spans = next(group for group in system.groups if isinstance(group, Spans))
     spans.laid[:] = state.full_q[np.array(layout.station) + MATERIAL]
     _hold(layout, system, state)
+
+
+def finds_rope(layout: Layout) -> bool:
+    """Whether the static start finds how much rope there is, so that the load hangs as high as drawn."""
+    return layout.scene.rope.length is None and bool(_hanging(layout))
 
 
 def _hold(layout: Layout, system: System, state: State) -> None:

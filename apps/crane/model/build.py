@@ -11,7 +11,7 @@ from crane.assembly.drum_supply import check_supply
 from crane.assembly.groups import groups_of
 from crane.assembly.layout import AXES, Layout, lay_out
 from crane.assembly.prepared import compensation_of
-from crane.assembly.static_start import draw_true, stretch_of
+from crane.assembly.static_start import draw_true, finds_rope, stretch_of
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.span import MATERIAL, STATION
 from crane.model.handles import handles
@@ -182,6 +182,8 @@ def _drive(layout: Layout) -> Compensation | None:
     """Prescribe the material at drums whose motion is prescribed; a drum's compensation comes in addition."""
     scene, degrees = layout.scene, layout.degrees
     compensation = compensation_of(scene)
+    # Rope that a drum holds back at the start would be added again elsewhere, or stretch what is laid as drawn.
+    from_zero = scene.start != "static" or finds_rope(layout)
     for i, item in enumerate(scene.path):
         if not (isinstance(item, Drum) and item.prescribed):
             continue
@@ -189,9 +191,12 @@ def _drive(layout: Layout) -> Compensation | None:
         key = f"path[{i}].drum.{item.drive}"
         drive, factor = (item.pay_out, 1.0) if item.drive == "pay_out" else (item.speed, item.radius)
         steered = (
-            Steering(f"{item.name}.pay_out", "m", "unstretched rope paid out since the start", 0, way),
+            Steering(
+                f"{item.name}.pay_out", "m", "unstretched rope paid out since the start", 0, way,
+                zero_at_start=from_zero,
+            ),
             Steering(f"{item.name}.pay_out_speed", "m/s", "speed of unstretched rope, positive out", 1, way),
-        )
+        )  # fmt: skip
         request = FunctionRequest(
             drive, integrate=True, end=scene.solver.end, key=key, factor=way * factor, inputs=steered
         )

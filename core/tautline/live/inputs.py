@@ -129,7 +129,11 @@ class Inputs(Mapping[str, Any]):
             if type(value) is float:
                 given = (value,)
             else:
-                given = tuple(float(x) for x in (value if isinstance(value, (tuple, list, np.ndarray)) else (value,)))
+                listed = value if isinstance(value, (tuple, list, np.ndarray)) else (value,)
+                # True and False are slips, not 1 and 0.
+                if any(isinstance(x, (bool, np.bool_)) for x in listed):
+                    raise TypeError
+                given = tuple(float(x) for x in listed)
         except (TypeError, ValueError):
             given = ()
         if not 1 <= len(given) <= 3 or not np.isfinite(sum(given)):
@@ -169,13 +173,17 @@ class Inputs(Mapping[str, Any]):
         UnknownName
             For a name that is none of the inputs.
         SimulationError
-            For what is no finite number, or beyond what may be given.
+            For what is no finite number, or beyond what may be given; and for a place other than 0 that is counted from
+            the start.
         """
         for part, x in self._components(name, value):
             k = self._number(part)
             given = self._checked(k, part, x)
             if len(given) > 1:
                 raise SimulationError(f"{part} = {x!r} is no single number", "give one number to be held")
+            if self._list[k].steering.zero_at_start and given[0] != 0.0:
+                cause = f"{part} = {given[0]:g} cannot be at the start: it is counted from there"
+                raise SimulationError(cause, "give 0 for the start, and the place later; or give the speed")
             for steering, function in self._list[k].members:
                 stands = steering.factor * given[0]
                 now = self._now(function)[0] if steering.order else stands

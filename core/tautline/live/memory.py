@@ -29,6 +29,8 @@ class State:
         The bytes of all arrays of the state.
     frames : int
         Frames that were kept until then.
+    changed : tuple of str
+        Names of parameters that were changed after the start.
     """
 
     time: float
@@ -36,9 +38,10 @@ class State:
     layout: str
     block: np.ndarray
     frames: int
+    changed: tuple[str, ...] = ()
 
     def __reduce__(self) -> Any:
-        return as_sent, (self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block))
+        return as_sent, (self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block), self.changed)
 
 
 def sum_of(block: np.ndarray) -> int:
@@ -46,7 +49,9 @@ def sum_of(block: np.ndarray) -> int:
     return zlib.crc32(block)
 
 
-def as_sent(time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int) -> State:
+def as_sent(
+    time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int, changed: Iterable[str] = ()
+) -> State:  # fmt: skip
     """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
 
     Raises
@@ -56,7 +61,7 @@ def as_sent(time: float, scene: str, layout: str, block: np.ndarray, frames: int
     """
     if sum_of(block) != expected:
         raise SimulationError("the saved state is damaged", "save it again")
-    return State(time, scene, layout, block, frames)
+    return State(time, scene, layout, block, frames, tuple(changed))
 
 
 class Memory:

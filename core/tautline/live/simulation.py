@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from tautline.application.installed import Installed
+from tautline.errors import ArgumentTypeError
 from tautline.integrators.method import method_for
 from tautline.integrators.schedule import frame_times
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
@@ -56,6 +57,8 @@ BEGIN = 7
 """Place of the time of the last frame among the arguments of a loop."""
 CLOSE = 1.0e-9
 """Share of the output interval within which an advance ends at a frame."""
+EXAMPLES = {"parameters": '{"payload.mass": 5200.0}', "initial": '{"winch.pay_out_speed": -0.2}'}
+"""Of values by name."""
 LONG = 200_000
 """Steps, iterations and factorisations after which Ctrl-C is heard in the middle of an advance."""
 
@@ -105,6 +108,8 @@ class Simulation:
         For an input that the scene cannot have, and for a name in `parameters` or `initial` that there is not.
     SimulationError
         For a value that a parameter or an input cannot have.
+    ArgumentTypeError
+        For `parameters` or `initial` that are no mapping.
     StoppedEarly
         Where no start is found.
     """
@@ -124,11 +129,12 @@ class Simulation:
         self._application = Installed().of(self.scene)
         self._named = _names_of(inputs)
         self._keep = keep if isinstance(keep, bool) else _span_of(keep)
+        begin, held = _values_of(parameters, "parameters"), _values_of(initial, "initial")
         model = self._application.build(self._application.driven(self.scene, self._named))
         self._prepare(model)
-        for name, value in (parameters or {}).items():
+        for name, value in begin.items():
             self.parameters[name] = value
-        for name, value in (initial or {}).items():
+        for name, value in held.items():
             self.inputs.begin(name, value)
         self._start()
 
@@ -450,7 +456,8 @@ class Simulation:
 
     def save(self) -> State:
         """The simulation as it stands. It can be pickled, and restored in another process."""
-        return State(self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count)
+        changed = tuple(sorted(self._changed))
+        return State(self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count, changed)
 
     def restore(self, state: State) -> None:
         """Stand where a state was saved: everything goes on from there to the bit. Frames after it are dropped.
@@ -463,6 +470,7 @@ class Simulation:
         check(state, self._mark, self._memory.layout, self._memory.size)
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
+        self._changed = set(state.changed)
         self._stopped = self._status = ""
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
@@ -513,7 +521,7 @@ class Simulation:
         for force in self._forces:
             other._add(force.copy())
         other.restore(self.save())
-        other._kept, other._changed = self._kept.copy(), set(self._changed)
+        other._kept = self._kept.copy()
         return other
 
     __copy__ = copy
@@ -604,6 +612,15 @@ def _names_of(inputs: Any) -> tuple[str, ...]:
         if not isinstance(name, str):
             raise SimulationError(f"{name!r} is no name of an input", 'give names, such as ["winch.pay_out"]')
     return names
+
+
+def _values_of(given: Any, what: str) -> Mapping[str, Any]:
+    """Values by name; raises ArgumentTypeError for what is none."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise ArgumentTypeError(f"{what} = {given!r} is no mapping; give values by name, such as {EXAMPLES[what]}")
+    return given
 
 
 def _span_of(keep: Any) -> float:

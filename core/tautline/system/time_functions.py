@@ -75,6 +75,8 @@ class Steering:
         What it is multiplied by to be that.
     least, most : float
         What may be given.
+    zero_at_start : bool
+        Whether it is 0 at the start, whatever is given later: what hangs on it is then brought to where it is drawn.
     """
 
     name: str
@@ -84,6 +86,7 @@ class Steering:
     factor: float = 1.0
     least: float = -math.inf
     most: float = math.inf
+    zero_at_start: bool = False
 
 
 @dataclass(frozen=True, eq=False)

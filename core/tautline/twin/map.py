@@ -136,6 +136,8 @@ class Names(pydantic.BaseModel):
         Limits that the scene gives itself, as far as a twin can watch them.
     unwatched : tuple of str
         Names of those that it cannot: of figures of a whole run, and of single numbers of an array.
+    rivals : dict of str to list of str
+        Inputs that drive the same as another one does, as a winch's place and its speed, by its name.
     """
 
     inputs: dict[str, str]
@@ -144,6 +146,7 @@ class Names(pydantic.BaseModel):
     parameters: dict[str, str]
     limits: tuple[Watch, ...] = ()
     unwatched: tuple[str, ...] = ()
+    rivals: dict[str, list[str]] = {}
 
 
 class Channel(pydantic.BaseModel):
@@ -333,6 +336,7 @@ class _Reader:
         channels = [self.channel(i, sensor) for i, sensor in enumerate(read.sensors)]
         self.repeated("sensors", [one.column for one in read.sensors], "column")
         self.repeated("sensors", [one.name for one in read.sensors], "name")
+        self.rivals()
         measured = {sensor.output for sensor in read.sensors if sensor.output}
         unknowns = [self.unknown(i, one, measured) for i, one in enumerate(read.estimate)]
         self.repeated("estimate", [one.name for one in read.estimate], "parameter")
@@ -364,6 +368,20 @@ class _Reader:
         for i, name in enumerate(names):
             if name and name in names[:i]:
                 self.fault((key, i, what), f"'{name}' stands twice", "leave one of them out")
+
+    def rivals(self) -> None:
+        """Refuse a second sensor that drives what another one drives: each row would give both for one advance."""
+        driven: list[str] = []
+        for i, sensor in enumerate(self.map.sensors):
+            if sensor.input is None:
+                continue
+            for other in self.names.rivals.get(sensor.input, []):
+                if other in driven:
+                    one = next((name for name in (sensor.input, other) if name in self.outputs), None)
+                    measured = f", or measure one of them: write output: {one}" if one else ""
+                    cause = f"{sensor.input} and {other} drive the same"
+                    self.fault(("sensors", i, "input"), cause, f"leave one of them out{measured}")
+            driven.append(sensor.input)
 
     def channel(self, i: int, sensor: Sensor) -> Channel | None:
         is_input = sensor.input is not None
@@ -522,6 +540,7 @@ def names_of(sim: Simulation) -> Names:
         limits=tuple(limits),
         unwatched=tuple(unwatched),
         inputs=units(sim.inputs.describe()),
+        rivals={name: others for name in sim.inputs if (others := sim.inputs.rivals(name))},
         outputs=units(outputs),
         parameters=units(sim.parameters.describe()),
         shapes={name: tuple(one["shape"]) for name, one in outputs.items()},

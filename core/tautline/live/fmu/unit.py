@@ -105,9 +105,12 @@ class Core:
         self.begin, self.timed = float(time), True
 
     def initialise(self) -> None:
-        """Find the start, after which inputs are reached in steps; raises what the simulation raises."""
-        self.initialised = True
+        """Find the start, after which inputs are reached in steps; raises what the simulation raises.
+
+        Where none is found, inputs that are set next are still those of the start.
+        """
         self.ready  # noqa: B018
+        self.initialised = True
 
     def get(self, name: str) -> float:
         """An input, an output or a parameter. Of a start that is not found it is what the start before has."""
@@ -144,9 +147,12 @@ class Core:
             self.refused[name] = str(error)
             raise
         self.refused.pop(name, None)
-        if name in self.inputs and (self.initialised or self.stepped):
+        # Where no start is found, an input may be why: to be reached in a step it would never be heard.
+        without_start = self.stale and self.fault
+        if name in self.inputs and (self.initialised or self.stepped) and not without_start:
             self.given[name] = value
             return
+        self.given.pop(name, None)
         (self.held if name in self.inputs else self.changed)[name] = value
         if not self.stepped:
             self.stale, self.fault = True, ""
@@ -176,7 +182,7 @@ class Core:
         return {
             "state": self.ready.save(), "sent": dict(self.sent), "given": dict(self.given),
             "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
-            "timed": self.timed,
+            "timed": self.timed, "initialised": self.initialised,
         }  # fmt: skip
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -187,12 +193,15 @@ class Core:
         self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
         self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
         self.stepped, self.begin, self.timed = saved["stepped"], saved["begin"], saved["timed"]
+        # Else an input that is set next would be taken for one of a start that is still to be found, or the reverse.
+        self.initialised = saved["initialised"]
 
 
 def to_bytes(saved: dict[str, Any]) -> bytes:
     """A state as bytes: numbers as JSON, then the block."""
     state: State = saved["state"]
-    head = {**saved, "state": [state.time, state.scene, state.layout, state.frames, sum_of(state.block)]}
+    told = [state.time, state.scene, state.layout, state.frames, sum_of(state.block), state.changed]
+    head = {**saved, "state": told}
     return json.dumps(head).encode("utf8") + b"\0" + state.block.tobytes()
 
 
@@ -200,6 +209,6 @@ def from_bytes(data: bytes) -> dict[str, Any]:
     """What `to_bytes` wrote; raises SimulationError where it is something else by now."""
     head, _, block = bytes(data).partition(b"\0")
     saved = json.loads(head)
-    time, scene, layout, frames, expected = saved["state"]
-    saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, expected)
+    time, scene, layout, frames, *others = saved["state"]
+    saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, *others)
     return saved
