@@ -298,6 +298,9 @@ class Run:
         """Go on from an earlier result; returns its frames."""
         place = earlier.path or "result"
         if not earlier.restart:
+            if earlier.attributes.get("application") == "twin":
+                cure = "name the result of a simulation, or go on with `twin --resume`"
+                raise ResultError(place, "is what a twin has found, and no simulation", cure)
             cure = "run the scene from its start"
             raise ResultError(place, "holds no state to go on from", cure)
         made = {"method": earlier.attributes.get("method"), "model_hash": earlier.attributes.get("model_hash")}

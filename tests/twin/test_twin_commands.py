@@ -357,6 +357,9 @@ def test_a_twin_and_a_simulation_do_not_replace_the_results_of_each_other(rehear
         assert code == 2 and cause in " ".join(told.split()) and "name another file with -o" in " ".join(told.split())
     assert [one.read_bytes() for one in sorted(tmp_path.glob("*.nc"))] == before
     assert here(*simulate, tmp_path / "run.nc")[0] == 0, "a run replaces an earlier one"
+    code, _, told = here(*simulate, tmp_path / "more.nc", "--resume", tmp_path / "tw.nc")
+    assert code == 2 and "is what a twin has found, and no simulation" in " ".join(told.split())
+    assert not (tmp_path / "more.nc").exists()
 
 
 @pytest.mark.parametrize(
