@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from twin.rig.well_of_a_rig import LENGTH, VERTICAL, well
 
 import tautline
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
@@ -11,24 +12,7 @@ from drillstring.twin.row_rate import Needed, RowInterval
 from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
-SCENE = """
-well:
-  sections: [{hold: 2400 m}]
-  diameter: 8.5 in
-  wall: {stiffness: 1.0e9, damping: 2.0e6, friction: 0.25}
-string:
-  - {name: drill pipe, length: rest, od: 0.127, id: 0.1086}
-  - {name: collars, length: 80 m, od: 0.165, id: 0.0714}
-material: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}
-mud: {density: 1200}
-damping: {rotation: 5, translation: 50, structural: 5 ms}
-top: {block: 0, rotation: 0}
-bit: {on_bottom: false}
-model: {kind: lumped, elements: 40}
-solver: {method: generalized-alpha, rho_inf: 0.5, step: 10 ms, end: 110 s}
-output: {interval: 0.1 s}
-"""
-LENGTH = 2400.0
+SCENE = well(VERTICAL, "110 s", "0.1 s")
 MAP = """
 sensors:
   - {column: block, unit: m, input: top.block, zero: first}

@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from twin.rig.well_of_a_rig import VERTICAL, well
 
 import tautline
 from tautline.twin.signals.inputs import InputTrack
@@ -11,23 +12,7 @@ from tautline.twin.signals.rows import Row
 from tautline.twin.signals.smoothing import smooth
 from tautline.twin.twin import Twin
 
-LIGHT = """
-well:
-  sections: [{hold: 2400 m}]
-  diameter: 8.5 in
-  wall: {stiffness: 1.0e9, damping: 2.0e6, friction: 0.25}
-string:
-  - {name: drill pipe, length: rest, od: 0.127, id: 0.1086}
-  - {name: collars, length: 80 m, od: 0.165, id: 0.0714}
-material: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}
-mud: {density: 1200}
-damping: {rotation: 5, translation: 10, structural: 1 ms}
-top: {block: 0, rotation: 0}
-bit: {on_bottom: false}
-model: {kind: lumped, elements: 40}
-solver: {method: generalized-alpha, rho_inf: 0.5, step: 10 ms, end: 50 s}
-output: {interval: 20 ms}
-"""
+LIGHT = well(VERTICAL, "50 s", "20 ms", translation="10", structural="1 ms")
 MAP = """
 sensors:
   - {column: block, unit: m, input: top.block, zero: first}

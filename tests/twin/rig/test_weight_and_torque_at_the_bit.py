@@ -4,29 +4,15 @@ import functools
 
 import numpy as np
 import pytest
+from twin.rig.well_of_a_rig import DEVIATED, well
+from twin.rig.well_of_a_rig import VERTICAL as STRAIGHT_DOWN
 
 import tautline
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
 from tautline.twin.twin import Twin
 
-SCENE = """
-well:
-  sections: [{hold: 600 m}, {build: {rate: 3 deg/30m, to: 60 deg}}, {hold: 1200 m}]
-  diameter: 8.5 in
-  wall: {stiffness: 1.0e9, damping: 2.0e6, friction: 0.25}
-string:
-  - {name: drill pipe, length: rest, od: 0.127, id: 0.1086}
-  - {name: collars, length: 80 m, od: 0.165, id: 0.0714}
-material: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}
-mud: {density: 1200}
-damping: {rotation: 5, translation: 50, structural: 5 ms}
-top: {block: 0, rotation: 0}
-bit: {on_bottom: false}
-model: {kind: lumped, elements: 40}
-solver: {method: generalized-alpha, rho_inf: 0.5, step: 10 ms, end: 58 s}
-output: {interval: 0.2 s}
-"""
-VERTICAL = SCENE.replace("[{hold: 600 m}, {build: {rate: 3 deg/30m, to: 60 deg}}, {hold: 1200 m}]", "[{hold: 2400 m}]")
+SCENE = well(DEVIATED, "58 s", "0.2 s")
+VERTICAL = well(STRAIGHT_DOWN, "58 s", "0.2 s")
 PIPE, COLLAR = (0.127, 0.1086), (0.165, 0.0714)
 KICK, END, LENGTH, COLLARS = 600.0, 1200.0, 2400.0, 80.0
 INCLINED = np.radians(60.0)

@@ -78,8 +78,7 @@ class Core:
                 found.append((name, told["unit"], told["text"], "parameter"))
         return found
 
-    @property
-    def ready(self) -> Simulation:
+    def begun(self) -> Simulation:
         """The simulation with the parameters and inputs that were set before it began.
 
         Raises
@@ -109,7 +108,7 @@ class Core:
 
         Where none is found, inputs that are set next are still those of the start.
         """
-        self.ready  # noqa: B018
+        self.begun()
         self.initialised = True
 
     def get(self, name: str) -> float:
@@ -122,7 +121,7 @@ class Core:
         if name in self.outputs:
             output, at = self.outputs[name]
             with suppress(SimulationError):
-                self.ready  # noqa: B018
+                self.begun()
             value = self.sim[output]
             return float(value[at]) if at else float(value)
         return float(self.changed.get(name, self.sim.parameters[name]))
@@ -161,7 +160,7 @@ class Core:
         """One communication step; raises what the simulation raises, and where a value that was set is refused."""
         if self.refused:
             raise SimulationError("; ".join(self.refused.values()))
-        sim = self.ready
+        sim = self.begun()
         if not self.timed:
             self.start_at(time)
         if abs(time - self.begin - sim.time) > NEAR * max(1.0, abs(time)):
@@ -180,7 +179,7 @@ class Core:
     def save(self) -> dict[str, Any]:
         """All that a state of the FMU is."""
         return {
-            "state": self.ready.save(), "sent": dict(self.sent), "given": dict(self.given),
+            "state": self.begun().save(), "sent": dict(self.sent), "given": dict(self.given),
             "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
             "timed": self.timed, "initialised": self.initialised,
         }  # fmt: skip
