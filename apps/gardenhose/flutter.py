@@ -207,9 +207,27 @@ def _stable_from(linear: _Linear, grid: np.ndarray, grows: np.ndarray) -> float 
 
 
 @one_thread()
-def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any") -> list[Critical]:
-    """Every speed in a range at which motions of a plane begin to grow; between two of them they have ceased to."""
-    return _crossings(_Linear(scene), np.array(speeds, float), plane)
+def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any", ceasing: bool = False) -> list[Critical]:
+    """Every speed in a range at which motions of a plane begin to grow, or cease to, as the water goes faster.
+
+    Parameters
+    ----------
+    scene : HoseScene
+    speeds : sequence of float
+        Speeds of the water that are tried, m/s, in order; a passage is sought between each two neighbours.
+    plane : str
+        Plane of the motion: ``in``, ``out`` or ``any``.
+    ceasing : bool
+        Whether to find the speeds at which the last motion that grows ceases to, and not those at which the first
+        begins to. A cantilever's boundary is S-shaped over the mass ratio (R. W. Gregory and M. P. Paidoussis,
+        Proc. R. Soc. A 293, 1966): between two onsets it is stable once more.
+
+    Returns
+    -------
+    list of Critical
+        The slowest first.
+    """
+    return _crossings(_Linear(scene), np.array(speeds, float), plane, ceasing)
 
 
 def _range(linear: _Linear) -> np.ndarray:
@@ -248,12 +266,13 @@ def _guess(scene: HoseScene) -> float:
     return float(np.sqrt((pull or 0.1 * stiff) / hose.thrust))
 
 
-def _crossings(linear: _Linear, grid: np.ndarray, plane: Plane) -> list[Critical]:
-    """Where motions begin to grow as the water goes faster, to either side, the slowest first."""
+def _crossings(linear: _Linear, grid: np.ndarray, plane: Plane, ceasing: bool = False) -> list[Critical]:
+    """Where motions begin to grow, or cease to, as the water goes faster, to either side, the slowest first."""
     found = []
     grows = [_grows(linear, speed, plane) for speed in grid]
     for left, right, before, after in zip(grid[:-1], grid[1:], grows[:-1], grows[1:], strict=True):
-        if before != after and after == (abs(right) > abs(left)):
+        faster = abs(right) > abs(left)
+        if before != after and ceasing == (after != faster):
             found.append(_locate(linear, float(left), float(right), plane))
     return sorted(found, key=lambda one: abs(one.speed))
 

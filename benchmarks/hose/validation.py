@@ -230,9 +230,8 @@ def boundary(quick: bool = False) -> Section:
         found = _crossings(beta, [u for u, _ in exact])
         assert len(found) == len(exact), (beta, exact, found)
         if ends:
-            # Downwards, motions begin to grow where upwards they cease to.
             exact = exact + ends
-            found = found + _crossings(beta, [u for u, _ in ends], downwards=True)
+            found = found + _crossings(beta, [u for u, _ in ends], ceasing=True)
         dots += [(beta, u) for u, _ in found]
         apart += [abs(ours / u - 1.0) for (u, _), (ours, _) in zip(exact, found, strict=True)]
         if beta in TABLED:
@@ -269,12 +268,11 @@ def _passages(beta: float) -> tuple[list[tuple[float, float]], list[tuple[float,
     return onsets, ends
 
 
-def _crossings(beta: float, near: list[float], downwards: bool = False) -> list[tuple[float, float]]:
+def _crossings(beta: float, near: list[float], ceasing: bool = False) -> list[tuple[float, float]]:
     """u and omega of our passages: onsets are sought coarsely below the first exact one too, finely about all."""
-    coarse = np.arange(1.5, near[0] - 0.5, 1.5) if not downwards else ()
+    coarse = np.arange(1.5, near[0] - 0.5, 1.5) if not ceasing else ()
     fine = np.unique(np.concatenate([u * (1.0 + np.array([-1e-2, -2e-3, 2e-3, 1e-2])) for u in near]))
-    speeds = (*coarse, *fine)[:: -1 if downwards else 1]
-    found = crossings(straight(beta), [u / np.sqrt(beta) for u in speeds])
+    found = crossings(straight(beta), [u / np.sqrt(beta) for u in (*coarse, *fine)], ceasing=ceasing)
     return [(one.speed * float(np.sqrt(beta)), 2.0 * np.pi * one.frequency) for one in found]
 
 
