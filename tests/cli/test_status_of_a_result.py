@@ -146,8 +146,10 @@ def test_commands_that_show_a_run_that_stopped_early_say_so_and_so_do_their_file
         ("render", blocked, "--html", tmp_path / "page.html"),
         ("export", blocked, "--vtk", "--every", "1000", "-o", tmp_path / "frames"),
     ):
-        code, _, said = command(*words)
+        code, out, said = command(*words, "--json")
         assert code == 0 and MISSING in said, words[0]
+        (warning,) = only_object(out)["warnings"]
+        assert warning["where"] == str(blocked) and MISSING in warning["text"], words[0]
     assert MISSING in (tmp_path / "page.html").read_text()
     held = [pyvista.read(file).field_data for file in (tmp_path / "frames").glob("*.vtp")]
     assert any(MISSING in str(one["notes"]) for one in held if "notes" in one)

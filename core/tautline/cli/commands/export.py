@@ -64,10 +64,10 @@ def export(
             files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
     if vtk:
         files += _write_vtk(catalogue, result, base, look, every)
-    say_missing(result)
+    warnings = say_missing(result)
     _say_files(files)
     if as_json:
-        print_json({"status": "done", "files": [str(file) for file in files]})
+        print_json({"status": "done", "files": [str(file) for file in files], "warnings": warnings})
 
 
 def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, every: int) -> list[Path]:

@@ -72,12 +72,11 @@ def plot(
         if made and not any(folder.iterdir()):
             folder.rmdir()
         raise
-    for result in results:
-        say_missing(result)
+    warnings = [warning for result in results for warning in say_missing(result)]
     for file in written:
         say(f"wrote {file}", "green")
     if as_json:
-        print_json({"status": "done", "figures": [str(file) for file in written]})
+        print_json({"status": "done", "figures": [str(file) for file in written], "warnings": warnings})
 
 
 def _place(output: Path | None) -> tuple[Path, str | None, str | None]:

@@ -45,7 +45,7 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
             cure = f"give a number above 0 and below {LARGEST:,.0f}, such as 2"
             raise ResultError(f"--{option}", f"{asked[option]:g} is no factor", cure)
     appearance = appearance_of(catalogue.for_result(result), result, look)
-    say_missing(result)
+    warnings = say_missing(result)
     written: list[Path] = []
     if asked["html"] is not None:
         from tautline.results.target import check_page
@@ -67,7 +67,7 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     for file in written:
         say(f"wrote {file}", "green")
     if as_json:
-        print_json({"status": "done", "files": [str(file) for file in written]})
+        print_json({"status": "done", "files": [str(file) for file in written], "warnings": warnings})
 
 
 def _stage(appearance: Appearance, asked: dict[str, Any], **more: Any) -> Any:

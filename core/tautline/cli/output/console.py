@@ -38,12 +38,15 @@ def say(text: str, style: str = "") -> None:
     console().print(text, style=style or None, markup=False)
 
 
-def say_missing(result: Result) -> None:
-    """Warn that a result which is about to be shown is not that of a whole run."""
+def say_missing(result: Result) -> list[dict[str, str]]:
+    """Warn of a result that is about to be shown and is not of a whole run; returns the warning for ``--json``."""
     from tautline.results.naming import shortfall
 
-    if missing := shortfall(result):
-        say(f"{result.path or 'result'}: {missing}", "yellow")
+    missing, where = shortfall(result), str(result.path or "result")
+    if not missing:
+        return []
+    say(f"{where}: {missing}", "yellow")
+    return [{"where": where, "text": missing}]
 
 
 def finite(value: Any) -> Any:
