@@ -276,8 +276,8 @@ def _start(found: Estimate) -> Sentences:
     front = fastest * found.impedance
     if front > SUDDEN * found.largest_tension:
         text = (
-            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests: up to {front:.3g} N of tension come of "
-            "the jump alone; let the motion grow with `ramp`, or leave the first waves out of account"
+            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests. The jump causes up to {front:.3g} N of "
+            "tension. Use `ramp`, or ignore the first waves"
         )
         yield "vessel.motion" if scene.vessel is not None else "frames", text
 
