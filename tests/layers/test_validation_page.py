@@ -1,4 +1,4 @@
-"""docs/validation.md is what its script wrote, with every figure that belongs to it."""
+"""docs/validation.md names the script that writes it, and shows every image that belongs to it; no number is tested."""
 
 import re
 from importlib.util import find_spec
