@@ -19,7 +19,7 @@ SCRIPTS = (
     "pages.plausible_ranges", "pages.architecture",
 )  # fmt: skip
 """Of docs/validation.md, docs/performance.md and the README's table, docs/hose_validation.md, a part of
-docs/drillstring.md, docs/gallery.md, parts of docs/solver.md and docs/ranges.md, and docs/architecture.md."""
+docs/two_models.md, docs/gallery.md, parts of docs/solver.md and docs/ranges.md, and docs/architecture.md."""
 ALWAYS_QUICK = ("pages.statuses", "pages.plausible_ranges", "pages.architecture")
 
 
