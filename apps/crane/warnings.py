@@ -18,6 +18,7 @@ from crane.results.limits import LEAST_RATIO
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
+from crane.scene.strength import strain_bound
 from crane.sea.compensation import Compensation
 from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
@@ -29,8 +30,6 @@ from tautline.system.time_functions import FunctionRequest, compile_functions
 
 LEAST_SAFETY = 3.0
 """Breaking load over tension at rest: a rule of thumb of offshore lifting."""
-MOST_STRAIN = 0.03
-"""Tension at rest over EA beyond which no wire rope is whole, and few of fibre."""
 STEPS_PER_PERIOD = 10.0
 FRAMES_PER_PERIOD = 4.0
 SAGGING = 0.02
@@ -146,13 +145,14 @@ def _safety(found: Estimate) -> Sentences:
 
 
 def _strain(found: Estimate) -> Sentences:
-    """Rope that its load would stretch beyond what any wire bears."""
-    tension, stiffness = found.largest_tension, found.scene.rope.axial_stiffness
-    if tension > MOST_STRAIN * stiffness:
+    """Rope that its load at rest strains beyond the limit that a run is judged by."""
+    tension, stiffness, bound = found.largest_tension, found.scene.rope.axial_stiffness, strain_bound(found.scene)
+    if tension > bound * stiffness:
         text = (
             f"the tension at rest, about {tension:.3g} N, is {100.0 * tension / stiffness:.3g} % of EA = "
-            f"{stiffness:.3g} N, and the strain is about that; wire rope breaks at about 2 %; see whether "
-            "axial_stiffness and the load are what was meant"
+            f"{stiffness:.3g} N, and the strain is about that. The limit of a run is "
+            f"{100.0 * bound:g} %: hardly any such rope bears more. See whether axial_stiffness and the load are what "
+            "was meant"
         )
         yield "rope.axial_stiffness", text
 
@@ -276,8 +276,8 @@ def _start(found: Estimate) -> Sentences:
     front = fastest * found.impedance
     if front > SUDDEN * found.largest_tension:
         text = (
-            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests: up to {front:.3g} N of tension come of "
-            "the jump alone; let the motion grow with `ramp`, or leave the first waves out of account"
+            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests. The jump causes up to {front:.3g} N of "
+            "tension. Use `ramp`, or ignore the first waves"
         )
         yield "vessel.motion" if scene.vessel is not None else "frames", text
 

@@ -106,8 +106,8 @@ def _momentum(scene: HoseScene, speed: np.ndarray) -> Sentences:
     else:
         text = (
             f"the momentum of the water, M U^2, is {100.0 * shares[i]:.0f} % of EA at {fastest:.3g} m/s: the hose is "
-            "softer along itself by as much, and stretches by about that where it is bent; see whether EA is what was "
-            f"meant (it is all gone at {most:.3g} m/s)"
+            "softer along itself by as much, and stretches by about that where it is bent. See whether EA is what was "
+            f"meant. The axial stiffness is zero at {most:.3g} m/s"
         )
     yield where, text
 
@@ -192,8 +192,8 @@ def _ends(scene: HoseScene, speed: np.ndarray) -> Sentences:
             yield "water.outlet", text
     if water.outlet < 1.0:
         text = (
-            f"{water.outlet:g}: the jet is slower than the water in the hose, as behind a diffuser, from whose wall it "
-            "may part and remain as fast as it was; give 1 for a plain end, or more for a nozzle"
+            f"{water.outlet:g}: the jet is slower than the water in the hose, as after a diffuser. The flow may "
+            "separate and keep its speed. Give 1 for a plain end, or more for a nozzle"
         )
         yield "water.outlet", text
 

@@ -1,4 +1,4 @@
-"""A drill string's two models beside each other: the tables of docs/drillstring.md. With --quick nothing is written."""
+"""A drill string's two models beside each other: the tables of docs/two_models.md. With --quick nothing is written."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tautline.scene.reading.document import Document
 from tautline.simulation import simulate
 
 DATA = jwell.ROOT / "data"
-PAGE = jwell.ROOT / "docs" / "drillstring.md"
+PAGE = jwell.ROOT / "docs" / "two_models.md"
 BEGIN, END = "<!-- two models: written by benchmarks/accuracy/two_models.py -->", "<!-- end of two models -->"
 LEVEL = ("configuration_a", "configuration_b", "configuration_c", "hanging")
 WORDS = {LUMPED: "lumps", BEAM: "elements of a beam"}

@@ -1,4 +1,6 @@
-"""Measure everything anew: run all scripts that write tables and figures into the docs, one after the other.
+"""Measure anew what can be in one go: run scripts that write tables and figures into the docs, one after the other.
+
+Those that need more, or far longer, are named in docs/validation_index.md.
 
 Each has a process of its own, for it measures what else is not done in it. With --quick nothing is written but by the
 gallery, into a temporary folder, and by the tables of statuses and of ranges, which are as quick as they are.
@@ -17,7 +19,7 @@ SCRIPTS = (
     "pages.plausible_ranges", "pages.architecture",
 )  # fmt: skip
 """Of docs/validation.md, docs/performance.md and the README's table, docs/hose_validation.md, a part of
-docs/drillstring.md, docs/gallery.md, parts of docs/solver.md and docs/ranges.md, and docs/architecture.md."""
+docs/two_models.md, docs/gallery.md, parts of docs/solver.md and docs/ranges.md, and docs/architecture.md."""
 ALWAYS_QUICK = ("pages.statuses", "pages.plausible_ranges", "pages.architecture")
 
 

@@ -283,10 +283,9 @@ def outcomes(mutants: Sequence[Mutant], workers: int) -> Iterator[tuple[Mutant, 
 def rows(found: Sequence[tuple[Mutant, Outcome]]) -> Iterator[tuple[str, ...]]:
     """Rows of the table."""
     for mutant, what in found:
-        place = mutant.file.removeprefix("core/").removeprefix("apps/")
         file, _, test = what.killer.partition("::")
-        killer = f"`{file}`: {test.replace('|', ' ')}" if what.killer else f"**survived** {what.fault}"
-        yield f"`{place}`, `{mutant.function}`", mutant.what, killer, f"{what.seconds:.0f}"
+        killer = f"`tests/{file}`: {test.replace('|', ' ')}" if what.killer else f"**survived** {what.fault}"
+        yield f"`{mutant.file}`, `{mutant.function}`", mutant.what, killer, f"{what.seconds:.0f}"
 
 
 def main() -> None:

@@ -13,6 +13,7 @@ from references.cables import catenary
 from crane.assembly.drum_supply import check_supply, supply_of
 from crane.assembly.estimates import estimate, rk4_limit
 from crane.scene.scene import CraneScene
+from crane.scene.strength import strain_bound
 from crane.view.figures import draw_scene
 from crane.warnings import describe, figures, warnings
 from tautline.scene.errors import SceneError
@@ -200,6 +201,20 @@ def test_a_load_that_no_rope_of_that_stiffness_bears_is_told_with_its_strain():
     text = only(one_fall(rope={"breaking_load": None}, bodies=[LOAD | {"mass": "5000 t"}]), "rope.axial_stiffness")
     assert "4.91e+07 N, is 61.3 % of EA = 8e+07 N" in text
     assert told(one_fall(rope={"breaking_load": None}), "rope.axial_stiffness") == []
+
+
+@pytest.mark.parametrize(("rope", "bound"), [({}, 0.02), ({"diameter": None}, 0.05)], ids=["of steel", "of any kind"])
+def test_a_strain_at_rest_is_told_from_the_limit_on_that_a_run_is_judged_by(rope, bound):
+    """EA is 80 MN; the rope down to the load weighs 1.6 kN. With its diameter the rope has 79 GPa."""
+
+    def strained(share):
+        mass = (share * 8.0e7 - 1.6e3) / GRAVITY
+        return one_fall(rope={"breaking_load": None, **rope}, bodies=[LOAD | {"mass": mass}])
+
+    assert told(strained(0.99 * bound), "rope.axial_stiffness") == []
+    text = only(strained(1.01 * bound), "rope.axial_stiffness")
+    assert f"is {101.0 * bound:.3g} % of EA" in text and f"The limit of a run is {100.0 * bound:g} %" in text
+    assert strain_bound(strained(1.0)) == bound
 
 
 def test_layers_of_an_unknown_amount_of_rope_are_told_to_count_nothing():

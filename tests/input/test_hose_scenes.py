@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from gardenhose.application import Gardenhose
 from gardenhose.build import assembled
-from gardenhose.estimates import ONSET, rk4_limit, speeds
+from gardenhose.estimates import rk4_limit, speeds
 from gardenhose.scene import HoseScene, json_schema, read, with_speed
 from gardenhose.warnings import figures, warnings
 from tautline.cli.run import run
@@ -514,20 +514,6 @@ def test_a_hose_in_segments_of_one_section_has_the_critical_step_of_the_whole():
     piece = "{" + ", ".join(line.strip() for line in same.strip().splitlines()) + "}"
     parts = rk4_limit(scene_of((SECTION, f"  segments: [{piece}, {piece}]\n"))).step
     assert parts == pytest.approx(whole, rel=1e-3)
-
-
-def test_the_onset_of_flutter_is_that_of_gregory_and_paidoussis_equation():
-    # the equation solved apart: power series in a shooting method along beta, at two of the table's points
-    for beta, u, omega in ONSET[[4, 16]]:
-        assert shooting_residue(beta, u, omega) < 2e-2 * shooting_residue(beta, 1.1 * u, omega)
-
-
-def shooting_residue(beta, u, omega):
-    """Determinant of the free end's moment and shear over the two solutions that are clamped at the root."""
-    roots = np.roots([1.0, 0.0, u**2, 2.0 * math.sqrt(beta) * u * 1j * omega, -(omega**2)])
-    clamp = np.array([roots**0, roots])
-    ends = np.array([roots**2, roots**3]) * np.exp(roots)
-    return abs(np.linalg.det(np.vstack((clamp, ends))))
 
 
 def test_the_figures_are_those_of_table_2_2():

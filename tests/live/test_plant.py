@@ -260,7 +260,7 @@ def test_a_bit_on_bottom_answers_with_its_torque_and_the_bottom_is_said_to_be_he
     sim.advance(20.0)
     weight, torque = float(sim["bit.weight"]), float(sim["bit.torque"])
     assert weight > 0.0
-    with pytest.warns(UserWarning, match="holds the bottom of the hole still"):
+    with pytest.warns(UserWarning, match="the bottom of the hole is constant in the linear model"):
         plant = sim.linearise([], ["bit.weight", "bit.torque"])
     assert plant.held == ("the bottom of the hole",)
     presses = np.flatnonzero(np.abs(plant.C[0]) > 1e-6 * np.abs(plant.C[0]).max())

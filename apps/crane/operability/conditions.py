@@ -167,7 +167,7 @@ def sea_notes(scene: CraneScene, keys: SeaKeys) -> list[str]:
         if number < FEW_WAVES:
             more = math.ceil(one.components * FEW_WAVES / number / 100.0) * 100
             found.append(
-                f"{key}: {one.components} components carry their energy as {number:.0f} equal waves would. The largest "
-                f"of three hours of so few lies some per cent below that of a Gaussian sea: take components: {more}"
+                f"{key}: the spectrum has too few components: {one.components}, equivalent to {number:.0f} equal "
+                f"waves. The 3 h maximum is a few per cent too low. Take components: {more}"
             )
     return found

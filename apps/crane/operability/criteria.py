@@ -167,8 +167,8 @@ def notes_on(criteria: Sequence[Criterion], every: bool) -> list[str]:
     ]
     if every and criteria:
         found.append(
-            "limits are judged, and cycles of fatigue counted, over the lead-in too: one limit needs every frame, and "
-            "then none is left out; give limits on tension and positions alone to leave the lead-in out"
+            "limits are judged, and cycles of fatigue counted, over the lead-in too. One limit needs all frames. The "
+            "lead-in is then included. Give limits on tension and positions alone to leave the lead-in out"
         )
     return found
 

@@ -110,8 +110,8 @@ class Settings:
 
 
 LOST_ON_THE_WALL = (
-    "with the friction of the scene the wall carries the string while it is lowered: its hook load is then much as in "
-    "the slips, which are not told from that; a depth that is summed from the block's motion may be wrong"
+    "with the friction of the scene the wall carries the string while it is lowered: its hook load is then like that "
+    "in slips. The two states cannot be distinguished. A depth that is summed from the block's motion may be wrong"
 )
 BETWEEN = 0.5
 """Where the limit lies between the hook load of a string that is lowered and that without one."""

@@ -259,7 +259,7 @@ def _strokes(cases: list[Case], system: str) -> list[str]:
         up, down, other = (shown(way, "m", system) for way in point.strokes)
         found.append(
             f"{_head(point, deepest, system)}: it moves after a stroke of the "
-            f"block of {up} up or {down} down from rest, {other} either way after the other"
+            f"block of {up} up or {down} down from rest, {other} after a stroke in the other direction"
         )
     return found
 

@@ -57,8 +57,8 @@ SENTENCES = {
         "begin with a longer element"
     ),
     Status.NULL_MOTION: (
-        "the rope has turned across all that holds its node, whose p is free: the node may slide along the rope "
-        "without moving any of it, and nothing resists; hold the node in a further direction, or hold its p"
+        "the rope is perpendicular to every support of its node, and p of the node is free. The node can slide along "
+        "the rope, and nothing resists. Hold the node in a further direction, or hold its p"
     ),
     Status.OFF_WHEEL: (
         "the rope has left a sheave that it ran over: the straight line between its neighbours passes it by; keep the "
@@ -67,7 +67,7 @@ SENTENCES = {
     Status.RUN_OUT: "all of the rope has run off its drum; pay out less, or give the drum more rope",
     Status.TWO_BLOCKED: (
         "two-blocking: a hook or block has reached the sheave or drum that its rope leads to. Stop hoisting earlier. "
-        "If no winch hoisted it, look at what threw it up"
+        "If no winch hoisted it, find what moved the load upwards"
     ),
     Status.DRUM_FULL: (
         "all layers that a drum may have are full of rope; hoist less, or give the drum more turns or layers"
@@ -79,8 +79,8 @@ SENTENCES = {
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "
-        "a smaller step (or control: error), and finer elements where they fold. Where no step helps, a law gives back "
-        "what it has taken, as a bit with blades does that has stuck"
+        "a smaller step (or control: error), and finer elements where they fold. If a smaller step does not help, a "
+        "force law creates energy: for example, a stuck bit with blades returns the energy that it had taken"
     ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }

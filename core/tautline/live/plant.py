@@ -137,8 +137,8 @@ class _Linearisation:
         self.held_still = tuple(filter(None, (MEMORY[type(g)](g) for g in self.system.groups if type(g) in MEMORY)))
         for thing in self.held_still:
             warnings.warn(
-                f"linearise holds {thing} still, which goes on in a run. It is no state of A, B, C, D: they tell of "
-                "what is fast beside it, and not of low frequencies",
+                f"{thing} is constant in the linear model but changes in a run. The model is valid only for "
+                "frequencies well above that change",
                 stacklevel=4,
             )
 

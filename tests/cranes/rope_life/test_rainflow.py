@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from crane.rope_life.fatigue import equivalent_range, rainflow_counts
+from crane.rope_life.fatigue import SLOPE, equivalent_range, rainflow_counts
 
 STANDARD = np.array([-2.0, 1.0, -3.0, 5.0, -1.0, 3.0, -4.0, 4.0, -2.0])
 """ASTM E1049-85, figure 6: peaks and valleys A to I."""
@@ -45,6 +45,12 @@ def test_damage_of_the_equivalent_range_is_that_of_all_cycles():
     assert equivalent_range(cycles, 3.0, count=1.0) == pytest.approx(damage ** (1 / 3))
     assert equivalent_range(cycles, 400.0) == pytest.approx(9.0, rel=0.01)
     assert np.isfinite(equivalent_range(rainflow_counts(np.arange(9.0), 1e9 * STANDARD), 50.0))
+
+
+def test_the_default_slope_weighs_ranges_by_their_fifth_power():
+    """Counts 0.5, 1.5, 0.5, 1, 0.5 of the ranges 3, 4, 6, 8, 9: the sum of n S^5 is 67838, in 4 cycles."""
+    cycles = rainflow_counts(np.arange(9.0), STANDARD)
+    assert equivalent_range(cycles, SLOPE) == pytest.approx((67838.0 / 4.0) ** 0.2)
 
 
 def test_a_run_that_only_rises_is_half_a_cycle_even_of_two_frames():

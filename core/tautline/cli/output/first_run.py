@@ -9,7 +9,7 @@ from tautline.cli.output.console import say
 
 FIRST_RUN = (
     "first run of this kind of scene: compiling {kernels} of the solver, once. "
-    "8 to 15 s on two free cores, up to a minute on a busy machine"
+    "about 10 s on two free cores, up to a minute on a busy machine"
 )
 """Of a scene whose kernels are neither installed nor kept."""
 

@@ -75,8 +75,8 @@ class Start:
         elif self.pushed:
             told.append(
                 "the scene is drawn in unstable balance, as a column that carries more than Euler's load. It was "
-                "pushed aside, and relaxed from there. To which side it falls follows from no law: draw it a little to "
-                "that side"
+                "pushed aside, and relaxed from there. The side is arbitrary. Draw it a little to the side that is "
+                "meant"
             )
         if self.far:
             told.append(

@@ -298,7 +298,7 @@ def _warnings(
     if elsewhere:
         names = "; ".join(f"{name} by {100.0 * error:.2g} %" for name, error in elsewhere)
         found.append(
-            f"some stay off the reference as their step falls: {names}: they solve another problem (explicit methods "
+            f"these runs do not converge to the reference: {names}. They solve another problem (explicit methods "
             "take other laws of friction; meshes and penalties have errors of their own)"
         )
     if reference is None:
