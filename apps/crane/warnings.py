@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoisted_spans, reeled_of, supply_of
-from crane.assembly.estimates import Estimate, estimate, rk4_limit
+from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
+from crane.assembly.friction import is_held
 from crane.assembly.layout import entries_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
@@ -33,6 +34,7 @@ MOST_STRAIN = 0.03
 """Tension at rest over EA beyond which no wire rope is whole, and few of fibre."""
 STEPS_PER_PERIOD = 10.0
 FRAMES_PER_PERIOD = 4.0
+OF_A_WAVE = "the time of a wave of tension along an element"
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
 ENOUGH = 8
@@ -179,22 +181,31 @@ def shortest(found: Estimate) -> list[float]:
     return [length / n for length, n in zip(kept, scene.elements, strict=True)]
 
 
+def _explicit_limit(found: Estimate, lengths: list[float]) -> tuple[float, Drum | None]:
+    """Longest step of RK4, s, with elements of these lengths in the spans, m; and the held drum that sets it."""
+    scene = found.scene
+    damping = damping_of(scene, found.path)
+    limits: list[tuple[float, Drum | None]] = [
+        (rk4_limit(scene, length, c), None) for length, c in zip(lengths, damping, strict=True)
+    ]
+    for drum in (one for one in scene.drums if is_held(one)):
+        limits.append((held_limit(scene, drum, lengths[0 if drum is scene.path[0] else -1]), drum))
+    return min(limits, key=lambda limit: limit[0])
+
+
 def _steps(found: Estimate) -> Sentences:
     scene, frequency = found.scene, found.frequency
     solver, interval = scene.solver, scene.output.interval
     if solver.explicit:
         begin = [span.length / n for span, n in zip(found.path.spans, scene.elements, strict=True)]
-        damping = damping_of(scene, found.path)
-        critical, later = (
-            min(rk4_limit(scene, length, c) for length, c in zip(lengths, damping, strict=True))
-            for lengths in (begin, shortest(found))
-        )
+        (critical, _), (later, held) = _explicit_limit(found, begin), _explicit_limit(found, shortest(found))
         falls = f", and {later:.2g} s when the spans are shortest" if later < 0.9 * critical else ""
         if solver.step == "auto" or float(solver.step) > later:
             long = "" if solver.step == "auto" else f": {solver.step:g} s will be unstable"
+            why = f"as long as {held.name} is held by its brake or friction" if held else OF_A_WAVE
             text = (
-                f"rk4 takes steps of no more than about {critical:.2g} s here, the time of a wave of tension along an "
-                f"element{falls}{long}; method: generalized-alpha takes ten to a hundred times longer ones"
+                f"rk4 takes steps of no more than about {critical:.2g} s here, {why}{falls}{long}; method: "
+                "generalized-alpha takes ten to a hundred times longer ones"
             )
             yield "solver.method" if solver.step == "auto" else "solver.step", text
     if frequency is None:

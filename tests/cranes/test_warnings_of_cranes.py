@@ -125,6 +125,18 @@ def test_the_step_of_rk4_is_that_of_an_element_and_less_where_damping_rules():
     assert rk4_limit(damped, 0.1, damped.rope.damping) < 0.1 * rk4_limit(plain, 0.1, 0.0)
 
 
+def test_the_step_of_rk4_is_that_of_a_light_drum_on_its_brake_where_that_is_less():
+    light = {"drum": {k: x for k, x in WINCH["drum"].items() if k != "pay_out"} | {"torque": 0.0, "inertia": 5.0}}
+    held = {"drum": light["drum"] | {"brake": {"torque": "1 MN m"}}}
+    text = only(one_fall(path=[held, TIP, HOOK], solver={"method": "rk4", "step": "1 ms"}), "solver.step")
+    assert f"as long as {light['drum']['name']} is held by its brake or friction: 0.001 s will be unstable" in text
+    step = float(re.search(r"no more than about ([\d.e-]+) s", text)[1])
+    mass = 5.0 / 0.5**2 + 6.5 * 8.1 / 3.0
+    assert step == pytest.approx(2.83 * math.sqrt(mass * 0.5 / (1.0e3 * 8.0e7)), rel=0.05)
+    free = one_fall(path=[light, TIP, HOOK], solver={"method": "rk4", "step": "auto"})
+    assert "the time of a wave of tension" in only(free, "solver.method")
+
+
 def test_elements_long_for_a_sagging_rope_are_told_span_by_span():
     level = [{"anchor": {"name": "pole", "position": [-200, 0, 30]}}, tip(radius=0.6), HOOK]
     slack = one_fall(path=level, bodies=[LOAD | {"mass": "300 kg", "position": [12.6, 0, 5]}])

@@ -31,6 +31,8 @@ from tautline.kernels.time_function import TimeFunctions, evaluate
 
 CAPSTAN, EFFICIENCY, BEARING, TORQUE = range(4)
 NONE = -1
+LAST_DIGITS = 32.0 * float(np.finfo(float).eps)
+"""Share of u that is the rounding of a few of its changes."""
 SLIP = np.dtype(
     [
         ("kind", "i8"), ("p", "i8"), ("by_p", "f8"), ("s", "i8"), ("by_s", "f8"), ("before", "i8"), ("after", "i8"),
@@ -50,6 +52,9 @@ class Slips(NamedTuple):
     last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts``
     (1,) is 0 while an equilibrium is sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the
     first step is accepted: no contact has moved or been loaded before.
+
+    ``follows`` (2,) is gamma' of an implicit step under way, 0 in any other, and 1 until its prediction is seen, of
+    which ``predicted`` (n, 2) keeps u - u_n, m, and u., m/s.
     """
 
     rows: np.recarray
@@ -63,6 +68,8 @@ class Slips(NamedTuple):
     slips: np.ndarray
     acts: np.ndarray
     fresh: np.ndarray
+    follows: np.ndarray
+    predicted: np.ndarray
     functions: TimeFunctions
 
 
@@ -111,10 +118,37 @@ def _limit(g, row, t, force):
 
 
 @kernel
-def _trial(g, i, t, q):
+def _see_prediction(g, q, v):
+    """Keep where an implicit step is predicted to end; its corrector moves u. by gamma' times what it moves u by."""
+    if g.follows[1] == 1.0:
+        g.follows[1] = 0.0
+        for i in range(g.rows.size):
+            g.predicted[i, 0] = _travel(g.rows[i], q) - g.travel[i]
+            g.predicted[i, 1] = _travel(g.rows[i], v)
+
+
+@kernel
+def _way(g, i, q, v):
+    """u - u_n, m.
+
+    A drum that is held hardly moves, and is so stiff that a last digit of its p, of which there may be kilometres, is
+    a force that no iteration could balance. Its velocity has all digits of what little it does move.
+    """
+    row = g.rows[i]
+    u = _travel(row, q)
+    way = u - g.travel[i]
+    if row.kind == TORQUE and g.follows[0] > 0.0:
+        finer = g.predicted[i, 0] + (_travel(row, v) - g.predicted[i, 1]) / g.follows[0]
+        if abs(finer - way) <= LAST_DIGITS * abs(u):
+            return finer
+    return way
+
+
+@kernel
+def _trial(g, i, t, q, v):
     """Force, the sign of the slip or 0, and the limit with its derivatives."""
     row = g.rows[i]
-    force = g.force[i] + row.stiffness * (_travel(row, q) - g.travel[i])
+    force = g.force[i] + row.stiffness * _way(g, i, q, v)
     limit, by_one, by_two = _limit(g, row, t, force)
     if abs(force) <= limit:
         return force, 0, by_one, by_two
@@ -124,6 +158,7 @@ def _trial(g, i, t, q):
 @kernel
 def _begin(g, t, h, beta, gamma, q, v, a):
     g.acts[0] = 0.0 if beta < 0.0 else 1.0
+    g.follows[0], g.follows[1] = (gamma, 1.0) if beta > 0.0 and gamma > 0.0 else (0.0, 0.0)
     if g.fresh[0] == 1.0:
         for i in range(g.rows.size):
             g.travel[i] = _travel(g.rows[i], q)
@@ -134,8 +169,9 @@ def _switch(g, t, q, v, converged, changed):
     """A contact that lets go, or catches, has another tangent; the residual knows by itself."""
     if converged:
         return
+    _see_prediction(g, q, v)
     for i in range(g.rows.size):
-        _, sign, _, _ = _trial(g, i, t, q)
+        _, sign, _, _ = _trial(g, i, t, q, v)
         if sign != g.slips[i]:
             g.slips[i] = sign
             changed[0] += 1
@@ -143,9 +179,10 @@ def _switch(g, t, q, v, converged, changed):
 
 @kernel
 def _residual(g, t, q, v, a, r):
+    _see_prediction(g, q, v)
     for i in range(g.rows.size):
         row = g.rows[i]
-        force, _, _, _ = _trial(g, i, t, q)
+        force, _, _, _ = _trial(g, i, t, q, v)
         force *= g.acts[0]
         g.now[i] = force
         if row.p != NONE:
@@ -180,7 +217,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         return
     for i in range(g.rows.size):
         row = g.rows[i]
-        _, sign, by_one, by_two = _trial(g, i, t, q)
+        _, sign, by_one, by_two = _trial(g, i, t, q, v)
         if sign == 0:
             x = ck * row.stiffness
             if row.p != NONE:
@@ -215,11 +252,12 @@ def _commit(g, t, h, q, v, a):
     for i in range(g.rows.size):
         row = g.rows[i]
         u = _travel(row, q)
-        force, sign, _, _ = _trial(g, i, t, q)
+        force, sign, _, _ = _trial(g, i, t, q, v)
         # Of the way that F went, its spring took some; the rest is slip.
         slipped = u - g.travel[i] - (force - g.force[i]) / row.stiffness
         g.power[i] = force * slipped / h if sign != 0 else 0.0
         g.force[i], g.travel[i], g.now[i] = force, u, force
+    g.follows[0] = 0.0
 
 
 @kernel
