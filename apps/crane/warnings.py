@@ -24,6 +24,7 @@ from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
 from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
+from tautline.scene.functions import Ramp, Sum
 from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -61,8 +62,57 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_start(found),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
+        *_turns_on(scene), *_never(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
+
+
+def _turns_on(scene: CraneScene) -> Sentences:
+    """Bodies that lose mass and keep the moments of inertia of all of it."""
+    for k, body in enumerate(scene.bodies):
+        if body.release is not None and body.inertia is not None and body.release.inertia is None:
+            text = (
+                f"{body.name} keeps the moments of inertia of all its {body.mass:.4g} kg when "
+                f"{body.release.remaining:.4g} kg of it remain. It then turns too slowly. Give `inertia:` in release, "
+                "with the moments that remain"
+            )
+            yield f"bodies[{k}].release", text
+
+
+def _never(scene: CraneScene) -> Sentences:
+    """What is to happen at a time, and the run ends before."""
+    end = float(scene.solver.end)
+    late = f"the run ends at {end:.4g} s. Give an earlier time, or a later solver.end"
+    for k, body in enumerate(scene.bodies):
+        if body.release is not None and body.release.at >= end:
+            yield f"bodies[{k}].release.at", f"{body.release.at:.4g} s: the load never drops, because {late}"
+    for drum in scene.drums:
+        until = None if drum.brake is None else drum.brake.until
+        if until is not None and until >= end:
+            yield where(scene, drum, "brake.until"), f"{until:.4g} s: the brake never opens, because {late}"
+    for key, function in _functions_of(scene):
+        for ramp in _ramps_of(function):
+            if ramp.at >= end:
+                yield key, f"a ramp at {ramp.at:.4g} s never begins, because {late}"
+
+
+def _functions_of(scene: CraneScene) -> Iterator[tuple[str, Any]]:
+    """Keys and functions of time of winches, brakes and forces on bodies."""
+    for drum in scene.drums:
+        yield where(scene, drum, drum.drive), getattr(drum, drum.drive)
+        if drum.brake is not None:
+            yield where(scene, drum, "brake.closed"), drum.brake.closed
+    for k, body in enumerate(scene.bodies):
+        for c, force in enumerate(body.force or ()):
+            yield f"bodies[{k}].force[{c}]", force
+
+
+def _ramps_of(function: Any) -> Iterator[Ramp]:
+    """The ramps that a function of time is made of."""
+    if isinstance(function, Ramp):
+        yield function
+    for term in function.terms if isinstance(function, Sum) else ():
+        yield from _ramps_of(term)
 
 
 def _dry(scene: CraneScene) -> Sentences:

@@ -465,7 +465,7 @@ def test_time_of_a_scatter_diagram_that_was_not_run_is_a_warning_however_quiet(c
         "-o",
         tmp_path / "f",
     )
-    code, out, said = command("operability", scene.document.path, "--scatter", place, *options)
+    code, out, said = command("operability", scene.document.path, "--scatter", place, *options, "-o", tmp_path / "f")
     assert code == 0
     (text,) = only_object(out)["warnings"]
     assert text.startswith("42.9 % of the time of the scatter diagram was not run") and "life is too long" in text

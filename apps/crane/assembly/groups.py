@@ -289,10 +289,20 @@ def _wet(layout: Layout, spans: Spans) -> Wet | None:
 
 def _rigids(layout: Layout) -> Rigids | None:
     scene = layout.scene
-    rows = [
-        {"place": layout.body[name], "turn": turn, "inertia": scene.body(name).inertia, "frequency": FREQUENCY}
-        for name, turn in layout.turn.items()
-    ]
+    rows = []
+    for name, turn in layout.turn.items():
+        body = scene.body(name)
+        left = None if body.release is None else body.release.inertia
+        rows.append(
+            {
+                "place": layout.body[name],
+                "turn": turn,
+                "inertia": body.inertia,
+                "remaining": body.inertia if left is None else left,
+                "released": body.release.at if left is not None and body.release is not None else np.inf,
+                "frequency": FREQUENCY,
+            }
+        )
     return new_rigids(records_of(RIGID, rows)) if rows else None
 
 
