@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoisted_spans, reeled_of, supply_of
-from crane.assembly.estimates import Estimate, estimate, rk4_limit
+from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
+from crane.assembly.friction import is_held
 from crane.assembly.layout import entries_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
@@ -24,6 +25,7 @@ from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
 from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
+from tautline.scene.functions import Ramp, Sum
 from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -32,6 +34,7 @@ LEAST_SAFETY = 3.0
 """Breaking load over tension at rest: a rule of thumb of offshore lifting."""
 STEPS_PER_PERIOD = 10.0
 FRAMES_PER_PERIOD = 4.0
+OF_A_WAVE = "the time of a wave of tension along an element"
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
 ENOUGH = 8
@@ -58,8 +61,57 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_start(found),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
+        *_turns_on(scene), *_never(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
+
+
+def _turns_on(scene: CraneScene) -> Sentences:
+    """Bodies that lose mass and keep the moments of inertia of all of it."""
+    for k, body in enumerate(scene.bodies):
+        if body.release is not None and body.inertia is not None and body.release.inertia is None:
+            text = (
+                f"{body.name} keeps the moments of inertia of all its {body.mass:.4g} kg when "
+                f"{body.release.remaining:.4g} kg of it remain. It then turns too slowly. Give `inertia:` in release, "
+                "with the moments that remain"
+            )
+            yield f"bodies[{k}].release", text
+
+
+def _never(scene: CraneScene) -> Sentences:
+    """What is to happen at a time, and the run ends before."""
+    end = float(scene.solver.end)
+    late = f"the run ends at {end:.4g} s. Give an earlier time, or a later solver.end"
+    for k, body in enumerate(scene.bodies):
+        if body.release is not None and body.release.at >= end:
+            yield f"bodies[{k}].release.at", f"{body.release.at:.4g} s: the load never drops, because {late}"
+    for drum in scene.drums:
+        until = None if drum.brake is None else drum.brake.until
+        if until is not None and until >= end:
+            yield where(scene, drum, "brake.until"), f"{until:.4g} s: the brake never opens, because {late}"
+    for key, function in _functions_of(scene):
+        for ramp in _ramps_of(function):
+            if ramp.at >= end:
+                yield key, f"a ramp at {ramp.at:.4g} s never begins, because {late}"
+
+
+def _functions_of(scene: CraneScene) -> Iterator[tuple[str, Any]]:
+    """Keys and functions of time of winches, brakes and forces on bodies."""
+    for drum in scene.drums:
+        yield where(scene, drum, drum.drive), getattr(drum, drum.drive)
+        if drum.brake is not None:
+            yield where(scene, drum, "brake.closed"), drum.brake.closed
+    for k, body in enumerate(scene.bodies):
+        for c, force in enumerate(body.force or ()):
+            yield f"bodies[{k}].force[{c}]", force
+
+
+def _ramps_of(function: Any) -> Iterator[Ramp]:
+    """The ramps that a function of time is made of."""
+    if isinstance(function, Ramp):
+        yield function
+    for term in function.terms if isinstance(function, Sum) else ():
+        yield from _ramps_of(term)
 
 
 def _dry(scene: CraneScene) -> Sentences:
@@ -179,22 +231,31 @@ def shortest(found: Estimate) -> list[float]:
     return [length / n for length, n in zip(kept, scene.elements, strict=True)]
 
 
+def _explicit_limit(found: Estimate, lengths: list[float]) -> tuple[float, Drum | None]:
+    """Longest step of RK4, s, with elements of these lengths in the spans, m; and the held drum that sets it."""
+    scene = found.scene
+    damping = damping_of(scene, found.path)
+    limits: list[tuple[float, Drum | None]] = [
+        (rk4_limit(scene, length, c), None) for length, c in zip(lengths, damping, strict=True)
+    ]
+    for drum in (one for one in scene.drums if is_held(one)):
+        limits.append((held_limit(scene, drum, lengths[0 if drum is scene.path[0] else -1]), drum))
+    return min(limits, key=lambda limit: limit[0])
+
+
 def _steps(found: Estimate) -> Sentences:
     scene, frequency = found.scene, found.frequency
     solver, interval = scene.solver, scene.output.interval
     if solver.explicit:
         begin = [span.length / n for span, n in zip(found.path.spans, scene.elements, strict=True)]
-        damping = damping_of(scene, found.path)
-        critical, later = (
-            min(rk4_limit(scene, length, c) for length, c in zip(lengths, damping, strict=True))
-            for lengths in (begin, shortest(found))
-        )
+        (critical, _), (later, held) = _explicit_limit(found, begin), _explicit_limit(found, shortest(found))
         falls = f", and {later:.2g} s when the spans are shortest" if later < 0.9 * critical else ""
         if solver.step == "auto" or float(solver.step) > later:
             long = "" if solver.step == "auto" else f": {solver.step:g} s will be unstable"
+            why = f"as long as {held.name} is held by its brake or friction" if held else OF_A_WAVE
             text = (
-                f"rk4 takes steps of no more than about {critical:.2g} s here, the time of a wave of tension along an "
-                f"element{falls}{long}; method: generalized-alpha takes ten to a hundred times longer ones"
+                f"rk4 takes steps of no more than about {critical:.2g} s here, {why}{falls}{long}; method: "
+                "generalized-alpha takes ten to a hundred times longer ones"
             )
             yield "solver.method" if solver.step == "auto" else "solver.step", text
     if frequency is None:

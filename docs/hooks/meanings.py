@@ -14,6 +14,7 @@ MEANINGS = {
     "Limit.at_least": "The smallest value that is allowed: the same as `below`.",
     "frame": "What carries it: a frame, `vessel` or `ground`; without it the vessel where there is one.",
     "wrap": "The side of the centre that the rope passes; `left` and `right` of its travel where the axis is upright.",
+    "Release.inertia": "Principal moments that remain; without it all of `inertia` stays.",
     "End.body": "Name of the body that the rope holds.",
     "turns": "Turns in a layer.",
     "count": "How many layers there may be.",

@@ -126,6 +126,40 @@ def test_the_step_of_rk4_is_that_of_an_element_and_less_where_damping_rules():
     assert rk4_limit(damped, 0.1, damped.rope.damping) < 0.1 * rk4_limit(plain, 0.1, 0.0)
 
 
+def test_the_step_of_rk4_is_that_of_a_light_drum_on_its_brake_where_that_is_less():
+    light = {"drum": {k: x for k, x in WINCH["drum"].items() if k != "pay_out"} | {"torque": 0.0, "inertia": 5.0}}
+    held = {"drum": light["drum"] | {"brake": {"torque": "1 MN m"}}}
+    text = only(one_fall(path=[held, TIP, HOOK], solver={"method": "rk4", "step": "1 ms"}), "solver.step")
+    assert f"as long as {light['drum']['name']} is held by its brake or friction: 0.001 s will be unstable" in text
+    step = float(re.search(r"no more than about ([\d.e-]+) s", text)[1])
+    mass = 5.0 / 0.5**2 + 6.5 * 8.1 / 3.0
+    assert step == pytest.approx(2.83 * math.sqrt(mass * 0.5 / (1.0e3 * 8.0e7)), rel=0.05)
+    free = one_fall(path=[light, TIP, HOOK], solver={"method": "rk4", "step": "auto"})
+    assert "the time of a wave of tension" in only(free, "solver.method")
+
+
+def test_what_is_to_happen_after_the_run_has_ended_is_told_with_both_times():
+    dropped = one_fall(bodies=[LOAD | {"release": {"at": 60.0, "remaining": "1 t"}}], solver={"end": 50.0})
+    assert "60 s: the load never drops, because the run ends at 50 s" in only(dropped, "bodies[0].release.at")
+    sooner = one_fall(bodies=[LOAD | {"release": {"at": 49.0, "remaining": "1 t"}}], solver={"end": 50.0})
+    assert told(sooner, "bodies[0].release.at") == []
+    drum = {k: x for k, x in WINCH["drum"].items() if k != "pay_out"} | {"torque": 0.0, "inertia": 500.0}
+    braked = {"drum": drum | {"brake": {"torque": "1 MN m", "until": 60.0}}}
+    text = only(one_fall(path=[braked, TIP, HOOK], solver={"end": 50.0}), "path[0].drum.brake.until")
+    assert "the brake never opens, because the run ends at 50 s" in text
+    ramps = {"sum": [{"ramp": {"to": 1.0, "over": 1.0}}, {"ramp": {"to": -1.0, "over": 1.0, "at": 60.0}}]}
+    text = only(one_fall(path=[winch(pay_out=ramps), TIP, HOOK], solver={"end": 50.0}), "path[0].drum.pay_out")
+    assert text.startswith("a ramp at 60 s never begins, because the run ends at 50 s")
+
+
+def test_a_body_that_drops_mass_and_keeps_its_inertia_is_told():
+    turns = LOAD | {"inertia": [900, 900, 400]}
+    kept = one_fall(bodies=[turns | {"release": {"at": 0.1, "remaining": "1 t"}}])
+    assert "payload keeps the moments of inertia of all its 5000 kg" in only(kept, "bodies[0].release")
+    given = {"at": 0.1, "remaining": "1 t", "inertia": [200, 200, 80]}
+    assert told(one_fall(bodies=[turns | {"release": given}]), "bodies[0].release") == []
+
+
 def test_elements_long_for_a_sagging_rope_are_told_span_by_span():
     level = [{"anchor": {"name": "pole", "position": [-200, 0, 30]}}, tip(radius=0.6), HOOK]
     slack = one_fall(path=level, bodies=[LOAD | {"mass": "300 kg", "position": [12.6, 0, 5]}])

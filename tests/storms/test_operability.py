@@ -447,6 +447,31 @@ def test_fatigue_is_that_of_a_year_whether_the_lead_in_is_kept_for_a_limit_or_no
     assert cycles[1] == pytest.approx(cycles[0], rel=0.3)
 
 
+def test_time_of_a_scatter_diagram_that_was_not_run_is_a_warning_however_quiet(command, scene, tmp_path):
+    # 3 of 7 occurrences are too steep to be run: their damage is lacking, and the life is too long
+    place = tmp_path / "scatter.csv"
+    place.write_text("Hs [m],3,8\n0.5,0,4\n1.0,3,0\n")
+    options = (
+        "--seeds",
+        "1",
+        "--duration",
+        "10 s",
+        "--lead-in",
+        "5 s",
+        "-j",
+        "1",
+        "--json",
+        "-q",
+        "-o",
+        tmp_path / "f",
+    )
+    code, out, said = command("operability", scene.document.path, "--scatter", place, *options, "-o", tmp_path / "f")
+    assert code == 0
+    (text,) = only_object(out)["warnings"]
+    assert text.startswith("42.9 % of the time of the scatter diagram was not run") and "life is too long" in text
+    assert "warning: 42.9 % of the time" in " ".join(said.split())
+
+
 def test_sea_states_that_never_occur_are_not_run_for_fatigue_alone(command, scene, tmp_path):
     place = tmp_path / "scatter.csv"
     place.write_text("Hs [m],6,8\n0.5,3,0\n1.0,0,4\n")

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crane.assembly.friction import held_stiffness
 from crane.assembly.layout import Layout, carries_nothing, lay_out, sags_of
 from crane.assembly.loads import load_of, pull
 from crane.assembly.mesh_damping import HIGHEST, bounce
 from crane.geometry.reeving import Path
-from crane.scene.scene import CraneScene, End, Sheave
+from crane.scene.scene import CraneScene, Drum, End, Sheave
 from tautline.scene.reading.files import stamps
 
 REAL_LIMIT = 2.785294
@@ -121,3 +122,10 @@ def rk4_limit(scene: CraneScene, length: float, damping: float) -> float:
     if ratio <= 1.0:
         return IMAGINARY_LIMIT / omega
     return REAL_LIMIT / (omega * (ratio + math.sqrt(ratio * ratio - 1.0)))
+
+
+def held_limit(scene: CraneScene, drum: Drum, length: float) -> float:
+    """Longest step of RK4, s, by a drum that its brake or its friction holds, with an element of a length, m, at it."""
+    rope = scene.rope
+    mass = (drum.inertia or 0.0) / drum.radius**2 + rope.mass_per_length * length / 3.0
+    return IMAGINARY_LIMIT * math.sqrt(mass / held_stiffness(rope.axial_stiffness, drum))

@@ -15,6 +15,9 @@ from tautline.system.time_functions import FunctionRequest, Steering
 
 CLOSES = 1.0e-3
 """Time that a brake takes to close or open, s."""
+HELD = 1.0e3
+"""Stiffness of a drum that is held, over EA / R. With EA / R it would give way as R more of rope do: the load would
+bounce slower and snap softer. With this the rope seems longer by a thousandth of R, less than any drawing says."""
 Row = dict[str, Any]
 
 
@@ -57,7 +60,7 @@ def _of_drum(layout: Layout, i: int, drum: Drum) -> list[Row]:
     common: Row = {
         "kind": TORQUE, "p": layout.material(i), "by_p": layout.stretch, "s": NONE, "after": NONE,
         "before": 0 if i == 0 else layout.item[-1] - 1,
-        "stiffness": layout.scene.rope.axial_stiffness / drum.radius,
+        "stiffness": held_stiffness(layout.scene.rope.axial_stiffness, drum),
     }  # fmt: skip
     if drum.friction_torque > 0.0:
         always = layout.requests.add(FunctionRequest(Constant(value=1.0)))
@@ -66,6 +69,17 @@ def _of_drum(layout: Layout, i: int, drum: Drum) -> list[Row]:
         closed = layout.requests.add(FunctionRequest(_closed(drum), key=f"path[{i}].drum.brake", inputs=_brake(drum)))
         rows.append({**common, "coefficient": drum.brake.torque / drum.radius, "function": closed})
     return rows
+
+
+def held_stiffness(axial_stiffness: float, drum: Drum) -> float:
+    """What brake and friction of a drum resist with until they slip, N by metres of rope."""
+    return HELD * axial_stiffness / drum.radius
+
+
+def is_held(drum: Drum) -> bool:
+    """Whether a drum has a brake or friction that may hold it."""
+    brakes = drum.brake is not None and drum.brake.torque > 0.0
+    return not drum.prescribed and (brakes or drum.friction_torque > 0.0)
 
 
 def _brake(drum: Drum) -> tuple[Steering, ...]:

@@ -19,7 +19,7 @@ from crane.groups.arcs import Arcs, new_arcs
 from crane.groups.bends import Bends, new_bends, stencils
 from crane.groups.capstan_friction import SLIP, Slips
 from crane.groups.hydrodynamics import NARROWEST, WET, Wet, new_wet
-from crane.groups.masses import BODY, Bodies, Rims, Springs
+from crane.groups.masses import BODY, Bodies, Releases, Rims, Springs
 from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
 from crane.groups.span import BETWEEN, MATERIAL, SPAN, STATION, Spans, new_spans
@@ -50,7 +50,8 @@ def groups_of(layout: Layout) -> tuple[list[Maker], list[np.ndarray]]:
         made.append(partial(_constant, wet))
     if contacts:
         made.append(partial(_slips, contacts, spans))
-    made += [make for make in (_wound(layout, spans), _drums(layout, spans), _bodies(layout)) if make is not None]
+    made += [make for make in (_wound(layout, spans), _drums(layout, spans)) if make is not None]
+    made += _bodies(layout)
     for group in (
         _rims(layout), _springs(layout), _supplies(layout), _rigids(layout), _sockets(layout)
     ):  # fmt: skip
@@ -126,7 +127,8 @@ def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunction
     none = {"by_s": 0.0, "by_p": 0.0}
     return Slips(
         records_of(SLIP, [none | row for row in contacts]), spans.found, spans.start, ends, np.zeros(n), np.zeros(n),
-        np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(1), np.ones(1), functions,
+        np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(1), np.ones(1), np.zeros(2), np.zeros((n, 2)),
+        functions,
     )  # fmt: skip
 
 
@@ -192,7 +194,8 @@ def _of_drum(drum: Drum) -> tuple[Steering, ...]:
     return (Steering(f"{drum.name}.{drum.drive}", "N m" if drum.drive == "torque" else "N", text),)
 
 
-def _bodies(layout: Layout) -> Maker | None:
+def _bodies(layout: Layout) -> list[Maker]:
+    """Bodies, and what tells of their releases where there are any."""
     scene, rows = layout.scene, []
     gravity, ground = np.array(scene.gravity, dtype=float), scene.ground
     for k, body in enumerate(scene.bodies):
@@ -218,12 +221,16 @@ def _bodies(layout: Layout) -> Maker | None:
             }
         )
     if not rows:
-        return None
+        return []
     floor = np.array([ground.level, ground.stiffness, ground.damping, ground.friction] if ground else [0.0] * 4)
     mass = np.array([row["mass"] for row in rows], dtype=float)
-    return lambda functions: Bodies(
-        records_of(BODY, rows), gravity, floor, mass, mass.copy(), np.zeros((len(mass), 2)), functions
-    )  # fmt: skip
+    kept = mass.copy()
+
+    def bodies(functions: TimeFunctions) -> Bodies:
+        return Bodies(records_of(BODY, rows), gravity, floor, mass, kept, np.zeros((len(mass), 2)), functions)
+
+    releases = any(body.release is not None for body in scene.bodies)
+    return [bodies, *([partial(_constant, Releases(mass, kept))] if releases else [])]
 
 
 def _rims(layout: Layout) -> Rims | None:
@@ -288,10 +295,20 @@ def _wet(layout: Layout, spans: Spans) -> Wet | None:
 
 def _rigids(layout: Layout) -> Rigids | None:
     scene = layout.scene
-    rows = [
-        {"place": layout.body[name], "turn": turn, "inertia": scene.body(name).inertia, "frequency": FREQUENCY}
-        for name, turn in layout.turn.items()
-    ]
+    rows = []
+    for name, turn in layout.turn.items():
+        body = scene.body(name)
+        left = None if body.release is None else body.release.inertia
+        rows.append(
+            {
+                "place": layout.body[name],
+                "turn": turn,
+                "inertia": body.inertia,
+                "remaining": body.inertia if left is None else left,
+                "released": body.release.at if left is not None and body.release is not None else np.inf,
+                "frequency": FREQUENCY,
+            }
+        )
     return new_rigids(records_of(RIGID, rows)) if rows else None
 
 

@@ -23,7 +23,17 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.geometry.line import AXES
-from crane.groups.span import FIRST, FIRST_PSI, LAST, LAST_PSI, STRETCH, add_by_tension
+from crane.groups.span import (
+    FIRST,
+    FIRST_PSI,
+    FORCE,
+    LAST,
+    LAST_PSI,
+    MATERIAL,
+    STRAIN_ENERGY,
+    STRETCH,
+    add_by_tension,
+)
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -31,6 +41,8 @@ from tautline.kernels.time_function import TimeFunctions, evaluate
 
 CAPSTAN, EFFICIENCY, BEARING, TORQUE = range(4)
 NONE = -1
+LAST_DIGITS = 32.0 * float(np.finfo(float).eps)
+"""Share of u that is the rounding of a few of its changes."""
 SLIP = np.dtype(
     [
         ("kind", "i8"), ("p", "i8"), ("by_p", "f8"), ("s", "i8"), ("by_s", "f8"), ("before", "i8"), ("after", "i8"),
@@ -50,6 +62,9 @@ class Slips(NamedTuple):
     last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts``
     (1,) is 0 while an equilibrium is sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the
     first step is accepted: no contact has moved or been loaded before.
+
+    ``follows`` (2,) is gamma' of an implicit step under way, 0 in any other, and 1 until its prediction is seen, of
+    which ``predicted`` (n, 2) keeps u - u_n, m, and u., m/s.
     """
 
     rows: np.recarray
@@ -63,6 +78,8 @@ class Slips(NamedTuple):
     slips: np.ndarray
     acts: np.ndarray
     fresh: np.ndarray
+    follows: np.ndarray
+    predicted: np.ndarray
     functions: TimeFunctions
 
 
@@ -88,42 +105,113 @@ def _pin(g, row):
     return size, by_one * h, by_two * h
 
 
+class Limit(NamedTuple):
+    """F_m, and its derivatives by the tensions, and by the stretches, before and after."""
+
+    most: float
+    by_one: float
+    by_two: float
+    by_stretch_one: float
+    by_stretch_two: float
+
+
 @kernel
 def _limit(g, row, t, force):
-    """F_m for a force of this sign, and its derivatives by the tensions before and after."""
+    """The limit for a force of this sign."""
     if row.kind == TORQUE:
         share, _, _ = evaluate(g.functions, row.function, t)
         # The drum turns with the rope that comes onto it, by lambda p. / R.
         stretch = max(1.0, g.found[row.before, STRETCH]) / row.by_p
-        return stretch * row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0
+        return Limit(stretch * row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0, 0.0, 0.0)
+    # In balance by_p F = T_1 - T_2, but for the stretch.
+    before_is_lower = row.by_p * force < 0.0
+    lower = g.found[row.before, LAST] if before_is_lower else g.found[row.after, FIRST]
     if row.kind == BEARING:
         size, by_one, by_two = _pin(g, row)
-        return row.coefficient * size, row.coefficient * by_one, row.coefficient * by_two
-    gain = row.coefficient
-    if row.kind == CAPSTAN:
-        gain = exp(row.coefficient * abs(g.found[row.after, FIRST_PSI] - g.found[row.before, LAST_PSI])) - 1.0
-    # In balance by_p F = T_1 - T_2, but for the stretch.
-    if row.by_p * force < 0.0:
-        lower = g.found[row.before, LAST]
-        return (gain * lower, gain, 0.0) if lower > 0.0 else (0.0, 0.0, 0.0)
-    lower = g.found[row.after, FIRST]
-    return (gain * lower, 0.0, gain) if lower > 0.0 else (0.0, 0.0, 0.0)
+        drag, by_one, by_two = row.coefficient * size, row.coefficient * by_one, row.coefficient * by_two
+    else:
+        gain = row.coefficient
+        if row.kind == CAPSTAN:
+            gain = exp(row.coefficient * abs(g.found[row.after, FIRST_PSI] - g.found[row.before, LAST_PSI])) - 1.0
+        if lower <= 0.0:
+            return Limit(0.0, 0.0, 0.0, 0.0, 0.0)
+        drag = gain * lower
+        by_one, by_two = (gain, 0.0) if before_is_lower else (0.0, gain)
+    if row.p == NONE:
+        return Limit(drag, by_one, by_two, 0.0, 0.0)
+    return _at_mark(g, row, before_is_lower, lower, drag, by_one, by_two)
 
 
 @kernel
-def _trial(g, i, t, q):
-    """Force, the sign of the slip or 0, and the limit with its derivatives."""
+def _at_mark(g, row, before_is_lower, lower, drag, by_one, by_two):
+    """The limit on p at which the tensions at the mark differ by ``drag``.
+
+    The row of p is in balance where by_p F = (T lambda - W)_h - (T lambda - W)_l, h the side of the higher tension and
+    l that of the lower, with any law of strain. With T_h = T_l + drag
+
+        by_p F = lambda_h drag + T_l (lambda_h - lambda_l) - W_h + W_l.
+
+    Its derivatives by the stretches take N for dW/dlambda, without what is viscous in it. In balance they vanish but
+    for the weight of half an element.
+    """
+    high, low = (row.after, row.before) if before_is_lower else (row.before, row.after)
+    stretch, short = max(1.0, g.found[high, STRETCH]), max(1.0, g.found[low, STRETCH])
+    most = stretch * drag + lower * (stretch - short) - g.found[high, STRAIN_ENERGY] + g.found[low, STRAIN_ENERGY]
+    if most * row.by_p <= 0.0:
+        return Limit(0.0, 0.0, 0.0, 0.0, 0.0)
+    by_high = drag + lower - g.found[high, FORCE] if g.found[high, STRETCH] > 1.0 else 0.0
+    by_low = g.found[low, FORCE] - lower if g.found[low, STRETCH] > 1.0 else 0.0
+    by_one, by_two = stretch * by_one, stretch * by_two
+    if before_is_lower:
+        by_one, by_high, by_low = by_one + stretch - short, by_low, by_high
+    else:
+        by_two += stretch - short
+    x = 1.0 / row.by_p
+    return Limit(x * most, x * by_one, x * by_two, x * by_high, x * by_low)
+
+
+@kernel
+def _see_prediction(g, q, v):
+    """Keep where an implicit step is predicted to end; its corrector moves u. by gamma' times what it moves u by."""
+    if g.follows[1] == 1.0:
+        g.follows[1] = 0.0
+        for i in range(g.rows.size):
+            g.predicted[i, 0] = _travel(g.rows[i], q) - g.travel[i]
+            g.predicted[i, 1] = _travel(g.rows[i], v)
+
+
+@kernel
+def _way(g, i, q, v):
+    """u - u_n, m.
+
+    A drum that is held hardly moves, and is so stiff that a last digit of its p, of which there may be kilometres, is
+    a force that no iteration could balance. Its velocity has all digits of what little it does move.
+    """
     row = g.rows[i]
-    force = g.force[i] + row.stiffness * (_travel(row, q) - g.travel[i])
-    limit, by_one, by_two = _limit(g, row, t, force)
-    if abs(force) <= limit:
-        return force, 0, by_one, by_two
-    return (limit, 1, by_one, by_two) if force > 0.0 else (-limit, -1, by_one, by_two)
+    u = _travel(row, q)
+    way = u - g.travel[i]
+    if row.kind == TORQUE and g.follows[0] > 0.0:
+        finer = g.predicted[i, 0] + (_travel(row, v) - g.predicted[i, 1]) / g.follows[0]
+        if abs(finer - way) <= LAST_DIGITS * abs(u):
+            return finer
+    return way
+
+
+@kernel
+def _trial(g, i, t, q, v):
+    """Force, the sign of the slip or 0, and the limit."""
+    row = g.rows[i]
+    force = g.force[i] + row.stiffness * _way(g, i, q, v)
+    limit = _limit(g, row, t, force)
+    if abs(force) <= limit.most:
+        return force, 0, limit
+    return (limit.most, 1, limit) if force > 0.0 else (-limit.most, -1, limit)
 
 
 @kernel
 def _begin(g, t, h, beta, gamma, q, v, a):
     g.acts[0] = 0.0 if beta < 0.0 else 1.0
+    g.follows[0], g.follows[1] = (gamma, 1.0) if beta > 0.0 and gamma > 0.0 else (0.0, 0.0)
     if g.fresh[0] == 1.0:
         for i in range(g.rows.size):
             g.travel[i] = _travel(g.rows[i], q)
@@ -134,8 +222,9 @@ def _switch(g, t, q, v, converged, changed):
     """A contact that lets go, or catches, has another tangent; the residual knows by itself."""
     if converged:
         return
+    _see_prediction(g, q, v)
     for i in range(g.rows.size):
-        _, sign, _, _ = _trial(g, i, t, q)
+        _, sign, _ = _trial(g, i, t, q, v)
         if sign != g.slips[i]:
             g.slips[i] = sign
             changed[0] += 1
@@ -143,9 +232,10 @@ def _switch(g, t, q, v, converged, changed):
 
 @kernel
 def _residual(g, t, q, v, a, r):
+    _see_prediction(g, q, v)
     for i in range(g.rows.size):
         row = g.rows[i]
-        force, _, _, _ = _trial(g, i, t, q)
+        force, _, _ = _trial(g, i, t, q, v)
         force *= g.acts[0]
         g.now[i] = force
         if row.p != NONE:
@@ -175,12 +265,24 @@ def _add_span(g, row, n, first, matrix, dofs, x, cm, cc, ck):
 
 
 @kernel
+def _add_by_stretch(g, row, n, q, x, matrix, dofs):
+    """Add x times the derivative of the stretch of a span."""
+    a, b = g.ends[n, 0], g.ends[n, 1]
+    by = x / (q[b + MATERIAL] - q[a + MATERIAL])
+    for c in range(AXES):
+        _add(g, row, matrix, dofs, a + c, -by * g.direction[n, c])
+        _add(g, row, matrix, dofs, b + c, by * g.direction[n, c])
+    _add(g, row, matrix, dofs, a + MATERIAL, by * g.found[n, STRETCH])
+    _add(g, row, matrix, dofs, b + MATERIAL, -by * g.found[n, STRETCH])
+
+
+@kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     if g.acts[0] == 0.0:
         return
     for i in range(g.rows.size):
         row = g.rows[i]
-        _, sign, by_one, by_two = _trial(g, i, t, q)
+        _, sign, limit = _trial(g, i, t, q, v)
         if sign == 0:
             x = ck * row.stiffness
             if row.p != NONE:
@@ -188,10 +290,14 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             if row.s != NONE:
                 _add(g, row, matrix, dofs, row.s, x * row.by_s)
         else:
-            if by_one != 0.0:
-                _add_span(g, row, row.before, False, matrix, dofs, sign * by_one, cm, cc, ck)
-            if by_two != 0.0:
-                _add_span(g, row, row.after, True, matrix, dofs, sign * by_two, cm, cc, ck)
+            if limit.by_one != 0.0:
+                _add_span(g, row, row.before, False, matrix, dofs, sign * limit.by_one, cm, cc, ck)
+            if limit.by_two != 0.0:
+                _add_span(g, row, row.after, True, matrix, dofs, sign * limit.by_two, cm, cc, ck)
+            if limit.by_stretch_one != 0.0:
+                _add_by_stretch(g, row, row.before, q, sign * ck * limit.by_stretch_one, matrix, dofs)
+            if limit.by_stretch_two != 0.0:
+                _add_by_stretch(g, row, row.after, q, sign * ck * limit.by_stretch_two, matrix, dofs)
 
 
 @kernel
@@ -215,11 +321,12 @@ def _commit(g, t, h, q, v, a):
     for i in range(g.rows.size):
         row = g.rows[i]
         u = _travel(row, q)
-        force, sign, _, _ = _trial(g, i, t, q)
+        force, sign, _ = _trial(g, i, t, q, v)
         # Of the way that F went, its spring took some; the rest is slip.
         slipped = u - g.travel[i] - (force - g.force[i]) / row.stiffness
         g.power[i] = force * slipped / h if sign != 0 else 0.0
         g.force[i], g.travel[i], g.now[i] = force, u, force
+    g.follows[0] = 0.0
 
 
 @kernel

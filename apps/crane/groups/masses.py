@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.geometry.line import AXES
+from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -193,6 +194,23 @@ register(
     Bodies, begin=_body_begin, switch=_body_switch, residual=_body_residual, mass=_body_mass, tangent=_body_tangent,
     energy=_body_energy, dissipation=_body_dissipation, supply=_body_supply, commit=_body_commit,
 )  # fmt: skip
+
+
+class Releases(NamedTuple):
+    """Bodies (n,) of which some drop a part of their mass: ``mass`` and ``kept`` are those of `Bodies`."""
+
+    mass: np.ndarray
+    kept: np.ndarray
+
+
+@kernel
+def _release_jump(g, changed):
+    for n in range(g.mass.size):
+        if g.mass[n] != g.kept[n]:
+            changed[COUNT] += 1
+
+
+register(Releases, jump=_release_jump)
 
 
 class Rims(NamedTuple):

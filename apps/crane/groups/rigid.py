@@ -28,17 +28,28 @@ from tautline.kernels.jit import kernel
 
 FREQUENCY = 50.0
 """Of the norm of a quaternion, rad/s, unless a row says otherwise."""
-RIGID = np.dtype([("place", "i8"), ("turn", "i8"), ("inertia", "f8", (3,)), ("frequency", "f8")])
-"""A body: where its centre of mass and its quaternion begin, principal moments kg m^2, frequency of the norm rad/s."""
+RIGID = np.dtype(
+    [
+        ("place", "i8"), ("turn", "i8"), ("inertia", "f8", (3,)), ("remaining", "f8", (3,)), ("released", "f8"),
+        ("frequency", "f8"),
+    ]
+)  # fmt: skip
+"""A body: where its centre of mass and its quaternion begin, principal moments kg m^2, what remains of them from a time
+(s) on, infinite once that is past, and the frequency of the norm rad/s."""
 
 
 class Rigids(NamedTuple):
     """Rotation of bodies (n,) of ``RIGID``; ``vector`` (10, 4), ``number`` (4,) and ``block`` (4, 4) are scratch.
 
+    ``inertia`` (n, 3) is what each has in the step under way, ``kept`` (n, 3) what it had after the last, and
+    ``let_go`` (n, 2) W as in `crane.groups.masses.Bodies`: a load that is released takes its rotation with it.
     Mass, weight and drag of the centre belong to other groups.
     """
 
     rows: np.recarray
+    inertia: np.ndarray
+    kept: np.ndarray
+    let_go: np.ndarray
     vector: np.ndarray
     number: np.ndarray
     block: np.ndarray
@@ -61,11 +72,11 @@ def _find_spin(g, n, q, v):
     b, x, number = g.rows[n], g.vector, g.number
     norm = product(q, b.turn, q, b.turn)
     number[NORM], number[NORM_D] = norm, 2.0 * product(q, b.turn, v, b.turn)
-    number[MASS] = (b.inertia[0] + b.inertia[1] + b.inertia[2]) / 3.0
+    number[MASS] = (g.inertia[n, 0] + g.inertia[n, 1] + g.inertia[n, 2]) / 3.0
     into_body(q, b.turn, v, b.turn, x[SPIN])
     for c in range(AXES):
         x[SPIN, c] *= 2.0 / norm
-        x[MOMENTUM, c] = b.inertia[c] * x[SPIN, c]
+        x[MOMENTUM, c] = g.inertia[n, c] * x[SPIN, c]
 
 
 @kernel
@@ -77,9 +88,46 @@ def _find_torque(g, n, q, v, a):
     for c in range(AXES):
         # G(Q.) Q. is nothing, so that the second rate of Q is all there is.
         x[SPIN_D, c] = (2.0 * x[SPIN_D, c] - x[SPIN, c] * number[NORM_D]) / number[NORM]
-        x[TORQUE, c] = b.inertia[c] * x[SPIN_D, c]
+        x[TORQUE, c] = g.inertia[n, c] * x[SPIN_D, c]
     _add_cross(x[SPIN], x[MOMENTUM], x[TORQUE])
     out_of_body(q, b.turn, x[TORQUE], x[TURNED])
+
+
+@kernel
+def _begin(g, t, h, beta, gamma, q, v, a):
+    """A load drops at the beginning of the step that its time is nearest to."""
+    for n in range(g.rows.size):
+        b = g.rows[n]
+        g.let_go[n, 0] = g.let_go[n, 1] = 0.0
+        drops = beta >= 0.0 and t + 0.5 * h >= b.released
+        for c in range(AXES):
+            g.inertia[n, c] = b.remaining[c] if drops else g.kept[n, c]
+        if drops and h > 0.0 and gamma >= 0.0:
+            _find_spin(g, n, q, v)
+            energy = 0.0
+            for c in range(AXES):
+                energy += 0.5 * (g.kept[n, c] - g.inertia[n, c]) * g.vector[SPIN, c] ** 2
+            g.let_go[n, 1 if beta > 0.0 else 0] = 2.0 * energy / h
+
+
+@kernel
+def _commit(g, t, h, q, v, a):
+    if h == 0.0:
+        return
+    for n in range(g.rows.size):
+        for c in range(AXES):
+            if g.inertia[n, c] != g.kept[n, c]:
+                # It happens once.
+                g.rows[n].released = np.inf
+            g.kept[n, c] = g.inertia[n, c]
+
+
+@kernel
+def _supply(g, t, q, v, p):
+    for n in range(g.rows.size):
+        p[0] -= g.let_go[n, 1]
+        p[1] += g.let_go[n, 1] - g.let_go[n, 0]
+        g.let_go[n, 0] = 0.0
 
 
 @kernel
@@ -112,8 +160,8 @@ def _vary_torque(g, n, q, v, a, column, cm, cc, ck):
         spin[c] = (2.0 * (ck * spin[c] - cc * by_unit) - x[SPIN, c] * d_norm) / norm
         rate[c] = 2.0 * (ck * rate[c] - cm * by_unit) - spin[c] * norm_d - x[SPIN, c] * d_norm_d
         rate[c] = (rate[c] - x[SPIN_D, c] * d_norm) / norm
-        x[D_MOMENTUM, c] = b.inertia[c] * spin[c]
-        x[D_TORQUE, c] = b.inertia[c] * rate[c]
+        x[D_MOMENTUM, c] = g.inertia[n, c] * spin[c]
+        x[D_TORQUE, c] = g.inertia[n, c] * rate[c]
     _add_cross(spin, x[MOMENTUM], x[D_TORQUE])
     _add_cross(x[SPIN], x[D_MOMENTUM], x[D_TORQUE])
 
@@ -154,13 +202,13 @@ def _mass(g, q, matrix, dofs):
     for n in range(g.rows.size):
         b = g.rows[n]
         norm = product(q, b.turn, q, b.turn)
-        mean = (b.inertia[0] + b.inertia[1] + b.inertia[2]) / 3.0
+        mean = (g.inertia[n, 0] + g.inertia[n, 1] + g.inertia[n, 2]) / 3.0
         for column in range(QUATERNION):
             x[CHANGE].fill(0.0)
             x[CHANGE, column] = 1.0
             into_body(q, b.turn, x[CHANGE], 0, x[MOMENTUM])
             for c in range(AXES):
-                x[MOMENTUM, c] *= 4.0 * b.inertia[c] / (norm * norm)
+                x[MOMENTUM, c] *= 4.0 * g.inertia[n, c] / (norm * norm)
             out_of_body(q, b.turn, x[MOMENTUM], x[TURNED])
             for k in range(QUATERNION):
                 g.block[k, column] = x[TURNED, k] + 4.0 * mean * q[b.turn + k] * q[b.turn + column]
@@ -178,9 +226,15 @@ def _energy(g, t, q, v, e):
         e[1] += 0.5 * number[MASS] * (f * (number[NORM] - 1.0)) ** 2
 
 
-register(Rigids, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy)
+register(
+    Rigids, begin=_begin, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, supply=_supply,
+    commit=_commit,
+)  # fmt: skip
 
 
 def new_rigids(rows: np.recarray) -> Rigids:
     """Group of rotating bodies with its scratch."""
-    return Rigids(rows, np.zeros((10, 4)), np.zeros(4), np.zeros((4, 4)))
+    inertia = np.array(rows["inertia"], dtype=float)
+    return Rigids(
+        rows, inertia, inertia.copy(), np.zeros((len(rows), 2)), np.zeros((10, 4)), np.zeros(4), np.zeros((4, 4))
+    )

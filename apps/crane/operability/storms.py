@@ -62,13 +62,17 @@ class Asked:
 
 @dataclass
 class Found:
-    """What came of it; ``table`` is None where the sweep was interrupted, or no case came to its end."""
+    """What came of it; ``table`` is None where the sweep was interrupted, or no case came to its end.
+
+    ``warnings`` are what makes a result less safe than it reads, and is told whoever asks for quiet.
+    """
 
     outcome: Any
     criteria: list[Criterion]
     table: Table | None = None
     fatigue: Fatigue | None = None
     notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
 
 
 def operability(
@@ -145,10 +149,7 @@ def operability(
     if asked.scatter is not None:
         counted = asked.simulated if storm.output.statistics else asked.lead + asked.simulated
         found.fatigue = _fatigue(outcome.data, asked, counted, scene, found.table)
-        late = not_covered(found.fatigue)
-        for note in late:
-            (say or (lambda text: None))(f"note: {note}")
-        found.notes += late
+        found.warnings += not_covered(found.fatigue)
     return found
 
 

@@ -66,10 +66,11 @@ class Spring(Model):
 
 
 class Release(Model):
-    """The load drops: at a time, s, the mass becomes what remains, kg."""
+    """The load drops: at a time, s, the mass becomes what remains, kg, and so do the moments of inertia, kg m^2."""
 
     at: Annotated[float, quantity("s", nonnegative=True, of="moment")]
     remaining: Mass
+    inertia: Inertias | None = None
 
 
 class Body(Model):
@@ -115,14 +116,22 @@ class Body(Model):
 
     @model_validator(mode="after")
     def _rigid(self) -> Body:
+        left = None if self.release is None else self.release.inertia
         if self.inertia is None:
             if "orientation" in self.model_fields_set:
                 raise fault("orientation", "is not used: a point has none", "remove it, or give `inertia:`")
+            if left is not None:
+                cause = "is not used: the body is a point, which does not turn"
+                raise fault(("release", "inertia"), cause, "remove it, or give the body `inertia:`")
             return self
-        largest = max(self.inertia)
-        if largest > (sum(self.inertia) - largest) * (1.0 + 1e-9):
-            cause = f"no body is so: {largest:g} is more than the other two moments together"
-            raise fault("inertia", cause, "give the principal moments about the centre of mass")
+        for key, moments in (("inertia", self.inertia), (("release", "inertia"), left)):
+            largest = max(moments or (0.0,))
+            if largest > (sum(moments or (0.0,)) - largest) * (1.0 + 1e-9):
+                cause = f"no body is so: {largest:g} is more than the other two moments together"
+                raise fault(key, cause, "give the principal moments about the centre of mass")
+        if left is not None and any(after > before for after, before in zip(left, self.inertia, strict=True)):
+            cause = "is more than the whole body has about an axis: what drops takes inertia with it"
+            raise fault(("release", "inertia"), cause, "give the moments of what remains on the hook")
         return self
 
     @model_validator(mode="after")

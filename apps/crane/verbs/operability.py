@@ -258,6 +258,8 @@ def _report(
             console().print(two_columns(_rows(found, asked)))
             for path in (*written.values(), *figures):
                 say(f"wrote {path}", "green")
+    for text in found.warnings:
+        say(f"warning: {text}", "yellow")
     if outcome.failed:
         say(
             f"{outcome.failed} storms did not come to their end; the table {folder / 'sweep.csv'} has them all",
@@ -276,6 +278,7 @@ def _report(
             **{name: str(path) for name, path in written.items()}, "figures": [str(path) for path in figures],
             "limits": _allowed(found), "all_limits": _least(found),
             "fatigue": None if found.fatigue is None else told(found.fatigue), "notes": found.notes,
+            "warnings": found.warnings,
             "wall_time": outcome.wall_time, "cpu_time": outcome.cpu_time,
         })  # fmt: skip
     if outcome.interrupted:

@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.newton import DONE, SAME_STEP, Corrector, correct, corrector
-from tautline.integrators.state import WORST, book_losses, book_motion, book_work, watch
+from tautline.integrators.state import WORST, book_losses, book_motion, book_work, restore, watch
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
+from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
@@ -23,6 +24,8 @@ HALVINGS_OF_AUTO = 24
 """Times that a step may be halved at least where the longest is as long as an output interval."""
 DEPTH = 3
 """Steps whose accelerations are kept: a parabola goes through that of the state and two before it."""
+AT_ONCE = 1.0e-9
+"""Length of a step, over that of the step under way, in which nothing but accelerations changes."""
 STILL = -1
 """Order of the prediction that nothing moves."""
 
@@ -211,6 +214,29 @@ def _forget_what_is_held(dofs, state):
             state.auxiliary[i] = 0.0
 
 
+@kernel
+def _keep_start(state):
+    """Remember the start of a step at which a mass jumps."""
+    for i in range(state.q.size):
+        state.keep[0, i], state.keep[1, i] = state.q[i], state.v[i]
+        state.keep[2, i], state.keep[3, i] = state.a[i], state.auxiliary[i]
+
+
+@kernel
+def _take_settled(m, dofs, state):
+    """Begin the step with the accelerations that were found, as a run begins, and with no memory of those before.
+
+    Position and velocity, which the corrector has moved by next to nothing, are what they were.
+    """
+    for i in range(state.q.size):
+        state.q[i], state.v[i] = state.keep[0, i], state.keep[1, i]
+        state.auxiliary[i] = state.a[i]
+    m.order[0] = 0
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
+    expand(dofs, state.a, state.full_a)
+
+
 @kernel(forceinline=True)
 def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     """Advance the state from t by h; on failure it is left as it was. Returns a status."""
@@ -221,9 +247,25 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     ratio = h / m.last_step[0] if m.last_step[0] > 0.0 else 1.0
     if abs(ratio - 1.0) > SAME_STEP:
         m.order[0] = min(m.order[0], 0)
-    _predict(m, state, h, ratio)
-    prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
-    status = correct(m.corrector, groups, dofs, state, t + h, beta, gamma)
+    m.corrector.changed[COUNT] = 0
+    over.jump(groups, m.corrector.changed)
+    settling = m.corrector.changed[COUNT] > 0
+    jump = settling
+    # Once through, but where a mass has jumped: then accelerations are found for it first, by the same corrector.
+    while True:
+        if settling:
+            _keep_start(state)
+            end, by_a, by_v = t, beta / (AT_ONCE * AT_ONCE), gamma / AT_ONCE
+        else:
+            _predict(m, state, h, ratio)
+            prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
+            end, by_a, by_v = t + h, beta, gamma
+        status = correct(m.corrector, groups, dofs, state, end, by_a, by_v)
+        if not settling or status != DONE:
+            break
+        _take_settled(m, dofs, state)
+        settling = False
+        over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
     jumped = m.corrector.changed[1] > 0
     if status == DONE and m.tolerance > 0.0:
         m.control[0] = _local_error(m, state, h)
@@ -232,7 +274,10 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     if status == DONE:
         status = watch(groups, dofs, state, t + h, m.corrector.changed)
     if status != DONE:
-        _go_back(m, state)
+        if jump:
+            restore(state)
+        else:
+            _go_back(m, state)
         prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
         expand(dofs, state.q, state.full_q)
         expand(dofs, state.v, state.full_v)
@@ -298,7 +343,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
 
 
 def _sums(method: GeneralizedAlpha) -> tuple[str, ...]:
-    return ("switch", "kink", "smooth_tangent", "switching_tangent")
+    return ("jump", "switch", "kink", "smooth_tangent", "switching_tangent")
 
 
 def _set_aside(method: GeneralizedAlpha, h: float, moving: float) -> float:

@@ -27,7 +27,7 @@ def rows_of(kind, *rows):
 
 
 def rigids(place=0, turn=3, inertia=INERTIA, frequency=FREQUENCY):
-    return new_rigids(rows_of(RIGID, (place, turn, inertia, frequency)))
+    return new_rigids(rows_of(RIGID, (place, turn, inertia, inertia, np.inf, frequency)))
 
 
 def sockets(offset, stiffness, damping=0.0, station=0, place=3, turn=6):
