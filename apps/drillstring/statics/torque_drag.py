@@ -47,7 +47,7 @@ class Point(NamedTuple):
     where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
     ``overpull`` is None where no section has a yield load, ``strokes`` where nothing was found and of a bit on bottom;
     ``locks`` says of a direction in which the string locks up where the friction of a helix outgrows the pipe, m;
-    ``model`` is the kind of model, ``lumped`` or ``ale-ancf``.
+    ``motions`` are the motions by name; ``model`` is the kind of model, ``lumped`` or ``ale-ancf``.
     """
 
     friction: Factors
@@ -60,6 +60,7 @@ class Point(NamedTuple):
     overpull: Overpull | None
     strokes: BreakAway | None
     locks: dict[str, float]
+    motions: dict[str, Motion]
     model: str = LUMPED
 
     def hook_load(self, direction: str) -> float:
@@ -253,7 +254,7 @@ def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions
     strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles and not scene.bit.on_bottom else None
     return Point(
         friction, statics.depth, middle, statics.limits, profiles, soft, failures, pull, strokes, locks,
-        scene.model.kind,
+        motions, scene.model.kind,
     )  # fmt: skip
 
 
