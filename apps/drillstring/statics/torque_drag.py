@@ -20,6 +20,7 @@ from drillstring.statics.soft_string import SoftString, soft_string
 from drillstring.statics.statics import Profile, Statics
 from drillstring.statics.strokes import BreakAway, break_away
 from drillstring.string.factors import Factors, factors_of, same
+from drillstring.string.strength import extreme_tension
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.errors import SceneError
 
@@ -261,9 +262,8 @@ def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions
 def _overpull(statics: Statics, picked: Profile, scene: DrillstringScene) -> Overpull | None:
     """Margin of the link that yields first if the bit sticks: what the hook pulls more, every link carries more."""
     loads = np.array([np.inf if one.yield_load is None else one.yield_load for one in scene.string])
-    # At the upper ends of the links, where each carries most.
-    upper = np.concatenate([[picked.hook_load], 0.5 * (picked.tension[1:] + picked.tension[:-1])])
-    margins = loads[statics.lumps.section] - upper
+    most = extreme_tension(scene, statics.lumps, np.asarray(picked.hook_load), picked.tension)
+    margins = loads[statics.lumps.section] - most
     first = int(margins.argmin())
     if not np.isfinite(margins[first]):
         return None
