@@ -10,7 +10,7 @@ from drillstring.model.handles import handles, requests
 from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.drilling import variables_of_ends
-from drillstring.results.limits import judged_at_ends, limits
+from drillstring.results.limits import judged_at_ends, limits, pushed_at_the_top
 from drillstring.results.observe import COORDINATE_UNITS, FIGURES, NOTHING, headline, variables
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
@@ -63,6 +63,7 @@ def build(scene: DrillstringScene) -> Model:
         on_demand=observer.on_demand,
         headline=lambda result: headline(result, lumps, scene.top.weight),
         limits=lambda result: limits(result, scene, lumps),
+        remarks=lambda result: pushed_at_the_top(result, scene),
         figure_units=FIGURES,
         nothing=NOTHING,
         start="as given" if scene.start == "straight" else scene.start,
