@@ -383,14 +383,29 @@ def _penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
     if abs(feed - rate) <= OFF * rate:
         return
     then = weight_at(b, feed, spin)
-    why = "a bit that turns backwards does not cut" if spin < 0.0 else "the bit does not turn"
-    found = shown(then, "N", scene.units) if np.isfinite(then) else f"no steady value, for {why}"
+    if not np.isfinite(then):
+        yield "top.block", _pushed_on(_rate(scene, feed), spin)
+        return
+    found = shown(then, "N", scene.units)
     moves = "raised" if feed < 0.0 else "lowered"
     text = (
         f"is {moves} at {_rate(scene, abs(feed))} at the end and the bit drills {_rate(scene, rate)} with its weight: "
         f"the weight on bit goes to {found}"
     )
     yield "top.block", text
+
+
+def _pushed_on(feed: str, spin: float) -> str:
+    """That a bit which does not cut is pushed onto the bottom at a rate, and what to do."""
+    why = "The bit does not turn then, and does not cut"
+    cure = "Give top.rotation a speed"
+    if spin < 0.0:
+        why = "The bit turns backwards then, and a bit that turns backwards does not cut"
+        cure = "Give top.rotation a positive speed, which is clockwise looking down the hole"
+    return (
+        f"is lowered at {feed} at the end. {why}. The hole gets no deeper, so the weight on bit grows for as long as "
+        f"the block is lowered. {cure}, or hold the block"
+    )
 
 
 def _rate(scene: DrillstringScene, rate: float) -> str:

@@ -594,12 +594,17 @@ class Run:
             "numerical_dissipation": -self.balance.missing(int(counters[STEPS])),
             "motion_frequency": self.oscillation_frequency() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken) if self._tells("phase_lag") else None,
-            "warnings": [*self.began.warnings, *self.warnings(taken), *warnings] if self.brief is None else [],
+            "warnings": self._all_warnings(result, taken, warnings) if self.brief is None else [],
             "headline": headline,
             "limits": self._limits(result, headline),
             **(further or {}),
         }
         return store.finish(attributes, restart=self.memory)
+
+    def _all_warnings(self, result: Result, step: float, further: Sequence[str]) -> list[str]:
+        """Of the start, of the accuracy with a mean step, s, of what the application sees in the run, and further."""
+        remarks = self.model.remarks(result) if self.model.remarks is not None else []
+        return [*self.began.warnings, *self.warnings(step), *remarks, *further]
 
     def _tells(self, name: str) -> bool:
         """Whether an attribute is wanted."""

@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
+from drillstring.model.prepared import prepared
+from drillstring.scene.scene import DrillstringScene
+from drillstring.string.strength import extreme_tension
 from tautline.application.installed import Installed
 from tautline.cable.model.limits import stretches_within
 from tautline.cli.commands.simulate import simulate as verb
@@ -123,7 +126,7 @@ def test_a_string_that_a_soft_wall_lets_through_says_so_and_one_on_rock_does_not
     result, found = run(STRING, tmp_path)
     assert all(record["passed"] for record in found.values())
     assert set(found) == {"strain", "yield_load", "penetration"}
-    assert found["yield_load"]["value"] == pytest.approx(np.asarray(result["tension"]).max())
+    assert found["yield_load"]["value"] == pytest.approx(np.asarray(result["hook_load"]).max(), rel=1e-9)
     result, found = run(STRING.replace("1.0e9", "1.0e3"), tmp_path)
     assert not found["penetration"]["passed"]
     far = np.linalg.norm(result["lateral_displacement"], axis=-1).max()
@@ -134,6 +137,53 @@ def test_a_string_that_a_soft_wall_lets_through_says_so_and_one_on_rock_does_not
 def test_a_string_beyond_its_yield_load_says_in_which_section(tmp_path):
     _, found = run(STRING.replace("2 MN", "10 kN"), tmp_path)
     assert not found["yield_load"]["passed"] and found["yield_load"]["place"].startswith("drill pipe, ")
+
+
+PIPE, HUNG, GRAVITY = (0.127, 0.1086), 3000.0, 9.80665
+WEIGHT = 7850.0 * np.pi / 4.0 * (PIPE[0] ** 2 - PIPE[1] ** 2) * HUNG * GRAVITY
+"""Of a pipe that hangs free: its tension is w (L - s), and the hook load w L."""
+HANGING_PIPE = """\
+well: {sections: [{hold: 3000 m}], diameter: 0.25, wall: none}
+string: [{name: pipe, length: 3000 m, od: 0.127, id: 0.1086, yield_load: YIELD}]
+material: {youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}
+gravity: 9.80665
+model: {kind: KIND, elements: COUNT}
+solver: {method: generalized-alpha, rho_inf: 0.5, step: 10 ms, end: 0.1 s}
+output: {interval: 50 ms}
+limits: [{output: tension, above: YIELD}, {output: "tension[0]", above: YIELD}, {output: tension, below: 10 N}]
+"""
+
+
+@pytest.mark.parametrize("kind", ["lumped", "ale-ancf"])
+@pytest.mark.parametrize("elements", [1, 2, 7])
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_whether_a_hanging_pipe_yields_at_its_hook_load_does_not_depend_on_the_mesh(tmp_path, kind, elements, share):
+    text = HANGING_PIPE.replace("YIELD", f"{share * WEIGHT:.3f}").replace("KIND", kind).replace("COUNT", str(elements))
+    _, found = run(text, tmp_path)
+    assert found["yield_load"]["value"] == pytest.approx(WEIGHT, rel=1e-5)
+    assert found["yield_load"]["passed"] == (share > 1.0)
+    assert found["yield_load"]["place"].startswith("pipe, 0 to ")
+    own = [record for name, record in found.items() if name.startswith("tension")]
+    most, first, least = own
+    assert [one["value"] for one in (most, first)] == pytest.approx([WEIGHT, WEIGHT], rel=1e-5)
+    assert most["passed"] == first["passed"] == (share > 1.0)
+    # Nothing hangs on its end.
+    assert least["value"] == pytest.approx(0.0, abs=1e-5 * WEIGHT) and not least["passed"]
+
+
+def test_tension_at_the_ends_of_unequal_elements_of_two_sections_is_the_weight_below_them():
+    pipe = "{name: pipe, length: 3000 m,"
+    heavy = "{name: heavy, length: 500 m, od: 0.2, id: 0.05}, {name: pipe, length: 2500 m,"
+    text = HANGING_PIPE.replace(pipe, heavy).replace("YIELD", "1 MN").replace("KIND", "lumped")
+    scene = DrillstringScene.parse(text.replace("COUNT", "4"))
+    lumps = prepared(scene).lumps
+    weight = lumps.of_links(lambda tube: tube.mass_per_length) * GRAVITY * lumps.length
+    below = np.append(np.cumsum(weight[::-1])[::-1], 0.0)
+    middles = 0.5 * (below[1:] + below[:-1])
+    assert np.ptp(lumps.length) > 100.0
+    hook = np.asarray(below[0])
+    assert extreme_tension(scene, lumps, hook, middles) == pytest.approx(below[:-1], rel=1e-12)
+    assert extreme_tension(scene, lumps, hook, middles, least=True) == pytest.approx(below[1:], rel=1e-12, abs=1e-6)
 
 
 def test_a_rubber_cable_that_stretches_under_its_weight_says_so(tmp_path):

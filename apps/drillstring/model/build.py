@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from drillstring.drilling.end_groups import notes_of_ends
@@ -9,7 +10,7 @@ from drillstring.model.handles import handles, requests
 from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.drilling import variables_of_ends
-from drillstring.results.limits import limits
+from drillstring.results.limits import judged_at_ends, limits, pushed_at_the_top
 from drillstring.results.observe import COORDINATE_UNITS, FIGURES, NOTHING, headline, variables
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
@@ -62,6 +63,7 @@ def build(scene: DrillstringScene) -> Model:
         on_demand=observer.on_demand,
         headline=lambda result: headline(result, lumps, scene.top.weight),
         limits=lambda result: limits(result, scene, lumps),
+        remarks=lambda result: pushed_at_the_top(result, scene),
         figure_units=FIGURES,
         nothing=NOTHING,
         start="as given" if scene.start == "straight" else scene.start,
@@ -71,7 +73,8 @@ def build(scene: DrillstringScene) -> Model:
         notes=notes,
         handles=lambda: handles(scene, model),
     )  # fmt: skip
-    return with_limits(within_rounding(model), scene)
+    model = with_limits(within_rounding(model), scene)
+    return replace(model, bounds=judged_at_ends(model.bounds, scene, lumps)) if model.bounds else model
 
 
 def _assembler(kind: str) -> Any:

@@ -18,6 +18,7 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
 from tautline.application.modelling import energies_of
+from tautline.elements.nodal.load import Loads
 from tautline.elements.twist import Twist
 from tautline.kernels.hermite import FIRST, SECOND, WEIGHT, gauss, lobatto, table
 
@@ -87,13 +88,21 @@ class BeamObserver:
         self.per_metre = mesh.of_links(lambda tube: weight_in(fluid, tube, scene.gravity))
         self.weight = mesh.of_lumps(lambda tube: weight_in(fluid, tube, scene.gravity))
         straight = np.concatenate([well.position(mesh.measured_depth), well.frame(mesh.measured_depth)[2]], axis=-1)
-        self.unstretched = self._potential(straight[None, :, :])[0]
+        self.unstretched = self._potential(straight[None, :, :])[0] + self._of_loads(straight)
 
     def _potential(self, q: np.ndarray) -> np.ndarray:
         """Energy of the buoyed weight of elements with the unknowns (..., nodes, at least 6), J."""
         length = self.mesh.length
         mean = 0.5 * (q[:, :-1, 2] + q[:, 1:, 2]) + length / 12.0 * (q[:, :-1, 5] - q[:, 1:, 5])
         return -(self.per_metre * length * mean).sum(axis=-1)
+
+    def _of_loads(self, straight: np.ndarray) -> float:
+        """Energy -F q, J, of constant forces on nodes that lie straight (nodes, 6): of the bit's force.
+
+        The coordinates of a beam are positions; those of lumps count from the unstretched string.
+        """
+        loads = [g for g in self.groups if isinstance(g, Loads)]
+        return -sum(float(g.value @ straight[g.place // NODE, g.place % NODE]) for g in loads)
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""

@@ -19,6 +19,9 @@ STILL = 0.02
 """Share of the mean rotary speed below which a bit counts as stuck; of an exactly stuck one nothing is left."""
 SLOWEST = 1.0e-3
 """Mean rotary speed, rad/s, below which a string does not count as turning."""
+ROCKING = 0.05
+"""Mean rotary speed over half the swing, both ways counted alike, below which a bit rocks and does not turn: of rocking
+so much of a mean can be left by one cycle that is cut at the end of some ten."""
 
 
 def variables_of_ends(groups: Sequence[Any]) -> list[Variable]:
@@ -66,16 +69,16 @@ def last_part(time: np.ndarray) -> np.ndarray:
 
 
 def stick_slip(time: np.ndarray, spin: np.ndarray) -> dict[str, float]:
-    """Severity (max - min) / (2 mean) of a bit's rotary speed (m,) rad/s in the last part of a run; share of that time
-    stuck; mean, least and largest speed.
+    """Severity (max - min) / (2 |mean|) of a bit's rotary speed (m,) rad/s in the last part of a run; share of that
+    time stuck; mean, least and largest speed. The severity of a bit that rocks has no meaning and is NaN.
     """
     last = spin[last_part(time)]
     mean = float(last.mean())
     swing = float(np.ptp(last)) / 2.0
-    severity = swing / max(mean, SLOWEST) if swing > SLOWEST else 0.0
-    still = STILL * mean if mean > SLOWEST else SLOWEST
+    rocks = swing > SLOWEST and abs(mean) < ROCKING * swing
+    still = STILL * abs(mean) if abs(mean) > SLOWEST else SLOWEST
     return {
-        "severity": severity,
+        "severity": np.nan if rocks else swing / abs(mean) if swing > SLOWEST else 0.0,
         "stuck": float((np.abs(last) < still).mean()),
         "mean": mean,
         "least": float(last.min()),
@@ -103,8 +106,12 @@ def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, 
             f"rate of penetration, last half ({_per_hour(mean, result)})",
         )
     found = stick_slip(time, spin)
-    if found["largest"] > SLOWEST:
-        figures["bit_rotation_mean"] = (found["mean"], "rad/s", "mean rotary speed of the bit, last half")
-        figures["stick_slip_severity"] = (found["severity"], "", "stick-slip severity of the bit, last half")
+    if max(found["largest"], -found["least"]) > SLOWEST:
+        severity, turning = found["severity"], "mean rotary speed of the bit, last half"
+        if np.isnan(severity):
+            turning += " (it rocks to and fro: stick-slip severity has no meaning)"
+        figures["bit_rotation_mean"] = (found["mean"], "rad/s", turning)
+        if not np.isnan(severity):
+            figures["stick_slip_severity"] = (severity, "", "stick-slip severity of the bit, last half")
         figures["rotation_stuck"] = (found["stuck"], "", "share of time with the bit at rest, last half")
     return figures

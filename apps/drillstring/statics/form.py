@@ -17,6 +17,7 @@ from drillstring.model.prepared import prepared, tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.rod import NoRod, Piece, Rod, bend, hang
 from drillstring.string.fluid import fluid_of, weight_in
+from drillstring.string.strength import extreme_tension
 from drillstring.well.wellbore import Wellbore
 from tautline.integrators.method import method_for
 from tautline.integrators.state import new_state
@@ -56,7 +57,9 @@ class Form(NamedTuple):
     moved : (n + 1, 3) array
         From where the unstretched string lies on the hole's axis, m.
     tension : (n,) array
-        Of the links, N.
+        Of the links, in their middles, N.
+    tension_max : float
+        Largest in the string, at the end of a link, N.
     hook_load, stretch : float
         N; by how much the links are longer than unstretched, m.
     offset : (n + 1,) array
@@ -76,6 +79,7 @@ class Form(NamedTuple):
     position: np.ndarray
     moved: np.ndarray
     tension: np.ndarray
+    tension_max: float
     hook_load: float
     stretch: float
     offset: np.ndarray
@@ -202,6 +206,7 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
         position=seen["position"],
         moved=seen["position"] - well.position(unstretched),
         tension=seen["tension"],
+        tension_max=float(extreme_tension(scene, lumps, seen["hook_load"], seen["tension"]).max()),
         hook_load=float(seen["hook_load"]),
         stretch=lumps.stretch(seen["tension"]),
         offset=offset,

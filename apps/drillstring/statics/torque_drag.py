@@ -20,6 +20,7 @@ from drillstring.statics.soft_string import SoftString, soft_string
 from drillstring.statics.statics import Profile, Statics
 from drillstring.statics.strokes import BreakAway, break_away
 from drillstring.string.factors import Factors, factors_of, same
+from drillstring.string.strength import extreme_tension
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.errors import SceneError
 
@@ -47,7 +48,7 @@ class Point(NamedTuple):
     where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
     ``overpull`` is None where no section has a yield load, ``strokes`` where nothing was found and of a bit on bottom;
     ``locks`` says of a direction in which the string locks up where the friction of a helix outgrows the pipe, m;
-    ``model`` is the kind of model, ``lumped`` or ``ale-ancf``.
+    ``motions`` are the motions by name; ``model`` is the kind of model, ``lumped`` or ``ale-ancf``.
     """
 
     friction: Factors
@@ -60,6 +61,7 @@ class Point(NamedTuple):
     overpull: Overpull | None
     strokes: BreakAway | None
     locks: dict[str, float]
+    motions: dict[str, Motion]
     model: str = LUMPED
 
     def hook_load(self, direction: str) -> float:
@@ -253,16 +255,15 @@ def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions
     strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles and not scene.bit.on_bottom else None
     return Point(
         friction, statics.depth, middle, statics.limits, profiles, soft, failures, pull, strokes, locks,
-        scene.model.kind,
+        motions, scene.model.kind,
     )  # fmt: skip
 
 
 def _overpull(statics: Statics, picked: Profile, scene: DrillstringScene) -> Overpull | None:
     """Margin of the link that yields first if the bit sticks: what the hook pulls more, every link carries more."""
     loads = np.array([np.inf if one.yield_load is None else one.yield_load for one in scene.string])
-    # At the upper ends of the links, where each carries most.
-    upper = np.concatenate([[picked.hook_load], 0.5 * (picked.tension[1:] + picked.tension[:-1])])
-    margins = loads[statics.lumps.section] - upper
+    most = extreme_tension(scene, statics.lumps, np.asarray(picked.hook_load), picked.tension)
+    margins = loads[statics.lumps.section] - most
     first = int(margins.argmin())
     if not np.isfinite(margins[first]):
         return None

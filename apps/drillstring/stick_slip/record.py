@@ -94,7 +94,7 @@ def table(found: Map, system: str) -> Table | None:
 def _word(cell: Cell) -> str:
     if cell.status != "done":
         return "–" if cell.status == NOT_RUN else cell.status
-    return f"{cell.severity:.2f}" + (f"\u00a0{100.0 * cell.stuck:.0f}%" if cell.sticks else "")
+    return cell.told + (f"\u00a0{100.0 * cell.stuck:.0f}%" if cell.sticks else "")
 
 
 def sentences(found: Map, system: str) -> list[tuple[str, str]]:

@@ -7,6 +7,7 @@ start. What the last half of the run shows is whether the string comes to turn s
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import time
@@ -42,7 +43,7 @@ NOT_RUN = "not run"
 
 
 class Cell(NamedTuple):
-    """One run, in SI; numbers of a run that did not come to its end are NaN.
+    """One run, in SI; numbers of a run that did not come to its end are NaN, and the severity of a bit that rocks.
 
     Rotary speed and weight asked for; of the bit's rotary speed severity, share of time stuck, mean, least and largest;
     means of torque on bit, weight on bit and rate of penetration; how it ended, and why if early; run time.
@@ -61,6 +62,11 @@ class Cell(NamedTuple):
     status: str
     sentence: str
     wall_time: float
+
+    @property
+    def told(self) -> str:
+        """The severity in figures, or that there is none."""
+        return "rocks" if math.isnan(self.severity) else f"{self.severity:.2f}"
 
     @property
     def sticks(self) -> bool:

@@ -1,4 +1,4 @@
-"""Tension of a string at rest, without friction."""
+"""Tension that is compared with a string's strength: at rest without friction, and at the ends of elements."""
 
 from __future__ import annotations
 
@@ -21,3 +21,48 @@ def tension_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> np
     depth = np.diff(well.tvd(ends))
     weight = [weight_in(fluid, tube, scene.gravity) for tube in lumps.tubes]
     return np.cumsum((np.array(weight) * depth)[::-1])[::-1] + scene.bit.load
+
+
+def extreme_tension(
+    scene: DrillstringScene, lumps: Lumps, hook_load: np.ndarray, tension: np.ndarray, least: bool = False
+) -> np.ndarray:
+    """Largest effective tension in each link or element, which is at one of its ends, or the least one.
+
+    A model has the tension in the middle of a link, T_i. Forces balance on the piece of string between two middles:
+    T_(i-1) - T_i is all that acts on it along the hole, of weight, friction and inertia. That is spread over the piece
+    as its buoyed weight, so that with half links of the weights W_(i-1) and W_i
+
+        tension at lump i = T_i + (T_(i-1) - T_i) W_i / (W_(i-1) + W_i).
+
+    The upper end of the first link has the hook load; the lower end of the last one is as far below its middle as its
+    upper end is above. Of a hanging string at rest all this is exact for any number of links. The middle counts too:
+    in waves of tension it may have more than both ends.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+    lumps : Lumps
+        Its mesh of n links or elements.
+    hook_load : (...) array
+        N.
+    tension : (..., n) array
+        In the middles of the links, or means of the elements of a beam, N.
+    least : bool
+        Whether the least is asked for.
+
+    Returns
+    -------
+    (..., n) array
+        N.
+    """
+    fluid, tension = fluid_of(scene.mud), np.asarray(tension, float)
+    weight = lumps.of_links(lambda tube: weight_in(fluid, tube, scene.gravity)) * lumps.length
+    if weight.min() <= 0.0:
+        # Nothing weighs, or something floats: what acts is spread as the length is.
+        weight = lumps.length
+    share = weight[1:] / (weight[:-1] + weight[1:])
+    inside = tension[..., 1:] + share * (tension[..., :-1] - tension[..., 1:])
+    upper = np.concatenate([np.asarray(hook_load, float)[..., None], inside], axis=-1)
+    lower = np.concatenate([inside, 2.0 * tension[..., -1:] - upper[..., -1:]], axis=-1)
+    extreme = np.minimum if least else np.maximum
+    return extreme(extreme(upper, lower), tension)

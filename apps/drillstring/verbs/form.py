@@ -123,7 +123,7 @@ def report(path: Path, found: Finding) -> dict[str, Any]:
                 "offset_max": float(one.offset.max()),
                 "difference_max": _largest(found, one),
                 "hook_load": one.hook_load,
-                "tension_max": float(one.tension.max()),
+                "tension_max": one.tension_max,
                 "stretch": one.stretch,
                 "touching": one.touching,
                 "iterations": one.iterations,
@@ -261,7 +261,7 @@ def _row(found: Finding, one: Form, system: str) -> list[str]:
 
     largest = _largest(found, one)
     off = "–" if largest is None else shown(largest, "m", system)
-    numbers = (_hook(one.hook_load, one.tension), "N"), (float(one.tension.max()), "N"), (one.stretch, "m")
+    numbers = (_hook(one.hook_load, one.tension), "N"), (one.tension_max, "N"), (one.stretch, "m")
     moved = _place([np.linalg.norm(one.moved[-1])], system)
     written = [shown(value, unit, system) for value, unit in numbers]
     return [

@@ -96,12 +96,7 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
     from tautline.cli.options.lists import numbers, stepped, three_of
 
     def one(word: str) -> float:
-        value = numbers(word, option, unit)[0]
-        try:
-            float(word)
-        except ValueError:
-            return value
-        return value * bare
+        return numbers(word, option, unit, bare)[0]
 
     if ":" not in text:
         return [one(word) for word in text.split(",")]

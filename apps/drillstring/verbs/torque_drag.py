@@ -14,6 +14,7 @@ from tautline.cli.output.findings import figure_place, say_sentences, write_figu
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
+from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
@@ -65,7 +66,9 @@ Reaming = Annotated[
 ]
 Rotary = Annotated[
     str | None,
-    typer.Option("--rotary", metavar="SPEED", help="Rotary speed of reaming. [dim]\\[default: 60 rpm][/]"),
+    typer.Option(
+        "--rotary", metavar="SPEED", help="Rotary speed of reaming, rpm or with a unit. [dim]\\[default: 60][/]"
+    ),
 ]
 
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write hook loads and torques as a table.")]
@@ -164,7 +167,13 @@ def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
 
 
 def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | None:
-    """Motions of reaming up and down; None without a speed. Raises SceneError for a rotary speed alone."""
+    """Motions of reaming up and down, a bare rotary speed in rpm; None without a speed.
+
+    Raises
+    ------
+    SceneError
+        For a rotary speed alone, and for what is no speed.
+    """
     from drillstring.statics.motion import reaming
     from tautline.cli.options.lists import number
 
@@ -173,7 +182,7 @@ def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | 
             cause = "turns a string that is not moved: `rotating` is the same at any speed"
             raise option_error("--rotary", rotary, cause, "give --reaming a speed, or leave it out")
         return None
-    return reaming(number(speed, "--reaming", "m/s"), number(rotary or "60 rpm", "--rotary", "rad/s"))
+    return reaming(number(speed, "--reaming", "m/s"), number(rotary or "60", "--rotary", "rad/s", bare=RPM))
 
 
 def parse_depths(text: str) -> list[float]:
@@ -252,7 +261,7 @@ def _report_of(case: Case) -> dict[str, Any]:
         "lock_up": [point.locks for point in case.points],
         "locked": [point.locked for point in case.points],
         "reaming": {
-            motion.removeprefix("reaming_"): {
+            motion.removeprefix("reaming_"): last.motions[motion]._asdict() | {
                 "hook_load": case.hook_loads(motion), "torque": case.torques_of(motion),
                 "soft_string": {"hook_load": case.soft_hook_loads(motion), "torque": case.soft_torques_of(motion)},
             }

@@ -99,8 +99,9 @@ def phase(results: Sequence[Result]) -> Figure:
         first = "before" if len(results) == 1 else None
         plot.plot(twist, spin, color=QUIET if len(results) == 1 else ink, lw=0.6, alpha=0.5, label=first)
         severity = stick_slip(result.time, result["rotation_rate"][:, -1])["severity"]
+        told = f"severity {severity:.2f}" if np.isfinite(severity) else "the bit rocks: no severity"
         words = "last half" if len(results) == 1 else called[number]
-        plot.plot(twist[last], spin[last], color=ink, lw=1.3, label=f"{words}, severity {severity:.2f}")
+        plot.plot(twist[last], spin[last], color=ink, lw=1.3, label=f"{words}, {told}")
         plot.plot(
             twist[-1],
             spin[-1],

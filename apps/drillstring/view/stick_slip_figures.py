@@ -60,9 +60,7 @@ def draw(found: Map, title: str, system: str = "si") -> Figure:
                 continue
             if severity.size <= MOST_NUMBERS:
                 dark = cell.severity < 0.6 * MOST_SEVERE
-                plot.text(
-                    *middle, f"{cell.severity:.2f}", ha="center", va="center", fontsize=8, color="w" if dark else "k"
-                )
+                plot.text(*middle, cell.told, ha="center", va="center", fontsize=8, color="w" if dark else "k")
             if cell.sticks:
                 sticks = True
                 _frame(plot, across[k : k + 2], up[i : i + 2])

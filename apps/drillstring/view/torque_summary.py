@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.scene.scene import LUMPED
+from drillstring.statics.motion import REAMING
 from tautline.scene.values.printed import shown
 from tautline.scene.values.systems import SYSTEMS, in_system
+from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -50,7 +52,17 @@ def column_unit(unit: str, largest: float, system: str) -> tuple[float, str]:
 def table(cases: list[Case], system: str = "si") -> Table:
     """Table of the statics beside the soft string; it names the models where one of them is not lumped."""
     points = [point for case in cases for point in case.points]
-    return _in_full(points, system) if len(points) <= IN_FULL else _compact(cases, system)
+    made = _in_full(points, system) if len(points) <= IN_FULL else _compact(cases, system)
+    made.caption, made.caption_justify = _reamed(points[0], system), "left"
+    return made
+
+
+def _reamed(point: Point, system: str) -> str | None:
+    """At what speeds the string is reamed; None where it is not."""
+    motion = point.motions.get(REAMING[1])
+    if motion is None:
+        return None
+    return f"reaming: {shown(motion.speed, 'm/s', system)} up or down, turning at {motion.rotary / RPM:.6g} rpm"
 
 
 def numbers_of(point: Point) -> dict[str, tuple[float, float, str]]:

@@ -83,6 +83,8 @@ class Model:
         rope of the length that makes its drawing true.
     limits : callable or None
         Result -> records of what it is judged by (`tautline.results.assessment.limits`).
+    remarks : callable or None
+        Result -> sentences to warn of with what the run did, such as what no machine can do; None for none.
     figures : callable or None
         Result, names -> the same as `headline`, of the figures that are named at least; None where no way is
         quicker to some than to all.
@@ -127,3 +129,4 @@ class Model:
     longer_steps_tell: bool = False
     statistics: Mapping[str, Any] = field(default_factory=dict)
     on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None = None
+    remarks: Callable[[Any], list[str]] | None = None

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
+from physics.wells.strings import GRAVITY, mass_per_length, run, shipped, straight_hole
 
 from drillstring.application import Drillstring
 from drillstring.model.build import build
@@ -82,7 +83,11 @@ WARNED = {
     "the block comes up": (DRILLING.replace("to: 20 m/h", "to: -72 m/h"), "top.block", "is raised at 72 m/h"),
     "the block rests": (DRILLING.replace("to: 20 m/h", "to: 0 m/h"), "top.block", "goes to 0 N"),
     "the bit turns backwards": (
-        DRILLING.replace("to: 120 rpm", "to: -120 rpm"), "top.block", "a bit that turns backwards does not cut"
+        DRILLING.replace("to: 120 rpm", "to: -120 rpm"), "top.block",
+        "a bit that turns backwards does not cut. The hole gets no deeper",
+    ),
+    "the bit does not turn": (
+        DRILLING.replace("to: 120 rpm", "to: 0 rpm"), "top.block", "Give top.rotation a speed, or hold the block"
     ),
     "no numerical damping": (DRILLING.replace("rho_inf: 0.5", "rho_inf: 1"), "solver.rho_inf", "released too early"),
     "an explicit step": (
@@ -121,6 +126,25 @@ def test_what_a_driller_should_know_is_warned_of(case):
     text, key, words = WARNED[case]
     told = [warning for warning in warnings(DrillstringScene.parse(text)) if warning.where == key]
     assert any(words in warning.text for warning in told), told
+
+
+@pytest.mark.parametrize(("block", "told"), [(0.0, True), (1.5e5, True), (2.5e5, False)])
+def test_a_run_in_which_the_hoist_would_have_to_push_is_warned_of_unless_the_block_weighs_enough(block, told):
+    """A string of the weight w L on which its bit pushes upwards with w L + 200 kN: the hook load is -200 kN."""
+    weight = mass_per_length() * GRAVITY * 100.0
+    changes = {"bit": {"force": -weight - 2e5}, "top": {"weight": block}}
+    result = run(straight_hole(0.0, elements=2, **changes))
+    assert result["hook_load"].min() == pytest.approx(-2e5, rel=1e-6)
+    said = [one for one in result.warnings if "a hoist cannot push" in one]
+    assert len(said) == told
+    if told:
+        assert "the hook load falls to -200 kN at t = " in said[0]
+        assert ("no top.weight is given" in said[0]) == (block == 0.0) != ("is only 150 kN" in said[0])
+
+
+@pytest.mark.parametrize("name", ["hanging", "configuration_a", "configuration_b"])
+def test_no_push_is_told_of_a_string_that_is_not_pushed(name):
+    assert not any("push" in one for one in run(shipped(name, solver__end=0.1, output__interval=0.1)).warnings)
 
 
 def test_a_scene_to_start_from_is_the_shipped_one(drillstring_):

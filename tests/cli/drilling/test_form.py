@@ -56,6 +56,15 @@ def test_form_with_json_is_one_object_of_the_contract_for_the_finest_mesh(drills
     assert "wrote configuration_b_form.png" in err
 
 
+@pytest.mark.parametrize("model", ["lumped", "ale-ancf"])
+def test_the_largest_tension_of_a_hanging_string_is_the_rods_on_a_mesh_of_an_element_to_a_section(drillstring, model):
+    code, out, _ = drillstring("form", "hanging.yaml", "--elements", "2,6", "--model", model, "--json")
+    report = only_object(out)
+    assert code == 0
+    for mesh in report["meshes"]:
+        assert mesh["tension_max"] == pytest.approx(report["rod"]["tension_max"], rel=1e-6)
+
+
 def test_form_prints_a_row_for_each_mesh_and_one_for_the_rod_and_writes_nothing_to_standard_output(drillstring):
     code, out, err = drillstring("form", "hanging.yaml", "--elements", "5,12", "-o", "shape.svg")
     assert (code, out) == (0, "")

@@ -195,6 +195,13 @@ def test_where_sticking_ends_is_told_above_the_highest_speed_that_sticks(cells, 
     assert said in sentences(found, "si")[0][0]
 
 
+def test_a_cell_whose_bit_rocks_says_so_in_table_and_figure_where_a_severity_would_stand():
+    found = Map((60 * RPM,), (1e5,), ((cell(60, 0.2, math.nan),),))
+    (column,) = table(found, "si").columns[1:]
+    assert list(column.cells) == ["rocks\u00a020%"]
+    assert "rocks" in [text.get_text() for text in draw(found, "one cell").axes[0].texts]
+
+
 def test_the_table_has_the_shorter_side_across_and_gives_way_to_the_files_where_both_are_long():
     def made(speeds, weights):
         row = tuple(cell(60 + k, 0.2) for k in range(speeds))

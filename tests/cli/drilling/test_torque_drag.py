@@ -214,6 +214,18 @@ def test_reaming_adds_two_motions_with_less_drag_than_tripping_to_table_json_and
     assert "reaming down" in Path("ream.svg").read_text()
 
 
+def test_a_bare_rotary_speed_of_reaming_is_in_rpm_and_is_told_in_table_and_json(drillstring_):
+    found = []
+    for rotary in ("90", "90 rpm"):
+        words = ("--reaming", "0.3", "--rotary", rotary, "--json", *COARSE)
+        code, out, err = drillstring_("torque-drag", "jwell.yaml", *words)
+        assert code == 0 and "0.3 m/s up or down, turning at 90 rpm" in " ".join(err.split())
+        found.append(only_object(out)["reaming"])
+    assert found[0] == found[1]
+    assert found[0]["down"]["rotary"] == found[0]["up"]["rotary"] == pytest.approx(90.0 * 2.0 * np.pi / 60.0)
+    assert (found[0]["up"]["speed"], found[0]["down"]["speed"]) == (-0.3, 0.3)
+
+
 def test_pair_of_factors_is_that_of_cased_and_open_hole(drillstring_):
     code, out, err = drillstring_("torque-drag", "cased.yaml", "--friction", "0.1/0.3,0.2", "--json", *COARSE)
     report = only_object(out)

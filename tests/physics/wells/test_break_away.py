@@ -21,6 +21,7 @@ import pytest
 from of_the_suite import studies
 from physics.wells.strings import (
     COLLAR,
+    DENSITY,
     GRAVITY,
     JWELL,
     E,
@@ -181,7 +182,8 @@ class Frames(dict):
         still, way = np.zeros((10, 2)), np.linspace(0.0, 1.0, 10)
         bit, load = np.where(way > 0.4, way, 0.0), 1e5 + 1e3 * way
         super().__init__(block_position=way, bit_depth=bit, axial_velocity=still, rotation_rate=still, hook_load=load)
-        self |= {"friction_force": still + 1.0, "rotation": still} | changes
+        held = np.outer(way, [500.0, 500.0])
+        self |= {"friction_force": held, "rotation": still} | changes
 
 
 @pytest.mark.parametrize(
@@ -189,12 +191,25 @@ class Frames(dict):
     [
         {"weight_on_bit": np.full(10, 1e4)},
         {"friction_force": np.zeros((10, 2))},
+        {"friction_force": np.full((10, 2), 1e4)},
+        {"friction_force": np.outer(np.linspace(0.0, 1.0, 10), [400.0, 450.0])},
         {"axial_velocity": np.full((10, 2), 0.1)},
         {"rotation": np.linspace(0.0, 5.0, 20).reshape(10, 2)},
+        {"rotation": np.outer(np.linspace(0.0, 5.0, 10), [1.0, 0.0])},
         {"bit_depth": np.zeros(10)},
         {"block_position": np.zeros(10)},
     ],
-    ids=["on bottom", "no friction", "in motion", "turning", "stays", "block at rest"],
+    ids=[
+        "on bottom",
+        "no friction",
+        "friction that stays",
+        "much beside friction",
+        "in motion",
+        "turning",
+        "turning above",
+        "stays",
+        "block at rest",
+    ],
 )
 def test_break_away_is_told_only_of_a_bit_that_friction_held(changes):
     told = break_away_figures(Frames())
@@ -203,6 +218,21 @@ def test_break_away_is_told_only_of_a_bit_that_friction_held(changes):
     up = break_away_figures(Frames(block_position=np.linspace(0.0, -1.0, 10)))["break_away_stroke"]
     assert up[0] == pytest.approx(-3.0 / 9.0) and up[2].endswith("stroke of the block, up")
     assert break_away_figures(Frames(**changes)) == {}
+
+
+@pytest.mark.parametrize("friction", [0.0, 1e-6, 0.01])
+def test_no_break_away_is_told_of_a_bit_that_only_waits_for_the_wave_from_the_block(friction):
+    """Next to without friction the bit follows after the time L / c that the wave takes."""
+    result = slant({"ramp": {"rate": -0.5, "over": 0.1}}, friction=friction, end=2.0)
+    wave = LENGTH / np.sqrt(E / DENSITY)
+    assert 0.5 * wave < result.time[last_rest(result)] < 1.5 * wave
+    assert "break_away_stroke" not in result.headline
+
+
+@pytest.mark.parametrize("rotation", [{"ramp": {"to": 6.0, "over": 4.0}}, 0.0])
+def test_break_away_is_told_of_the_string_of_the_field_well_only_if_it_does_not_turn(rotation):
+    result = run(shipped("field_well", top__rotation=rotation))
+    assert ("break_away_stroke" in result.headline) == (rotation == 0.0)
 
 
 @pytest.mark.parametrize(("share", "moves"), [(0.97, False), (1.03, True)])

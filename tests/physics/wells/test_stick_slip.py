@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 
 from drillstring.drilling.impedance import pipe_impedance, torsional_frequency
 from drillstring.model.build import build
+from drillstring.results.drilling import stick_slip
 from tautline.simulation import simulate
 
 LENGTH = 1000.0
@@ -132,6 +133,37 @@ def test_a_bit_turned_back_by_its_string_is_resisted_the_other_way():
     torque = result["torque_on_bit"]
     assert torque.max() <= STATIC * (1.0 + 1e-9)
     assert torque.min() < -KINETIC * (1.0 - 1e-9) and torque.min() >= -STATIC * (1.0 + 1e-9)
+
+
+FIGURES = ("bit_rotation_mean", "torque_on_bit_mean", "surface_torque_end")
+"""Of a string that turns the other way these have the other sign; severity and share of time stuck are the same."""
+
+
+def test_a_string_that_turns_the_other_way_has_the_mirrored_figures_of_stick_slip():
+    right, left = (run(lump(speed)).headline for speed in (2.0, -2.0))
+    assert set(left) == set(right) and right["stick_slip_severity"]["value"] > 1.0
+    for name in FIGURES:
+        assert left[name]["value"] == pytest.approx(-right[name]["value"], rel=1e-6)
+    for name in ("stick_slip_severity", "rotation_stuck"):
+        assert left[name]["value"] == pytest.approx(right[name]["value"], rel=1e-6)
+
+
+def test_a_bit_that_rocks_has_no_severity_and_its_summary_says_why():
+    times, turns = 2.0 * np.arange(12.0), 6.0 * (-1.0) ** np.arange(12)
+    there_and_back = {"table": {"time": times.tolist(), "value": turns.tolist()}}
+    result = run(lump(6.0, end=20.0, top__rotation=there_and_back))
+    spin = result["rotation_rate"][:, -1]
+    assert spin.max() > 5.0 and spin.min() < -5.0
+    assert "stick_slip_severity" not in result.headline
+    assert "severity has no meaning" in result.headline["bit_rotation_mean"]["text"]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_severity_is_half_the_swing_over_the_size_of_the_mean_down_to_a_mean_of_a_twentieth(sign):
+    time = np.arange(2001) * 0.01
+    for mean, expected in ((2.0, 1.5), (0.2, 15.0), (0.1, np.nan), (0.0, np.nan)):
+        found = stick_slip(time, sign * (mean + 3.0 * np.sin(2.0 * pi * time)))
+        assert found["severity"] == pytest.approx(expected, rel=1e-2, nan_ok=True)
 
 
 def test_rk4_takes_the_regularised_torque_says_so_and_has_nearly_the_same_cycle():

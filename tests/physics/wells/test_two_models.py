@@ -4,7 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from physics.wells.strings import COLLAR, DENSITY, Balance, E, G, area, mass_per_length, run, shipped, straight_hole
+from physics.wells.strings import (
+    COLLAR,
+    DENSITY,
+    GRAVITY,
+    Balance,
+    E,
+    G,
+    area,
+    mass_per_length,
+    run,
+    shipped,
+    straight_hole,
+)
 
 from drillstring.groups.beam_contact import BeamContact
 from drillstring.groups.sliding import SLIDING, Sliding
@@ -30,6 +42,33 @@ def test_a_hanging_beam_is_as_long_as_the_closed_form_says_for_any_number_of_ele
     assert form.stretch == pytest.approx(0.376529, abs=5e-7)
     assert form.position[-1, 2] - form.unstretched[-1] == pytest.approx(0.376529, abs=5e-7)
     assert form.offset.max() == 0.0
+
+
+@pytest.mark.parametrize("force", [-2.0e4, 0.0, 3.0e4])
+@pytest.mark.parametrize("kind", ["lumped", BEAM])
+def test_potential_energy_of_a_hanging_string_has_the_work_of_the_bits_force_from_the_unstretched_string(kind, force):
+    """Both in closed form: u(s) = (F s + w (L s - s^2/2)) / EA, and U = -w int u ds - F u(L).
+
+    Lumps have the weight of half a link at either end, whose string there is no stretch of: they err by 1/n^2.
+    """
+    length, n = 1000.0, 40
+    result = run(
+        straight_hole(0.0, length=length, elements=n, well__wall="none", bit={"force": force}, model__kind=kind)
+    )
+    w, stiffness = mass_per_length() * GRAVITY, E * area(*COLLAR)
+    lowered = (force * length**2 / 2.0 + w * length**3 / 3.0) / stiffness
+    at_bit = (force * length + w * length**2 / 2.0) / stiffness
+    exact = -w * lowered - force * at_bit
+    assert result["potential_energy"] == pytest.approx(exact, rel=1e-6 if kind == BEAM else 1e-3)
+
+
+def test_the_models_agree_on_potential_energy_of_the_j_well_with_a_force_on_the_bit_within_half_a_percent():
+    bit = {"force": -2.0e4}
+    lumps, of_beam = (
+        run(shipped("jwell", bit=bit, model__kind=kind, model__elements=48, solver__end=0.1))["potential_energy"][0]
+        for kind in ("lumped", BEAM)
+    )
+    assert of_beam == pytest.approx(lumps, rel=5e-3)
 
 
 SAGS = {

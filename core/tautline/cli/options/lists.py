@@ -27,8 +27,8 @@ def words(text: str | None, option: str, known: Callable[[str], str]) -> list[st
     return _each(text, option, known)
 
 
-def numbers(text: str | None, option: str, unit: str) -> list[float]:
-    """Positive numbers between commas, with units or in SI; empty for None.
+def numbers(text: str | None, option: str, unit: str, bare: float = 1.0) -> list[float]:
+    """Positive numbers between commas, with units, or bare numbers of `bare` SI units each; empty for None.
 
     Raises
     ------
@@ -43,9 +43,10 @@ def numbers(text: str | None, option: str, unit: str) -> list[float]:
 
     def read(word: str) -> float:
         try:
-            return float(adapter.validate_python(as_in_a_file(word)))
+            value = float(adapter.validate_python(as_in_a_file(word)))
         except ValidationError as error:
             raise ValueError(str(error.errors()[0]["msg"])) from None
+        return value * bare if _is_bare(word) else value
 
     return _each(text, option, read, f"give {EXAMPLES[unit]}" if unit in EXAMPLES else "see --help")
 
@@ -61,8 +62,8 @@ def seconds(text: str | None, option: str, known: Sequence[str] = ()) -> float |
     return text if text is None or text in known else number(text, option, "s")
 
 
-def number(text: str, option: str, unit: str, most: float | None = None, cure: str = "") -> float:
-    """One positive number, with a unit or in SI.
+def number(text: str, option: str, unit: str, most: float | None = None, cure: str = "", bare: float = 1.0) -> float:
+    """One positive number, with a unit; a bare one counts `bare` SI units.
 
     Raises
     ------
@@ -71,7 +72,7 @@ def number(text: str, option: str, unit: str, most: float | None = None, cure: s
     """
     if "," in text:
         raise option_error(option, text, "is more than one number", "give one, with a decimal point")
-    value = numbers(text, option, unit)[0]
+    value = numbers(text, option, unit, bare)[0]
     if most is not None and value > most:
         raise option_error(option, text, f"is more than {most:g}", cure)
     return value
@@ -115,6 +116,15 @@ def stepped(bounds: tuple[float, float, float], text: str, option: str, most: in
     if count > most:
         raise option_error(option, text, f"makes {count} {things}, more than {most}", "take a larger step")
     return [first + k * step for k in range(count)]
+
+
+def _is_bare(word: str) -> bool:
+    """Whether a number stands without a unit."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 def _annotated(mark: Any) -> Any:
