@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -144,6 +145,17 @@ LINTER = shutil.which("lint-imports", path=os.pathsep.join([str(Path(sys.executa
 def test_the_import_contracts_hold():
     done = subprocess.run([LINTER, "--no-cache"], capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize("name", sorted(p.name for p in (ROOT / "apps").iterdir() if (p / "main.py").exists()))
+def test_every_room_of_an_application_has_its_layer_in_a_contract(name):
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = project["tool"]["importlinter"]["contracts"]
+    layers = next((c["layers"] for c in contracts if c["name"] == f"the rooms of {name}"), ())
+    placed = {room.strip() for layer in layers for room in layer.split("|")}
+    rooms = {p.stem for p in (ROOT / "apps" / name).glob("*.py")} - {"__init__", "main"}
+    rooms |= {p.parent.name for p in (ROOT / "apps" / name).glob("*/__init__.py")}
+    assert {f"{name}.{room}" for room in rooms} == placed
 
 
 @cache
