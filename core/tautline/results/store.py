@@ -45,7 +45,7 @@ _numbers = itertools.count()
 
 
 class FrameStore(Protocol):
-    """What a run gives its frames to: `Store`, and `tautline.results.on_demand.BriefStore`."""
+    """What a run gives its frames to: `Store`, and `tautline.results.brief_store.BriefStore`."""
 
     @property
     def result(self) -> Result | None:
