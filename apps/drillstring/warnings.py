@@ -13,7 +13,6 @@ from drillstring.drilling.end_groups import BLOCK, ROTATION
 from drillstring.model.build import requests
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared, tubes_of
-from drillstring.model.variations import bars
 from drillstring.results.limits import SNUG
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics.helix import limits_at
@@ -124,6 +123,7 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
     if scene.model.kind == BEAM:
         from drillstring.groups.beam_points import points_of
         from drillstring.model.beam_frequency import contact_frequency
+        from drillstring.model.variations import bars
 
         of_contact = contact_frequency(points_of(lumps), wall, fluid_of(scene.mud), scene.well.diameter)
         return RK4.reach_of_vibration / max(of_contact, *(bar.fastest for bar in bars(scene)))

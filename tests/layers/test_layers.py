@@ -75,6 +75,10 @@ def test_a_run_leaves_nothing_of_scipy_loaded_that_it_does_not_need(simulated):
     assert simulated[1].isdisjoint({f"scipy.{name}" for name in named})
 
 
+def test_a_run_loads_nothing_that_varies_a_scene_for_a_study(simulated):
+    assert simulated[1].isdisjoint({"drillstring.model.variations", "tautline.study.robustness"})
+
+
 PARTS = (ast.stmt, ast.excepthandler, ast.match_case)
 """What statements are made of, apart from expressions."""
 MAPPED = Path("/proc/self/maps")
