@@ -104,8 +104,9 @@ def operability(
     application, found = context.obj.read(scene)
     read = changed(found, changes)
     asked = _asked(
-        hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
-        sn_constant,
+        hs=hs, tp=tp, heading=heading, seeds=seeds, first_seed=first_seed, duration=duration, simulated=simulated,
+        lead_in=lead_in, limit=limit, percentile=percentile, confidence=confidence, scatter=scatter,
+        sn_constant=sn_constant,
     )  # fmt: skip
     whole = asked
     asked = occurring(asked, read)
@@ -127,7 +128,7 @@ def operability(
 
 
 def _asked(
-    hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
+    *, hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
     simulated: str | None, lead_in: str, limit: Sequence[str] | None, percentile: str, confidence: str,
     scatter: Path | None, sn_constant: float | None,
 ) -> Asked:  # fmt: skip
@@ -150,10 +151,18 @@ def _asked(
         cause = "is no constant of an S-N curve: N (S / breaking load)^5 is a number above zero"
         raise option_error("--sn-constant", f"{sn_constant:g}", cause, "give the one of the rope, such as 1e3")
     return Asked(
-        conditions_of(heights, periods, headings), range(first_seed, first_seed + seeds), length,
-        length if simulated is None else number(simulated, "--simulate", "s"), tuple(limit or ()), share, certain,
-        compared, diagram, sn_constant, number(lead_in, "--lead-in", "s"),
-    )  # fmt: skip
+        conditions=conditions_of(heights, periods, headings),
+        seeds=range(first_seed, first_seed + seeds),
+        duration=length,
+        simulated=length if simulated is None else number(simulated, "--simulate", "s"),
+        limits=tuple(limit or ()),
+        share=share,
+        confidence=certain,
+        compared=compared,
+        scatter=diagram,
+        constant=sn_constant,
+        lead=number(lead_in, "--lead-in", "s"),
+    )
 
 
 def _range(text: str | None, option: str, unit: str, example: str, other: list[float] | None) -> list[float]:
