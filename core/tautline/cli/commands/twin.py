@@ -13,6 +13,7 @@ import time as clock
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -334,9 +335,23 @@ def _many(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
+@dataclass(frozen=True, kw_only=True)
+class RecordOptions:
+    """What the command line gave of the sensors of a record, as it is written there."""
+
+    rate: str
+    noise: str | None
+    delay: str | None
+    dropout: str | None
+    jitter: str | None
+    gap: Sequence[str] | None
+    fault: Sequence[str] | None
+    seed: int
+
+
 def record(
     catalogue: Catalogue, path: Path, map: Path, output: Path, changes: Sequence[str] | None, end: str | None,
-    given: dict[str, Any], as_json: bool, force: bool = False,
+    given: RecordOptions, as_json: bool, force: bool = False,
 ) -> None:  # fmt: skip
     """Run a scene with sensors, and write what they show.
 
@@ -359,13 +374,13 @@ def record(
     read = _read_map(map)
 
     sensing = Sensing(
-        rate=_number("--rate", given["rate"], "Hz", 10.0), noise=_share("--noise", given["noise"]),
-        dropout=_share("--dropout", given["dropout"]), jitter=_number("--jitter", given["jitter"], "s", 0.0),
-        delay=_number("--delay", given["delay"], "s", 0.0), gaps=[read_gap(text) for text in given["gap"] or ()],
-        faults=[read_fault(text) for text in given["fault"] or ()], seed=given["seed"],
+        rate=_number("--rate", given.rate, "Hz", 10.0), noise=_share("--noise", given.noise),
+        dropout=_share("--dropout", given.dropout), jitter=_number("--jitter", given.jitter, "s", 0.0),
+        delay=_number("--delay", given.delay, "s", 0.0), gaps=[read_gap(text) for text in given.gap or ()],
+        faults=[read_fault(text) for text in given.fault or ()], seed=given.seed,
     )  # fmt: skip
     if not sensing.rate > 0.0:
-        raise option_error("--rate", str(given["rate"]), "is no rate", "give rows a second, such as 10 Hz")
+        raise option_error("--rate", given.rate, "is no rate", "give rows a second, such as 10 Hz")
     until = _number("--end", end, "s", float("nan"))
     check_record(output, force)
     rows = recorded(scene, read, sensing, None if until != until else until)
