@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -100,6 +101,7 @@ def operability(
     from tautline.cli.output.console import say
     from tautline.cli.output.first_run import compiling
     from tautline.cli.output.progress import Counter
+    from tautline.sweeps.execution import Execution
 
     application, found = context.obj.read(scene)
     read = changed(found, changes)
@@ -120,10 +122,8 @@ def operability(
             _introduce(asked, len(whole.conditions) - len(asked.conditions))
 
     with Counter("storms", shown=not quiet) as bar:
-        found = run(
-            application, read, asked, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
-            announce=compiling, say=(lambda text: None) if quiet else say, begin=begin,
-        )  # fmt: skip
+        execution = Execution(jobs, dask, folder, resume, progress=bar, announce=compiling, begin=begin)
+        found = run(application, read, asked, execution if quiet else replace(execution, say=say))
     _report(scene, read, asked, found, folder, as_json, quiet, output is not None)
 
 
