@@ -7,6 +7,7 @@ needs geometry, from overlapping sheaves to a body below its sheave, is the buil
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -83,6 +84,11 @@ class Rope(Model):
     strain: Annotated[Literal["green", "engineering"], word("green", "engineering")] = "green"
     bending_life: Annotated[float, quantity("", positive=True, of="number of cycles")] | None = None
     length: Annotated[float, quantity("m", positive=True, of="length")] | None = None
+
+    @property
+    def wave_speed(self) -> float:
+        """Of tension along the rope, m/s."""
+        return math.sqrt(self.axial_stiffness / self.mass_per_length)
 
     @model_validator(mode="after")
     def _stable(self) -> Rope:
