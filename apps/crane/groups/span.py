@@ -269,7 +269,7 @@ def turns_with_frame(s, wheels):
 
 
 @kernel(forceinline=True)
-def _brought_in(g, n, f):
+def _brought_in(g, f):
     """Power, W, that the wheels of a span put in which turn with their frames while the stations stand still."""
     number, line = g.motion.number, g.line
     rate = line.number[RATE]
@@ -296,7 +296,7 @@ def _residual(g, t, q, v, a, r):
             g.is_slack[n] = slack
             g.kinks[0] += 1
         if turns_with_frame(s, g.wheels):
-            g.brought_in[0] += _brought_in(g, n, f)
+            g.brought_in[0] += _brought_in(g, f)
         e, load = row(line.e), row(s.load)
         pull = scaled_sum(scaled(f.p_e / size + force, row(line.g)), lam, f.turned_p)
         r1 = scaled_sum(scaled_sum(n1, -1.0, pull), -0.5 * size, load)
@@ -494,7 +494,7 @@ def _supply(g, t, q, v, p):
     for n in range(g.rows.size):
         if turns_with_frame(g.rows[n], g.wheels):
             _find(g, n, q, v)
-            p[0] += _brought_in(g, n, _flow(g, n, v))
+            p[0] += _brought_in(g, _flow(g, n, v))
     g.seen[0, 0] = np.nan
 
 

@@ -274,7 +274,7 @@ class Observer:
                 slipping[:, after[row.after]] = 0.0 - own[:, 2 * j + 1]
         return slipping
 
-    def _laid_out(self, frames: Any, place: np.ndarray) -> np.ndarray:
+    def _laid_out(self, frames: Any) -> np.ndarray:
         """Material at drums before any was paid out."""
         laid = np.tile(self.laid[[self.layout.item[i] for i in self.drums]], (len(frames.q), 1))
         for k, i in enumerate(self.drums):
@@ -291,7 +291,7 @@ class Observer:
         # Rope that is bent to the drum takes EJ / (2 R^2) for each metre.
         radius = np.array([self.scene.path[i].radius for i in self.drums])
         bent = 0.5 * self.scene.rope.bending_stiffness / radius**2
-        out, speed = way * (frames.q[:, place] - self._laid_out(frames, place)), way * frames.v[:, place]
+        out, speed = way * (frames.q[:, place] - self._laid_out(frames)), way * frames.v[:, place]
         return {
             "drum_tension": tension,
             "paid_out": out,
