@@ -12,7 +12,7 @@ from cli.in_process import commands_of, leave_out_pixels, only_object
 
 from crane.application import Crane
 from crane.operability.allowable import ABOVE, BELOW, FAILED, INSIDE, STOPPED, allowable, crossing, fitted, governing
-from crane.operability.conditions import Condition, highest
+from crane.operability.conditions import Condition, conditions_of, highest
 from crane.operability.scatter import YEAR, fatigue_over, read_scatter
 from crane.operability.storms import Asked, operability
 from crane.verbs.operability import _asked
@@ -215,6 +215,7 @@ def test_each_option_of_the_command_line_comes_to_its_own_place(tmp_path):
     diagram = tmp_path / "scatter.csv"
     diagram.write_text("Hs [m],6,8\n1,10,5\n2,3,4\n")
     made = _asked(
+        gravity=(0.0, 0.0, -9.81),
         hs=None, tp=None, heading="0,90", seeds=7, first_seed=3, duration="2h", simulated="30min", lead_in="50 s",
         limit=["max_tension < 60 kN"], percentile="P85", confidence="70 %", scatter=diagram, sn_constant=1e3,
     )  # fmt: skip
@@ -233,6 +234,12 @@ def test_waves_steeper_than_they_can_be_are_not_run():
     assert highest(11.5) == pytest.approx(9.81 * 11.5**2 / (2.0 * math.pi) * 0.5 * (1 / 15 + 1 / 25))
     assert not Condition(4.0, 5.0, None).physical
     assert Condition(2.0, 6.0, None).physical
+
+
+def test_waves_are_as_steep_as_the_gravity_of_the_scene_lets_them():
+    mars, nowhere = (conditions_of([2.0], [6.0], [None], (0.0, 0.0, -g))[0] for g in (3.71, 0.0))
+    assert highest(6.0, 3.71) == pytest.approx(3.71 / 9.81 * highest(6.0), rel=1e-12)
+    assert not mars.physical and nowhere.physical and nowhere.gravity == 9.81
 
 
 @pytest.fixture

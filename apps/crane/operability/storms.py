@@ -193,7 +193,7 @@ def _check_steepness(conditions: Sequence[Condition]) -> None:
     if any(one.physical for one in conditions):
         return
     lowest, longest = min(one.height for one in conditions), max(one.period for one in conditions)
-    most = highest(longest)
+    most = highest(longest, conditions[0].gravity)
     cause = (
         f"no sea state of these heights and periods is physical: all are steeper than waves can be. Waves of Tp "
         f"{longest:g} s are {most:.3g} m high at most (DNV-RP-C205, 3.5.4), and the lowest asked for are {lowest:g} m"

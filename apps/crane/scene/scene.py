@@ -35,7 +35,7 @@ from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.quantity import quantity
-from tautline.scene.vector import Gravity
+from tautline.scene.vector import EARTH_GRAVITY, Gravity
 
 __all__ = [
     "Anchor", "Bearing", "Body", "Brake", "CraneScene", "Drag", "Drum", "Efficiency", "End", "Frame", "Gains",
@@ -140,7 +140,7 @@ class CraneScene(Scene):
     ground: Ground | None = None
     heave_compensation: HeaveCompensation | None = None
     mesh: Mesh = Mesh()
-    gravity: Gravity = (0.0, 0.0, -9.81)
+    gravity: Gravity = (0.0, 0.0, -EARTH_GRAVITY)
     start: Annotated[Literal["static", "as drawn"], word("static", "as drawn", aliases={"drawn": "as drawn"})] = (
         "static"
     )

@@ -106,6 +106,7 @@ def operability(
     application, found = context.obj.read(scene)
     read = changed(found, changes)
     asked = _asked(
+        gravity=read.gravity,
         hs=hs, tp=tp, heading=heading, seeds=seeds, first_seed=first_seed, duration=duration, simulated=simulated,
         lead_in=lead_in, limit=limit, percentile=percentile, confidence=confidence, scatter=scatter,
         sn_constant=sn_constant,
@@ -128,7 +129,8 @@ def operability(
 
 
 def _asked(
-    *, hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
+    *, gravity: Sequence[float],
+    hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
     simulated: str | None, lead_in: str, limit: Sequence[str] | None, percentile: str, confidence: str,
     scatter: Path | None, sn_constant: float | None,
 ) -> Asked:  # fmt: skip
@@ -151,7 +153,7 @@ def _asked(
         cause = "is no constant of an S-N curve: N (S / breaking load)^5 is a number above zero"
         raise option_error("--sn-constant", f"{sn_constant:g}", cause, "give the one of the rope, such as 1e3")
     return Asked(
-        conditions=conditions_of(heights, periods, headings),
+        conditions=conditions_of(heights, periods, headings, gravity),
         seeds=range(first_seed, first_seed + seeds),
         duration=length,
         simulated=length if simulated is None else number(simulated, "--simulate", "s"),
