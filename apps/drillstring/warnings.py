@@ -23,10 +23,10 @@ from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
 from tautline.kernels.time_function import sample, value_at
 from tautline.results.assessment.rounding import unrounded
-from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step
+from tautline.scene.unit_slips import meant, units_that_fit
 from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import FunctionRequest, compile_functions

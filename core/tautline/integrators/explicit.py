@@ -20,7 +20,7 @@ from tautline.kernels.factors.band import NARROW
 from tautline.kernels.groups import feel_acceleration, has_constant_mass
 from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
-from tautline.kernels.teaching import is_array
+from tautline.kernels.numba_registration import is_array
 from tautline.system.model import SolverSettings
 from tautline.system.system import MassNumbering, System, number_by_mass
 

@@ -58,8 +58,8 @@ from tautline.kernels.machine.code import KERNELS_OF
 from tautline.kernels.machine.settings import UNCOMPILED
 from tautline.kernels.matrix import MATRIX
 from tautline.kernels.memory import Form, form_of, laid
+from tautline.kernels.numba_registration import taught
 from tautline.kernels.parallel_compile import Job
-from tautline.kernels.teaching import taught
 
 Kernel = Callable[..., None]
 

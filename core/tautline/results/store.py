@@ -35,8 +35,8 @@ import numpy as np
 from tautline.errors import ArgumentError
 from tautline.results import disk, layout
 from tautline.results.errors import ResultError, WriteError
+from tautline.results.output_path import check_target
 from tautline.results.result import Result
-from tautline.results.target import check_target
 from tautline.results.variable import Variable
 
 TIME = Variable("time", ("time",), "s", "simulated time")

@@ -144,7 +144,7 @@ def working() -> Iterator[Any]:
 def stem_of(path: Path, output: Path | None, word: str) -> Path:
     """Beginning of the names of files; raises ResultError where one of them could not be written."""
     from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder
+    from tautline.results.output_path import check_folder
 
     stem = output if output is not None else Path(f"{path.stem}_{word}")
     if stem.suffix in ENDINGS:

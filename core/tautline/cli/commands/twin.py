@@ -64,7 +64,7 @@ def twin(
         For bad input; nothing is written then.
     """
     from tautline.integrators.status import Interrupted, StoppedEarly
-    from tautline.results.target import check_found
+    from tautline.results.output_path import check_found
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
     from tautline.twin.sources.stamps import stamp_said
@@ -124,7 +124,7 @@ def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
     """
     from tautline.results.disk import Lock
     from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder, check_state
+    from tautline.results.output_path import check_folder, check_state
 
     locks: list[Lock] = []
     given = {option: path for option, path in files.items() if path is not None}
@@ -366,7 +366,7 @@ def record(
         For bad input; nothing is written then.
     """
     from tautline.integrators.status import StoppedEarly
-    from tautline.results.target import check_record
+    from tautline.results.output_path import check_record
     from tautline.twin.record import Sensing, read_fault, read_gap
     from tautline.twin.record import record as recorded
 
