@@ -244,7 +244,7 @@ def _move(g, n, v, a):
 
 
 @kernel
-def _see(g, q, v):
+def _mark_evaluated(g, q, v):
     """Remember of which state ``found`` tells."""
     for i in range(g.seen.shape[1]):
         g.seen[0, i] = q[i]
@@ -252,7 +252,7 @@ def _see(g, q, v):
 
 
 @kernel
-def _is_seen(g, row, x):
+def _is_evaluated(g, row, x):
     """Whether ``found`` tells of these positions (row 0), or velocities (row 1)."""
     others = 0
     for i in range(g.seen.shape[1]):
@@ -280,7 +280,7 @@ def _brought_in(g, f):
 @kernel
 def _residual(g, t, q, v, a, r):
     number, line = g.motion.number, g.line
-    _see(g, q, v)
+    _mark_evaluated(g, q, v)
     g.brought_in[0] = 0.0
     for n in range(g.rows.size):
         s = g.rows[n]
@@ -488,7 +488,7 @@ def _dissipation(g, t, q, v, p):
 @kernel
 def _supply(g, t, q, v, p):
     """What wheels that turn with their frames put in while the stations stand still."""
-    if _is_seen(g, 0, q) and _is_seen(g, 1, v):
+    if _is_evaluated(g, 0, q) and _is_evaluated(g, 1, v):
         p[0] += g.brought_in[0]
         return
     for n in range(g.rows.size):
@@ -543,7 +543,7 @@ def _alarm(g, t, q, alarm):
     _met(g, q, alarm)
     if alarm[0] != 0:
         return
-    seen = _is_seen(g, 0, q)
+    seen = _is_evaluated(g, 0, q)
     if not seen:
         g.seen[0, 0] = np.nan
     for n in range(g.rows.size):

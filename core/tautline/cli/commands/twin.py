@@ -75,7 +75,7 @@ def twin(
     read = _read_map(map)
     if output is not None and resume is None and not force:
         check_found(output)
-    hush()
+    silence_library_logs()
     units = {one.column: one.unit for one in read.sensors}
     with (
         _alone({"--state": state, "--account": account, "-o": output}),
@@ -150,7 +150,7 @@ def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
             lock.give_back()
 
 
-def hush() -> None:
+def silence_library_logs() -> None:
     """Keep what a library logs off standard error.
 
     Only the command does this, never `open_source`: in another program it is that program's to say. And it is no more
