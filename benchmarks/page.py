@@ -80,6 +80,11 @@ def between(text: str, part: str, begin: str, end: str) -> str:
     return before + part + after
 
 
+def replace_between(page: Path, begin: str, end: str, text: str) -> None:
+    """Write a text between two marks of a page, which stay."""
+    page.write_text(between(page.read_text(encoding="utf8"), begin + text + end, begin, end), encoding="utf8")
+
+
 def show(measure: Callable[[bool], Section], text: str) -> None:
     """Run one benchmark and print its section."""
     quick, before = quick_asked(text), load()

@@ -52,6 +52,6 @@ class Crane(Packaged):
 
     def free_motions(self, scene: Any) -> Any:
         """What moves freely, by blows that no sensor sees: loads bounce on their ropes."""
-        from crane.assembly.bounce import free_motions
+        from crane.assembly.bouncing_loads import free_motions
 
         return free_motions(scene)

@@ -23,9 +23,9 @@ from crane.scene.strength import strain_bound
 from crane.sea.compensation import Compensation
 from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
-from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
 from tautline.scene.functions import Ramp, Sum
+from tautline.scene.unit_slips import meant, units_that_fit
 from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import FunctionRequest, compile_functions

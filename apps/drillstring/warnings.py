@@ -13,7 +13,6 @@ from drillstring.drilling.end_groups import BLOCK, ROTATION
 from drillstring.model.build import requests
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared, tubes_of
-from drillstring.model.variations import bars
 from drillstring.results.limits import SNUG
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics.helix import limits_at
@@ -24,10 +23,10 @@ from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
 from tautline.kernels.time_function import sample, value_at
 from tautline.results.assessment.rounding import unrounded
-from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step
+from tautline.scene.unit_slips import meant, units_that_fit
 from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -124,6 +123,7 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
     if scene.model.kind == BEAM:
         from drillstring.groups.beam_points import points_of
         from drillstring.model.beam_frequency import contact_frequency
+        from drillstring.model.variations import bars
 
         of_contact = contact_frequency(points_of(lumps), wall, fluid_of(scene.mud), scene.well.diameter)
         return RK4.reach_of_vibration / max(of_contact, *(bar.fastest for bar in bars(scene)))

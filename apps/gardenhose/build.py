@@ -110,7 +110,7 @@ def tolerance_of(scene: HoseScene) -> float:
     And it is to be no more than a small share of the axial force, which an energy that moves the tip by nothing may
     hide in a pipe that hardly stretches: a force F in a spring k is F^2/k.
     """
-    slow = average(scene, 1.0).slowness
+    slow = average(scene, 1.0).time_scale
     if scene.solver.step == "auto" or not np.isfinite(slow):
         return TIGHTEST
     steps = float(scene.solver.step) / (LONG_STEP * slow)

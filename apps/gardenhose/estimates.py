@@ -86,7 +86,7 @@ class Average:
         return self.length * math.sqrt(self.thrust / self.bending) if self.bending > 0.0 else None
 
     @property
-    def slowness(self) -> float:
+    def time_scale(self) -> float:
         """Time by which frequencies are made dimensionless, s; inf without bending stiffness."""
         if self.bending == 0.0:
             return math.inf
@@ -140,7 +140,7 @@ def onset(scene: HoseScene, hose: Average) -> tuple[float | None, float | None]:
         return support[2], 0.0
     beta = hose.mass_ratio
     omega = float(np.interp(beta, ONSET[:, 0], ONSET[:, 2]))
-    return float(np.interp(beta, ONSET[:, 0], ONSET[:, 1])), omega / (2.0 * math.pi * hose.slowness)
+    return float(np.interp(beta, ONSET[:, 0], ONSET[:, 1])), omega / (2.0 * math.pi * hose.time_scale)
 
 
 def first_frequency(scene: HoseScene, hose: Average) -> float | None:
@@ -148,7 +148,7 @@ def first_frequency(scene: HoseScene, hose: Average) -> float | None:
     support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
     if support is None or hose.bending == 0.0:
         return None
-    return support[0] / (2.0 * math.pi * hose.slowness)
+    return support[0] / (2.0 * math.pi * hose.time_scale)
 
 
 def _unit_matrix(first: int, points: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

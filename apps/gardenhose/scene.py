@@ -21,7 +21,7 @@ from tautline.scene.refusal import fault, raise_all
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
 from tautline.scene.values.quantity import quantity
-from tautline.scene.vector import Direction, Gravity, Position, Vector, Velocity, unit
+from tautline.scene.vector import EARTH_GRAVITY, Direction, Gravity, Position, Vector, Velocity, unit
 
 MOST_ELEMENTS = 100_000
 FAR_AWAY = 1.0e9
@@ -193,7 +193,7 @@ class HoseScene(Scene):
     water: Water | None = None
     coupling: Annotated[Literal["linear", "lagrange", "penalty", "augmented"], COUPLINGS] = "linear"
     stiffness: Annotated[float, quantity("N/m", positive=True, of="spring stiffness")] | None = None
-    gravity: Gravity = (0.0, 0.0, -9.81)
+    gravity: Gravity = (0.0, 0.0, -EARTH_GRAVITY)
     disturbance: Velocity = (0.0, 0.0, 0.0)
     start: Annotated[Literal["straight", "static", "relaxed"], word("straight", "static", "relaxed")] = "straight"
     solver: Solver = Field(examples=["{method: generalized-alpha, rho_inf: 0.9, step: 1 ms, end: 5 s}"])

@@ -64,7 +64,7 @@ MUTANTS = (
         "factor in the second rate of a wave that grows", ("kernels/test_time_function.py",),
     ),
     Mutant(
-        "core/tautline/elements/tension.py", "tension_of_four", "force = carried * strain * factor",
+        "core/tautline/elements/tension.py", "tension_of_four", "force = carried * strain * d_strain",
         "force = carried * strain", "factor of engineering strain dropped", ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchmarks import ROOT
-from benchmarks.page import table
+from benchmarks.page import replace_between, table
 from tautline.scene.values.ranges import RANGES, in_range
 
 PAGE = ROOT / "docs" / "ranges.md"
@@ -19,12 +19,5 @@ def ranges() -> str:
     return table(("quantity", "plausible size", "units that are tried", "taken from"), rows)
 
 
-def main() -> None:
-    text = PAGE.read_text(encoding="utf8")
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    PAGE.write_text(before + BEGIN + ranges() + END + after, encoding="utf8")
-
-
 if __name__ == "__main__":
-    main()
+    replace_between(PAGE, BEGIN, END, ranges())

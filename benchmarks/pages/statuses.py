@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchmarks import ROOT
-from benchmarks.page import table
+from benchmarks.page import replace_between, table
 from tautline.integrators.status import SENTENCES, Status
 
 PAGE = ROOT / "docs" / "solver.md"
@@ -16,12 +16,5 @@ def statuses() -> str:
     return table(("status", "sentence", "exit code"), rows)
 
 
-def main() -> None:
-    text = PAGE.read_text(encoding="utf8")
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    PAGE.write_text(before + BEGIN + statuses() + END + after, encoding="utf8")
-
-
 if __name__ == "__main__":
-    main()
+    replace_between(PAGE, BEGIN, END, statuses())

@@ -53,8 +53,9 @@ from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.assessment.bounds import judge
 from tautline.results.assessment.rounding import without_rounding
 from tautline.results.assessment.start import Start, pivots, static_start
+from tautline.results.brief_store import BriefStore
 from tautline.results.errors import ResultError
-from tautline.results.on_demand import BriefStore, OnDemand
+from tautline.results.on_demand import OnDemand
 from tautline.results.result import Result
 from tautline.results.store import FrameStore, Store
 from tautline.scene.methods import explicit_like, method_of

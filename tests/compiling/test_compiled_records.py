@@ -185,7 +185,7 @@ def test_operations_of_numbers_give_what_they_give_in_python(i, j, x, y, yes):
 WRITTEN = """
 import pickle, sys
 from tautline.kernels.matrix import FACTORS, MATRIX
-from tautline.kernels.teaching import compiler
+from tautline.kernels.numba_registration import compiler
 kinds = [compiler().kind_of(form) for form in (FACTORS, MATRIX)]
 sys.stdout.buffer.write(pickle.dumps((list(map(hash, kinds)), kinds)))
 """
@@ -194,7 +194,7 @@ sys.stdout.buffer.write(pickle.dumps((list(map(hash, kinds)), kinds)))
 def test_a_type_that_another_process_wrote_is_the_same_type():
     """Code is kept with its types. A class has another hash in each process, so one that is kept finds nothing."""
     from tautline.kernels.matrix import FACTORS, MATRIX
-    from tautline.kernels.teaching import compiler
+    from tautline.kernels.numba_registration import compiler
 
     written = subprocess.run([sys.executable, "-c", WRITTEN], capture_output=True, check=True).stdout
     _, kinds = pickle.loads(written)

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -74,6 +75,10 @@ def test_a_run_leaves_nothing_of_scipy_loaded_that_it_does_not_need(simulated):
     assert simulated[1].isdisjoint({f"scipy.{name}" for name in named})
 
 
+def test_a_run_loads_nothing_that_varies_a_scene_for_a_study(simulated):
+    assert simulated[1].isdisjoint({"drillstring.model.variations", "tautline.study.robustness"})
+
+
 PARTS = (ast.stmt, ast.excepthandler, ast.match_case)
 """What statements are made of, apart from expressions."""
 MAPPED = Path("/proc/self/maps")
@@ -121,9 +126,9 @@ def test_lapack_that_was_loaded_alone_leaves_scipy_as_it_is():
     assert done.stdout.startswith("True 1.5 <capsule"), done.stderr
 
 
-def test_a_check_of_a_scene_loads_nothing_that_derives_or_draws(simulated):
+def test_a_check_of_a_scene_loads_nothing_that_derives_or_draws_or_stores(simulated):
     packages, _ = packages_after(["check", "short.yaml"], simulated[0])
-    assert packages.isdisjoint(TO_DERIVE_OR_DRAW)
+    assert packages.isdisjoint(TO_DERIVE_OR_DRAW | {"h5py"})
 
 
 def test_help_loads_nothing_that_computes(tmp_path):
@@ -144,6 +149,17 @@ LINTER = shutil.which("lint-imports", path=os.pathsep.join([str(Path(sys.executa
 def test_the_import_contracts_hold():
     done = subprocess.run([LINTER, "--no-cache"], capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize("name", sorted(p.name for p in (ROOT / "apps").iterdir() if (p / "main.py").exists()))
+def test_every_room_of_an_application_has_its_layer_in_a_contract(name):
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = project["tool"]["importlinter"]["contracts"]
+    layers = next((c["layers"] for c in contracts if c["name"] == f"the rooms of {name}"), ())
+    placed = {room.strip() for layer in layers for room in layer.split("|")}
+    rooms = {p.stem for p in (ROOT / "apps" / name).glob("*.py")} - {"__init__", "main"}
+    rooms |= {p.parent.name for p in (ROOT / "apps" / name).glob("*/__init__.py")}
+    assert {f"{name}.{room}" for room in rooms} == placed
 
 
 @cache

@@ -8,7 +8,18 @@ import pytest
 import tautline
 from tautline.application.installed import Installed
 from tautline.integrators.linearise import NO_SEARCH, evaluate, search_on
-from tautline.integrators.search import AWAY, FOUND, ITERATION, LEFT, LOOSE, MORE, NEAREST, SHIFT, STEP_LIMIT, Search
+from tautline.integrators.newton_at_rest import (
+    AWAY,
+    FOUND,
+    ITERATION,
+    LEFT,
+    LOOSE,
+    MORE,
+    NEAREST,
+    SHIFT,
+    STEP_LIMIT,
+    Search,
+)
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium, neighbours
 from tautline.kernels.dofs import HELD, TIED

@@ -12,9 +12,9 @@ import xarray
 
 from tautline.results.errors import ResultError
 from tautline.results.headline import Figure
+from tautline.results.output_path import check_target
 from tautline.results.result import Result
 from tautline.results.store import Store
-from tautline.results.target import check_target
 from tautline.results.variable import Variable
 
 VARIABLES = [

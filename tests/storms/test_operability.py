@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,13 +12,16 @@ from cli.in_process import commands_of, leave_out_pixels, only_object
 
 from crane.application import Crane
 from crane.operability.allowable import ABOVE, BELOW, FAILED, INSIDE, STOPPED, allowable, crossing, fitted, governing
-from crane.operability.conditions import Condition, highest
+from crane.operability.conditions import Condition, conditions_of, highest
 from crane.operability.scatter import YEAR, fatigue_over, read_scatter
 from crane.operability.storms import Asked, operability
+from crane.verbs.operability import _asked
 from tautline.scene.errors import SceneError
 from tautline.statistics.gumbel import fit_gumbel
+from tautline.sweeps.execution import Execution
 from tautline.sweeps.file import read_sweep
 
+ALONE = Execution(jobs=1)
 MASS, GRAVITY, PERIOD = 5000.0, 9.81, 8.0
 SCENE = f"""
 title: Stiff rope, heave alone
@@ -78,7 +82,7 @@ def lift(application, scene, tmp_path_factory):
         f"max_tension < {MASS * (GRAVITY + 1.05 * percentile)}",
         f"min_tension > {MASS * (GRAVITY - 1.05 * percentile)}",
     ]
-    return operability(application, scene, asked(limits=limits, confidence=0.99), folder=folder, jobs=1)
+    return operability(application, scene, asked(limits=limits, confidence=0.99), replace(ALONE, folder=folder))
 
 
 def test_the_allowable_height_of_a_linear_response_is_that_of_its_spectrum(lift):
@@ -110,7 +114,7 @@ def test_the_most_probable_largest_is_that_of_the_spectrum(lift):
 
 def test_shorter_storms_scale_to_the_duration(application, scene):
     limit = f"max_tension < {MASS * (GRAVITY + 1.0)}"
-    short = operability(application, scene, asked((1.0,), 12, 480.0, 120.0, [limit], confidence=0.99), jobs=1)
+    short = operability(application, scene, asked((1.0,), 12, 480.0, 120.0, [limit], confidence=0.99), ALONE)
     _, probable = response(480.0)
     low, high = (short.table.extremes[f"most_probable{end}"][0, 0, 0, 0] for end in ("_low", "_high"))
     assert low <= MASS * (GRAVITY + probable) <= high
@@ -135,7 +139,7 @@ def test_motions_of_two_seeds_do_not_follow_the_same_waves_in_any_storm(applicat
     found = {}
     for name, pitch in (("apart", 2), ("together", 1)):
         one = both.replace({"vessel.motion.pitch.spectrum.seed": pitch})
-        table = operability(application, one, asked((1.0,), 12, limits=[limit], confidence=0.99), jobs=1).table
+        table = operability(application, one, asked((1.0,), 12, limits=[limit], confidence=0.99), ALONE).table
         found[name] = [table.extremes[f"most_probable{end}"][0, 0, 0, 0] for end in ("_low", "_high")]
     assert found["apart"][0] <= MASS * (GRAVITY + probable) <= found["apart"][1]
     assert found["together"][0] <= MASS * (GRAVITY + in_phase) <= found["together"][1]
@@ -207,6 +211,22 @@ def test_of_several_limits_the_least_height_governs_and_an_unknown_one_leaves_it
     assert governing(SimpleNamespace(allowable=found)).tolist() == [[0, 1, -1]]
 
 
+def test_each_option_of_the_command_line_comes_to_its_own_place(tmp_path):
+    diagram = tmp_path / "scatter.csv"
+    diagram.write_text("Hs [m],6,8\n1,10,5\n2,3,4\n")
+    made = _asked(
+        gravity=(0.0, 0.0, -9.81),
+        hs=None, tp=None, heading="0,90", seeds=7, first_seed=3, duration="2h", simulated="30min", lead_in="50 s",
+        limit=["max_tension < 60 kN"], percentile="P85", confidence="70 %", scatter=diagram, sn_constant=1e3,
+    )  # fmt: skip
+    assert list(made.seeds) == list(range(3, 10)) and made.limits == ("max_tension < 60 kN",)
+    assert (made.duration, made.simulated, made.lead) == (7200.0, 1800.0, 50.0)
+    assert (made.share, made.confidence, made.compared, made.constant) == (0.85, 0.7, "percentile", 1e3)
+    assert {(one.height, one.period) for one in made.conditions} == {(1.0, 6.0), (1.0, 8.0), (2.0, 6.0), (2.0, 8.0)}
+    assert sorted({one.heading for one in made.conditions}) == pytest.approx([0.0, math.pi / 2.0])
+    assert made.scatter.of(2.0, 8.0) > 0.0
+
+
 def test_waves_steeper_than_they_can_be_are_not_run():
     # DNV-RP-C205, 3.5.4: 1/15 to 8 s, 1/25 from 15 s, linear between.
     assert highest(6.0) == pytest.approx(9.81 * 36.0 / (2.0 * math.pi) / 15.0)
@@ -214,6 +234,12 @@ def test_waves_steeper_than_they_can_be_are_not_run():
     assert highest(11.5) == pytest.approx(9.81 * 11.5**2 / (2.0 * math.pi) * 0.5 * (1 / 15 + 1 / 25))
     assert not Condition(4.0, 5.0, None).physical
     assert Condition(2.0, 6.0, None).physical
+
+
+def test_waves_are_as_steep_as_the_gravity_of_the_scene_lets_them():
+    mars, nowhere = (conditions_of([2.0], [6.0], [None], (0.0, 0.0, -g))[0] for g in (3.71, 0.0))
+    assert highest(6.0, 3.71) == pytest.approx(3.71 / 9.81 * highest(6.0), rel=1e-12)
+    assert not mars.physical and nowhere.physical and nowhere.gravity == 9.81
 
 
 @pytest.fixture
@@ -516,7 +542,7 @@ def test_an_output_is_not_judged_over_the_lead_in(application, scene):
     })  # fmt: skip
     start = float(falling.bodies[0].position[2])
     found = operability(
-        application, falling, asked((0.3,), 3, 10.0, limits=[f"load.position[2] < {start - 1.5}"]), jobs=1
+        application, falling, asked((0.3,), 3, 10.0, limits=[f"load.position[2] < {start - 1.5}"]), ALONE
     )
     assert set(found.outcome.data["status"].values) == {"done"}, found.outcome.data["message"].values
     assert found.table.values.max() < start - 1.5
@@ -524,7 +550,7 @@ def test_an_output_is_not_judged_over_the_lead_in(application, scene):
 
 def test_storms_without_slack_keep_a_limit_on_snaps(application, scene):
     # Such a storm has no such figure: it counts as 0, and is not left out of the fit.
-    found = operability(application, scene, asked((0.3, 0.8), 3, 10.0, limits=["max_snap < 1 kN"]), jobs=1)
+    found = operability(application, scene, asked((0.3, 0.8), 3, 10.0, limits=["max_snap < 1 kN"]), ALONE)
     assert found.table.values.tolist() == [[[[[0.0] * 3] * 2]]]
     one = found.table.allowable[0, 0, 0]
     assert (one.height, one.bound) == (0.8, ABOVE)
@@ -606,7 +632,7 @@ def test_a_heading_that_the_responses_lack_is_refused_before_any_storm_is_run(ap
     conditions = [Condition(0.5, PERIOD, math.radians(angle)) for angle in (0.0, 90.0, 200.0)]
     wanted = Asked(conditions, range(1, 4), 10.0, 10.0, ("max_tension < 60 kN",), lead=5.0)
     with pytest.raises(SceneError, match=r"Tp 8 s, heading 200 deg.*not in the file"):
-        operability(application, sea, wanted, folder=tmp_path / "storms", jobs=1)
+        operability(application, sea, wanted, replace(ALONE, folder=tmp_path / "storms"))
     assert not (tmp_path / "storms").exists()
 
 
@@ -625,7 +651,7 @@ def test_a_limit_of_the_scene_on_an_array_is_judged_at_all_its_places(applicatio
         {"output": "tension", "above": "60 kN", "name": "overload"},
         {"output": "tension", "below": "1 kN", "for": "2 s", "name": "slack"},
     ]})  # fmt: skip
-    found = operability(application, limited, asked((0.5,), 3, 10.0, limits=["max_tension < 60 kN"]), jobs=1)
+    found = operability(application, limited, asked((0.5,), 3, 10.0, limits=["max_tension < 60 kN"]), ALONE)
     texts = [one.text for one in found.criteria]
     assert texts == ["max_tension < 60 kN", "tension < 60 kN", "tension > 1 kN"]
     # A span has two ends, and the rope's largest tension is at one of them.
@@ -636,6 +662,6 @@ def test_a_limit_of_the_scene_on_an_array_is_judged_at_all_its_places(applicatio
 
 def test_a_place_that_an_output_has_not_is_refused(application, scene):
     with pytest.raises(SceneError, match=r"there is no load\.position\[7\]"):
-        operability(application, scene, asked((0.5,), 3, 10.0, limits=["load.position[7] < 3 m"]), jobs=1)
+        operability(application, scene, asked((0.5,), 3, 10.0, limits=["load.position[7] < 3 m"]), ALONE)
     with pytest.raises(SceneError, match=r"load\.position is no single number.*load\.position\[0\]"):
-        operability(application, scene, asked((0.5,), 3, 10.0, limits=["load.position < 3 m"]), jobs=1)
+        operability(application, scene, asked((0.5,), 3, 10.0, limits=["load.position < 3 m"]), ALONE)

@@ -14,6 +14,7 @@ from sweep.short_hoist import MASS, hoist
 
 import tautline
 from tautline.scene.errors import SceneError
+from tautline.sweeps.execution import Execution
 from tautline.sweeps.journal import NAME
 
 CASES = 24
@@ -126,10 +127,11 @@ def test_a_scheduler_that_is_lost_on_the_way_keeps_what_was_finished_and_is_told
     scene = hoist(0.05)
     plan = {"latin_hypercube": {"samples": 6, "seed": 1}}
     read = read_sweep({"scene": "s", "vary": {MASS: {"uniform": ["2 t", "8 t"]}}, "plan": plan, "collect": ["rise"]})
-    one = sweeps._Sweep(read, tautline._installed().of(scene), scene, 1, "tcp://10.0.0.1:8786", tmp_path / "out", False)
+    execution = Execution(1, "tcp://10.0.0.1:8786", tmp_path / "out")
+    one = sweeps._Sweep(read, tautline._installed().of(scene), scene, execution)
     runner = one.runner
-    one.check(None, lambda text: None)
-    outcome = one.run(lambda done, every: None, lambda text: None)
+    one.check()
+    outcome = one.run()
     assert outcome.lost == "the scheduler tcp://10.0.0.1:8786 answers no more" and outcome.interrupted
     assert outcome.done == 2 and outcome.table.exists()
     assert _left_out(outcome) == ["percentiles are those of the 2 cases so far, of 6"]

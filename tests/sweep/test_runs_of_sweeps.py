@@ -10,6 +10,7 @@ from sweep.short_hoist import HOIST, MASS, PERIOD, hoist, write_sweep
 import tautline
 from tautline.results.tables.finding import Finding
 from tautline.sweeps.cases import Row, Runner, job_of
+from tautline.sweeps.execution import Execution
 from tautline.sweeps.file import Collected
 from tautline.sweeps.sweep import Outcome
 from tautline.sweeps.workers import Measured, how
@@ -213,7 +214,7 @@ def test_each_plan_has_its_figure(tmp_path, vary, plan, expected):
 
     scene = hoist(0.05)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": plan, "collect": ["max_tension"]})
-    outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1)
+    outcome = run_sweep(read, tautline._installed().of(scene), scene, Execution(jobs=1))
     assert set(outcome.data["status"].values.ravel()) == {"done"}, outcome.data["message"].values
     made = draw(outcome.data, outcome.cases, tmp_path)
     assert [path.name for path in made] == [f"{name}.png" for name in expected]
@@ -348,7 +349,7 @@ def test_percentiles_of_a_sweep_with_failed_cases_are_said_to_lack_them(tmp_path
         {"scene": "s", "vary": spread, "plan": {"latin_hypercube": {"samples": 4, "seed": 1}}, "collect": ["rise"]}
     )
     scene = hoist(2.0)
-    outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1, folder=tmp_path / "out")
+    outcome = run_sweep(read, tautline._installed().of(scene), scene, Execution(jobs=1, folder=tmp_path / "out"))
     assert outcome.failed and outcome.done
     (text,) = _left_out(outcome)
     assert text.startswith(f"percentiles are those of the {outcome.done} cases")

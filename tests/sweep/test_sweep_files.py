@@ -5,6 +5,7 @@ import pytest
 from sweep.short_hoist import HOIST, MASS, PERIOD, hoist, write_sweep
 
 import tautline
+from tautline.sweeps.execution import Execution
 from tautline.sweeps.file import plan_cases, read_sweep
 
 
@@ -168,5 +169,5 @@ def test_how_long_the_values_of_a_large_grid_are_tried_is_said(monkeypatch):
     said = []
     read = read_sweep({"scene": "s", "vary": {MASS: list(range(1000, 1020))}, "collect": ["rise"]})
     scene = hoist(0.05)
-    module.run_sweep(read, tautline._installed().of(scene), scene, jobs=1, say=said.append)
+    module.run_sweep(read, tautline._installed().of(scene), scene, Execution(jobs=1, say=said.append))
     assert said[0].startswith("the values of 20 cases are tried first")

@@ -10,6 +10,7 @@ import tautline
 from drillstring.statics.torque_drag import torque_drag
 from drillstring.twin.sticking_limit import sticking_limit
 from drillstring.twin.torsional_line import line_of
+from tautline.sweeps.execution import Execution
 from tautline.sweeps.table import RANKS
 
 SPREAD = [0.28, 0.05, 0.1, 0.5]
@@ -72,7 +73,7 @@ def test_a_tornado_of_numbers_along_depth_is_said_not_to_be_made(slant, tmp_path
     sweep = {"scene": "s", "verb": "torque-drag", "vary": {"well.wall.friction": [0.2, 0.4]}, "plan": "one_at_a_time"}
     read = read_sweep(sweep | {"collect": ["pick_up", "failures"], "options": {"depth": "1000,2000"}})
     scene = tautline.read(slant)
-    outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1, folder=tmp_path / "out")
+    outcome = run_sweep(read, tautline._installed().of(scene), scene, Execution(jobs=1, folder=tmp_path / "out"))
     assert _left_out(outcome) == ["pick_up: numbers along depth, of which no tornado is made; give one depth"]
 
 
@@ -86,7 +87,7 @@ def test_cases_in_which_the_string_locks_up_are_said_to_be_missing_from_percenti
     sweep |= {"plan": {"latin_hypercube": {"samples": 6, "seed": 1}}, "collect": ["slack_off", "pick_up", "lock_ups"]}
     sweep |= {"options": {"elements": 12}}
     read = read_sweep(sweep)
-    outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1, folder=tmp_path / "out")
+    outcome = run_sweep(read, tautline._installed().of(scene), scene, Execution(jobs=1, folder=tmp_path / "out"))
     loads, locked = outcome.data["slack_off"].values, outcome.data["lock_ups"].values
     assert outcome.done == 6 and 0 < locked.sum() < 6
     assert (np.isnan(loads) == (locked == 1.0)).all()

@@ -10,7 +10,8 @@ import tautline
 from crane.assembly.layout import lay_out
 from tautline.integrators.time_loop import new_frames
 from tautline.kernels.time_function import TimeFunctions
-from tautline.results.on_demand import BriefStore, OnDemand, together
+from tautline.results.brief_store import BriefStore
+from tautline.results.on_demand import OnDemand, together
 from tautline.scene.errors import SceneError
 from tautline.sweeps.cases import Runner, job_of
 from tautline.sweeps.file import Collected

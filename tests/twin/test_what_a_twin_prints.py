@@ -120,12 +120,12 @@ def test_a_time_is_written_as_people_read_it(time, said):
 
 LOGGED = """
 import logging, sys
-from tautline.cli.commands.twin import hush
+from tautline.cli.commands.twin import silence_library_logs
 from tautline.twin.sources.opening import open_source
 open_source("opc.tcp://127.0.0.1:1/x", ["a"]).close()
 other = logging.getLogger("asyncua.client.ua_session")
 other.warning("before")
-hush()
+silence_library_logs()
 other.warning("meanwhile")
 logging.getLogger("another").warning("of others")
 logging.basicConfig()

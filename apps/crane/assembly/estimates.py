@@ -47,11 +47,6 @@ class Estimate:
         return self.layout.path
 
     @property
-    def wave_speed(self) -> float:
-        """Of tension along the rope, m/s."""
-        return math.sqrt(self.scene.rope.axial_stiffness / self.scene.rope.mass_per_length)
-
-    @property
     def impedance(self) -> float:
         """Tension that a sudden metre a second at an end makes, N s/m: sqrt(EA rho)."""
         return math.sqrt(self.scene.rope.axial_stiffness * self.scene.rope.mass_per_length)
@@ -116,8 +111,7 @@ def _of_weight(scene: CraneScene, path: Path, name: str, weight: np.ndarray, up:
 
 def rk4_limit(scene: CraneScene, length: float, damping: float) -> float:
     """Longest step of RK4, s, by rope elements of a length, m, and the damping of their span, s."""
-    rope = scene.rope
-    omega = HIGHEST * math.sqrt(rope.axial_stiffness / rope.mass_per_length) / length
+    omega = HIGHEST * scene.rope.wave_speed / length
     ratio = 0.5 * damping * omega
     if ratio <= 1.0:
         return IMAGINARY_LIMIT / omega

@@ -27,7 +27,7 @@ def damping_of(scene: CraneScene, path: Path) -> list[float]:
     rope = scene.rope
     if rope.damping is not None:
         return [rope.damping] * len(path.spans)
-    speed, frequency = math.sqrt(rope.axial_stiffness / rope.mass_per_length), bounce(scene, path)
+    speed, frequency = rope.wave_speed, bounce(scene, path)
     most = math.inf if frequency is None else 2.0 * BOUNCE / (2.0 * math.pi * frequency)
     return [
         min(most, 2.0 * CRITICAL * float(chord) / count / (HIGHEST * speed))

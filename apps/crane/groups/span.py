@@ -244,7 +244,7 @@ def _move(g, n, v, a):
 
 
 @kernel
-def _see(g, q, v):
+def _mark_evaluated(g, q, v):
     """Remember of which state ``found`` tells."""
     for i in range(g.seen.shape[1]):
         g.seen[0, i] = q[i]
@@ -252,7 +252,7 @@ def _see(g, q, v):
 
 
 @kernel
-def _is_seen(g, row, x):
+def _is_evaluated(g, row, x):
     """Whether ``found`` tells of these positions (row 0), or velocities (row 1)."""
     others = 0
     for i in range(g.seen.shape[1]):
@@ -269,7 +269,7 @@ def turns_with_frame(s, wheels):
 
 
 @kernel(forceinline=True)
-def _brought_in(g, n, f):
+def _brought_in(g, f):
     """Power, W, that the wheels of a span put in which turn with their frames while the stations stand still."""
     number, line = g.motion.number, g.line
     rate = line.number[RATE]
@@ -280,7 +280,7 @@ def _brought_in(g, n, f):
 @kernel
 def _residual(g, t, q, v, a, r):
     number, line = g.motion.number, g.line
-    _see(g, q, v)
+    _mark_evaluated(g, q, v)
     g.brought_in[0] = 0.0
     for n in range(g.rows.size):
         s = g.rows[n]
@@ -296,7 +296,7 @@ def _residual(g, t, q, v, a, r):
             g.is_slack[n] = slack
             g.kinks[0] += 1
         if turns_with_frame(s, g.wheels):
-            g.brought_in[0] += _brought_in(g, n, f)
+            g.brought_in[0] += _brought_in(g, f)
         e, load = row(line.e), row(s.load)
         pull = scaled_sum(scaled(f.p_e / size + force, row(line.g)), lam, f.turned_p)
         r1 = scaled_sum(scaled_sum(n1, -1.0, pull), -0.5 * size, load)
@@ -488,13 +488,13 @@ def _dissipation(g, t, q, v, p):
 @kernel
 def _supply(g, t, q, v, p):
     """What wheels that turn with their frames put in while the stations stand still."""
-    if _is_seen(g, 0, q) and _is_seen(g, 1, v):
+    if _is_evaluated(g, 0, q) and _is_evaluated(g, 1, v):
         p[0] += g.brought_in[0]
         return
     for n in range(g.rows.size):
         if turns_with_frame(g.rows[n], g.wheels):
             _find(g, n, q, v)
-            p[0] += _brought_in(g, n, _flow(g, n, v))
+            p[0] += _brought_in(g, _flow(g, n, v))
     g.seen[0, 0] = np.nan
 
 
@@ -543,7 +543,7 @@ def _alarm(g, t, q, alarm):
     _met(g, q, alarm)
     if alarm[0] != 0:
         return
-    seen = _is_seen(g, 0, q)
+    seen = _is_evaluated(g, 0, q)
     if not seen:
         g.seen[0, 0] = np.nan
     for n in range(g.rows.size):

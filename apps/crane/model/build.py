@@ -25,6 +25,7 @@ from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.time_function import TimeFunctions, copy_of, sample_all
 from tautline.scene.solver import error_of_steps, unused_alphas
+from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
 from tautline.system.time_functions import FunctionRequest, Steering, compile_functions
@@ -33,7 +34,6 @@ STEP_ERROR = 3.0e-5
 """Error of a step, m, where the scene gives none."""
 TOLERANCE = 1.0e-8
 """Largest residual, as a share of the rope's tension, that counts as solved."""
-GRAVITY = 9.81
 
 
 def build(scene: CraneScene) -> Model:
@@ -146,7 +146,7 @@ def _tension(scene: CraneScene) -> float:
         for item in scene.path
         if isinstance(item, (End, Sheave)) and item.body is not None
     )
-    g = float(np.linalg.norm(scene.gravity)) or GRAVITY
+    g = float(np.linalg.norm(scene.gravity)) or EARTH_GRAVITY
     weight = sum(scene.body(name).mass for name in carried) * g
     return weight / max(ends, 1) + 1.0e-9 * scene.rope.axial_stiffness
 

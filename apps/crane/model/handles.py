@@ -100,7 +100,7 @@ def _parameters(layout: Layout, groups: tuple[Any, ...]) -> Iterator[Parameter]:
     kinds = {type(group): group for group in groups}
     if Bodies in kinds:
         yield from _of_bodies(layout, kinds[Bodies])
-    yield from _of_rope(layout, kinds[Spans])
+    yield from _of_rope(kinds[Spans])
     if Slips in kinds:
         yield from _of_contacts(layout, kinds[Slips])
     if Drums in kinds:
@@ -126,7 +126,7 @@ def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
                 yield number(f"{body.name}.{what}[{c}]", unit, text, [rows[field][one, c]], positive=False)
 
 
-def _of_rope(layout: Layout, spans: Spans) -> Iterator[Parameter]:
+def _of_rope(spans: Spans) -> Iterator[Parameter]:
     rows = spans.rows
     yield number("rope.axial_stiffness", "N", "EA of the rope", [rows["stiffness"]])
     if np.ptp(rows["damping"]) == 0.0:

@@ -130,7 +130,7 @@ def bars(scene: CraneScene) -> list[Bar]:
     SceneError
         As `stretches_of` does.
     """
-    speed = math.sqrt(scene.rope.axial_stiffness / scene.rope.mass_per_length)
+    speed = scene.rope.wave_speed
     made: list[Bar] = []
     for i, (span, count) in enumerate(zip(stretches_of(scene), scene.elements, strict=True)):
         unlike: list[tuple[float, str]] = []

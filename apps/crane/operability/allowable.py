@@ -16,6 +16,7 @@ import numpy as np
 
 from crane.operability.conditions import Condition, highest
 from crane.operability.criteria import Criterion
+from tautline.scene.vector import EARTH_GRAVITY
 from tautline.statistics.gumbel import FEWEST, Estimate, fit_gumbel
 
 COMPUTED, STEEP, FAILED, FEW = "computed", "not physical: too steep", "failed", "too few storms"
@@ -142,6 +143,8 @@ class Table(NamedTuple):
     extremes : dict
         `FITTED` -> (limits, headings, periods, heights).
     allowable : (limits, headings, periods) array of Allowable
+    gravity : float
+        That the waves have, m/s^2.
     """
 
     heights: np.ndarray
@@ -152,6 +155,7 @@ class Table(NamedTuple):
     values: np.ndarray
     extremes: dict[str, np.ndarray]
     allowable: np.ndarray
+    gravity: float = EARTH_GRAVITY
 
 
 def governing(table: Table) -> np.ndarray:
@@ -215,6 +219,7 @@ def tabulate(
     return Table(
         heights, periods, headings, np.array(seeds), status, values, extremes,
         _allowables(criteria, heights, periods, headings, status, extremes, compared),
+        conditions[0].gravity,
     )  # fmt: skip
 
 
@@ -253,6 +258,6 @@ def _told(made: Allowable, heights: np.ndarray, slack: np.ndarray) -> Allowable:
     return made._replace(bound=ends[0], low_bound=ends[1], high_bound=ends[2])
 
 
-def steepest(periods: np.ndarray) -> np.ndarray:
+def steepest(periods: np.ndarray, gravity: float) -> np.ndarray:
     """Largest significant height of each period, m."""
-    return np.array([highest(float(period)) for period in periods])
+    return np.array([highest(float(period), gravity) for period in periods])

@@ -13,9 +13,9 @@ from crane.scene.surroundings import Motion, SeaMotion
 from crane.sea.frames import MOTIONS
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Spectrum, Sum, Velocity
+from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import jonswap
 
-GRAVITY = 9.81
 STEEP = ((8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0))
 """Peak period, s, and the largest wave steepness 2 pi Hs / (g Tp^2) there; DNV-RP-C205, section 3.5.4."""
 APART = 1_000_003
@@ -25,22 +25,23 @@ FEW_WAVES = 60.0
 
 
 class Condition(NamedTuple):
-    """A sea state: m, s, and rad or None for the scene's own heading."""
+    """A sea state: m, s, rad or None for the scene's own heading, and the gravity that its waves have, m/s^2."""
 
     height: float
     period: float
     heading: float | None
+    gravity: float = EARTH_GRAVITY
 
     @property
     def physical(self) -> bool:
         """Whether waves of this period can be so high."""
-        return self.height <= highest(self.period) * (1.0 + 1e-9)
+        return self.height <= highest(self.period, self.gravity) * (1.0 + 1e-9)
 
 
-def highest(period: float) -> float:
+def highest(period: float, gravity: float = EARTH_GRAVITY) -> float:
     """Largest significant height, m, of a peak period, s, by the limit of steepness."""
     steepness = float(np.interp(period, [one[0] for one in STEEP], [one[1] for one in STEEP]))
-    return steepness * GRAVITY * period**2 / (2.0 * math.pi)
+    return steepness * gravity * period**2 / (2.0 * math.pi)
 
 
 class SeaKeys(NamedTuple):
@@ -136,10 +137,11 @@ def _holds_sea(function: Any) -> bool:
 
 
 def conditions_of(
-    heights: Sequence[float], periods: Sequence[float], headings: Sequence[float | None]
+    heights: Sequence[float], periods: Sequence[float], headings: Sequence[float | None], gravity: Sequence[float]
 ) -> list[Condition]:
-    """All sea states, physical or not, heading by heading, period by period."""
-    return [Condition(height, period, heading) for heading in headings for period in periods for height in heights]
+    """All sea states, physical or not, heading by heading, period by period; under a scene's gravity, if it has any."""
+    g = math.hypot(*gravity) or EARTH_GRAVITY
+    return [Condition(height, period, heading, g) for heading in headings for period in periods for height in heights]
 
 
 def cases_of(conditions: Sequence[Condition], seeds: Sequence[int], keys: SeaKeys) -> dict[str, list[Any]]:

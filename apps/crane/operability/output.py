@@ -54,7 +54,8 @@ def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str
     ):
         bounds = np.array([read(one) for one in table.allowable.ravel()], object).reshape(table.allowable.shape)
         entries[name] = (of_limit[:3], bounds, {"long_name": f"how {text} is bounded"})
-    entries["steepest"] = (("peak_period",), steepest(table.periods), {"units": "m", "long_name": "limit of steepness"})
+    limit = steepest(table.periods, table.gravity)
+    entries["steepest"] = (("peak_period",), limit, {"units": "m", "long_name": "limit of steepness"})
     headings = [math.nan if one is None else one for one in table.headings]
     coordinates = {
         "limit": ("limit", np.array([one.text for one in criteria], object)),
@@ -174,7 +175,7 @@ def _figure(table: Table, allowable: np.ndarray, text: str, title: str, compared
         open_ = np.array([bool(each.bound) for each in found])
         plot.plot(periods[open_], height[open_], "o", ms=4, mfc="white", color=shade)
     fine = np.linspace(periods[0], periods[-1], 100)
-    plot.plot(fine, steepest(fine), "--", lw=1, color=QUIET, label="steepest waves")
+    plot.plot(fine, steepest(fine, table.gravity), "--", lw=1, color=QUIET, label="steepest waves")
     plot.set_ylim(0.0, 1.15 * float(table.heights[-1]))
     plot.set_xlabel("peak period Tp [s]")
     plot.set_ylabel("allowable significant wave height Hs [m]")

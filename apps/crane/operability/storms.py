@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over,
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
 from tautline.scene.errors import SceneError, option_error
 from tautline.statistics.gumbel import FEWEST
+from tautline.sweeps.execution import Execution
 
 PROBE = 3.0
 """Time, s, of a run that tells which figures there are, and their units."""
@@ -75,26 +75,8 @@ class Found:
     warnings: list[str] = field(default_factory=list)
 
 
-def operability(
-    application: Any,
-    scene: Any,
-    asked: Asked,
-    *,
-    jobs: int | None = None,
-    dask: str | None = None,
-    folder: Path | None = None,
-    resume: bool = False,
-    progress: Callable[[int, int], None] | None = None,
-    announce: Callable[[int], Any] | None = None,
-    say: Callable[[str], None] | None = None,
-    begin: Callable[[], None] | None = None,
-) -> Found:
+def operability(application: Any, scene: Any, asked: Asked, execution: Execution | None = None) -> Found:
     """Run storms over sea states and seeds, and find what is allowed.
-
-    Parameters
-    ----------
-    begin : callable, optional
-        Called before the first storm, when nothing can be refused any more.
 
     Raises
     ------
@@ -104,6 +86,7 @@ def operability(
     from tautline.sweeps.file import read_sweep
     from tautline.sweeps.sweep import run_sweep
 
+    execution = execution or Execution()
     keys = sea_keys(scene, any(one.heading is not None for one in asked.conditions))
     texts = [*asked.limits, *limits_of_scene(scene)]
     _check_steepness(asked.conditions)
@@ -111,7 +94,8 @@ def operability(
     _check_ramps(keys, scene, asked.lead)
     vary = cases_of(asked.conditions, asked.seeds, keys)
     first = {key: values[0] for key, values in vary.items()}
-    figures, outputs = _found_by(application, scene.replace(first, origin="--hs, --tp, --heading, --seeds"), announce)
+    any_storm = scene.replace(first, origin="--hs, --tp, --heading, --seeds")
+    figures, outputs = _found_by(application, any_storm, execution.announce)
     if asked.constant is not None and scene.rope.breaking_load is None:
         cause = "needs the breaking load of the rope, which the scene does not give"
         raise option_error("--sn-constant", f"{asked.constant:g}", cause, "give rope.breaking_load")
@@ -129,15 +113,11 @@ def operability(
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
 
     def begun() -> None:
-        if begin is not None:
-            begin()
+        execution.begin()
         for note in notes:
-            (say or (lambda text: None))(f"note: {note}")
+            execution.say(f"note: {note}")
 
-    outcome = run_sweep(
-        read, application, storm, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=progress,
-        announce=announce, say=say, begin=begun,
-    )  # fmt: skip
+    outcome = run_sweep(read, application, storm, replace(execution, begin=begun))
     found = Found(outcome, criteria, notes=notes)
     if outcome.interrupted or not outcome.done:
         return found
@@ -214,7 +194,7 @@ def _check_steepness(conditions: Sequence[Condition]) -> None:
     if any(one.physical for one in conditions):
         return
     lowest, longest = min(one.height for one in conditions), max(one.period for one in conditions)
-    most = highest(longest)
+    most = highest(longest, conditions[0].gravity)
     cause = (
         f"no sea state of these heights and periods is physical: all are steeper than waves can be. Waves of Tp "
         f"{longest:g} s are {most:.3g} m high at most (DNV-RP-C205, 3.5.4), and the lowest asked for are {lowest:g} m"

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.layout import Layout
+from crane.geometry.drum_layers import DrumLayers
 from crane.geometry.line import COLUMNS
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.capstan_friction import BEARING, NONE, Slips
-from crane.groups.layers import Wound
 from crane.groups.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH, Spans
 from crane.groups.winch import Drums
 from crane.results.angles import UPRIGHT, across_plumb, hook_span, leads, out_of_plane
@@ -101,6 +101,15 @@ def variables(observer: Observer) -> list[Variable]:
     ]
 
 
+def layers_of(drum: Drum, diameter: float | None, stretch: float) -> DrumLayers:
+    """Rope on a drum: in layers where these, the rope's diameter, m, and how much of it there is are known."""
+    layers, held = drum.layers, drum.rope_on_drum
+    if layers is None or diameter is None or held is None:
+        return DrumLayers(drum.radius, held, stretch)
+    first = layers.pitch_radius(1, diameter)
+    return DrumLayers(first, held, stretch, layers.pitch_radius(2, diameter) - first, layers.turns, layers.count)
+
+
 class Observer:
     """Turns frames into variables; all of it vectorised over the frames of a batch."""
 
@@ -117,7 +126,8 @@ class Observer:
         self.own += len(motors.rows) if motors is not None else 0
         drawn = layout.degrees.value[self.stations + MATERIAL]
         self.laid = next((g.laid for g in groups if isinstance(g, Spans)), drawn)
-        self.wound = [Wound(self.scene.path[i], self.scene.rope.diameter, layout.stretch) for i in self.drums]
+        diameter = self.scene.rope.diameter
+        self.layers = [layers_of(self.scene.path[i], diameter, layout.stretch) for i in self.drums]
         self.hung = layout.once("hung", self._hung)
         self.compensator: Any = None
         if compensation is not None:
@@ -264,7 +274,7 @@ class Observer:
                 slipping[:, after[row.after]] = 0.0 - own[:, 2 * j + 1]
         return slipping
 
-    def _laid_out(self, frames: Any, place: np.ndarray) -> np.ndarray:
+    def _laid_out(self, frames: Any) -> np.ndarray:
         """Material at drums before any was paid out."""
         laid = np.tile(self.laid[[self.layout.item[i] for i in self.drums]], (len(frames.q), 1))
         for k, i in enumerate(self.drums):
@@ -281,14 +291,14 @@ class Observer:
         # Rope that is bent to the drum takes EJ / (2 R^2) for each metre.
         radius = np.array([self.scene.path[i].radius for i in self.drums])
         bent = 0.5 * self.scene.rope.bending_stiffness / radius**2
-        out, speed = way * (frames.q[:, place] - self._laid_out(frames, place)), way * frames.v[:, place]
+        out, speed = way * (frames.q[:, place] - self._laid_out(frames)), way * frames.v[:, place]
         return {
             "drum_tension": tension,
             "paid_out": out,
             "pay_out_speed": speed,
-            "drum_rotation": np.stack([w.rotation_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
+            "drum_rotation": np.stack([w.rotation_at(out[:, k]) for k, w in enumerate(self.layers)], axis=-1),
             "winch_torque": (tension + bent)
-            * np.stack([w.radius_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
+            * np.stack([w.radius_at(out[:, k]) for k, w in enumerate(self.layers)], axis=-1),
             "winch_power": -(tension * stretch + bent) * speed,
             "drum_fleet_angle": np.abs(out_of_plane(found[:, element, RECORDED:], self._axes(frames.q, self.drums))),
         }

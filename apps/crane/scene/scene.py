@@ -7,6 +7,7 @@ needs geometry, from overlapping sheaves to a body below its sheave, is the buil
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -34,7 +35,7 @@ from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.quantity import quantity
-from tautline.scene.vector import Gravity
+from tautline.scene.vector import EARTH_GRAVITY, Gravity
 
 __all__ = [
     "Anchor", "Bearing", "Body", "Brake", "CraneScene", "Drag", "Drum", "Efficiency", "End", "Frame", "Gains",
@@ -83,6 +84,11 @@ class Rope(Model):
     strain: Annotated[Literal["green", "engineering"], word("green", "engineering")] = "green"
     bending_life: Annotated[float, quantity("", positive=True, of="number of cycles")] | None = None
     length: Annotated[float, quantity("m", positive=True, of="length")] | None = None
+
+    @property
+    def wave_speed(self) -> float:
+        """Of tension along the rope, m/s."""
+        return math.sqrt(self.axial_stiffness / self.mass_per_length)
 
     @model_validator(mode="after")
     def _stable(self) -> Rope:
@@ -134,7 +140,7 @@ class CraneScene(Scene):
     ground: Ground | None = None
     heave_compensation: HeaveCompensation | None = None
     mesh: Mesh = Mesh()
-    gravity: Gravity = (0.0, 0.0, -9.81)
+    gravity: Gravity = (0.0, 0.0, -EARTH_GRAVITY)
     start: Annotated[Literal["static", "as drawn"], word("static", "as drawn", aliases={"drawn": "as drawn"})] = (
         "static"
     )

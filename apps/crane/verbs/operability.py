@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -100,12 +101,15 @@ def operability(
     from tautline.cli.output.console import say
     from tautline.cli.output.first_run import compiling
     from tautline.cli.output.progress import Counter
+    from tautline.sweeps.execution import Execution
 
     application, found = context.obj.read(scene)
     read = changed(found, changes)
     asked = _asked(
-        hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
-        sn_constant,
+        gravity=read.gravity,
+        hs=hs, tp=tp, heading=heading, seeds=seeds, first_seed=first_seed, duration=duration, simulated=simulated,
+        lead_in=lead_in, limit=limit, percentile=percentile, confidence=confidence, scatter=scatter,
+        sn_constant=sn_constant,
     )  # fmt: skip
     whole = asked
     asked = occurring(asked, read)
@@ -119,14 +123,13 @@ def operability(
             _introduce(asked, len(whole.conditions) - len(asked.conditions))
 
     with Counter("storms", shown=not quiet) as bar:
-        found = run(
-            application, read, asked, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
-            announce=compiling, say=(lambda text: None) if quiet else say, begin=begin,
-        )  # fmt: skip
+        execution = Execution(jobs, dask, folder, resume, progress=bar, announce=compiling, begin=begin)
+        found = run(application, read, asked, execution if quiet else replace(execution, say=say))
     _report(scene, read, asked, found, folder, as_json, quiet, output is not None)
 
 
 def _asked(
+    *, gravity: Sequence[float],
     hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
     simulated: str | None, lead_in: str, limit: Sequence[str] | None, percentile: str, confidence: str,
     scatter: Path | None, sn_constant: float | None,
@@ -150,10 +153,18 @@ def _asked(
         cause = "is no constant of an S-N curve: N (S / breaking load)^5 is a number above zero"
         raise option_error("--sn-constant", f"{sn_constant:g}", cause, "give the one of the rope, such as 1e3")
     return Asked(
-        conditions_of(heights, periods, headings), range(first_seed, first_seed + seeds), length,
-        length if simulated is None else number(simulated, "--simulate", "s"), tuple(limit or ()), share, certain,
-        compared, diagram, sn_constant, number(lead_in, "--lead-in", "s"),
-    )  # fmt: skip
+        conditions=conditions_of(heights, periods, headings, gravity),
+        seeds=range(first_seed, first_seed + seeds),
+        duration=length,
+        simulated=length if simulated is None else number(simulated, "--simulate", "s"),
+        limits=tuple(limit or ()),
+        share=share,
+        confidence=certain,
+        compared=compared,
+        scatter=diagram,
+        constant=sn_constant,
+        lead=number(lead_in, "--lead-in", "s"),
+    )
 
 
 def _range(text: str | None, option: str, unit: str, example: str, other: list[float] | None) -> list[float]:

@@ -44,12 +44,11 @@ class Snapshot(NamedTuple):
 def of_scene(layout: Layout) -> Snapshot:
     """A scene as drawn, at t = 0."""
     scene, path, rows = layout.scene, layout.path, layout.wheels
-    center = layout.degrees.value[np.array([layout.station[i] for i in layout.item])[:, None] + np.arange(3)]
     wheels = []
     for i, item in enumerate(scene.path):
         frame = int(rows.frame[i])
         columns = layout.entries[_number(layout, frame)].reshape(-1)[3:].reshape(3, 3) if frame else np.eye(3)
-        wheels.append(Wheel(item.name, _place(layout, i, center), columns.T @ rows.axis[i], abs(float(rows.radius[i]))))
+        wheels.append(Wheel(item.name, _place(layout, i), columns.T @ rows.axis[i], abs(float(rows.radius[i]))))
     discs = [
         (wheel.center, wheel.axis, wheel.radius, isinstance(item, Drum))
         for wheel, item in zip(wheels, scene.path, strict=True)
@@ -63,7 +62,7 @@ def _number(layout: Layout, place: int) -> int:
     return next(k for k, at in layout.frame.items() if at == place)
 
 
-def _place(layout: Layout, i: int, center: np.ndarray) -> np.ndarray:
+def _place(layout: Layout, i: int) -> np.ndarray:
     """Centre of an item at t = 0: the span that touches it tells, where what it rides on has not been placed yet."""
     path, k = layout.path, min(i, len(layout.path.spans) - 1)
     side = path.spans[k].x1 if k == i else path.spans[k].x2
@@ -129,7 +128,7 @@ def path_figure(shots: Sequence[Snapshot], scene: CraneScene, title: str) -> Fig
     if size[1 - across] > OUT_OF_PLANE * float(size.max()):
         views.append(("Plan", (0, 1), everything))
     least = 0.12 * float(size.max())
-    figure, plots = _frame(views, least, title)
+    figure, plots = _frame(views, title)
     for plot, (name, plane, extent) in zip(plots[0], views, strict=True):
         narrow = 0.12 * float(np.ptp(extent, axis=0).max()) if name == "Crane" else least
         for k, shot in enumerate(shots):
@@ -152,7 +151,7 @@ def path_figure(shots: Sequence[Snapshot], scene: CraneScene, title: str) -> Fig
     return figure
 
 
-def _frame(views: Sequence[tuple[str, tuple[int, int], np.ndarray]], least: float, title: str) -> tuple[Figure, Any]:
+def _frame(views: Sequence[tuple[str, tuple[int, int], np.ndarray]], title: str) -> tuple[Figure, Any]:
     """A figure with plots as wide as their contents."""
     ratios = []
     for _, (a, b), extent in views:

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crane.groups.layers import Wound
 from crane.results.course import Course, nodes_of
 from crane.scene.scene import CraneScene, Drum, Sheave
 
@@ -311,11 +310,11 @@ def turns_on(result: Any, course: Course, i: int) -> np.ndarray:
     drum = course.scene.path[i]
     k = [j for j, item in enumerate(course.scene.path) if isinstance(item, Drum)].index(i)
     out = result["paid_out"][:, k]
-    wound = Wound(drum, course.scene.rope.diameter, course.layout.stretch)
+    stretch = course.layout.stretch
     if drum.rope_on_drum is None:
-        turns = FEWEST_TURNS + (out.max() - out) * wound.stretch / (2.0 * np.pi * drum.radius)
+        turns = FEWEST_TURNS + (out.max() - out) * stretch / (2.0 * np.pi * drum.radius)
     else:
-        turns = np.maximum(drum.rope_on_drum - out, 0.0) * wound.stretch / (2.0 * np.pi * drum.radius)
+        turns = np.maximum(drum.rope_on_drum - out, 0.0) * stretch / (2.0 * np.pi * drum.radius)
     most = MOST_TURNS if drum.layers is None else min(drum.layers.turns, MOST_TURNS)
     return np.clip(turns, 1.0, most)
 

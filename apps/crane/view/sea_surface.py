@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tautline.scene.functions import Spectrum
+from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import jonswap
 from tautline.view.space.sea import Waves, wave_number
 
@@ -32,7 +33,7 @@ def waves_of(scene: Any) -> Waves | None:
     if sea is None:
         return None
     amplitude, frequency, phase = jonswap(sea.model_copy(update={"rao": 1.0}))
-    gravity = float(np.linalg.norm(scene.gravity)) or 9.81
+    gravity = float(np.linalg.norm(scene.gravity)) or EARTH_GRAVITY
     depth = scene.water.surface - scene.ground.level if scene.ground is not None else np.inf
     number = wave_number(frequency, depth if depth > 0.0 else np.inf, gravity)
     way, origin = np.array([math.cos(direction), math.sin(direction)]), np.array(scene.vessel.reference[:2], float)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.groups.contact import record_contact
-from drillstring.groups.friction import act, force_now, prepare, settle, status
+from drillstring.groups.friction import act, commit, force_now, prepare, status
 from drillstring.well.in_hole import (
     AXES,
     CENTRED,
@@ -176,7 +176,7 @@ def _dissipation(g, t, q, v, p):
 def _commit(g, t, h, q, v, a):
     for i in range(g.springs.size):
         c = press(g, i, q, v)
-        settle(g.law, i, c)
+        commit(g.law, i, c)
         along, around = force_now(g.law, i, c)
         along, around = (along, around) if c.normal > 0.0 else (0.0, 0.0)
         share = 0.5 if h > 0.0 else 0.0

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.groups.friction import act, status
-from drillstring.groups.friction_of_four import accept, arrest, note, ready, resist, restless, slip_of
+from drillstring.groups.friction_of_four import arrest, commit, may_change, note, prepare, resist, slip_of
 from tautline.kernels.changes import note_change
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
@@ -171,7 +171,7 @@ def _begin(g, t, h, beta, gamma, q, v, a):
         c = _touch_anew(g, i, last, above, q, v)
         slide, dx, dy, spin = load_rows(a, above + i, above + last)
         around_rate = c.ex * dy - c.ey * dx + gather(g.springs.radius, i, last) * spin
-        ready(g.law, i, last, h, beta, gamma, c, c.beta * slide, around_rate)
+        prepare(g.law, i, last, h, beta, gamma, c, c.beta * slide, around_rate)
 
 
 @kernel(forceinline=True)
@@ -193,7 +193,7 @@ def _switch(g, t, q, v, converged, changed):
     first, last = _in_window(g, above)
     for i in range(first // LANES * LANES, last, LANES):
         c = _touch_here(g, i, last, above, q, v)
-        asks = restless(g.law, i, last, c, converged)
+        asks = may_change(g.law, i, last, c, converged)
         if any_of(asks):
             asked = where(asks, 1.0, 0.0)
             for k in range(max(i, first), min(i + LANES, last)):
@@ -311,7 +311,7 @@ def _commit(g, t, h, q, v, a):
     above = _first_body(g)
     for i in range(0, last, LANES):
         c = _touch_here(g, i, last, above, q, v)
-        along, around = accept(g.law, i, last, c)
+        along, around = commit(g.law, i, last, c)
         presses = c.normal > 0.0
         if h > 0.0:
             slide, _, _, _ = load_rows(a, above + i, above + last)

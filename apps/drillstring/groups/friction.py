@@ -8,8 +8,11 @@ law offers
 - ``prepare(law, i, h, beta, gamma, touch, along_rate, around_rate)`` at the start of an attempt of a step,
 - ``status(law, i, touch, converged)``: change status where it must; returns 1 if it did,
 - ``act(law, i, touch)``: (lambda_a, lambda_c, aa, ac, ca, cc, an, cn), the last six d lambda / d (w_a, w_c, N),
-- ``settle(law, i, touch)``: the step is accepted,
+- ``commit(law, i, touch)``: the step is accepted,
 - ``force_now(law, i, touch)``: lambda of the accepted state.
+
+friction_of_four.py has the same laws for four contacts at a time; tests/kernels/strings/test_friction_of_four.py
+compares both, contact by contact.
 """
 
 from __future__ import annotations
@@ -22,9 +25,9 @@ import numpy as np
 from drillstring.groups.sliding import (
     Sliding,
     act_sliding,
+    commit_sliding,
     force_sliding,
     prepare_sliding,
-    settle_sliding,
     status_sliding,
 )
 from tautline.kernels.dispatch import by_type
@@ -237,7 +240,7 @@ def _act_projection(law, i, touch):
 
 
 @kernel
-def _settle_projection(law, i, touch):
+def _commit_projection(law, i, touch):
     f = law.rows[i]
     if touch.normal <= 0.0:
         f.force_a = 0.0
@@ -297,7 +300,7 @@ def _act_karnopp(law, i, touch):
 
 
 @kernel
-def _settle_karnopp(law, i, touch):
+def _commit_karnopp(law, i, touch):
     f = law.rows[i]
     along, around = act(law, i, touch)[0:2]
     f.settled_a = along if touch.normal > 0.0 else 0.0
@@ -344,17 +347,12 @@ def _nothing_to_prepare(law, i, h, beta, gamma, touch, along_rate, around_rate):
 
 
 @kernel
-def _nothing_to_note(law, i, touch, along_rate, around_rate):
-    return
-
-
-@kernel
 def _never_changes(law, i, touch, converged):
     return 0
 
 
 @kernel
-def _nothing_to_settle(law, i, touch):
+def _nothing_to_commit(law, i, touch):
     return
 
 
@@ -368,10 +366,10 @@ status = by_type(
     {Projection: _status_projection, Karnopp: _never_changes, Regularised: _never_changes, Sliding: status_sliding}
 )
 act = by_type({Projection: _act_projection, Karnopp: _act_karnopp, Regularised: _act_regularised, Sliding: act_sliding})
-settle = by_type(
+commit = by_type(
     {
-        Projection: _settle_projection, Karnopp: _settle_karnopp, Regularised: _nothing_to_settle,
-        Sliding: settle_sliding,
+        Projection: _commit_projection, Karnopp: _commit_karnopp, Regularised: _nothing_to_commit,
+        Sliding: commit_sliding,
     }
 )  # fmt: skip
 force_now = by_type(

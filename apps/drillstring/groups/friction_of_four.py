@@ -1,14 +1,15 @@
 """The laws of friction at four contacts at a time, in lanes: what a step asks of all contacts of a string.
 
 The laws are those of friction.py, which says what their rows are. Where a contact changes its status, which is seldom,
-that file's functions are asked for it alone; so are tangents. Every law offers
+that file's ``status`` is asked for it alone; so are tangents. tests/kernels/strings/test_friction_of_four.py compares
+both files, contact by contact. Every law offers
 
-- ``ready(law, i, last, h, beta, gamma, touch, along_rate, around_rate)`` at the start of an attempt of a step,
-- ``restless(law, i, last, touch, converged)``: a mask of the contacts whose ``status`` is to be asked,
+- ``prepare(law, i, last, h, beta, gamma, touch, along_rate, around_rate)`` at the start of an attempt of a step,
+- ``may_change(law, i, last, touch, converged)``: a mask of the contacts whose ``status`` is to be asked,
 - ``resist(law, i, last, touch)``: the friction force on the pipe along and around, N,
 - ``note(law, i, last, touch, along_rate, around_rate)``: the state at which the residual is evaluated, and how fast its
   slip velocities change, m/s^2,
-- ``accept(law, i, last, touch)``: the step is accepted; the friction force of the accepted state,
+- ``commit(law, i, last, touch)``: the step is accepted; the friction force of the accepted state,
 - ``arrest(law, i, last, touch, along, along_rate)``: that force along the hole without the lumps' own inertia, where
   they are held from now on, and a mask of these.
 """
@@ -19,7 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drillstring.groups.friction import HELD, SLIP, STICK, STIFFNESS, Karnopp, Projection, Regularised, prepare
+from drillstring.groups.friction import HELD, SLIP, STICK, STIFFNESS, Karnopp, Projection, Regularised
+from drillstring.groups.friction import prepare as prepare_one
 from drillstring.groups.sliding import Sliding
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.jit import kernel
@@ -62,7 +64,7 @@ def slip_of(touch, k):
 
 
 @kernel(forceinline=True)
-def _ready_projection(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
+def _prepare_projection(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
     rows = law.rows
     static, kinetic = gather(rows.static, i, last), gather(rows.kinetic, i, last)
     force_a, force_c, _, _ = load_fields(rows.force_a, i, last)
@@ -120,7 +122,7 @@ def _note_projection(law, i, last, touch, along_rate, around_rate):
 
 
 @kernel(forceinline=True)
-def _restless_projection(law, i, last, touch, converged):
+def _may_change_projection(law, i, last, touch, converged):
     rows = law.rows
     slips, presses = equals(rows.status, i, last, SLIP), touch.normal > 0.0
     content = presses & equals(rows.status, i, last, STICK)
@@ -158,7 +160,7 @@ def _resist_projection(law, i, last, touch):
 
 
 @kernel(forceinline=True)
-def _accept_projection(law, i, last, touch):
+def _commit_projection(law, i, last, touch):
     rows = law.rows
     presses = touch.normal > 0.0
     along, around = _resist_projection(law, i, last, touch)
@@ -184,9 +186,9 @@ def _arrest_projection(law, i, last, touch, along, along_rate):
 
 
 @kernel
-def _ready_karnopp(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
+def _prepare_karnopp(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
     for k in range(i, min(i + LANES, last)):
-        prepare(law, k, h, beta, gamma, slip_of(touch, k - i), lane(along_rate, k - i), lane(around_rate, k - i))
+        prepare_one(law, k, h, beta, gamma, slip_of(touch, k - i), lane(along_rate, k - i), lane(around_rate, k - i))
 
 
 @kernel(forceinline=True)
@@ -200,7 +202,7 @@ def _resist_karnopp(law, i, last, touch):
 
 
 @kernel(forceinline=True)
-def _accept_karnopp(law, i, last, touch):
+def _commit_karnopp(law, i, last, touch):
     along, around = _resist_karnopp(law, i, last, touch)
     presses = touch.normal > 0.0
     along, around = where(presses, along, 0.0), where(presses, around, 0.0)
@@ -232,12 +234,12 @@ def _resist_sliding(law, i, last, touch):
 
 
 @kernel(forceinline=True)
-def _accept_as_is(law, i, last, touch):
+def _commit_as_is(law, i, last, touch):
     return resist(law, i, last, touch)
 
 
 @kernel(forceinline=True)
-def _nothing_to_make_ready(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
+def _nothing_to_prepare(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
     return
 
 
@@ -252,20 +254,20 @@ def _never_arrests(law, i, last, touch, along, along_rate):
 
 
 @kernel(forceinline=True)
-def _never_restless(law, i, last, touch, converged):
+def _never_changes(law, i, last, touch, converged):
     return touch.normal > NEVER
 
 
-ready = by_type(
+prepare = by_type(
     {
-        Projection: _ready_projection, Karnopp: _ready_karnopp, Regularised: _nothing_to_make_ready,
-        Sliding: _nothing_to_make_ready,
+        Projection: _prepare_projection, Karnopp: _prepare_karnopp, Regularised: _nothing_to_prepare,
+        Sliding: _nothing_to_prepare,
     }
 )  # fmt: skip
-restless = by_type(
+may_change = by_type(
     {
-        Projection: _restless_projection, Karnopp: _never_restless, Regularised: _never_restless,
-        Sliding: _never_restless,
+        Projection: _may_change_projection, Karnopp: _never_changes, Regularised: _never_changes,
+        Sliding: _never_changes,
     }
 )  # fmt: skip
 resist = by_type(
@@ -274,9 +276,9 @@ resist = by_type(
         Sliding: _resist_sliding,
     }
 )  # fmt: skip
-accept = by_type(
+commit = by_type(
     {
-        Projection: _accept_projection, Karnopp: _accept_karnopp, Regularised: _accept_as_is, Sliding: _accept_as_is,
+        Projection: _commit_projection, Karnopp: _commit_karnopp, Regularised: _commit_as_is, Sliding: _commit_as_is,
     }
 )  # fmt: skip
 note = by_type(

@@ -47,7 +47,7 @@ def act_sliding(law, i, touch):
 
 
 @kernel
-def settle_sliding(law, i, touch):
+def commit_sliding(law, i, touch):
     """Nothing is remembered."""
     return
 

@@ -22,6 +22,7 @@ from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.quantity import quantity
+from tautline.scene.vector import EARTH_GRAVITY
 
 STRING = "[{name: drill pipe, length: rest, od: 0.127, id: 0.1086}]"
 
@@ -189,7 +190,7 @@ class DrillstringScene(Scene):
 
     title: str | None = None
     units: UnitSystem = "si"
-    gravity: Annotated[float, quantity("m/s^2", nonnegative=True, of="gravity")] = 9.81
+    gravity: Annotated[float, quantity("m/s^2", nonnegative=True, of="gravity")] = EARTH_GRAVITY
     well: Well = Field(examples=["{sections: [{hold: 2200 m}], diameter: 0.2032, wall: none}"])
     string: Annotated[tuple[Section, ...], Field(min_length=1, examples=[STRING])]
     material: Material = Field(examples=["{youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}"])

@@ -95,7 +95,7 @@ def campbell(
     from drillstring.scene.scene import of_kind, read
     from tautline.cli.options.changes import changed
     from tautline.cli.options.lists import number, one_of, words
-    from tautline.results.target import check_table
+    from tautline.results.output_path import check_table
 
     drillstring = changed(read(scene), changes)
     drillstring = of_kind(drillstring, parse_model(model) or drillstring.model.kind)

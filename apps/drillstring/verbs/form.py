@@ -62,7 +62,7 @@ def form(
     from drillstring.statics.form import find_form
     from tautline.cli.options.changes import changed
     from tautline.integrators.statics.relaxation import MOST_STEPS
-    from tautline.results.target import check_table
+    from tautline.results.output_path import check_table
 
     way, meshes, kinds = _way(by, most), parse_elements(elements), parse_models(model)
     read_scenes = [changed(read(path), changes) for path in scenes]

@@ -95,7 +95,7 @@ def torque_drag(
     from tautline.cli.options.changes import changed
     from tautline.cli.output.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
-    from tautline.results.target import check_table
+    from tautline.results.output_path import check_table
 
     drillstring = changed(read(scene), changes)
     # The first of several models is the one that measured loads are fitted by.

@@ -13,9 +13,9 @@ import numpy as np
 
 from drillstring.results.places import part_of
 from drillstring.view.course import ROOM, Course, course_of
-from drillstring.view.drawn import Blend, Drawn
 from drillstring.view.lettering import ARROW, depth_scale, words
 from drillstring.view.rig import bit, block, derrick
+from drillstring.view.string_curve import Blend, Drawn
 from tautline.results.errors import ResultError
 from tautline.results.naming import title_of
 from tautline.results.result import Result

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from drillstring.view.drawn import Drawn, turned_over
+from drillstring.view.string_curve import Drawn, turned_over
 from tautline.scene.values.systems import length_unit
 from tautline.view.space.appearance import Label, Line, Ruler, still
 

@@ -78,9 +78,9 @@ class Defaults:
             unit: they may be the cause.
         """
         from tautline.scene.content import too_fast
-        from tautline.scene.doubts import slips_of_units
         from tautline.scene.errors import SceneError, SceneWarning
         from tautline.scene.limits import reversed_limits
+        from tautline.scene.unit_slips import slips_of_units
         from tautline.scene.values.printed import in_words
         from tautline.scene.warnings import line_of, warnings_of
 

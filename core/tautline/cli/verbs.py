@@ -317,14 +317,14 @@ def study(
 ) -> None:
     """Error against run time over methods and steps: table, CSV, NetCDF, figure, and which setting to take."""
     from tautline.cli.commands import study as verb
-    from tautline.cli.options.lists import seconds
+    from tautline.cli.options.lists import number
 
-    asked = {
-        "methods": methods, "steps": steps, "elements": elements, "constraints": constraints, "newton": newton,
-        "tolerance": tolerance, "end": seconds(end, "--end"), "point": point, "reference": reference,
-        "reference_step": reference_step, "repeat": repeat, "budget": budget, "quick": quick,
-        "changes": changes,
-    }  # fmt: skip
+    until = None if end is None else number(end, "--end", "s")
+    asked = verb.StudyOptions(
+        methods=methods, steps=steps, elements=elements, constraints=constraints, newton=newton, tolerance=tolerance,
+        end=until, point=point, reference=reference, reference_step=reference_step, repeat=repeat,
+        budget=budget, quick=quick, changes=changes,
+    )  # fmt: skip
     verb.study(context.obj, scene, output, asked, as_json)
 
 
@@ -342,12 +342,11 @@ def stability(
 ) -> None:
     """Critical step three ways and what sets it, conditioning, drift, and stiff and extreme variants of the scene."""
     from tautline.cli.commands import stability as verb
-    from tautline.cli.options.lists import seconds
+    from tautline.cli.commands.study import Options
+    from tautline.cli.options.lists import number
 
-    asked = {
-        "tolerance": tolerance, "end": seconds(end, "--end"), "point": point, "budget": budget, "quick": quick,
-        "changes": changes,
-    }  # fmt: skip
+    until = None if end is None else number(end, "--end", "s")
+    asked = Options(tolerance=tolerance, end=until, point=point, budget=budget, quick=quick, changes=changes)
     verb.stability(context.obj, scene, output, asked, as_json)
 
 
@@ -474,10 +473,9 @@ def record(
     """Write what sensors would show of a scene: a record to rehearse a twin with."""
     from tautline.cli.commands import twin as verb
 
-    given = {
-        "rate": rate, "noise": noise, "delay": delay, "dropout": dropout, "jitter": jitter, "gap": gap, "fault": fault,
-        "seed": seed,
-    }  # fmt: skip
+    given = verb.RecordOptions(
+        rate=rate, noise=noise, delay=delay, dropout=dropout, jitter=jitter, gap=gap, fault=fault, seed=seed
+    )
     verb.record(context.obj, scene, map, output, changes, end, given, as_json, force)
 
 

@@ -130,8 +130,8 @@ def _stress(row, z, q, v):
         z[SLOPE, c], z[RATE, c] = e, e_d
         square += e * e
         rate += e * e_d
-    strain, factor, bent = strain_of(row, square)
-    return h, l_d, strain, factor, bent, rate
+    strain, d_strain, d_factor = strain_of(row, square)
+    return h, l_d, strain, d_strain, d_factor, rate
 
 
 @kernel
@@ -139,10 +139,10 @@ def _residual(g, t, q, v, a, r):
     z = g.vector
     for n in range(g.rows.size):
         row = g.rows[n]
-        _, _, strain, factor, _, rate = _stress(row, z, q, v)
+        _, _, strain, d_strain, _, rate = _stress(row, z, q, v)
         if is_slack(row, strain):
             continue
-        force = row.stiffness * factor * (strain + row.damping * factor * rate)
+        force = row.stiffness * d_strain * (strain + row.damping * d_strain * rate)
         given = 0.5 * row.stiffness * strain * strain
         for c in range(AXES):
             f = force * z[SLOPE, c]
@@ -157,22 +157,22 @@ def _residual(g, t, q, v, a, r):
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         row = g.rows[n]
-        h, l_d, strain, factor, bent, rate = _stress(row, g.vector, q, v)
+        h, l_d, strain, d_strain, d_factor, rate = _stress(row, g.vector, q, v)
         if not is_slack(row, strain):
-            _write_block(g, row, h, l_d, strain, factor, bent, rate, cc, ck, v)
+            _write_block(g, row, h, l_d, strain, d_strain, d_factor, rate, cc, ck, v)
             add_block(matrix, dofs, row.a, row.b - row.a, NODE, g.block)
 
 
 @kernel
-def _write_block(g, row, h, l_d, strain, factor, bent, rate, cc, ck, v):
+def _write_block(g, row, h, l_d, strain, d_strain, d_factor, rate, cc, ck, v):
     """The block (8, 8): every column is a change of e and e., and a change of F for both ends."""
     z, block = g.vector, g.block
     e, e_d, change = z[SLOPE], z[RATE], z[CHANGE]
     stiffness, viscosity = row.stiffness, row.stiffness * row.damping
-    viscous = viscosity * factor * factor * rate
-    f1 = stiffness * (factor * factor + strain * bent) + 2.0 * viscosity * factor * bent * rate
-    t2 = viscosity * factor * factor
-    both = stiffness * strain * factor + viscous
+    viscous = viscosity * d_strain * d_strain * rate
+    f1 = stiffness * (d_strain * d_strain + strain * d_factor) + 2.0 * viscosity * d_strain * d_factor * rate
+    t2 = viscosity * d_strain * d_strain
+    both = stiffness * strain * d_strain + viscous
     for column in range(2 * NODE):
         sign = 1.0 if column >= NODE else -1.0
         y = column % NODE
@@ -211,9 +211,9 @@ def _energy(g, t, q, v, energy):
 def _dissipation(g, t, q, v, p):
     for n in range(g.rows.size):
         row = g.rows[n]
-        h, _, strain, factor, _, rate = _stress(row, g.vector, q, v)
+        h, _, strain, d_strain, _, rate = _stress(row, g.vector, q, v)
         if row.damping != 0.0 and not is_slack(row, strain):
-            p[0] += row.stiffness * row.damping * (factor * rate) ** 2 / h
+            p[0] += row.stiffness * row.damping * (d_strain * rate) ** 2 / h
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
-from tautline.kernels.teaching import taught
+from tautline.kernels.numba_registration import taught
 
 STEP = 1.0e-6
 """Change of a position, m or rad, or of a velocity, by which derivatives of the force are found."""

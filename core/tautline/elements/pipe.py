@@ -119,10 +119,10 @@ def _residual(g, t, q, v, a, r):
             p = g.axial[k]
             w = _at(p, FIRST, 1.0, h)
             e = _mix(w, q, i, j)
-            strain, factor, _ = strain_of(row, dot(e, e))
+            strain, d_strain, _ = strain_of(row, dot(e, e))
             if row.damping != 0.0:
-                strain += row.damping * factor * dot(e, _mix(w, v, i, j))
-            force = p[WEIGHT] * row.length * row.stiffness * strain * factor
+                strain += row.damping * d_strain * dot(e, _mix(w, v, i, j))
+            force = p[WEIGHT] * row.length * row.stiffness * strain * d_strain
             sums = _gathered(sums, w, force * e[0], force * e[1], force * e[2])
         for k in range(g.points.shape[0] if row.bending > 0.0 else 0):
             p = g.points[k]
@@ -183,13 +183,13 @@ def _add_axial(g, row, q, v, cc, ck):
         w = _at(p, FIRST, 1.0, h)
         e, e_d = _mix(w, q, i, j), _mix(w, v, i, j)
         rate = dot(e, e_d)
-        strain, factor, bent = strain_of(row, dot(e, e))
+        strain, d_strain, d_factor = strain_of(row, dot(e, e))
         weight = p[WEIGHT] * row.length * row.stiffness
-        stress = strain + row.damping * factor * rate
-        along = ck * (factor * factor + row.damping * factor * bent * rate + stress * bent)
-        along = weight * (along + cc * row.damping * factor * factor)
-        mixed = weight * ck * row.damping * factor * factor
-        own = weight * ck * stress * factor
+        stress = strain + row.damping * d_strain * rate
+        along = ck * (d_strain * d_strain + row.damping * d_strain * d_factor * rate + stress * d_factor)
+        along = weight * (along + cc * row.damping * d_strain * d_strain)
+        mixed = weight * ck * row.damping * d_strain * d_strain
+        own = weight * ck * stress * d_strain
         for x in range(AXES):
             for y in range(AXES):
                 entry = along * e[x] * e[y] + mixed * e[x] * e_d[y] + (own if x == y else 0.0)
@@ -368,8 +368,8 @@ def _dissipation(g, t, q, v, power):
             p = g.axial[k]
             w = _at(p, FIRST, 1.0, h)
             e = _mix(w, q, i, j)
-            _, factor, _ = strain_of(row, dot(e, e))
-            power[0] += p[WEIGHT] * length * row.stiffness * row.damping * (factor * dot(e, _mix(w, v, i, j))) ** 2
+            _, d_strain, _ = strain_of(row, dot(e, e))
+            power[0] += p[WEIGHT] * length * row.stiffness * row.damping * (d_strain * dot(e, _mix(w, v, i, j))) ** 2
         for k in range(g.points.shape[0]):
             p = g.points[k]
             w1, w2 = _at(p, FIRST, 1.0, h), _at(p, SECOND, h, h)

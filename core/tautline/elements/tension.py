@@ -95,13 +95,13 @@ def _strain_of_four(engineering, engineered, square):
 
     ``engineered`` tells whether any has: a rope of Green's strain alone takes no root.
     """
-    strain, factor, bent = 0.5 * (square - 1.0), spread(1.0), spread(0.0)
+    strain, d_strain, d_factor = 0.5 * (square - 1.0), spread(1.0), spread(0.0)
     if engineered:
         size = sqrt(square)
         strain = strain + engineering * (size - 1.0 - strain)
-        factor = factor + engineering * (1.0 / size - factor)
-        bent = -engineering / (square * size)
-    return strain, factor, bent
+        d_strain = d_strain + engineering * (1.0 / size - d_strain)
+        d_factor = -engineering / (square * size)
+    return strain, d_strain, d_factor
 
 
 @kernel
@@ -153,13 +153,13 @@ def tension_of_four(g, each, counts, i, j, shape, q, v, sums):
         # The first functions of both positions are opposite: position enters by its difference.
         n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
         e = combined((n1, n2, n3), shape)
-        strain, factor, _ = _strain_of_four(engineering, engineered, dot(e, e))
+        strain, d_strain, _ = _strain_of_four(engineering, engineered, dot(e, e))
         carried = p[WEIGHT] * length * stiffness * counts
         if slackens:
             carried = where(slack * strain < 0.0, 0.0, carried)
         if damped:
-            strain = strain + damping * factor * dot(e, combined((n1, n2, n3), rates))
-        force = carried * strain * factor
+            strain = strain + damping * d_strain * dot(e, combined((n1, n2, n3), rates))
+        force = carried * strain * d_strain
         on_chord = scaled_sum(on_chord, n1 * force, e)
         on_first = scaled_sum(on_first, n2 * force, e)
         on_second = scaled_sum(on_second, n3 * force, e)
@@ -190,20 +190,20 @@ def write_tension_tangent(g, each, i, j, shape, q, v, cc, ck):
         p = g.points[k]
         n1, n2, n3 = functions = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
         e = combined(functions, shape)
-        strain, factor, bent = _strain_of_four(engineering, engineered, dot(e, e))
+        strain, d_strain, d_factor = _strain_of_four(engineering, engineered, dot(e, e))
         weight = p[WEIGHT] * length * stiffness
         if slackens:
             weight = where(slack * strain < 0.0, 0.0, weight)
         # The force's change with e is along e e^T + mixed e e.^T + across I.
-        stress, along, mixed, e_d = strain, factor * factor, none, e
+        stress, along, mixed, e_d = strain, d_strain * d_strain, none, e
         if damped:
             e_d = combined(functions, rates)
             rate = dot(e, e_d)
-            stress = strain + damping * factor * rate
-            along = along + damping * factor * bent * rate
-            mixed = ck * weight * damping * factor * factor
-        along = weight * (ck * (along + stress * bent) + cc * damping * factor * factor)
-        across = ck * weight * stress * factor
+            stress = strain + damping * d_strain * rate
+            along = along + damping * d_strain * d_factor * rate
+            mixed = ck * weight * damping * d_strain * d_strain
+        along = weight * (ck * (along + stress * d_factor) + cc * damping * d_strain * d_strain)
+        across = ck * weight * stress * d_strain
         at = BLOCK_OF_FOUR + k * POINT
         _store_products(g.four, at, n1, n2, n3)
         for x in range(AXES):
@@ -290,9 +290,9 @@ def _dissipation(g, t, q, v, p):
                 slope = combine(shape, q, first, c)
                 square += slope * slope
                 rate += slope * combine(shape, v, first, c)
-            strain, factor, _ = strain_of(row, square)
+            strain, d_strain, _ = strain_of(row, square)
             if not is_slack(row, strain):
-                p[0] += at[WEIGHT] * length * row.stiffness * row.damping * (factor * rate) ** 2
+                p[0] += at[WEIGHT] * length * row.stiffness * row.damping * (d_strain * rate) ** 2
 
 
 register(Tension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation)
@@ -328,8 +328,8 @@ def _write_slopes(g, row, k, q, v):
         z[Y1L, c], z[Y2L, c] = -e_ll - (1.0 - x) * turn_l, e_ll - x * turn_l
         square += e * e
         rate += e * e_d
-    strain, factor, bent = strain_of(row, square)
-    return length, l_d, u, x, strain, factor, bent, rate
+    strain, d_strain, d_factor = strain_of(row, square)
+    return length, l_d, u, x, strain, d_strain, d_factor, rate
 
 
 @kernel
@@ -340,12 +340,12 @@ def _flowing_residual(g, t, q, v, a, r):
         first = vectors(row.a, row.b)
         p1, p2 = row.a + MATERIAL, row.b + MATERIAL
         for k in range(g.points.shape[0]):
-            length, _, _, _, strain, factor, _, rate = _write_slopes(g, row, k, q, v)
+            length, _, _, _, strain, d_strain, _, rate = _write_slopes(g, row, k, q, v)
             if is_slack(row, strain):
                 continue
             weight = g.points[k, WEIGHT]
-            elastic = row.stiffness * strain * factor
-            viscous = row.stiffness * row.damping * factor * factor * rate
+            elastic = row.stiffness * strain * d_strain
+            viscous = row.stiffness * row.damping * d_strain * d_strain * rate
             stored = 0.5 * row.stiffness * strain * strain
             drop1 = drop2 = 0.0
             for c in range(AXES):
@@ -375,15 +375,15 @@ def _flowing_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 @kernel
 def _add_point(g, row, k, at, cc, ck):
     """A point's part of the block (14, 14); ``at`` is what :func:`_write_slopes` returned for it."""
-    length, l_d, u, x, strain, factor, bent, rate = at
+    length, l_d, u, x, strain, d_strain, d_factor, rate = at
     s, z, block = g.shapes, g.vector, g.block
     weight, stiffness, viscosity = g.points[k, WEIGHT], row.stiffness, row.stiffness * row.damping
-    elastic, viscous = stiffness * strain * factor, viscosity * factor * factor * rate
+    elastic, viscous = stiffness * strain * d_strain, viscosity * d_strain * d_strain * rate
     # Derivatives of the elastic force F = elastic e and of the viscous one T = viscous e, by e and by e.:
     # F_e = f1 e e^T + elastic I; T_e = t1 e e^T + t2 e e.^T + viscous I; T_e. = t2 e e^T.
-    f1 = stiffness * (factor * factor + strain * bent)
-    t1 = 2.0 * viscosity * factor * bent * rate
-    t2 = viscosity * factor * factor
+    f1 = stiffness * (d_strain * d_strain + strain * d_factor)
+    t1 = 2.0 * viscosity * d_strain * d_factor * rate
+    t2 = viscosity * d_strain * d_strain
     e, e_d, e_l = z[SLOPE], z[RATE], z[BY_L]
     along_l = rate_along_l = along_rate_l = 0.0
     for c in range(AXES):
@@ -449,9 +449,9 @@ def _flowing_dissipation(g, t, q, v, p):
         if row.damping == 0.0:
             continue
         for k in range(g.points.shape[0]):
-            length, _, _, _, strain, factor, _, rate = _write_slopes(g, row, k, q, v)
+            length, _, _, _, strain, d_strain, _, rate = _write_slopes(g, row, k, q, v)
             if not is_slack(row, strain):
-                p[0] += g.points[k, WEIGHT] * length * row.stiffness * row.damping * (factor * rate) ** 2
+                p[0] += g.points[k, WEIGHT] * length * row.stiffness * row.damping * (d_strain * rate) ** 2
 
 
 register(

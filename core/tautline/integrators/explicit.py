@@ -20,7 +20,7 @@ from tautline.kernels.factors.band import NARROW
 from tautline.kernels.groups import feel_acceleration, has_constant_mass
 from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
-from tautline.kernels.teaching import is_array
+from tautline.kernels.numba_registration import is_array
 from tautline.system.model import SolverSettings
 from tautline.system.system import MassNumbering, System, number_by_mass
 
@@ -178,14 +178,14 @@ def _make_factors(mass, groups, dofs, q):
     return factorise_matrix(mass)
 
 
-def make_felt(mass, groups, dofs, t, state):
+def make_acceleration_jacobian(mass, groups, dofs, t, state):
     """Make the derivative of the residual by accelerations, and its factors; returns 0 or the row without a pivot."""
-    return 0 if isinstance(mass, np.ndarray) else _make_felt(mass, groups, dofs, t, state)
+    return 0 if isinstance(mass, np.ndarray) else _make_acceleration_jacobian(mass, groups, dofs, t, state)
 
 
-@stands_for(make_felt)
-def _make_felt_or_nothing(mass, groups, dofs, t, state):
-    chosen = _feel_nothing if is_array(mass) else _make_felt
+@stands_for(make_acceleration_jacobian)
+def _make_acceleration_jacobian_or_nothing(mass, groups, dofs, t, state):
+    chosen = _feel_nothing if is_array(mass) else _make_acceleration_jacobian
     return lambda mass, groups, dofs, t, state: chosen(mass, groups, dofs, t, state)
 
 
@@ -195,7 +195,7 @@ def _feel_nothing(mass, groups, dofs, t, state):
 
 
 @kernel
-def _make_felt(mass, groups, dofs, t, state):
+def _make_acceleration_jacobian(mass, groups, dofs, t, state):
     q, v, a = state.full_q, state.full_v, state.full_a
     clear(mass.matrix)
     over.smooth_tangent(groups, t, q, v, a, 1.0, 0.0, 0.0, mass.matrix, dofs)
@@ -225,7 +225,7 @@ def accelerate(method, groups, dofs, t, state):
     reduce(method.dofs, residual, x)
     if method.felt or not (method.constant and method.made[0] == 1.0):
         if method.felt:
-            row = make_felt(method.mass, groups, method.dofs, t, state)
+            row = make_acceleration_jacobian(method.mass, groups, method.dofs, t, state)
         else:
             row = make_mass(method.mass, groups, method.dofs, state.full_q)
         if row != 0:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tautline.integrators.search import LEFT, MORE, SHIFT, Search, iterate, no_search
+from tautline.integrators.newton_at_rest import LEFT, MORE, SHIFT, Search, iterate, no_search
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over

@@ -10,7 +10,7 @@ import numpy as np
 from tautline.integrators.corrector.newton import DONE
 from tautline.integrators.explicit import accelerate, account
 from tautline.integrators.linearise import NO_SEARCH, SUMS, evaluate_scene
-from tautline.integrators.search import iterate
+from tautline.integrators.newton_at_rest import iterate
 from tautline.integrators.state import (
     DISSIPATED,
     FACTORISATIONS,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from tautline.kernels.machine.code import KERNELS_OF
-from tautline.kernels.teaching import taught
+from tautline.kernels.numba_registration import taught
 
 TABLES: list[dict[type, Callable[..., Any]]] = []
 """All that kernels are chosen from."""

@@ -16,7 +16,7 @@ from tautline.kernels.jit import kernel, stands_for
 from tautline.kernels.lanes import load, store
 from tautline.kernels.matrix import add_at, have_cleared
 from tautline.kernels.memory import form_of
-from tautline.kernels.teaching import is_array
+from tautline.kernels.numba_registration import is_array
 from tautline.kernels.time_function import evaluate
 
 HELD, TIED = -1, -2

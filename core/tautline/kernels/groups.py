@@ -60,8 +60,8 @@ from tautline.kernels.machine.code import KERNELS_OF
 from tautline.kernels.machine.settings import UNCOMPILED
 from tautline.kernels.matrix import MATRIX
 from tautline.kernels.memory import Form, form_of, laid
+from tautline.kernels.numba_registration import taught
 from tautline.kernels.parallel_compile import Job
-from tautline.kernels.teaching import taught
 
 Kernel = Callable[..., None]
 
@@ -101,7 +101,7 @@ FRICTION: set[type] = set()
 """Kinds whose damping is friction: its force is bounded, however steep it is where it turns."""
 Feels = Callable[[Any], bool]
 """What says of a group whether its forces depend on accelerations otherwise than by its mass."""
-FEELS: dict[type, Feels] = {}
+ACCELERATION_DEPENDENT: dict[type, Feels] = {}
 """Kinds of which that may be so."""
 Keeper = Callable[[Any], str]
 """What says of a group what moves on with a run and is no unknown."""
@@ -190,9 +190,9 @@ def register(
         FRICTION.add(kind)
     if memory is not None:
         MEMORY[kind] = memory
-    FEELS.pop(kind, None)
+    ACCELERATION_DEPENDENT.pop(kind, None)
     if feels is not None:
-        FEELS[kind] = feels
+        ACCELERATION_DEPENDENT[kind] = feels
 
 
 def _check_arguments(kind: type, name: str, hook: Kernel) -> None:
@@ -298,7 +298,7 @@ def offers(groups: tuple[Any, ...], hook: str) -> bool:
 
 def feel_acceleration(groups: tuple[Any, ...]) -> bool:
     """Whether forces of any of the groups depend on accelerations otherwise than by their mass."""
-    return any(type(g) in FEELS and FEELS[type(g)](g) for g in groups)
+    return any(type(g) in ACCELERATION_DEPENDENT and ACCELERATION_DEPENDENT[type(g)](g) for g in groups)
 
 
 def has_constant_mass(groups: tuple[Any, ...]) -> bool:

@@ -18,7 +18,7 @@ from tautline.kernels.machine.code import ROUTINES, load, name_of, read, write
 from tautline.kernels.machine.packet import LAUNCHER, RESULTS, Launcher, Machine, Packet, fits
 from tautline.kernels.machine.settings import UNCOMPILED, UNFUSED
 from tautline.kernels.memory import Form, Known, laid
-from tautline.kernels.teaching import compiler, stands_for, taught
+from tautline.kernels.numba_registration import compiler, stands_for, taught
 
 __all__ = ["Kernel", "addressed", "entry", "kernel", "stands_for"]
 

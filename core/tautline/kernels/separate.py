@@ -24,7 +24,7 @@ from tautline.kernels.machine.code import FINDERS
 from tautline.kernels.machine.settings import PLAIN, UNCOMPILED
 from tautline.kernels.machine.sources import is_ours
 from tautline.kernels.memory import Form, parts_of
-from tautline.kernels.teaching import taught
+from tautline.kernels.numba_registration import taught
 
 Code = tuple[Kernel, tuple[Form, ...]]
 """A kernel and the forms of its arguments."""

@@ -296,7 +296,7 @@ class Simulation:
                 self._pause[WORK_LIMIT] = done + LONG
                 status, filled, reached = self._call(begin)
                 if status != 0:
-                    self._stop(begin, reached, Status(status))
+                    self._stop(reached, Status(status))
                 if ear.heard:
                     raise KeyboardInterrupt
                 if filled:
@@ -348,7 +348,7 @@ class Simulation:
         part = self._pause[PART] / 2**self._run.method.max_halvings if self._pause[PART] else 0.0
         self._stand_at(begin + h * (self._pause[STEP] + part))
 
-    def _stop(self, begin: float, reached: float, status: Status) -> None:
+    def _stop(self, reached: float, status: Status) -> None:
         """Take notice of a step that failed; raises StoppedEarly, or what a force of the user's raised."""
         for force in self._forces:
             if force.failed is not None:

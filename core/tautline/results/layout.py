@@ -157,7 +157,7 @@ def append(path: Path, batches: Sequence[tuple[int, Mapping[str, np.ndarray]]]) 
         file.close()
 
 
-def room(batches: Sequence[Mapping[str, np.ndarray]]) -> int:
+def bytes_needed(batches: Sequence[Mapping[str, np.ndarray]]) -> int:
     """Bytes that a file may grow by when batches are added, at most: chunks are allocated whole."""
     return 1_000_000 + sum(array.nbytes + 3 * CHUNK for batch in batches for array in batch.values())
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from tautline.results.output_path import TWIN
 from tautline.results.result import Result
-from tautline.results.target import TWIN
 
 DONE, IMBALANCE = "done", "imbalance"
 WORDS = {

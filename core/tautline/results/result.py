@@ -18,7 +18,7 @@ from tautline.results.attributes import attributes_of, mark_of
 from tautline.results.errors import ResultError
 from tautline.results.headline import plain
 from tautline.results.layout import FORMAT, Coordinate, as_number, decoded, encoded
-from tautline.results.target import SIGNATURE
+from tautline.results.output_path import SIGNATURE
 from tautline.results.variable import Variable, listed
 
 if TYPE_CHECKING:

@@ -35,8 +35,8 @@ import numpy as np
 from tautline.errors import ArgumentError
 from tautline.results import disk, layout
 from tautline.results.errors import ResultError, WriteError
+from tautline.results.output_path import check_target
 from tautline.results.result import Result
-from tautline.results.target import check_target
 from tautline.results.variable import Variable
 
 TIME = Variable("time", ("time",), "s", "simulated time")
@@ -45,7 +45,7 @@ _numbers = itertools.count()
 
 
 class FrameStore(Protocol):
-    """What a run gives its frames to: `Store`, and `tautline.results.on_demand.BriefStore`."""
+    """What a run gives its frames to: `Store`, and `tautline.results.brief_store.BriefStore`."""
 
     @property
     def result(self) -> Result | None:
@@ -176,7 +176,7 @@ class Store:
             if restart is not None:
                 self._restart = {}  # the final state takes its place below
             copy = self._write(self._copies)
-            disk.reserve(copy, layout.room([]) + layout.size(self.attributes) + layout.size(restart or {}))
+            disk.reserve(copy, layout.bytes_needed([]) + layout.size(self.attributes) + layout.size(restart or {}))
             with h5py.File(copy, "r+", libver=("earliest", "v110")) as file:
                 layout.write_attributes(file, self.attributes)
                 if restart is not None:
@@ -230,11 +230,11 @@ class Store:
         """Bring the copy that is due up to date and return it, closed."""
         try:
             if not copies.begun:
-                disk.reserve(copies.due, layout.room([self._batches[0][1]]) + layout.size(self.attributes))
+                disk.reserve(copies.due, layout.bytes_needed([self._batches[0][1]]) + layout.size(self.attributes))
                 layout.create(copies.due, self.variables, self.coordinates, self.attributes, self._batches[0][1])
             copies.append(self._batches, self.frames)
             if self._restart or self._now:
-                disk.reserve(copies.due, layout.room([]) + layout.size(self._restart) + layout.size(self._now))
+                disk.reserve(copies.due, layout.bytes_needed([]) + layout.size(self._restart) + layout.size(self._now))
                 with h5py.File(copies.due, "r+", libver=("earliest", "v110")) as file:
                     layout.write_restart(file, self._restart)
                     layout.write_attributes(file, self._now)
@@ -328,7 +328,7 @@ class _Copies:
         """Append to the due copy, if nobody has it open and the disk has room."""
         if disk.is_open_elsewhere(self.due):
             raise BlockingIOError
-        disk.reserve(self.due, layout.room([batch for _, batch in batches]))
+        disk.reserve(self.due, layout.bytes_needed([batch for _, batch in batches]))
         layout.append(self.due, batches)
 
     def _renew(self) -> None:

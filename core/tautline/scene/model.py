@@ -24,7 +24,7 @@ MARK = "|"
 """Begins the tag of a branch that is no key of the file; dropped from key paths."""
 
 DOUBT = "doubt"
-"""The error type of a number that is sound and doubtful: see `tautline.scene.doubts`."""
+"""The error type of a number that is sound and doubtful: see `tautline.scene.unit_slips`."""
 MADE = "made once"
 """Where a scene keeps what was prepared of it: no name of a field."""
 TRUTHS = {"true": ("true", "yes", "y", "on", "1"), "false": ("false", "no", "n", "off", "0")}

@@ -59,6 +59,8 @@ class _Downwards:
         return core_schema.tagged_union_schema(choices, discriminator=tag)
 
 
+EARTH_GRAVITY = 9.81
+"""Acceleration of gravity where a scene gives none, m/s^2; the standard one is 9.80665."""
 Gravity = Annotated[Vector, _Downwards()]
 """Acceleration of gravity, m/s^2, z up; ``9.81`` is ``[0, 0, -9.81]``."""
 

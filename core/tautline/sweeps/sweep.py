@@ -19,6 +19,7 @@ from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity import model_hash
 from tautline.scene.reading.document import join_key
 from tautline.sweeps.cases import DONE, UNFINISHED, Row, Runner, job_of
+from tautline.sweeps.execution import Execution
 from tautline.sweeps.file import ORIGIN, SIMULATE, SweepFile, plan_cases, read_sweep, refused
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
@@ -44,7 +45,6 @@ TRIED, PATIENCE = 1000, 10.0
 """Cases by which it is known how long it takes to try all, and the time, s, above which that is said."""
 KEPT = 2_000_000
 """Letters of scenes that are kept from being tried to being run: of short ones a thousand cases are not made twice."""
-Progress = Callable[[int, int], None]
 
 
 @dataclass
@@ -117,7 +117,7 @@ def sweep(
     dask: str | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> xarray.Dataset:
     """Run a scene with many values of some of its keys.
 
@@ -171,67 +171,40 @@ def sweep(
     given |= {"indices": indices} if indices else {}
     read_scene = tautline._scene(scene)
     application = tautline._installed().of(read_scene)
-    place = None if folder is None else Path(folder)
-    outcome = run_sweep(
-        read_sweep(given), application, read_scene, jobs=jobs, dask=dask, folder=place, resume=resume, progress=progress
-    )
+    execution = Execution(jobs, dask, None if folder is None else Path(folder), resume)
+    if progress is not None:
+        execution = replace(execution, progress=progress)
+    outcome = run_sweep(read_sweep(given), application, read_scene, execution)
     if outcome.interrupted:
         raise SweepInterrupted(outcome.data.to_xarray())
     return outcome.data.to_xarray()
 
 
-def run_sweep(
-    read: SweepFile,
-    application: Any,
-    scene: Any,
-    *,
-    jobs: int | None = None,
-    dask: str | None = None,
-    folder: Path | None = None,
-    resume: bool = False,
-    progress: Progress | None = None,
-    announce: Callable[[int], Any] | None = None,
-    say: Callable[[str], None] | None = None,
-    begin: Callable[[], None] | None = None,
-) -> Outcome:
-    """Run a sweep that was read.
-
-    Parameters
-    ----------
-    announce : callable, optional
-        Called before kernels are compiled, with their number.
-    say : callable, optional
-        Called with what the user should know: who runs the cases.
-    begin : callable, optional
-        Called before the first case, when nothing of it can be refused any more.
-    """
-    one = _Sweep(read, application, scene, jobs, dask, folder, resume)
-    say = say or (lambda text: None)
-    one.check(announce, say)
-    if begin is not None:
-        begin()
-    return one.run(progress or (lambda done, all: None), say)
+def run_sweep(read: SweepFile, application: Any, scene: Any, execution: Execution | None = None) -> Outcome:
+    """Run a sweep that was read; what is refused is refused before anything is written."""
+    one = _Sweep(read, application, scene, execution or Execution())
+    one.check()
+    one.execution.begin()
+    return one.run()
 
 
 class _Sweep:
     """A sweep under way."""
 
-    def __init__(
-        self, read: SweepFile, application: Any, scene: Any, jobs: int | None, dask: str | None, folder: Path | None,
-        resume: bool,
-    ) -> None:  # fmt: skip
+    def __init__(self, read: SweepFile, application: Any, scene: Any, execution: Execution) -> None:
         self.began, self.used = time.perf_counter(), time.process_time()
         self.read, self.application, self.scene = read, application, scene
+        jobs, folder = execution.jobs, execution.folder
         if jobs is not None and jobs < 0:
             raise option_error("jobs", str(jobs), "is less than zero", "give 1 or more; 0 or None for all processors")
-        self.jobs, self.dask, self.folder, self.resume = jobs or _processors(), dask, folder, resume
+        self.execution, self.jobs, self.folder = execution, jobs or _processors(), folder
         check_verb(read, application)
         check_options(read, application, scene)
         self.collected = read.collected()
         self.cases = plan_cases(read, application, scene)
         self.job = job_of(application, scene, read.verb, read.options, self.collected)
         self.runner = Runner(self.job, application, scene)
-        self.journal = None if folder is None else Journal(folder, self._mark(), len(self.cases), resume)
+        self.journal = None if folder is None else Journal(folder, self._mark(), len(self.cases), execution.resume)
         self.columns: dict[str, Finding] = dict(self.journal.columns or {}) if self.journal is not None else {}
         self.kept: list[Row] = []
         # Whether all names that are asked for are known to be found: then each row is kept as soon as it is there.
@@ -258,7 +231,7 @@ class _Sweep:
                     scenes.append(self.scene.replace({one.key: value}, origin=ORIGIN))
         return [model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes]
 
-    def check(self, announce: Callable[[int], Any] | None, say: Callable[[str], None]) -> None:
+    def check(self) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
         problems: dict[Problem, None] = {}
         finished = self.journal.done if self.journal is not None else ()
@@ -267,7 +240,8 @@ class _Sweep:
             if case == TRIED:
                 left = (time.perf_counter() - began) * (len(self.cases) / TRIED - 1.0)
                 if left > PATIENCE:
-                    say(f"the values of {len(self.cases)} cases are tried first, which takes about {left:.0f} s")
+                    told = f"the values of {len(self.cases)} cases are tried first"
+                    self.execution.say(f"{told}, which takes about {left:.0f} s")
             changes = self.cases.changes(case)
             try:
                 scene = self.runner.varied(changes)
@@ -282,12 +256,12 @@ class _Sweep:
         if problems:
             raise SceneError(problems)
         try:
-            model = self.runner.prepare(self.cases.changes(0), announce)
+            model = self.runner.prepare(self.cases.changes(0), self.execution.announce)
         except SceneError:
             # A case that cannot be built is a row; a scene that cannot be built at all is bad input.
-            model = self.runner.prepare({}, announce)
-        if self.dask is not None:
-            check_scheduler(self.dask)
+            model = self.runner.prepare({}, self.execution.announce)
+        if self.execution.dask is not None:
+            check_scheduler(self.execution.dask)
         if model is not None:
             check_outputs(self.read, model)
             self.named = check_figures(self.read, model, getattr(self.application, "sometimes", ()))
@@ -300,14 +274,14 @@ class _Sweep:
                 return replace(problem, cure=f"{problem.cure}; {bounded}" if problem.cure else bounded)
         return problem
 
-    def run(self, progress: Progress, say: Callable[[str], None]) -> Outcome:
+    def run(self) -> Outcome:
         """Run what is not finished, and write the result."""
         finished = set(self.journal.done) if self.journal is not None else set()
         if self.journal is not None and self.journal.columns is not None:
-            self.journal.begin(self.resume)
+            self.journal.begin(self.execution.resume)
         todo = ((case, self.cases.changes(case)) for case in range(len(self.cases)) if case not in finished)
         interrupted, lost, done = False, "", len(finished)
-        rows = self._rows(todo, len(self.cases) - done, say)
+        rows, progress = self._rows(todo, len(self.cases) - done), self.execution.progress
         try:
             progress(done, len(self.cases))
             for row, found in rows:
@@ -327,9 +301,7 @@ class _Sweep:
         outcome.lost = lost
         return outcome
 
-    def _rows(
-        self, todo: Iterator[tuple[int, Mapping[str, Any]]], left: int, say: Callable[[str], None]
-    ) -> Iterator[Found]:
+    def _rows(self, todo: Iterator[tuple[int, Mapping[str, Any]]], left: int) -> Iterator[Found]:
         """Rows as they come. The first cases are run here: they tell what the others take."""
         measured = Measured(1.0, 1.0)
         for case, changes in islice(todo, 1 if self.jobs == 1 else FIRST):
@@ -337,7 +309,8 @@ class _Sweep:
             left -= 1
             measured = Measured(row.wall_time, 1.0 - min(1.0, row.loop_time / max(row.wall_time, 1e-9)))
             yield row, found
-        if self.dask is not None:
+        dask, say = self.execution.dask, self.execution.say
+        if dask is not None:
             by = "processes"
         else:
             by = how(self.jobs, left, measured)
@@ -349,7 +322,7 @@ class _Sweep:
             yield from in_threads(self.runner, todo, self.jobs)
         else:
             self.runner.tried.clear()
-            yield from in_cluster(self.job, todo, self.jobs, self.dask or "local", measured, say)
+            yield from in_cluster(self.job, todo, self.jobs, dask or "local", measured, say)
 
     def _take(self, row: Row, found: Mapping[str, Finding]) -> None:
         """Keep a row: in the journal, as soon as it is known that what is asked for is found."""
@@ -385,7 +358,7 @@ class _Sweep:
 
     def _begin(self) -> None:
         assert self.journal is not None
-        self.journal.begin(self.resume)
+        self.journal.begin(self.execution.resume)
         self.journal.describe(self.columns)
         for row in self.kept:
             self.journal.add(row)

@@ -23,7 +23,7 @@ from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import Forecast, Found
 from tautline.twin.map import Plan, TwinMap, checked, driven_by, read_map
 from tautline.twin.operation import Operation
-from tautline.twin.outlook import Outlook
+from tautline.twin.restrictions import Outlook
 from tautline.twin.signals.readings import Readings
 from tautline.twin.signals.rows import Row
 from tautline.twin.signals.sensors import Health

@@ -16,10 +16,10 @@ from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
 from tautline.cable.input.syntax.models import WrittenCable
 from tautline.cable.input.syntax.thesis_compat import read_compat
-from tautline.scene.doubts import slips_of_units
 from tautline.scene.errors import SceneWarning
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
+from tautline.scene.unit_slips import slips_of_units
 from tautline.scene.values.quantity import quantity
 from tautline.scene.values.ranges import RANGES
 from tautline.scene.values.units import read_unit

@@ -19,7 +19,7 @@ TOLERANCE = 1e-9
 
 @entry
 def aim(w, dofs, state, right_side, scale, tolerance, tried, slow):
-    return part.aim(w, dofs, state, right_side, scale, tolerance, tried, slow)
+    return part.choose_rows(w, dofs, state, right_side, scale, tolerance, tried, slow)
 
 
 @entry

@@ -44,11 +44,6 @@ class Node(NamedTuple):
 
     holds_no_function = True
 
-    @property
-    def material_dof(self) -> int:
-        """Number of p among the node's degrees of freedom, from one: it is the last."""
-        return int(self.kind)
-
 
 class Element(NamedTuple):
     """A cable element: EA N, EJ N m^2, rhoA kg/m, damping c s (eq. 2.49), load N/m of unstretched length.

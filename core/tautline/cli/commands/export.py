@@ -94,7 +94,7 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, eve
 def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look: Look, every: int) -> None:
     """Refuse options that leave nothing to do, or that nothing asked for heeds."""
     from tautline.results.errors import ResultError
-    from tautline.results.target import OTHER_KINDS
+    from tautline.results.output_path import OTHER_KINDS
 
     if not (vtk or csv):
         cause = "nothing is asked for"

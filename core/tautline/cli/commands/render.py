@@ -48,7 +48,7 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     warnings = say_missing(result)
     written: list[Path] = []
     if asked["html"] is not None:
-        from tautline.results.target import check_page
+        from tautline.results.output_path import check_page
         from tautline.view.web.page import write_page
 
         written.append(write_page(appearance, check_page(asked["html"]), asked["colour"], asked["radius"]))

@@ -10,11 +10,11 @@ from tautline.application.installed import Catalogue
 from tautline.cli.options.changes import as_given, changed
 from tautline.cli.output.called import typed
 from tautline.cli.output.console import console, print_json, say
+from tautline.cli.output.disk_space import room_warning
 from tautline.cli.output.duration import total_time
 from tautline.cli.output.first_run import compiling
 from tautline.cli.output.numba_version import version_note
 from tautline.cli.output.progress import Bar
-from tautline.cli.output.room import room_warning
 from tautline.cli.output.summary import limit_said, limits_of_scene, table, two_columns
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import option_error
@@ -135,7 +135,7 @@ def simulate(
         If the run stopped early, was interrupted, or does not reach the accuracy that was asked for; that was reported
         and the result is kept.
     """
-    from tautline.results.target import check_simulated, check_target
+    from tautline.results.output_path import check_simulated, check_target
 
     _check_accuracy(overrides, resume, verify)
     application, read = _scene_of(catalogue, scene, overrides, changes)

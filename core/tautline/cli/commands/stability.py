@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tautline.application.installed import Catalogue
-from tautline.cli.commands.study import named, percentage, prepared, show, stem_of, stop_record, tell_of, working
+from tautline.cli.commands.study import (
+    Options,
+    named,
+    percentage,
+    prepared,
+    show,
+    stem_of,
+    stop_record,
+    tell_of,
+    working,
+)
 from tautline.cli.output.console import print_json, say
 from tautline.cli.output.summary import two_columns
 from tautline.cli.run import Ended, ExitCode
@@ -23,15 +33,13 @@ QUICK_BUDGET = 3.0
 COLOUR = {"right": "green", "inaccurate": "yellow", "stopped": "cyan", "refused": "cyan", "unjudged": "magenta"}
 
 
-def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str, Any], as_json: bool) -> None:
+def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: Options, as_json: bool) -> None:
     """Look a scene over and report what limits its step and what breaks it.
 
     Parameters
     ----------
     output : Path or None
         Beginning of the names of the files that are written; by default the scene's with ``_stability``.
-    asked : dict
-        What the command line gave: tolerance, end, point, budget, quick, changes.
 
     Raises
     ------
@@ -43,12 +51,12 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: dict
     from tautline.integrators.status import Interrupted
     from tautline.study.robustness.stability import stability as run
 
-    tolerance = percentage(asked["tolerance"], "--tolerance")
+    tolerance = percentage(asked.tolerance, "--tolerance")
     subject, stem = prepared(catalogue, path, asked), stem_of(path, output, "stability")
-    budget = min(asked["budget"], QUICK_BUDGET) if asked["quick"] else asked["budget"]
+    budget = min(asked.budget, QUICK_BUDGET) if asked.quick else asked.budget
     try:
         with working() as progress:
-            found = run(subject, tolerance, budget, asked["point"], asked["quick"], progress)
+            found = run(subject, tolerance, budget, asked.point, asked.quick, progress)
     except Interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None

@@ -6,6 +6,7 @@ import os
 import platform
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,16 +39,39 @@ NEWTON = ("modified", "full")
 NOT_RUN = ("refused", "left out")
 
 
-def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str, Any], as_json: bool) -> None:
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What the command line gave for any look at a scene by many runs, as it is written there but for `end`, s."""
+
+    tolerance: str
+    end: float | None
+    point: str | None
+    budget: float
+    quick: bool
+    changes: Sequence[str] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyOptions(Options):
+    """What it gave for a study."""
+
+    methods: str | None
+    steps: str | None
+    elements: str | None
+    constraints: str | None
+    newton: str | None
+    reference: str | None
+    reference_step: str | None
+    repeat: int
+
+
+def study(catalogue: Catalogue, path: Path, output: Path | None, asked: StudyOptions, as_json: bool) -> None:
     """Run a grid of settings of a scene and report errors against run time.
 
     Parameters
     ----------
     output : Path or None
         Beginning of the names of the files that are written; by default the scene's with ``_study``.
-    asked : dict
-        What the command line gave: methods, steps, elements, constraints, newton, tolerance, end, point, reference,
-        reference_step, repeat, budget, quick, changes.
 
     Raises
     ------
@@ -61,13 +85,13 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
 
     subject, grid = prepared(catalogue, path, asked), _grid(asked)
     stem = stem_of(path, output, "study")
-    budget = float(asked["budget"]) if not asked["quick"] else min(asked["budget"], QUICK_BUDGET)
+    budget = asked.budget if not asked.quick else min(asked.budget, QUICK_BUDGET)
     try:
         with working() as progress:
             found = run(
-                subject, grid, percentage(asked["tolerance"], "--tolerance"), budget=budget, point=asked["point"],
-                repetitions=1 if asked["quick"] else asked["repeat"], reference=_reference(asked), progress=progress,
-                reduced=asked["quick"],
+                subject, grid, percentage(asked.tolerance, "--tolerance"), budget=budget, point=asked.point,
+                repetitions=1 if asked.quick else asked.repeat, reference=_reference(asked), progress=progress,
+                reduced=asked.quick,
             )  # fmt: skip
     except StoppedEarly as stop:
         stopped(path, stop, as_json)
@@ -86,15 +110,15 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
         raise Ended(ExitCode.STOPPED_EARLY)
 
 
-def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject:
+def prepared(catalogue: Catalogue, path: Path, asked: Options) -> Subject:
     """Read a scene for a study; raises SceneError."""
     from tautline.study.trials.trial import Subject
 
     application, found = catalogue.read(path)
-    scene = changed(found, asked["changes"])
+    scene = changed(found, asked.changes)
     print_warnings(application.warnings(scene))
-    end, whole = asked["end"], None
-    if end is None and asked["quick"]:
+    end, whole = asked.end, None
+    if end is None and asked.quick:
         solver = application.build(scene).solver
         whole = float(solver.end)
         end = min(max(QUICK_END * whole, 20.0 * solver.interval, 20.0 * solver.step), whole)
@@ -120,7 +144,7 @@ def working() -> Iterator[Any]:
 def stem_of(path: Path, output: Path | None, word: str) -> Path:
     """Beginning of the names of files; raises ResultError where one of them could not be written."""
     from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder
+    from tautline.results.output_path import check_folder
 
     stem = output if output is not None else Path(f"{path.stem}_{word}")
     if stem.suffix in ENDINGS:
@@ -184,22 +208,22 @@ def percentage(text: str, option: str) -> float:
     return number(text, option, "", MOST_TOLERANCE, "give a share such as 0.01, or 1 %")
 
 
-def _grid(asked: dict[str, Any]) -> Grid:
+def _grid(asked: StudyOptions) -> Grid:
     from tautline.study.accuracy.precision import Grid
 
-    methods = words(asked["methods"], "--methods", method_named)
-    steps = numbers(asked["steps"], "--steps", "s")
+    methods = words(asked.methods, "--methods", method_named)
+    steps = numbers(asked.steps, "--steps", "s")
     return Grid(
-        methods or None, steps or None, numbers(asked["elements"], "--elements", "") or [1.0],
-        words(asked["constraints"], "--constraints", str),
-        words(asked["newton"], "--newton", one_of(NEWTON, {})),
+        methods or None, steps or None, numbers(asked.elements, "--elements", "") or [1.0],
+        words(asked.constraints, "--constraints", str),
+        words(asked.newton, "--newton", one_of(NEWTON, {})),
     )  # fmt: skip
 
 
-def _reference(asked: dict[str, Any]) -> Any:
+def _reference(asked: StudyOptions) -> Any:
     from tautline.study.trials.trial import Setting
 
-    method, step = asked["reference"], asked["reference_step"]
+    method, step = asked.reference, asked.reference_step
     if method is None and step is None:
         return None
     return Setting(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,13 +73,14 @@ def sweep(
     if note := version_note():
         say(f"warning: {note}", "yellow")
 
+    from tautline.sweeps.execution import Execution
     from tautline.sweeps.sweep import run_sweep
 
     with Counter("cases", shown=not quiet) as bar:
-        outcome = run_sweep(
-            read, application, scene, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
-            announce=None if quiet else compiling, say=(lambda text: None) if quiet else say,
-        )  # fmt: skip
+        execution = Execution(jobs, dask, folder, resume, progress=bar)
+        if not quiet:
+            execution = replace(execution, announce=compiling, say=say)
+        outcome = run_sweep(read, application, scene, execution)
     figures = _draw(outcome, folder)
     _report(catalogue, file, outcome, figures, as_json, quiet, changes)
 

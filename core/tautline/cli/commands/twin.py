@@ -13,6 +13,7 @@ import time as clock
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +64,7 @@ def twin(
         For bad input; nothing is written then.
     """
     from tautline.integrators.status import Interrupted, StoppedEarly
-    from tautline.results.target import check_found
+    from tautline.results.output_path import check_found
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
     from tautline.twin.sources.stamps import stamp_said
@@ -74,7 +75,7 @@ def twin(
     read = _read_map(map)
     if output is not None and resume is None and not force:
         check_found(output)
-    hush()
+    silence_library_logs()
     units = {one.column: one.unit for one in read.sensors}
     with (
         _alone({"--state": state, "--account": account, "-o": output}),
@@ -123,7 +124,7 @@ def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
     """
     from tautline.results.disk import Lock
     from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder, check_state
+    from tautline.results.output_path import check_folder, check_state
 
     locks: list[Lock] = []
     given = {option: path for option, path in files.items() if path is not None}
@@ -149,7 +150,7 @@ def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
             lock.give_back()
 
 
-def hush() -> None:
+def silence_library_logs() -> None:
     """Keep what a library logs off standard error.
 
     Only the command does this, never `open_source`: in another program it is that program's to say. And it is no more
@@ -334,9 +335,23 @@ def _many(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
+@dataclass(frozen=True, kw_only=True)
+class RecordOptions:
+    """What the command line gave of the sensors of a record, as it is written there."""
+
+    rate: str
+    noise: str | None
+    delay: str | None
+    dropout: str | None
+    jitter: str | None
+    gap: Sequence[str] | None
+    fault: Sequence[str] | None
+    seed: int
+
+
 def record(
     catalogue: Catalogue, path: Path, map: Path, output: Path, changes: Sequence[str] | None, end: str | None,
-    given: dict[str, Any], as_json: bool, force: bool = False,
+    given: RecordOptions, as_json: bool, force: bool = False,
 ) -> None:  # fmt: skip
     """Run a scene with sensors, and write what they show.
 
@@ -351,7 +366,7 @@ def record(
         For bad input; nothing is written then.
     """
     from tautline.integrators.status import StoppedEarly
-    from tautline.results.target import check_record
+    from tautline.results.output_path import check_record
     from tautline.twin.record import Sensing, read_fault, read_gap
     from tautline.twin.record import record as recorded
 
@@ -359,13 +374,13 @@ def record(
     read = _read_map(map)
 
     sensing = Sensing(
-        rate=_number("--rate", given["rate"], "Hz", 10.0), noise=_share("--noise", given["noise"]),
-        dropout=_share("--dropout", given["dropout"]), jitter=_number("--jitter", given["jitter"], "s", 0.0),
-        delay=_number("--delay", given["delay"], "s", 0.0), gaps=[read_gap(text) for text in given["gap"] or ()],
-        faults=[read_fault(text) for text in given["fault"] or ()], seed=given["seed"],
+        rate=_number("--rate", given.rate, "Hz", 10.0), noise=_share("--noise", given.noise),
+        dropout=_share("--dropout", given.dropout), jitter=_number("--jitter", given.jitter, "s", 0.0),
+        delay=_number("--delay", given.delay, "s", 0.0), gaps=[read_gap(text) for text in given.gap or ()],
+        faults=[read_fault(text) for text in given.fault or ()], seed=given.seed,
     )  # fmt: skip
     if not sensing.rate > 0.0:
-        raise option_error("--rate", str(given["rate"]), "is no rate", "give rows a second, such as 10 Hz")
+        raise option_error("--rate", given.rate, "is no rate", "give rows a second, such as 10 Hz")
     until = _number("--end", end, "s", float("nan"))
     check_record(output, force)
     rows = recorded(scene, read, sensing, None if until != until else until)

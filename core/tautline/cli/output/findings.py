@@ -20,7 +20,7 @@ def figure_place(output: Path | None, name: str) -> Path:
     ResultError
         If no figure can be written there.
     """
-    from tautline.results.target import check_figure
+    from tautline.results.output_path import check_figure
 
     return check_figure(output or Path(f"{name}.png"))
 

@@ -15,19 +15,19 @@ from tautline.integrators.corrector.partial_newton import Window
 from tautline.integrators.corrector.rows import (
     AllRows,
     advance_rows,
-    aim,
     ask_as_before,
-    ask_for_all,
     balance,
+    choose_rows,
     expand_rows,
-    face_factors,
-    heed_place,
     renew_factors,
+    rotate_factors,
     rows_of,
+    set_reference_frame,
     solve_for_increment,
     take_all,
     take_changed,
-    turn_factors,
+    use_all_rows,
+    widen_to_changes,
     worst_row,
 )
 from tautline.integrators.corrector.single_precision import doubt
@@ -154,7 +154,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
     for iteration in range(c.max_iterations + 1):
         expand_rows(c.rows, dofs, state, iteration == 0)
         if c.factored_for[0] != 0.0:
-            turn_factors(c.rows, state)
+            rotate_factors(c.rows, state)
         changed[COUNT] = changed[PLACED] = 0
         if not event:
             # After an event the forced status is to be solved for before it is tested.
@@ -187,7 +187,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
         if iteration == c.max_iterations:
             break
         slow = c.full or size > contraction * previous
-        slow = aim(c.rows, dofs, state, c.increment, c.per_scale, c.tolerance, previous < np.inf, slow)
+        slow = choose_rows(c.rows, dofs, state, c.increment, c.per_scale, c.tolerance, previous < np.inf, slow)
         if slow:
             # Factors of this very step that contract badly tell of a way that bends: they are not worth keeping.
             if contraction < c.contraction:
@@ -212,7 +212,7 @@ def _heed_change(c, dofs):
     """A law has changed its status: the factors are out of date, where it is known where, only there."""
     c.changed[EVER] = 1
     c.rounded[0] = 0
-    if not heed_place(c.rows, dofs, c.changed):
+    if not widen_to_changes(c.rows, dofs, c.changed):
         c.factored_for[0] = 0.0
 
 
@@ -228,7 +228,7 @@ def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
         c.factored_for[0] = 0.0
         if slow:
             c.made_for[0] = 0.0
-    ask_for_all(c.rows, state)
+    use_all_rows(c.rows, state)
     if over.may_switch(groups):
         if c.made_for[0] == 0.0:
             _make_smooth(c.smooth, groups, dofs, state, t, beta, gamma)
@@ -239,7 +239,7 @@ def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
         _make_smooth(c.factors.matrix, groups, dofs, state, t, beta, gamma)
     ask_as_before(c.rows, dofs, state)
     state.counters[FACTORISATIONS] += 1
-    face_factors(c.rows, state)
+    set_reference_frame(c.rows, state)
     row = factorise_apart(c.factors)
     if row == 0:
         c.factored_for[0] = beta

@@ -117,7 +117,7 @@ def take_changed(w, dofs, state, changed):
 
 
 @kernel
-def aim(w, dofs, state, right_side, per_scale, tolerance, tried, slow):
+def choose_rows(w, dofs, state, right_side, per_scale, tolerance, tried, slow):
     """Take the rows that are not in balance, and a margin; their residual goes into ``right_side`` (n,).
 
     Where rows at the edge of a part that increments were ``tried`` for are out of balance, the margin was too small,
@@ -213,7 +213,7 @@ def worst_of_part(w, residual, per_scale, counters):
 
 
 @kernel
-def heed_place(w, dofs, changed):
+def widen_to_changes(w, dofs, changed):
     """Note where the matrix is no longer the one that was factorised; returns whether that is known."""
     if changed[COUNT] > changed[PLACED]:
         return False
@@ -278,7 +278,7 @@ def renew_part(w, groups, dofs, state, t, beta, gamma, slow, smooth, factors):
 
 
 @kernel
-def ask_for_all(w, state):
+def use_all_rows(w, state):
     """Ask for all rows, to make the matrix of all."""
     w.asked[0], w.asked[1] = 0, state.full_q.size
 

@@ -46,7 +46,7 @@ def _take_changed(rows, dofs, state, changed):
 
 
 @kernel
-def _aim(rows, dofs, state, right_side, per_scale, tolerance, tried, slow):
+def _choose_all(rows, dofs, state, right_side, per_scale, tolerance, tried, slow):
     return slow
 
 
@@ -128,7 +128,7 @@ def _worst(rows, residual, per_scale, counters):
 
 
 @kernel
-def _heed_nothing(rows, dofs, changed):
+def _never_widen(rows, dofs, changed):
     return False
 
 
@@ -152,27 +152,27 @@ def _solve(rows, factors, increment, right_side):
 
 
 @kernel
-def _turn_factors(rows, state):
+def _rotate_factors(rows, state):
     turn(rows.turning, state.full_q)
 
 
 @kernel
-def _face_factors(rows, state):
+def _set_reference_frame(rows, state):
     face(rows.turning, state.full_q)
 
 
 take_all = by_type({AllRows: _take_all, Window: part.take_all})
 take_changed = by_type({AllRows: _take_changed, Window: part.take_changed})
-aim = by_type({AllRows: _aim, Window: part.aim})
+choose_rows = by_type({AllRows: _choose_all, Window: part.choose_rows})
 expand_rows = by_type({AllRows: _expand, Window: _expand_part})
 advance_rows = by_type({AllRows: _advance, Window: _advance_part})
 balance = by_type({AllRows: _balance, Window: part.balance_part})
 worst_row = by_type({AllRows: _worst, Window: part.worst_of_part})
-heed_place = by_type({AllRows: _heed_nothing, Window: part.heed_place})
+widen_to_changes = by_type({AllRows: _never_widen, Window: part.widen_to_changes})
 renew_factors = by_type({AllRows: _renew, Window: part.renew_part})
-ask_for_all = by_type({AllRows: _take_all, Window: part.ask_for_all})
+use_all_rows = by_type({AllRows: _take_all, Window: part.use_all_rows})
 ask_as_before = by_type({AllRows: _ask_as_before, Window: part.ask_as_before})
-turn_factors = by_type({AllRows: _turn_factors, Window: _take_all})
-face_factors = by_type({AllRows: _face_factors, Window: _take_all})
+rotate_factors = by_type({AllRows: _rotate_factors, Window: _take_all})
+set_reference_frame = by_type({AllRows: _set_reference_frame, Window: _take_all})
 solve_for_increment = by_type({AllRows: _solve, Window: part.solve_part})
 """What an iteration does with its rows; the functions for a window tell what each is for."""

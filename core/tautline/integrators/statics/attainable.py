@@ -12,7 +12,7 @@ import numpy as np
 
 from tautline.integrators.generalized_alpha import coefficients
 from tautline.integrators.linearise import evaluate
-from tautline.integrators.search import ROUNDING
+from tautline.integrators.newton_at_rest import ROUNDING
 from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.status import StoppedEarly

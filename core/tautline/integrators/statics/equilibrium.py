@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.linearise import evaluate, search_on
-from tautline.integrators.search import (
+from tautline.integrators.newton_at_rest import (
     AWAY,
     FOUND,
     ITERATION,

@@ -23,7 +23,7 @@ import llvmlite.binding
 
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.machine.settings import UNCOMPILED
-from tautline.kernels.teaching import taught
+from tautline.kernels.numba_registration import taught
 
 ROUTINES = "scipy.linalg.cython_lapack"
 

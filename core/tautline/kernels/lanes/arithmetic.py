@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tautline.kernels.teaching import taught
+from tautline.kernels.numba_registration import taught
 
 LANES = 4
 """Members at a time."""

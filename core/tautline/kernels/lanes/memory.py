@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from tautline.kernels.lanes.arithmetic import LANES
-from tautline.kernels.teaching import taught
+from tautline.kernels.numba_registration import taught
 
 
 def laid_flat(array):

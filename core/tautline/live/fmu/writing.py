@@ -17,7 +17,7 @@ from tautline.live.errors import SimulationError
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
 from tautline.results.errors import ResultError
-from tautline.results.target import check_unit
+from tautline.results.output_path import check_unit
 from tautline.scene.reading.files import files_of
 from tautline.version import __version__
 

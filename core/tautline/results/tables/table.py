@@ -13,8 +13,8 @@ from uuid import uuid4
 import numpy as np
 
 from tautline.results.errors import ResultError, WriteError
+from tautline.results.output_path import check_folder
 from tautline.results.result import Result
-from tautline.results.target import check_folder
 from tautline.results.variable import Variable
 
 ROWS = 1000

@@ -3,8 +3,8 @@
 A quantity of a scene names its row where it is declared, ``quantity("m", of="hole diameter")``. A number outside of the
 row's range is not refused, it is warned of, with the unit under which the number as typed would lie inside. Ranges hold
 for models of the laboratory as well as for the largest machine, and are of sizes: of the number without its sign. Zero
-is never warned of. `tautline.scene.doubts` makes the warnings; `benchmarks/pages/plausible_ranges.py` writes the table
-into docs/ranges.md.
+is never warned of. `tautline.scene.unit_slips` makes the warnings; `benchmarks/pages/plausible_ranges.py` writes the
+table into docs/ranges.md.
 """
 
 from __future__ import annotations

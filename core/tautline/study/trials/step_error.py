@@ -113,11 +113,6 @@ class StepError(NamedTuple):
         return text + f"{shorter}, or --verify, which estimates it more closely from shorter steps"
 
 
-def tells_nothing_itself(model: Model) -> bool:
-    """Whether a run has no estimate of what its steps do: fixed steps of an implicit method, with dry friction."""
-    return _fixed(model) and model.system.has_friction
-
-
 def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
     """Steps of the other runs over a model's own: those of `step_error`; none where nothing is to be estimated.
 

@@ -22,8 +22,8 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from tautline.results.errors import ResultError, WriteError
+from tautline.results.output_path import check_folder
 from tautline.results.result import Result
-from tautline.results.target import check_folder
 from tautline.view.space.appearance import Appearance
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-GRAVITY = 9.81
+from tautline.scene.vector import EARTH_GRAVITY
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class Waves:
         return share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
 
 
-def wave_number(frequency: np.ndarray, depth: float = np.inf, gravity: float = GRAVITY) -> np.ndarray:
+def wave_number(frequency: np.ndarray, depth: float = np.inf, gravity: float = EARTH_GRAVITY) -> np.ndarray:
     """Wave numbers, rad/m, of frequencies, rad/s, in water of a depth, m: ``w^2 = g k tanh(k d)``, by Newton's method.
 
     The start is that of Fenton and McKee (1990), within 2 % of the root.

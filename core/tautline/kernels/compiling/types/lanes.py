@@ -21,7 +21,6 @@ from tautline.kernels.lanes.arithmetic import LANES
 
 NUMBERS = ir.VectorType(ir.DoubleType(), LANES)
 BITS = ir.VectorType(ir.IntType(64), LANES)
-_CHOICE = ir.VectorType(ir.IntType(1), LANES)
 INDEX = ir.IntType(32)
 
 

@@ -6,34 +6,39 @@ import math
 
 import numpy as np
 
-from crane.scene.scene import Drum
 
-
-class Wound:
-    """Rope on a drum, as a function of its length.
-
-    With layers, a known amount of rope and a known diameter each layer has its own pitch radius; else there is one.
-    Layers go on as long as rope comes, or up to their count.
+class DrumLayers:
+    """Rope on a drum, as a function of its length: of one layer, or of layers that go on as long as rope comes.
 
     Parameters
     ----------
-    drum : Drum
-    diameter : float or None
-        Of the rope, m.
+    radius : float
+        Pitch radius of the only layer, or of the first, m.
+    held : float or None
+        Unstretched rope on the drum before any is paid out, m; None for no end of it, which has one layer only.
     stretch : float
         Of the rope that is wound: material comes as so much more length.
+    rise : float
+        Pitch radius of a layer over that of the one below, m; 0 for one layer.
+    turns : int or None
+        Of rope in a layer; None for one layer.
+    count : int or None
+        Layers that there may be: further rope lies in the last; None for any number.
     """
 
-    def __init__(self, drum: Drum, diameter: float | None, stretch: float) -> None:
-        self.begin, self.stretch = drum.rope_on_drum, stretch
-        self.first, self.rise, self.last, self.layer_angle = drum.radius, 0.0, 0.0, math.inf
-        layers, self.layered = drum.layers, False
-        if layers is not None and diameter is not None and self.begin is not None:
-            self.layered = True
-            self.first = layers.pitch_radius(1, diameter)
-            self.rise = layers.pitch_radius(2, diameter) - self.first
-            self.last = math.inf if layers.count is None else layers.count - 1.0
-            self.layer_angle = 2.0 * math.pi * layers.turns
+    def __init__(
+        self,
+        radius: float,
+        held: float | None,
+        stretch: float,
+        rise: float = 0.0,
+        turns: int | None = None,
+        count: int | None = None,
+    ) -> None:
+        self.begin, self.stretch, self.first, self.rise = held, stretch, radius, rise
+        self.layered = turns is not None
+        self.layer_angle = math.inf if turns is None else 2.0 * math.pi * turns
+        self.last = math.inf if count is None else count - 1.0
 
     def _below(self, layer: np.ndarray) -> np.ndarray:
         """Rope in all layers below one, m, of which the lowest is 0."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from crane.groups.layers import Wound
+from crane.results.observe import layers_of
 from crane.scene.scene import Drum
 
 DIAMETER, TURNS, CORE = 0.03, 10, 0.5
@@ -23,7 +23,7 @@ def test_three_layers_unwound_turn_by_turn():
     """Two full layers and half of the third, counted by hand: each layer's turns at its own radius."""
     full = [2.0 * math.pi * TURNS * radius(j) for j in (1, 2, 3)]
     held = full[0] + full[1] + 0.5 * full[2]
-    wound = Wound(drum(layers={"turns": TURNS, "core_radius": CORE}, rope_on_drum=held), DIAMETER, 1.0)
+    wound = layers_of(drum(layers={"turns": TURNS, "core_radius": CORE}, rope_on_drum=held), DIAMETER, 1.0)
     out = np.array([0.0, 0.5 * full[2] - 1e-9, 0.5 * full[2] + full[1], held])
     assert wound.radius_at(out[:2]) == pytest.approx([radius(3), radius(3)])
     assert wound.radius_at(out[1:2] + 1.0) == pytest.approx([radius(2)])
@@ -40,17 +40,17 @@ def test_layers_go_on_as_long_as_rope_comes(reeled_in):
         length = min(left, 2.0 * math.pi * TURNS * radius(layer))
         left, turned = left - length, turned + length / radius(layer)
     begun = 10.0 / radius(1)
-    wound = Wound(drum(layers={"turns": TURNS, "core_radius": CORE}, rope_on_drum=10.0), DIAMETER, 1.0)
+    wound = layers_of(drum(layers={"turns": TURNS, "core_radius": CORE}, rope_on_drum=10.0), DIAMETER, 1.0)
     assert wound.rotation_at(np.array([-reeled_in])) == pytest.approx(begun - turned, rel=1e-12)
     assert wound.radius_at(np.array([-reeled_in])) == pytest.approx(radius(layer))
 
 
 def test_rope_beyond_the_last_layer_that_there_may_be_lies_in_it():
-    wound = Wound(drum(layers={"turns": TURNS, "core_radius": CORE, "count": 2}, rope_on_drum=10.0), DIAMETER, 1.0)
+    wound = layers_of(drum(layers={"turns": TURNS, "core_radius": CORE, "count": 2}, rope_on_drum=10.0), DIAMETER, 1.0)
     assert wound.radius_at(np.array([5.0, -500.0])) == pytest.approx([radius(1), radius(2)])
 
 
 def test_without_layers_there_is_one_radius():
-    wound = Wound(drum(), None, 1.001)
+    wound = layers_of(drum(), None, 1.001)
     assert wound.rotation_at(np.array([5.3])) == pytest.approx(5.3 * 1.001 / 0.53)
     assert wound.radius_at(np.array([5.3])) == pytest.approx(0.53)
