@@ -19,6 +19,7 @@ from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
+from tautline.sweeps.inputs import Inputs, stamps_of
 from tautline.sweeps.verbs import Watch, asks_limits, chosen, names_of, of_run, tables_of
 
 DONE, BAD_INPUT, LOST, FAULT = "done", "bad input", "worker lost", "internal error"
@@ -65,6 +66,8 @@ class Job:
         Name of the application.
     document : Document
         The scene; its folder is absolute.
+    files : mapping
+        Path -> hash of the files that the scene and what varies in it name, as they were when the sweep began.
     """
 
     application: str
@@ -72,6 +75,7 @@ class Job:
     verb: str = SIMULATE
     options: Mapping[str, Any] = field(default_factory=dict)
     collected: tuple[Collected, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 class Cancelled(TautlineError):
@@ -93,7 +97,10 @@ class Runner:
     """
 
     def __init__(self, job: Job, application: Any = None, scene: Any = None) -> None:
-        self.job = job
+        self.job, self.inputs = job, Inputs(job.files)
+        if scene is None:
+            # In another process: of a file that is another one here, that is to be said and not what it lacks.
+            self.inputs.check(stamps_of(job.files))
         self.application = application if application is not None else _application(job.application)
         self.scene = scene if scene is not None else self.application.read(job.document)
         self.cancelled = False
@@ -111,7 +118,26 @@ class Runner:
         return self.scene.replace(changes, origin=ORIGIN) if changes else self.scene
 
     def run(self, case: int, changes: Mapping[str, Any]) -> tuple[Row, dict[str, Finding]]:
-        """Run a case: its row, and all findings without their values; what stops it early is told in the row."""
+        """Run a case: its row, and all findings without their values; what stops it early is told in the row.
+
+        Raises
+        ------
+        InputChanged
+            Where a file that it reads is not what it was when the sweep began: there is no row then.
+        """
+        files = self.inputs.of_case(self.scene, changes)
+        while True:
+            before = stamps_of(files)
+            self.inputs.check(before)
+            row, found = self._row(case, changes)
+            after = stamps_of(files)
+            if after == before:
+                return row, found
+            # One was written while the case ran, which may have read half of it; of the same contents it runs again.
+            self.inputs.check(after)
+
+    def _row(self, case: int, changes: Mapping[str, Any]) -> tuple[Row, dict[str, Finding]]:
+        """The same, whatever becomes of the files meanwhile."""
         began, used = time.perf_counter(), time.thread_time()
         row = Row(case, DONE, process=os.getpid())
         found: dict[str, Finding] = {}
@@ -180,11 +206,14 @@ class Runner:
         return model
 
 
-def job_of(application: Any, scene: Any, verb: str, options: Mapping[str, Any], collected: Sequence[Collected]) -> Job:
-    """The job of a scene that was read."""
+def job_of(
+    application: Any, scene: Any, verb: str, options: Mapping[str, Any], collected: Sequence[Collected],
+    files: Mapping[str, str] | None = None,
+) -> Job:  # fmt: skip
+    """The job of a scene that was read, and of files as they are."""
     document = scene.document
     home = Path(document.folder).resolve()
-    return Job(application.name, replace(document, home=home), verb, dict(options), tuple(collected))
+    return Job(application.name, replace(document, home=home), verb, dict(options), tuple(collected), files or {})
 
 
 def _application(name: str) -> Any:

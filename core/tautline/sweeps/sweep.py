@@ -20,6 +20,7 @@ from tautline.scene.identity import model_hash
 from tautline.scene.reading.document import join_key
 from tautline.sweeps.cases import DONE, UNFINISHED, Row, Runner, job_of
 from tautline.sweeps.file import ORIGIN, SIMULATE, SweepFile, plan_cases, read_sweep, refused
+from tautline.sweeps.inputs import InputChanged, hashes_of, stamps_of
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, RANKED, TABLE, Variables, dataset, write_csv, write_netcdf, write_percentiles
@@ -229,9 +230,11 @@ class _Sweep:
         check_options(read, application, scene)
         self.collected = read.collected()
         self.cases = plan_cases(read, application, scene)
-        self.job = job_of(application, scene, read.verb, read.options, self.collected)
+        scenes = self._scenes()
+        files = hashes_of(scenes)
+        self.job = job_of(application, scene, read.verb, read.options, self.collected, files)
         self.runner = Runner(self.job, application, scene)
-        self.journal = None if folder is None else Journal(folder, self._mark(), len(self.cases), resume)
+        self.journal = None if folder is None else Journal(folder, self._mark(scenes), len(self.cases), resume, files)
         self.columns: dict[str, Finding] = dict(self.journal.columns or {}) if self.journal is not None else {}
         self.kept: list[Row] = []
         # Whether all names that are asked for are known to be found: then each row is kept as soon as it is there.
@@ -240,23 +243,34 @@ class _Sweep:
         self.process = os.getpid()
         self.lost: list[Row] = []
 
-    def _mark(self) -> str:
+    def _mark(self, scenes: Sequence[Any]) -> str:
         """What makes it this sweep: the scene with its files, and all of the sweep's file that changes a number."""
         about = {key: value for key, value in self.read.document.root.items() if key not in ("title", "scene")}
         # The cases of a grid are numbered in the order of its keys, which a sorted text would not tell.
         order = list(self.read.vary)
-        whole = [about, order, self.scene.document.root, self._files()]
+        whole = [about, order, self.scene.document.root]
+        whole.append([model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes])
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
-    def _files(self) -> list[str]:
-        """Hashes of the scene with its files, and with those that values name: records of motion, responses."""
+    def _scenes(self) -> list[Any]:
+        """The scene, and others that name all files that values name: records of motion, responses."""
         scenes = [self.scene]
         for one in self.cases.parameters:
             for value in one.values if not one.numeric else ():
-                # A value that cannot be had beside the others as they are is tried with them, case by case.
-                with suppress(SceneError):
+                try:
                     scenes.append(self.scene.replace({one.key: value}, origin=ORIGIN))
-        return [model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes]
+                except SceneError:
+                    # It cannot be had beside the others as they are, and may be beside their values.
+                    scenes += self._with(one.key, value)
+        return scenes
+
+    def _with(self, key: str, value: Any) -> Iterator[Any]:
+        """The first scene of a case that has a value and can be had; none where there is none."""
+        having = (case for case, each in enumerate(self.cases.values[key]) if each is value)
+        for case in islice(having, TRIED):
+            with suppress(SceneError):
+                yield self.scene.replace(self.cases.changes(case), origin=ORIGIN)
+                return
 
     def check(self, announce: Callable[[int], Any] | None, say: Callable[[str], None]) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
@@ -314,10 +328,14 @@ class _Sweep:
                 self._take(row, found)
                 done += 1
                 progress(done, len(self.cases))
+            self.runner.inputs.check(stamps_of(self.job.files))
         except KeyboardInterrupt:
             interrupted = True
         except SchedulerLost as error:
             interrupted, lost = True, str(error)
+        except InputChanged as error:
+            rows.close()
+            raise self._told(error, done) from None
         except BaseException:
             self._close()
             raise
@@ -326,6 +344,19 @@ class _Sweep:
         outcome = self._finish(interrupted, len(finished))
         outcome.lost = lost
         return outcome
+
+    def _told(self, error: InputChanged, done: int) -> InputChanged:
+        """The same fault of the input, with what is kept and how to go on."""
+        if self.journal is not None and not self.journal.begun and self.kept:
+            self._begin()
+        self._close()
+        every = f"the sweep has stopped, with {done} of {len(self.cases)} cases finished"
+        if self.journal is None or not self.journal.done:
+            cure = "run it again, and leave its files alone until it has ended"
+        else:
+            every += f" before that: they are kept in {self.journal.path.parent}"
+            cure = "put the file back as it was and go on with --resume, or name another folder with -o"
+        return InputChanged([replace(one, cause=f"{one.cause}; {every}", cure=cure) for one in error.problems])
 
     def _rows(
         self, todo: Iterator[tuple[int, Mapping[str, Any]]], left: int, say: Callable[[str], None]

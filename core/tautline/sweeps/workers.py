@@ -12,6 +12,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ from tautline.processes import without_current_folder
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import option_error
 from tautline.sweeps.cases import LOST, Job, Row, Runner, run_packed
+from tautline.sweeps.inputs import InputChanged
 
 THREADED = 1.0
 """Share of the time that threads may together spend outside of compiled loops. One of them is there at a time: beyond 1
@@ -194,6 +196,8 @@ def _lost(error: Any, cases: list[int], address: str) -> Iterator[Found]:
     elif isinstance(error, (ImportError, AttributeError)):
         cure = "install the same version of Tautline where the workers run"
         raise option_error("--dask", address, f"its workers cannot run the cases: {error}", cure)
+    elif isinstance(error, InputChanged):
+        raise InputChanged([replace(one, cause=f"{one.cause}, as a worker sees it") for one in error.problems])
     else:
         raise error
 
