@@ -21,6 +21,7 @@ from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
 from tautline.sweeps.inputs import Inputs, stamps_of
 from tautline.sweeps.verbs import Watch, asks_limits, chosen, names_of, of_run, tables_of
+from tautline.version import __version__
 
 DONE, BAD_INPUT, LOST, FAULT = "done", "bad input", "worker lost", "internal error"
 UNFINISHED = (LOST, FAULT)
@@ -229,7 +230,38 @@ def _runner(packed: bytes) -> Runner:
     return Runner(pickle.loads(packed))
 
 
-def run_packed(packed: bytes, cases: Sequence[tuple[int, Mapping[str, Any]]]) -> list[tuple[Row, dict[str, Finding]]]:
-    """Run cases in a process of a cluster, which keeps the scene of a job that it has read."""
+class OtherProgram(TautlineError):
+    """A worker whose Tautline is another one than that of the sweep."""
+
+
+@functools.cache
+def program() -> tuple[str, str]:
+    """Version of Tautline, and the hash of all its sources with those of the installed applications that come with it.
+
+    A version that is worked on keeps its number while its sources change.
+    """
+    from tautline.kernels.machine.sources import hash_of_all_sources
+
+    return __version__, hash_of_all_sources()
+
+
+def run_piece(
+    of_sweep: tuple[str, str], packed: bytes, cases: Sequence[tuple[int, Mapping[str, Any]]]
+) -> list[tuple[Row, dict[str, Finding]]]:
+    """Run cases in a process of a cluster, which keeps the scene of a job that it has read.
+
+    Raises
+    ------
+    OtherProgram
+        Where this process has another Tautline than the sweep.
+    """
+    # Before the job is unpacked, whose classes may differ too. Versions up to 0.1.0 have no function of this name, and
+    # fail for that.
+    version, sources = of_sweep
+    here, of_here = program()
+    if here != version:
+        raise OtherProgram(f"a worker has Tautline {here}, and the sweep is run with {version}")
+    if of_here != sources:
+        raise OtherProgram(f"a worker has Tautline {here} of other sources than that of the sweep")
     runner = _runner(packed)
     return [runner.run(case, changes) for case, changes in cases]

@@ -20,7 +20,7 @@ from tautline.errors import TautlineError
 from tautline.processes import without_current_folder
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import option_error
-from tautline.sweeps.cases import LOST, Job, Row, Runner, run_packed
+from tautline.sweeps.cases import LOST, Job, OtherProgram, Row, Runner, program, run_piece
 from tautline.sweeps.inputs import InputChanged
 
 THREADED = 1.0
@@ -137,7 +137,7 @@ def in_cluster(
         given: dict[str, Piece] = {}
 
         def hand_over(piece: Piece) -> None:
-            future = client.submit(run_packed, packed, piece, pure=False)
+            future = client.submit(run_piece, program(), packed, piece, pure=False)
             given[future.key] = piece
             pending.add(future)
 
@@ -193,7 +193,7 @@ def _lost(error: Any, cases: list[int], address: str) -> Iterator[Found]:
         text = f"workers that ran it were lost, {error.allowed_failures + 1} in all; give them more memory"
         for case in cases:
             yield Row(case, LOST, text), {}
-    elif isinstance(error, (ImportError, AttributeError)):
+    elif isinstance(error, (ImportError, AttributeError, OtherProgram)):
         cure = "install the same version of Tautline where the workers run"
         raise option_error("--dask", address, f"its workers cannot run the cases: {error}", cure)
     elif isinstance(error, InputChanged):
