@@ -20,6 +20,7 @@ from tautline.results.disk import Lock
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.tables.finding import Finding
 from tautline.sweeps.cases import UNFINISHED, Row
+from tautline.version import __version__
 
 NAME = "journal.ndjson"
 FORMAT = "tautline sweep 1"
@@ -80,6 +81,7 @@ class Journal:
                 raise ResultError(folder, cause, "go on with --resume, or name another folder with -o")
             self.done, self.columns = set(), None
             return
+        _check_version(folder, head.get("version"))
         if head.get("sweep") != self.mark:
             self._refuse(folder, head.get("files"))
 
@@ -119,7 +121,9 @@ class Journal:
             _cut(self.path)
         self._file = self._guarded(lambda: self.path.open("ab" if goes_on else "wb", buffering=0))
         if not goes_on:
-            self._write({"format": FORMAT, "sweep": self.mark, "cases": self.cases, "files": self.files})
+            self._write(
+                {"format": FORMAT, "sweep": self.mark, "cases": self.cases, "version": __version__, "files": self.files}
+            )
             # Else they would stand beside the results of this sweep, as if they were its own.
             self._guarded(lambda: _remove(self.path.parent, self.figures))
             self.figures = []
@@ -180,6 +184,19 @@ class Journal:
             self._file.close()
             self._file = None
         self._lock.give_back()
+
+
+def _check_version(folder: Path, version: Any) -> None:
+    """Raise ResultError for a journal that another version has begun: its rows would stand beside those of this one."""
+    if version == __version__:
+        return
+    if isinstance(version, str):
+        cause = f"was begun with Tautline {version}, and this is Tautline {__version__}"
+        cure = f"run with Tautline {version}, or name another folder with -o"
+    else:
+        cause = f"was begun with an older Tautline that did not note its version, and this is Tautline {__version__}"
+        cure = "run with the Tautline that began it, or name another folder with -o"
+    raise ResultError(folder, f"{cause}: one table would hold rows of two versions", cure)
 
 
 def list_figures(folder: Path, written: Sequence[Path]) -> None:
