@@ -239,6 +239,8 @@ class _Sweep:
         self.kept: list[Row] = []
         # Whether all names that are asked for are known to be found: then each row is kept as soon as it is there.
         self.named = False
+        # Figures that some cases have and others not, since what varies are no numbers: a rope without a breaking load.
+        self.of_some: dict[str, Finding] = {}
         self.loop_time = self.elsewhere = 0.0
         self.process = os.getpid()
         self.lost: list[Row] = []
@@ -305,6 +307,9 @@ class _Sweep:
         if model is not None:
             check_outputs(self.read, model)
             self.named = check_figures(self.read, model, getattr(self.application, "sometimes", ()))
+            if not all(one.numeric for one in self.cases.parameters):
+                asked = (one for one in self.collected if one.figure in model.figure_units)
+                self.of_some = {one.name: Finding(None, model.figure_units[one.figure], one.figure) for one in asked}
 
     def _with_bounds(self, problem: Problem) -> Problem:
         """Add to what a distribution makes, and the scene cannot have, that there are others with bounds."""
@@ -403,7 +408,7 @@ class _Sweep:
         """Refuse names that the verb does not find, but for those that it finds in some runs only."""
         sometimes = getattr(self.application, "sometimes", ())
         missing = [one for one in unknown(found, self.collected) if self.collected[one[0]].figure not in sometimes]
-        missing = [one for one in missing if self.collected[one[0]].name not in self.columns]
+        missing = [one for one in missing if self.collected[one[0]].name not in self.columns | self.of_some]
         if missing:
             raise SceneError([self.read.problem_at(("collect", i), cause, cure) for i, cause, cure in missing])
 
@@ -432,7 +437,8 @@ class _Sweep:
         """Write result and table of all that is known."""
         if self.journal is not None and not self.journal.begun and (self.kept or self.journal.done):
             self._begin()
-        columns = {one.name: self.columns[one.name] for one in self.collected if one.name in self.columns}
+        known = self.of_some | self.columns
+        columns = {one.name: known[one.name] for one in self.collected if one.name in known}
         attributes = {
             "scene": self.scene.document.told, "application": self.application.name, "verb": self.read.verb,
             "sweep": self.read.document.told, "title": self.read.title or self.scene.title or "",
