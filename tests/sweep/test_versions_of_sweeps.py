@@ -11,7 +11,7 @@ from tautline.results.errors import ResultError
 from tautline.scene.errors import SceneError
 from tautline.sweeps import cases
 from tautline.sweeps.journal import NAME
-from tautline.sweeps.workers import _lost
+from tautline.sweeps.workers import _lost, _of_any_worker
 from tautline.version import __version__
 
 VARY = {MASS: [2000.0, 4000.0]}
@@ -40,6 +40,18 @@ def test_a_worker_of_another_version_or_of_other_sources_runs_no_case_and_the_sw
 def test_a_worker_of_the_same_program_runs_its_cases():
     ((row, _),) = cases.run_piece(cases.program(), job(), [(0, {})])
     assert row.status == "done"
+
+
+def test_a_worker_of_an_older_version_that_lacks_what_runs_a_piece_says_so_and_does_not_end(monkeypatch):
+    pickled = pytest.importorskip("distributed.protocol.pickle")
+    run = pickled.loads(pickled.dumps(_of_any_worker()))
+    ((row, _),) = run(cases.program(), job(), [(0, {})])
+    assert row.status == "done"
+    monkeypatch.delattr(cases, "run_piece")
+    # It is taken to workers whole: to look for it by its name would end them.
+    run = pickled.loads(pickled.dumps(_of_any_worker()))
+    with pytest.raises(ImportError, match=f"older Tautline, {__version__}, and the sweep is run with {__version__}"):
+        run(cases.program(), b"", [])
 
 
 def test_the_hash_of_all_sources_tells_a_change_in_any_file_and_no_line_ends(tmp_path, monkeypatch):

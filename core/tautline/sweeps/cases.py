@@ -255,8 +255,7 @@ def run_piece(
     OtherProgram
         Where this process has another Tautline than the sweep.
     """
-    # Before the job is unpacked, whose classes may differ too. Versions up to 0.1.0 have no function of this name, and
-    # fail for that.
+    # Before the job is unpacked, whose classes may differ too.
     version, sources = of_sweep
     here, of_here = program()
     if here != version:

@@ -20,7 +20,7 @@ from tautline.errors import TautlineError
 from tautline.processes import without_current_folder
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import option_error
-from tautline.sweeps.cases import LOST, Job, OtherProgram, Row, Runner, program, run_piece
+from tautline.sweeps.cases import LOST, Job, OtherProgram, Row, Runner, program
 from tautline.sweeps.inputs import InputChanged
 
 THREADED = 1.0
@@ -126,7 +126,7 @@ def in_cluster(
     """
     from distributed import KilledWorker, as_completed
 
-    packed = pickle.dumps(job)
+    packed, run_piece = pickle.dumps(job), _of_any_worker()
     size = max(1, min(MOST, round(PIECE / max(one.wall, 1e-3))))
     remaining = iter(todo)
     with _client(address, jobs) as client:
@@ -162,6 +162,26 @@ def in_cluster(
                 yield from found if error is None else _lost(error, [case for case, _ in piece], address)
             future.release()
             submit()
+
+
+def _of_any_worker() -> Callable[..., Any]:
+    """What runs a piece, as a function that goes to workers by its code and not by its name.
+
+    A worker without Tautline, or with one that has no `run_piece`, would end by a name that it has not, and the cases
+    wait for ever. So it says what it lacks.
+    """
+
+    def run(of_sweep: tuple[str, str], packed: bytes, piece: Piece) -> Any:
+        from tautline.sweeps import cases
+        from tautline.version import __version__
+
+        if not hasattr(cases, "run_piece"):
+            of_worker = f"a worker has an older Tautline, {__version__}"
+            raise ImportError(f"{of_worker}, and the sweep is run with {of_sweep[0]}")
+        return cases.run_piece(of_sweep, packed, piece)
+
+    run.__annotations__ = {}
+    return run
 
 
 def _end_of(future: Any, address: str) -> tuple[Any, list[Found]]:
