@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from scipy import stats
 from scipy.stats import qmc
+from sweep.short_hoist import hoist
 
+import tautline
 from tautline.sweeps.distributions import KINDS, made
 from tautline.sweeps.plans import GRID, LATIN, ONE, RANDOM, SOBOL, ZIP, Parameter, Plan, balanced, cases_of
 
@@ -174,3 +176,27 @@ def test_a_sweep_that_writes_its_files_loads_neither_xarray_nor_dask(tmp_path):
     loaded = set(json.loads(done.stdout.splitlines()[-1]))
     assert (tmp_path / "s" / "sweep.nc").exists(), done.stderr
     assert not loaded & {"xarray", "pandas", "dask", "distributed"}
+
+
+def test_null_in_a_list_is_a_value_and_takes_away_that_of_the_scene(tmp_path):
+    key = "rope.breaking_load"
+    assert hoist(0.05).rope.breaking_load is not None
+    for plan in ("grid", "zip", "one_at_a_time"):
+        folder = tmp_path / plan
+        data = tautline.sweep(
+            hoist(0.05), {key: [None, "1.1 MN", "2.2 MN"]}, plan, ["safety_factor"], jobs=1, folder=folder
+        )  # fmt: skip
+        first = 1 if plan == "one_at_a_time" else 0
+        assert (data["status"].values == "done").all()
+        words = ["as in the scene"] * first + ["null", "1.1 MN", "2.2 MN"]
+        assert data[key].values.tolist() == words
+        rows = (folder / "sweep.csv").read_text(encoding="utf8").splitlines()[1:]
+        assert [row.split(",")[1] for row in rows] == words
+        factors = data["safety_factor"].values
+        assert np.isnan(factors[first]) and factors[first + 2] == pytest.approx(2.0 * factors[first + 1])
+        assert first == 0 or factors[0] == factors[2]
+
+
+def test_a_grid_refuses_null_twice_and_by_its_own_name():
+    with pytest.raises(tautline.SceneError, match=r"has rope.breaking_load = null twice"):
+        tautline.sweep(hoist(0.05), {"rope.breaking_load": [None, "2 MN", None]}, collect=["rise"], jobs=1)

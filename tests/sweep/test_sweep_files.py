@@ -37,6 +37,13 @@ def test_whole_numbers_stay_whole_where_the_key_has_no_unit(tmp_path):
     assert cases.parameters[0].values == (2, 4, 6, 8)
 
 
+def test_a_series_with_a_value_that_is_not_whole_is_refused_for_that_value_alone(tmp_path):
+    with pytest.raises(tautline.SceneError) as found:
+        tautline.sweep(hoist(), {"mesh.elements_per_span": {"linspace": [2, 5, 3]}}, collect=["rise"], jobs=1)
+    (line,) = str(found.value).splitlines()
+    assert "mesh.elements_per_span = 3.5: must be a whole number" in line
+
+
 def test_shapes_of_distributions_have_no_unit(tmp_path):
     text = f"vary: {{'{MASS}': {{weibull: [2 t, 1.5]}}}}\nplan: {{monte_carlo: {{samples: 3}}}}"
     assert cases_of_text(tmp_path, text).parameters[0].spread.numbers == (2000.0, 1.5)

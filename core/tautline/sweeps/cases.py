@@ -19,7 +19,9 @@ from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
+from tautline.sweeps.inputs import Inputs, stamps_of
 from tautline.sweeps.verbs import Watch, asks_limits, chosen, names_of, of_run, tables_of
+from tautline.version import __version__
 
 DONE, BAD_INPUT, LOST, FAULT = "done", "bad input", "worker lost", "internal error"
 UNFINISHED = (LOST, FAULT)
@@ -65,6 +67,8 @@ class Job:
         Name of the application.
     document : Document
         The scene; its folder is absolute.
+    files : mapping
+        Path -> hash of the files that the scene and what varies in it name, as they were when the sweep began.
     """
 
     application: str
@@ -72,6 +76,7 @@ class Job:
     verb: str = SIMULATE
     options: Mapping[str, Any] = field(default_factory=dict)
     collected: tuple[Collected, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 class Cancelled(TautlineError):
@@ -93,7 +98,10 @@ class Runner:
     """
 
     def __init__(self, job: Job, application: Any = None, scene: Any = None) -> None:
-        self.job = job
+        self.job, self.inputs = job, Inputs(job.files)
+        if scene is None:
+            # In another process: of a file that is another one here, that is to be said and not what it lacks.
+            self.inputs.check(stamps_of(job.files))
         self.application = application if application is not None else _application(job.application)
         self.scene = scene if scene is not None else self.application.read(job.document)
         self.cancelled = False
@@ -111,7 +119,26 @@ class Runner:
         return self.scene.replace(changes, origin=ORIGIN) if changes else self.scene
 
     def run(self, case: int, changes: Mapping[str, Any]) -> tuple[Row, dict[str, Finding]]:
-        """Run a case: its row, and all findings without their values; what stops it early is told in the row."""
+        """Run a case: its row, and all findings without their values; what stops it early is told in the row.
+
+        Raises
+        ------
+        InputChanged
+            Where a file that it reads is not what it was when the sweep began: there is no row then.
+        """
+        files = self.inputs.of_case(self.scene, changes)
+        while True:
+            before = stamps_of(files)
+            self.inputs.check(before)
+            row, found = self._row(case, changes)
+            after = stamps_of(files)
+            if after == before:
+                return row, found
+            # One was written while the case ran, which may have read half of it; of the same contents it runs again.
+            self.inputs.check(after)
+
+    def _row(self, case: int, changes: Mapping[str, Any]) -> tuple[Row, dict[str, Finding]]:
+        """The same, whatever becomes of the files meanwhile."""
         began, used = time.perf_counter(), time.thread_time()
         row = Row(case, DONE, process=os.getpid())
         found: dict[str, Finding] = {}
@@ -180,11 +207,14 @@ class Runner:
         return model
 
 
-def job_of(application: Any, scene: Any, verb: str, options: Mapping[str, Any], collected: Sequence[Collected]) -> Job:
-    """The job of a scene that was read."""
+def job_of(
+    application: Any, scene: Any, verb: str, options: Mapping[str, Any], collected: Sequence[Collected],
+    files: Mapping[str, str] | None = None,
+) -> Job:  # fmt: skip
+    """The job of a scene that was read, and of files as they are."""
     document = scene.document
     home = Path(document.folder).resolve()
-    return Job(application.name, replace(document, home=home), verb, dict(options), tuple(collected))
+    return Job(application.name, replace(document, home=home), verb, dict(options), tuple(collected), files or {})
 
 
 def _application(name: str) -> Any:
@@ -200,7 +230,37 @@ def _runner(packed: bytes) -> Runner:
     return Runner(pickle.loads(packed))
 
 
-def run_packed(packed: bytes, cases: Sequence[tuple[int, Mapping[str, Any]]]) -> list[tuple[Row, dict[str, Finding]]]:
-    """Run cases in a process of a cluster, which keeps the scene of a job that it has read."""
+class OtherProgram(TautlineError):
+    """A worker whose Tautline is another one than that of the sweep."""
+
+
+@functools.cache
+def program() -> tuple[str, str]:
+    """Version of Tautline, and the hash of all its sources with those of the installed applications that come with it.
+
+    A version that is worked on keeps its number while its sources change.
+    """
+    from tautline.kernels.machine.sources import hash_of_all_sources
+
+    return __version__, hash_of_all_sources()
+
+
+def run_piece(
+    of_sweep: tuple[str, str], packed: bytes, cases: Sequence[tuple[int, Mapping[str, Any]]]
+) -> list[tuple[Row, dict[str, Finding]]]:
+    """Run cases in a process of a cluster, which keeps the scene of a job that it has read.
+
+    Raises
+    ------
+    OtherProgram
+        Where this process has another Tautline than the sweep.
+    """
+    # Before the job is unpacked, whose classes may differ too.
+    version, sources = of_sweep
+    here, of_here = program()
+    if here != version:
+        raise OtherProgram(f"a worker has Tautline {here}, and the sweep is run with {version}")
+    if of_here != sources:
+        raise OtherProgram(f"a worker has Tautline {here} of other sources than that of the sweep")
     runner = _runner(packed)
     return [runner.run(case, changes) for case, changes in cases]

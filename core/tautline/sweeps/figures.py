@@ -5,29 +5,37 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tautline.sweeps.indices import PARAMETER
-from tautline.sweeps.plans import GRID, ONE, Cases
-from tautline.sweeps.table import PERCENTILES, TIMES, Column, Variables
+from tautline.sweeps.plans import AS_IN_THE_SCENE, GRID, ONE, Cases, Parameter, word_of
+from tautline.sweeps.table import DATASET, PERCENTILES, TABLE, TIMES, Column, Variables
 from tautline.view.figures.figure import (
     COLOURS,
     QUIET,
     SHADES,
+    STYLES,
     axes,
     bar_of_shades,
     colour,
     label,
+    legend_above,
     save,
     scale_in,
+    shortened,
     styled,
 )
 
 MOST_FIGURES = 6
 """Figures of one kind that are drawn; the dataset holds all."""
-MOST_CURVES = 8
+MOST_LONG = 2
+"""Parameters of several values that a figure of a grid has room for."""
+PANELS, MOST_PANELS = 4, 16
+"""Plots of points in a row, and in a figure: one a parameter."""
+LINE, LINES = 0.19, 40
+"""Height of a line of a legend, in, and lines in a column of it."""
 DEPTH = "depth"
 """Axis that is drawn downwards."""
 HEIGHT, WIDTH = 3.2, 6.4
@@ -43,19 +51,18 @@ def draw(data: Variables, cases: Cases, folder: Path, ending: str = "png") -> li
     ResultError
         If one cannot be written.
     """
-    names = [name for name, one in data.data_vars.items() if _drawn(name, one, cases)][:MOST_FIGURES]
+    names = _names(data, cases)[:MOST_FIGURES]
     made: list[tuple[str, Any]] = []
     if cases.indices:
         made = [(f"{name}_indices", _indices_figure(data, name)) for name in names if f"{name}_first" in data]
     elif cases.plan.name == ONE:
         made = [(f"{name}_tornado", _tornado(data, cases, name)) for name in names]
-    elif cases.plan.name == GRID and 1 <= len(_long(cases)) <= 2:
+    elif cases.plan.name == GRID and 1 <= len(_long(cases)) <= MOST_LONG:
         draw_one = _lines if len(_long(cases)) == 1 or not _numeric(cases) else _map
         made = [(name, draw_one(data, cases, name)) for name in names]
-    elif cases.plan.name != GRID:
+    elif _is_scattered(cases):
         made = [(name, _scatter(data, cases, name)) for name in names]
-        bands = [name for name, one in data.data_vars.items() if name.endswith(PERCENTILES) and len(one.dims) == 2]
-        made += [(name, _band(data, name)) for name in bands[:MOST_FIGURES]]
+        made += [(name, _band(data, name)) for name in _bands(data)[:MOST_FIGURES]]
     written: list[Path] = []
     for name, figure in made:
         if figure is not None:
@@ -64,6 +71,45 @@ def draw(data: Variables, cases: Cases, folder: Path, ending: str = "png") -> li
                 path = folder / f"{_slug(name)}_{len(written) + 1}.{ending}"
             written.append(save(figure, path))
     return written
+
+
+def not_drawn(data: Variables, cases: Cases) -> list[str]:
+    """What `draw` has no figure of, and where its numbers are: a sentence or more for each kind."""
+    names, told = _names(data, cases), []
+    if cases.plan.name == GRID and len(_long(cases)) > MOST_LONG and names:
+        told.append(
+            f"no figures are drawn of a grid in which {len(_long(cases))} parameters have several values. "
+            f"{DATASET} and {TABLE} hold all numbers. For figures vary {MOST_LONG} parameters at most"
+        )
+        return told
+    left = names[MOST_FIGURES:] + (_bands(data)[MOST_FIGURES:] if _is_scattered(cases) else [])
+    if left:
+        told.append(
+            f"not drawn: {', '.join(left)}. Of one kind {MOST_FIGURES} figures are drawn. {DATASET} and {TABLE} hold "
+            "all numbers. The names that stand first under collect are drawn"
+        )
+    if _is_scattered(cases) and len(cases.parameters) > MOST_PANELS and names:
+        keys = ", ".join(one.key for one in cases.parameters[MOST_PANELS:])
+        told.append(
+            f"not drawn: points over {keys}. A figure has {MOST_PANELS} plots. {TABLE} holds all numbers. "
+            "The keys that stand first under vary are drawn"
+        )
+    return told
+
+
+def _names(data: Variables, cases: Cases) -> list[str]:
+    """Names of all numbers of the cases."""
+    return [name for name, one in data.data_vars.items() if _drawn(name, one, cases)]
+
+
+def _bands(data: Variables) -> list[str]:
+    """Names of percentiles along an axis."""
+    return [name for name, one in data.data_vars.items() if name.endswith(PERCENTILES) and len(one.dims) == 2]
+
+
+def _is_scattered(cases: Cases) -> bool:
+    """Whether the figures of the plan are points over each parameter."""
+    return cases.plan.name not in (GRID, ONE) and not cases.indices
 
 
 def _drawn(name: str, one: Column, cases: Cases) -> bool:
@@ -102,20 +148,26 @@ def _lines(data: Variables, cases: Cases, name: str) -> Any:
     long = sorted(_long(cases), key=lambda k: not cases.parameters[k].numeric)
     values, text = _scaled(data, name)
     values = np.moveaxis(values.reshape(cases.shape), long, range(len(long)))
-    values = values.reshape(cases.shape[long[0]], -1)[:, :MOST_CURVES]
-    one = cases.parameters[long[0]]
-    figure, plots = axes(1, 1, WIDTH, HEIGHT, _title(data, name))
+    values = values.reshape(cases.shape[long[0]], -1)
+    one, curves = cases.parameters[long[0]], values.shape[1]
+    rows = min(curves, LINES)
+    figure, plots = axes(1, 1, WIDTH, max(HEIGHT, 1.0 + LINE * rows), _title(data, name))
     plot = plots[0, 0]
     places, text_of_places = _places(one, data)
     order = np.argsort(places)
     places, values = places[order], values[order]
     for k, column in enumerate(values.T):
-        word = _word(cases.parameters[long[1]].values[k]) if len(long) > 1 else None
-        plot.plot(places, column, "o-", ms=3.5, color=colour(k, values.shape[1]), label=word)
+        # Of more curves than there are colours neighbours have shades that differ little, and other lines.
+        style = "-" if curves <= len(COLOURS) else STYLES[k % len(STYLES)]
+        word = shortened(word_of(cases.parameters[long[1]].values[k])) if len(long) > 1 else None
+        plot.plot(places, column, f"o{style}", ms=3.5, color=colour(k, curves), label=word)
     _ticks(plot, one, text_of_places)
     plot.set_ylabel(text)
     if len(long) > 1:
-        plot.legend(title=cases.parameters[long[1]].key)
+        columns = -(-curves // LINES)
+        heading = _in_lines(cases.parameters[long[1]].key, "", NARROW)
+        figure.legend(title=heading, loc="outside right upper", ncols=columns, alignment="left")
+        figure.set_figwidth(WIDTH + 1.5 * columns)
     return figure
 
 
@@ -139,15 +191,13 @@ def _in_lines(key: str, unit: str, letters: int) -> str:
     return "\n".join(line.replace(". ", ".") for line in lines)
 
 
-def _word(value: Any) -> str:
-    return str(value)
-
-
 def _ticks(plot: Any, one: Any, text: str, along: str = "x") -> None:
     """Name an axis by a parameter, and its places by the values where these are no numbers."""
     getattr(plot, f"set_{along}label")(text)
     if not one.numeric:
-        getattr(plot, f"set_{along}ticks")(range(len(one.values)), [_word(value) for value in one.values])
+        getattr(plot, f"set_{along}ticks")(
+            range(len(one.values)), [shortened(word_of(value), NARROW) for value in one.values]
+        )
     elif _logarithmic(np.array(one.numbers)):
         getattr(plot, f"set_{along}scale")("log")
 
@@ -200,29 +250,74 @@ def _tornado(data: Variables, cases: Cases, name: str) -> Any:
     values, text = _scaled(data, name)
     if not np.isfinite(values[0]):
         return None
-    spans = []
-    for one in cases.parameters:
-        of_it = np.array([value is not None for value in cases.values[one.key]])
-        moved = values[of_it]
-        if np.isfinite(moved).any():
-            spans.append((one, float(np.nanmin(moved)), float(np.nanmax(moved)), moved, cases.numbers[one.key][of_it]))
+    spans = [_Span.of(one, cases, values) for one in cases.parameters]
+    spans = sorted((span for span in spans if span.moved.size), key=lambda span: span.reach(values[0]))
     if not spans:
         return None
-    spans.sort(key=lambda span: max(span[2], values[0]) - min(span[1], values[0]))
-    figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + 0.42 * len(spans), _title(data, name))
+    most = max(span.most_on_a_side(values[0]) for span in spans)
+    figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + max(0.42, LINE * most) * len(spans), _title(data, name))
     plot = plots[0, 0]
-    for place, (_, _, _, moved, numbers) in enumerate(spans):
-        middle = np.mean(numbers) if np.isfinite(numbers).all() else np.inf
-        for value, number in zip(moved, numbers, strict=True):
-            if np.isfinite(value):
-                above = not number < middle
-                plot.barh(place, value - values[0], left=values[0], color=COLOURS[1 if above else 0], height=0.6)
+    for place, span in enumerate(spans):
+        _bars(plot, place, span, values[0])
     plot.axvline(values[0], color=QUIET, lw=1.0)
-    plot.set_yticks(range(len(spans)), [span[0].key for span in spans])
+    plot.set_yticks(range(len(spans)), [span.one.key for span in spans])
     plot.grid(axis="y", visible=False)
     plot.set_xlabel(text)
-    _legend_of_ends(plot, values[0])
+    if any(span.one.numeric for span in spans):
+        _legend_of_ends(plot, values[0])
+    if not all(span.one.numeric for span in spans):
+        # Words stand beside the ends of their bars.
+        plot.margins(x=0.2)
     return figure
+
+
+class _Span(NamedTuple):
+    """What a parameter alone makes of a number: for each of its values the number, the value in SI, and its word."""
+
+    one: Parameter
+    moved: np.ndarray
+    numbers: np.ndarray
+    words: list[str]
+
+    @classmethod
+    def of(cls, one: Parameter, cases: Cases, values: np.ndarray) -> _Span:
+        """Of the cases that vary a parameter and have a number, from the smallest value to the largest."""
+        own = cases.values[one.key]
+        its = [k for k, value in enumerate(own) if value is not AS_IN_THE_SCENE and np.isfinite(values[k])]
+        its = sorted(its, key=lambda k: cases.numbers[one.key][k]) if one.numeric else its
+        return cls(one, values[its], cases.numbers[one.key][its], [word_of(own[k]) for k in its])
+
+    def reach(self, base: float) -> float:
+        """From the smallest number to the largest, that of the scene among them."""
+        return float(max(self.moved.max(), base) - min(self.moved.min(), base))
+
+    def most_on_a_side(self, base: float) -> int:
+        """How many bars share the height of a place."""
+        left = int((self.moved < base).sum())
+        return max(left, self.moved.size - left)
+
+    def colour_of(self, k: int) -> str:
+        """By whether a value is larger than that of the scene, or of a scene without one than their middle."""
+        if not self.one.numeric:
+            return QUIET
+        middle = self.one.base if np.isfinite(self.one.base) else float(np.mean(self.numbers))
+        return COLOURS[int(self.numbers[k] > middle)]
+
+
+def _bars(plot: Any, place: int, span: _Span, base: float) -> None:
+    """Bars of a parameter: those on one side of the scene's number share the height, so that each is seen."""
+    for side in (span.moved < base, span.moved >= base):
+        its = np.flatnonzero(side)
+        height = 0.7 / max(1, its.size)
+        for row, k in enumerate(its.tolist()):
+            at = place + height * (row - 0.5 * (its.size - 1))
+            plot.barh(at, span.moved[k] - base, 0.9 * height, left=base, color=span.colour_of(k))
+            if not span.one.numeric:
+                before = span.moved[k] < base
+                plot.annotate(
+                    shortened(span.words[k], NARROW), (span.moved[k], at), (-4 if before else 4, 0),
+                    textcoords="offset points", ha="right" if before else "left", va="center", fontsize=8,
+                )  # fmt: skip
 
 
 def _legend_of_ends(plot: Any, at: float) -> None:
@@ -234,17 +329,26 @@ def _legend_of_ends(plot: Any, at: float) -> None:
 
 @styled
 def _scatter(data: Variables, cases: Cases, name: str) -> Any:
-    """A number against each parameter in turn."""
-    numeric = [one for one in cases.parameters if one.numeric][:4]
-    if not numeric:
-        return None
+    """A number against each parameter in turn; words stand side by side, in the order of their list."""
+    shown = cases.parameters[:MOST_PANELS]
     values, text = _scaled(data, name)
-    figure, plots = axes(1, len(numeric), 1.0 + 2.9 * len(numeric), HEIGHT, _title(data, name), sharey=True)
-    for plot, one in zip(plots[0], numeric, strict=True):
-        places, text_of_places = _places(one, data, NARROW, cases.numbers[one.key])
+    columns = min(PANELS, len(shown))
+    rows = -(-len(shown) // columns)
+    figure, plots = axes(rows, columns, 1.0 + 2.9 * columns, HEIGHT * rows, _title(data, name), sharey=True)
+    for plot in plots.ravel()[len(shown) :]:
+        plot.remove()
+    for plot, one in zip(plots.ravel(), shown, strict=False):
+        if one.numeric:
+            places, text_of_places = _places(one, data, NARROW, cases.numbers[one.key])
+        else:
+            words = [word_of(value) for value in one.values]
+            places = np.array([words.index(word_of(value)) for value in cases.values[one.key]], float)
+            text_of_places = _in_lines(one.key, "", NARROW)
+            plot.set_xticks(range(len(words)), [shortened(word, NARROW // 2) for word in words])
         plot.plot(places, values, ".", ms=4)
         plot.set_xlabel(text_of_places)
-    plots[0, 0].set_ylabel(text)
+    for plot in plots[:, 0]:
+        plot.set_ylabel(text)
     return figure
 
 
@@ -270,7 +374,7 @@ def _band(data: Variables, name: str) -> Any:
         plot.plot(places, middle, color=COLOURS[0], label="P50")
         plot.set_xlabel(label(along, unit))
         plot.set_ylabel(text)
-    plot.legend()
+    legend_above(plot)
     return figure
 
 

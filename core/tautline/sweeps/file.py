@@ -335,12 +335,9 @@ class _Reader:
         return self._of_numbers(key, numbers, quantity, given)
 
     def _of_numbers(self, key: str, numbers: list[float], quantity: Quantity | None, given: list[Any]) -> Parameter:
-        """A list of numbers; whole ones where whole ones were given and the key is no quantity."""
+        """A list of numbers; where whole ones were given and the key is no quantity, each that is whole is so."""
         whole = quantity is None and all(isinstance(one, int) for one in given)
-        if whole and all(number.is_integer() for number in numbers):
-            values: list[Any] = [int(number) for number in numbers]
-        else:
-            values = numbers
+        values: list[Any] = [int(number) if whole and number.is_integer() else number for number in numbers]
         return Parameter(key, _unit(quantity), tuple(values), tuple(numbers), None, self._base(key))
 
     def _spread(self, key: str, name: str, given: Any) -> Parameter | None:

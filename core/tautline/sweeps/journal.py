@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 from shlex import quote
@@ -20,6 +20,7 @@ from tautline.results.disk import Lock
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.tables.finding import Finding
 from tautline.sweeps.cases import UNFINISHED, Row
+from tautline.version import __version__
 
 NAME = "journal.ndjson"
 FORMAT = "tautline sweep 1"
@@ -39,6 +40,8 @@ class Journal:
     cases : int
     resume : bool
         Whether to go on with the journal that is there.
+    files : mapping, optional
+        Path -> hash of the files that the sweep reads, to tell which of them is another one.
 
     Raises
     ------
@@ -46,8 +49,10 @@ class Journal:
         For a journal that cannot be gone on with, one that would be lost, and a folder that another sweep writes to.
     """
 
-    def __init__(self, folder: Path, mark: str, cases: int, resume: bool) -> None:
-        self.path, self.mark, self.cases = folder / NAME, mark, cases
+    def __init__(
+        self, folder: Path, mark: str, cases: int, resume: bool, files: Mapping[str, str] | None = None
+    ) -> None:
+        self.path, self.mark, self.cases, self.files = folder / NAME, mark, cases, dict(files or {})
         self.done: set[int] = set()
         self.columns: dict[str, Finding] | None = None
         self.figures: list[str] = []
@@ -76,8 +81,18 @@ class Journal:
                 raise ResultError(folder, cause, "go on with --resume, or name another folder with -o")
             self.done, self.columns = set(), None
             return
+        _check_version(folder, head.get("version"))
         if head.get("sweep") != self.mark:
-            raise ResultError(folder, "belongs to another sweep", "name another folder with -o, or leave out --resume")
+            self._refuse(folder, head.get("files"))
+
+    def _refuse(self, folder: Path, before: Any) -> None:
+        """Raise ResultError for the journal of another sweep, and name the files that make it another one."""
+        before = before if isinstance(before, dict) else {}
+        changed = [path for path, found in self.files.items() if before.get(path, found) != found]
+        if changed:
+            cause = f"belongs to another sweep: {', '.join(changed)} has been changed since it began"
+            raise ResultError(folder, cause, "put the file back as it was, or name another folder with -o")
+        raise ResultError(folder, "belongs to another sweep", "name another folder with -o, or leave out --resume")
 
     def _read(self) -> dict[str, Any]:
         head: dict[str, Any] = {}
@@ -106,7 +121,9 @@ class Journal:
             _cut(self.path)
         self._file = self._guarded(lambda: self.path.open("ab" if goes_on else "wb", buffering=0))
         if not goes_on:
-            self._write({"format": FORMAT, "sweep": self.mark, "cases": self.cases})
+            self._write(
+                {"format": FORMAT, "sweep": self.mark, "cases": self.cases, "version": __version__, "files": self.files}
+            )
             # Else they would stand beside the results of this sweep, as if they were its own.
             self._guarded(lambda: _remove(self.path.parent, self.figures))
             self.figures = []
@@ -167,6 +184,19 @@ class Journal:
             self._file.close()
             self._file = None
         self._lock.give_back()
+
+
+def _check_version(folder: Path, version: Any) -> None:
+    """Raise ResultError for a journal that another version has begun: its rows would stand beside those of this one."""
+    if version == __version__:
+        return
+    if isinstance(version, str):
+        cause = f"was begun with Tautline {version}, and this is Tautline {__version__}"
+        cure = f"run with Tautline {version}, or name another folder with -o"
+    else:
+        cause = f"was begun with an older Tautline that did not note its version, and this is Tautline {__version__}"
+        cure = "run with the Tautline that began it, or name another folder with -o"
+    raise ResultError(folder, f"{cause}: one table would hold rows of two versions", cure)
 
 
 def list_figures(folder: Path, written: Sequence[Path]) -> None:

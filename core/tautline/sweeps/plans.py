@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -18,6 +18,16 @@ CASE = "case"
 """Dimension of every plan but a grid."""
 TAILS = (0.1, 0.9)
 """Probabilities of the two values that a distribution has in a plan of one parameter at a time."""
+
+
+class _AsInTheScene:
+    """What a parameter is where the scene's own value stays; null is another thing, and takes that away."""
+
+    def __repr__(self) -> str:
+        return "as in the scene"
+
+
+AS_IN_THE_SCENE = _AsInTheScene()
 
 
 class Plan(NamedTuple):
@@ -80,7 +90,7 @@ class Cases:
     dims, shape : tuple
         Of the result: a dimension a parameter, or ``case``; cases are in row-major order.
     values : dict of str to list
-        Key -> its value in each case; None where the scene's own stays.
+        Key -> its value in each case, None for null; `AS_IN_THE_SCENE` where the scene's own stays.
     numbers : dict of str to array
         Key -> the same in SI, NaN for what is no number.
     indices : bool
@@ -101,7 +111,7 @@ class Cases:
     def changes(self, case: int) -> dict[str, Any]:
         """What the scene is changed by in a case, for ``scene.replace``."""
         of_case = ((key, values[case]) for key, values in self.values.items())
-        return {key: value for key, value in of_case if value is not None}
+        return {key: value for key, value in of_case if value is not AS_IN_THE_SCENE}
 
 
 def cases_of(parameters: Sequence[Parameter], plan: Plan, indices: bool = False) -> Cases:
@@ -143,9 +153,9 @@ def cases_of(parameters: Sequence[Parameter], plan: Plan, indices: bool = False)
 
 def _grid(parameters: tuple[Parameter, ...], plan: Plan) -> Cases:
     for one in parameters:
-        twice = _repeated(one)
-        if twice is not None:
-            raise ValueError(f"has {one.key} = {twice} twice, and would run its cases twice; give each value once")
+        for twice in _repeated(one):
+            cause = f"has {one.key} = {word_of(twice)} twice, and would run its cases twice"
+            raise ValueError(f"{cause}; give each value once")
     shape = tuple(len(parameter.values) for parameter in parameters)
     places = np.indices(shape).reshape(len(shape), -1)
     columns = [
@@ -155,15 +165,19 @@ def _grid(parameters: tuple[Parameter, ...], plan: Plan) -> Cases:
     return _of_columns(parameters, plan, columns, False, tuple(one.key for one in parameters), shape)
 
 
-def _repeated(one: Parameter) -> Any:
-    """A value that a parameter has twice, by its number where it is one; None where there is none."""
+def word_of(value: Any) -> str:
+    """A value that is no number in words, as a file has it."""
+    return "null" if value is None else str(value)
+
+
+def _repeated(one: Parameter) -> Iterator[Any]:
+    """Values that a parameter has had already, by their numbers where they are some."""
     seen: set[Any] = set()
     for value, number in zip(one.values, one.numbers, strict=True):
         mark = repr(value) if math.isnan(number) else number
         if mark in seen:
-            return value
+            yield value
         seen.add(mark)
-    return None
 
 
 def _of_columns(
@@ -181,12 +195,12 @@ def _of_columns(
 
 def _one_at_a_time(parameters: Sequence[Parameter]) -> list[tuple[list[Any], list[float]]]:
     """The scene as it is, then each parameter at each of its values, while the others stay as they are."""
-    columns: list[tuple[list[Any], list[float]]] = [([None], [one.base]) for one in parameters]
+    columns: list[tuple[list[Any], list[float]]] = [([AS_IN_THE_SCENE], [one.base]) for one in parameters]
     for varied, one in enumerate(parameters):
         values, numbers = one.at(np.array(TAILS)) if one.spread is not None else (one.values, one.numbers)
         for value, number in zip(values, numbers, strict=True):
             for place, (of_values, of_numbers) in enumerate(columns):
-                of_values.append(value if place == varied else None)
+                of_values.append(value if place == varied else AS_IN_THE_SCENE)
                 of_numbers.append(number if place == varied else parameters[place].base)
     return columns
 

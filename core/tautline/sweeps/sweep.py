@@ -21,6 +21,7 @@ from tautline.scene.reading.document import join_key
 from tautline.sweeps.cases import DONE, UNFINISHED, Row, Runner, job_of
 from tautline.sweeps.execution import Execution
 from tautline.sweeps.file import ORIGIN, SIMULATE, SweepFile, plan_cases, read_sweep, refused
+from tautline.sweeps.inputs import InputChanged, hashes_of, stamps_of
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, RANKED, TABLE, Variables, dataset, write_csv, write_netcdf, write_percentiles
@@ -202,34 +203,51 @@ class _Sweep:
         check_options(read, application, scene)
         self.collected = read.collected()
         self.cases = plan_cases(read, application, scene)
-        self.job = job_of(application, scene, read.verb, read.options, self.collected)
+        scenes = self._scenes()
+        files = hashes_of(scenes)
+        self.job = job_of(application, scene, read.verb, read.options, self.collected, files)
         self.runner = Runner(self.job, application, scene)
-        self.journal = None if folder is None else Journal(folder, self._mark(), len(self.cases), execution.resume)
+        self.journal = (
+            None if folder is None else Journal(folder, self._mark(scenes), len(self.cases), execution.resume, files)
+        )
         self.columns: dict[str, Finding] = dict(self.journal.columns or {}) if self.journal is not None else {}
         self.kept: list[Row] = []
         # Whether all names that are asked for are known to be found: then each row is kept as soon as it is there.
         self.named = False
+        # Figures that some cases have and others not, since what varies are no numbers: a rope without a breaking load.
+        self.of_some: dict[str, Finding] = {}
         self.loop_time = self.elsewhere = 0.0
         self.process = os.getpid()
         self.lost: list[Row] = []
 
-    def _mark(self) -> str:
+    def _mark(self, scenes: Sequence[Any]) -> str:
         """What makes it this sweep: the scene with its files, and all of the sweep's file that changes a number."""
         about = {key: value for key, value in self.read.document.root.items() if key not in ("title", "scene")}
         # The cases of a grid are numbered in the order of its keys, which a sorted text would not tell.
         order = list(self.read.vary)
-        whole = [about, order, self.scene.document.root, self._files()]
+        whole = [about, order, self.scene.document.root]
+        whole.append([model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes])
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
-    def _files(self) -> list[str]:
-        """Hashes of the scene with its files, and with those that values name: records of motion, responses."""
+    def _scenes(self) -> list[Any]:
+        """The scene, and others that name all files that values name: records of motion, responses."""
         scenes = [self.scene]
         for one in self.cases.parameters:
             for value in one.values if not one.numeric else ():
-                # A value that cannot be had beside the others as they are is tried with them, case by case.
-                with suppress(SceneError):
+                try:
                     scenes.append(self.scene.replace({one.key: value}, origin=ORIGIN))
-        return [model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes]
+                except SceneError:
+                    # It cannot be had beside the others as they are, and may be beside their values.
+                    scenes += self._with(one.key, value)
+        return scenes
+
+    def _with(self, key: str, value: Any) -> Iterator[Any]:
+        """The first scene of a case that has a value and can be had; none where there is none."""
+        having = (case for case, each in enumerate(self.cases.values[key]) if each is value)
+        for case in islice(having, TRIED):
+            with suppress(SceneError):
+                yield self.scene.replace(self.cases.changes(case), origin=ORIGIN)
+                return
 
     def check(self) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
@@ -265,6 +283,9 @@ class _Sweep:
         if model is not None:
             check_outputs(self.read, model)
             self.named = check_figures(self.read, model, getattr(self.application, "sometimes", ()))
+            if not all(one.numeric for one in self.cases.parameters):
+                asked = (one for one in self.collected if one.figure in model.figure_units)
+                self.of_some = {one.name: Finding(None, model.figure_units[one.figure], one.figure) for one in asked}
 
     def _with_bounds(self, problem: Problem) -> Problem:
         """Add to what a distribution makes, and the scene cannot have, that there are others with bounds."""
@@ -288,10 +309,14 @@ class _Sweep:
                 self._take(row, found)
                 done += 1
                 progress(done, len(self.cases))
+            self.runner.inputs.check(stamps_of(self.job.files))
         except KeyboardInterrupt:
             interrupted = True
         except SchedulerLost as error:
             interrupted, lost = True, str(error)
+        except InputChanged as error:
+            rows.close()
+            raise self._told(error, done) from None
         except BaseException:
             self._close()
             raise
@@ -300,6 +325,19 @@ class _Sweep:
         outcome = self._finish(interrupted, len(finished))
         outcome.lost = lost
         return outcome
+
+    def _told(self, error: InputChanged, done: int) -> InputChanged:
+        """The same fault of the input, with what is kept and how to go on."""
+        if self.journal is not None and not self.journal.begun and self.kept:
+            self._begin()
+        self._close()
+        every = f"the sweep has stopped, with {done} of {len(self.cases)} cases finished"
+        if self.journal is None or not self.journal.done:
+            cure = "run it again, and leave its files alone until it has ended"
+        else:
+            every += f" before that: they are kept in {self.journal.path.parent}"
+            cure = "put the file back as it was and go on with --resume, or name another folder with -o"
+        return InputChanged([replace(one, cause=f"{one.cause}; {every}", cure=cure) for one in error.problems])
 
     def _rows(self, todo: Iterator[tuple[int, Mapping[str, Any]]], left: int) -> Iterator[Found]:
         """Rows as they come. The first cases are run here: they tell what the others take."""
@@ -345,7 +383,7 @@ class _Sweep:
         """Refuse names that the verb does not find, but for those that it finds in some runs only."""
         sometimes = getattr(self.application, "sometimes", ())
         missing = [one for one in unknown(found, self.collected) if self.collected[one[0]].figure not in sometimes]
-        missing = [one for one in missing if self.collected[one[0]].name not in self.columns]
+        missing = [one for one in missing if self.collected[one[0]].name not in self.columns | self.of_some]
         if missing:
             raise SceneError([self.read.problem_at(("collect", i), cause, cure) for i, cause, cure in missing])
 
@@ -374,7 +412,8 @@ class _Sweep:
         """Write result and table of all that is known."""
         if self.journal is not None and not self.journal.begun and (self.kept or self.journal.done):
             self._begin()
-        columns = {one.name: self.columns[one.name] for one in self.collected if one.name in self.columns}
+        known = self.of_some | self.columns
+        columns = {one.name: known[one.name] for one in self.collected if one.name in known}
         attributes = {
             "scene": self.scene.document.told, "application": self.application.name, "verb": self.read.verb,
             "sweep": self.read.document.told, "title": self.read.title or self.scene.title or "",

@@ -19,7 +19,7 @@ from tautline.results.errors import WriteError
 from tautline.results.tables.finding import Finding
 from tautline.results.tables.rows import heads_of, write_rows
 from tautline.sweeps.cases import Row
-from tautline.sweeps.plans import CASE, SAMPLED, Cases
+from tautline.sweeps.plans import CASE, SAMPLED, Cases, word_of
 from tautline.version import __version__
 
 if TYPE_CHECKING:
@@ -207,8 +207,8 @@ def _coordinates(cases: Cases) -> dict[str, Any]:
         if one.numeric:
             of_list, of_cases = np.array(one.numbers, float), cases.numbers[one.key]
         else:
-            of_list = np.array([label(value) for value in one.values], object)
-            of_cases = np.array([label(value) for value in cases.values[one.key]], object)
+            of_list = np.array([word_of(value) for value in one.values], object)
+            of_cases = np.array([word_of(value) for value in cases.values[one.key]], object)
         if cases.dims == (CASE,):
             made[one.key] = (CASE, of_cases, about)
         else:
@@ -216,11 +216,6 @@ def _coordinates(cases: Cases) -> dict[str, Any]:
     if cases.dims == (CASE,):
         made[CASE] = (CASE, np.arange(len(cases)), {"long_name": "number of the case"})
     return made
-
-
-def label(value: Any) -> str:
-    """A value that is no number, in words."""
-    return "as in the scene" if value is None else str(value)
 
 
 def _array(values: list[Any]) -> tuple[np.ndarray, bool]:
@@ -311,7 +306,7 @@ def keys_of(cases: Cases) -> list[str]:
 
 
 def _cells(cases: Cases, one: Any) -> list[Any]:
-    return cases.numbers[one.key].tolist() if one.numeric else [label(value) for value in cases.values[one.key]]
+    return cases.numbers[one.key].tolist() if one.numeric else [word_of(value) for value in cases.values[one.key]]
 
 
 def _written(path: Path, write: Callable[[Path], Any]) -> Path:

@@ -12,6 +12,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -19,7 +20,8 @@ from tautline.errors import TautlineError
 from tautline.processes import without_current_folder
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import option_error
-from tautline.sweeps.cases import LOST, Job, Row, Runner, run_packed
+from tautline.sweeps.cases import LOST, Job, OtherProgram, Row, Runner, program
+from tautline.sweeps.inputs import InputChanged
 
 THREADED = 1.0
 """Share of the time that threads may together spend outside of compiled loops. One of them is there at a time: beyond 1
@@ -124,7 +126,7 @@ def in_cluster(
     """
     from distributed import KilledWorker, as_completed
 
-    packed = pickle.dumps(job)
+    packed, run_piece = pickle.dumps(job), _of_any_worker()
     size = max(1, min(MOST, round(PIECE / max(one.wall, 1e-3))))
     remaining = iter(todo)
     with _client(address, jobs) as client:
@@ -135,7 +137,7 @@ def in_cluster(
         given: dict[str, Piece] = {}
 
         def hand_over(piece: Piece) -> None:
-            future = client.submit(run_packed, packed, piece, pure=False)
+            future = client.submit(run_piece, program(), packed, piece, pure=False)
             given[future.key] = piece
             pending.add(future)
 
@@ -160,6 +162,26 @@ def in_cluster(
                 yield from found if error is None else _lost(error, [case for case, _ in piece], address)
             future.release()
             submit()
+
+
+def _of_any_worker() -> Callable[..., Any]:
+    """What runs a piece, as a function that goes to workers by its code and not by its name.
+
+    A worker without Tautline, or with one that has no `run_piece`, would end by a name that it has not, and the cases
+    wait for ever. So it says what it lacks.
+    """
+
+    def run(of_sweep: tuple[str, str], packed: bytes, piece: Piece) -> Any:
+        from tautline.sweeps import cases
+        from tautline.version import __version__
+
+        if not hasattr(cases, "run_piece"):
+            of_worker = f"a worker has an older Tautline, {__version__}"
+            raise ImportError(f"{of_worker}, and the sweep is run with {of_sweep[0]}")
+        return cases.run_piece(of_sweep, packed, piece)
+
+    run.__annotations__ = {}
+    return run
 
 
 def _end_of(future: Any, address: str) -> tuple[Any, list[Found]]:
@@ -191,9 +213,11 @@ def _lost(error: Any, cases: list[int], address: str) -> Iterator[Found]:
         text = f"workers that ran it were lost, {error.allowed_failures + 1} in all; give them more memory"
         for case in cases:
             yield Row(case, LOST, text), {}
-    elif isinstance(error, (ImportError, AttributeError)):
+    elif isinstance(error, (ImportError, AttributeError, OtherProgram)):
         cure = "install the same version of Tautline where the workers run"
         raise option_error("--dask", address, f"its workers cannot run the cases: {error}", cure)
+    elif isinstance(error, InputChanged):
+        raise InputChanged([replace(one, cause=f"{one.cause}, as a worker sees it") for one in error.problems])
     else:
         raise error
 

@@ -1,20 +1,26 @@
 """A reference that proves itself: on made-up runs whose error is known, and on scenes that are smooth or are not."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from physics.wells.strings import straight_hole
 from study.oscillators import OMEGA, START, node, oscillator, rk4, spring, subject, text_of
 
+import tautline
 from drillstring.application import Drillstring
 from tautline.results.result import Result
 from tautline.results.variable import Variable
 from tautline.scene.methods import method_of, names
 from tautline.study.accuracy import reference
+from tautline.study.accuracy.judge import Sharpened
 from tautline.study.accuracy.precision import Grid, study
 from tautline.study.accuracy.reference import find_reference
+from tautline.study.trials.errors import compare
 from tautline.study.trials.history import History, watch
 from tautline.study.trials.trial import Setting, Subject, Trial
 
+ROOT = Path(__file__).parents[3]
 ORDERS = {name: method_of(name).order for name in names()}
 
 TIME = np.linspace(0.0, 2.0, 101)
@@ -233,3 +239,22 @@ def test_the_rounding_of_large_coordinates_hides_the_order_as_any_rounding_does(
     assert reference._rounding(History(TIME, far, np.zeros(0)), 1.0, 100) > 1e-6
     near = History(TIME, far - far[0], np.zeros(0))
     assert reference._rounding(near, 1.0, 100) == reference.ROUNDING
+
+
+def test_the_error_that_a_reference_tells_holds_what_its_iterations_leave_by_rk4():
+    """The payload of a slewing crane: what iterations leave falls with no step, and was four times the rest."""
+    scene = tautline.read(ROOT / "data" / "slewing.yaml")
+    slewing = Subject(tautline._installed().of(scene), scene, end=1.2)
+    truth = slewing.run(Setting("rk4", 7.2e-5)).result
+    watched = watch(truth)
+    found = find_reference(Sharpened(slewing), watched, Setting("generalized-alpha", 1e-3), 0.01, 1e9, finest=1e-4)
+    assert found.converged
+    assert compare(watched.of(truth), found.history, watched.extent).position <= found.error < 1e-7
+
+
+def test_a_reference_whose_sharper_iterations_fail_is_made_as_the_scene_says():
+    made = MadeUp(lambda step: 0.5 * step**2)
+    sharpened = Sharpened.__new__(Sharpened)
+    sharpened.subject, sharpened.sharp = made, MadeUp(made.error, fails=lambda step: True)
+    trial = sharpened.run(Setting("newmark", 0.1))
+    assert trial.done and sharpened.sharp.steps == made.steps == [0.1]

@@ -81,25 +81,25 @@ def sweep(
         if not quiet:
             execution = replace(execution, announce=compiling, say=say)
         outcome = run_sweep(read, application, scene, execution)
-    figures = _draw(outcome, folder)
-    _report(catalogue, file, outcome, figures, as_json, quiet, changes)
+    figures, undrawn = _draw(outcome, folder)
+    _report(catalogue, file, outcome, figures, undrawn, as_json, quiet, changes)
 
 
-def _draw(outcome: Outcome, folder: Path) -> list[Path]:
-    """Draw what the plan has a figure for; the journal says which figures are the sweep's."""
+def _draw(outcome: Outcome, folder: Path) -> tuple[list[Path], list[str]]:
+    """Draw what the plan has a figure for, and tell what is not drawn; the journal says which are the sweep's."""
     if outcome.result is None:
-        return []
-    from tautline.sweeps.figures import draw
+        return [], []
+    from tautline.sweeps.figures import draw, not_drawn
     from tautline.sweeps.journal import list_figures
 
     drawn = draw(outcome.data, outcome.cases, folder) if outcome.done else []
     list_figures(folder, drawn)
-    return drawn
+    return drawn, not_drawn(outcome.data, outcome.cases) if outcome.done else []
 
 
 def _report(
-    catalogue: Catalogue, file: Path, outcome: Outcome, figures: list[Path], as_json: bool, quiet: bool,
-    changes: Sequence[str] | None,
+    catalogue: Catalogue, file: Path, outcome: Outcome, figures: list[Path], undrawn: list[str], as_json: bool,
+    quiet: bool, changes: Sequence[str] | None,
 ) -> None:  # fmt: skip
     if not quiet:
         console().print(two_columns(_rows(outcome)))
@@ -108,6 +108,8 @@ def _report(
         for path in (outcome.result, outcome.table, outcome.percentiles, *figures):
             if path is not None:
                 say(f"wrote {path}", "green")
+        for text in undrawn:
+            say(f"note: {text}")
     if outcome.interrupted:
         place = () if outcome.result is None else ("-o", outcome.result.parent)
         if outcome.lost:
@@ -127,6 +129,7 @@ def _report(
                 "table": None if outcome.table is None else str(outcome.table),
                 "percentiles": None if outcome.percentiles is None else str(outcome.percentiles),
                 "figures": [str(path) for path in figures],
+                "not_drawn": undrawn,
                 "wall_time": outcome.wall_time,
                 "cpu_time": outcome.cpu_time,
                 "overhead": outcome.overhead,

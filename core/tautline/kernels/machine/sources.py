@@ -127,6 +127,23 @@ def hash_of_package(package: str) -> str:
 
 
 @functools.cache
+def hash_of_all_sources() -> str:
+    """Hash of every Python file of the core and of the applications that come with it: two that agree are one program.
+
+    Line ends do not count: an installation may have those of its machine.
+    """
+    digest = hashlib.sha256()
+    for package in sorted(_own_packages()):
+        spec = util.find_spec(package)
+        for root in sorted(spec.submodule_search_locations or ()) if spec else ():
+            for path in sorted(Path(root).rglob("*.py"), key=lambda path: path.relative_to(root).as_posix()):
+                text = path.read_bytes().replace(b"\r\n", b"\n")
+                place = f"{package}/{path.relative_to(root).as_posix()}\0"
+                digest.update(place.encode() + hashlib.sha256(text).digest())
+    return digest.hexdigest()[:16]
+
+
+@functools.cache
 def applications_in(*things: Any) -> tuple[str, ...]:
     """Hashes of the installed applications that functions and classes are of; the core's names the folder."""
     named = {(getattr(thing, "__module__", None) or "").split(".")[0] for thing in things}

@@ -6,13 +6,14 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from tautline.scene.methods import method_of
 from tautline.study.trials.errors import compare, motion
 from tautline.study.trials.history import History, Watched
-from tautline.study.trials.trial import Setting, Subject, Trial
+from tautline.study.trials.trial import Setting, Trial
 
 WITHIN = 0.5
 """By how much the observed order may be off."""
@@ -72,8 +73,15 @@ class Reference:
         return float(self.trial.attribute("step"))
 
 
+class Runs(Protocol):
+    """What makes runs of a setting: a subject."""
+
+    def run(self, setting: Setting) -> Trial:
+        """Run a setting."""
+
+
 def find_reference(
-    subject: Subject,
+    subject: Runs,
     watched: Watched,
     setting: Setting,
     tolerance: float,
@@ -86,6 +94,8 @@ def find_reference(
 
     Parameters
     ----------
+    subject : Runs
+        What makes the runs.
     setting : Setting
         Method and first step, s.
     tolerance : float

@@ -1,0 +1,120 @@
+"""Figures of a sweep show every curve, every bar and every parameter, or say what they leave out."""
+
+import json
+
+import numpy as np
+import pytest
+from cli.in_process import commands_of, leave_out_pixels
+from sweep.short_hoist import MASS, write_sweep
+
+from crane.application import Crane
+from tautline.results.tables.finding import Finding
+from tautline.sweeps.cases import Row
+from tautline.sweeps.figures import _lines, _scatter, _tornado, not_drawn
+from tautline.sweeps.plans import GRID, LATIN, ONE, Parameter, Plan, cases_of
+from tautline.sweeps.table import dataset
+
+
+def number(key, *values, base=np.nan):
+    return Parameter(key, "", values, tuple(map(float, values)), None, base)
+
+
+def word(key, *values):
+    return Parameter(key, "", values, (np.nan,) * len(values))
+
+
+def made(parameters, plan, value_of, names=("tension",)):
+    """Cases of a plan, and a table in which each number is a function of the case."""
+    cases = cases_of(parameters, plan)
+    rows = [Row(k, "done", values={name: float(value_of(k)) for name in names}) for k in range(len(cases))]
+    return dataset(cases, {name: Finding(None, "N", name) for name in names}, rows, {"units": "si"}), cases
+
+
+def laid_out(figure):
+    figure.draw_without_rendering()
+    return figure
+
+
+@pytest.mark.parametrize("curves", [3, 9, 45])
+def test_every_curve_is_drawn_and_named_in_a_legend_that_lies_beside_them(curves):
+    words = [f"law {k}" for k in range(curves)]
+    data, cases = made([number("mass", 1, 2, 3), word("path.law", *words)], Plan(GRID), lambda k: 10 * (k % curves) + k)
+    figure = laid_out(_lines(data, cases, "tension"))
+    (plot,) = figure.axes
+    assert [line.get_label() for line in plot.get_lines()] == words
+    colours = [(str(line.get_color()), line.get_linestyle()) for line in plot.get_lines()]
+    assert len(set(colours)) == curves
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == words
+    box = legend.get_window_extent()
+    assert box.x0 >= plot.bbox.x1 and box.x1 <= figure.bbox.x1 and box.y0 >= 0.0
+    assert plot.bbox.width > 0.4 * figure.bbox.width
+
+
+def visible(plot):
+    """Bars of some length, as (left, right, bottom, top, colour)."""
+    bars = [(*sorted((bar.get_x(), bar.get_x() + bar.get_width())), bar) for bar in plot.patches if bar.get_width()]
+    return [(x0, x1, bar.get_y(), bar.get_y() + bar.get_height(), bar.get_facecolor()) for x0, x1, bar in bars]
+
+
+def test_bars_of_a_tornado_on_one_side_never_cover_one_another():
+    values = [10.0, 12.0, 14.0, 13.0, 13.0, 7.0, 13.0, 6.0]
+    parameters = [number("same", 1, 2, base=0.5), number("equal", 1, 2, 3, base=0.5), number("both", 1, 3, base=2.0)]
+    data, cases = made(parameters, Plan(ONE), lambda k: values[k])
+    (plot,) = laid_out(_tornado(data, cases, "tension")).axes
+    bars = visible(plot)
+    assert len(bars) == 7
+    for k, (x0, x1, low, high, _) in enumerate(bars):
+        for a0, a1, bottom, top, _ in bars[:k]:
+            assert min(x1, a1) <= max(x0, a0) or min(high, top) <= max(low, bottom) + 1e-9
+
+
+def test_colours_of_a_tornado_tell_smaller_from_larger_than_in_the_scene_and_nothing_of_words():
+    from matplotlib.colors import to_rgba
+
+    from tautline.view.figures.figure import COLOURS
+
+    values = [10.0, 12.0, 14.0, 9.0, 7.0]
+    data, cases = made([number("mass", 6, 20, base=5.0), word("law", "slip", None)], Plan(ONE), lambda k: values[k])
+    (plot,) = laid_out(_tornado(data, cases, "tension")).axes
+    of = {round(x1 if x1 > 10.0 else x0, 6): colour for x0, x1, _, _, colour in visible(plot)}
+    larger = to_rgba(COLOURS[1])
+    assert of[12.0] == of[14.0] == larger
+    assert of[9.0] == of[7.0] and of[9.0] not in (larger, to_rgba(COLOURS[0]))
+    assert {text.get_text() for text in plot.texts} == {"slip", "null"}
+    data, cases = made([word("law", "slip", "stick")], Plan(ONE), lambda k: values[k])
+    assert _tornado(data, cases, "tension").axes[0].get_legend() is None
+
+
+def test_points_are_drawn_over_every_parameter_words_among_them():
+    parameters = [number(f"key{k}", 1, 2, 3) for k in range(6)] + [word("law", "slip", None)]
+    data, cases = made(parameters, Plan(LATIN, 20, 1), lambda k: k)
+    figure = laid_out(_scatter(data, cases, "tension"))
+    assert [plot.get_xlabel() for plot in figure.axes] == [*(f"key{k}" for k in range(6)), "law"]
+    assert [text.get_text() for text in figure.axes[-1].get_xticklabels()] == ["slip", "null"]
+    assert not_drawn(data, cases) == []
+
+
+def test_what_has_no_figure_is_said():
+    names = [f"number{k}" for k in range(8)]
+    data, cases = made([number("mass", 1, 2)], Plan(GRID), lambda k: k, names)
+    (told,) = not_drawn(data, cases)
+    assert told.startswith("not drawn: number6, number7.") and "sweep.csv" in told and "first under collect" in told
+    data, cases = made([number(key, 1, 2) for key in "abc"], Plan(GRID), lambda k: k)
+    (told,) = not_drawn(data, cases)
+    assert "a grid in which 3 parameters have several values" in told
+    data, cases = made([number(f"key{k}", 1, 2) for k in range(18)], Plan(LATIN, 4, 1), lambda k: k)
+    (told,) = not_drawn(data, cases)
+    assert "key16, key17" in told and "first under vary" in told
+
+
+def test_a_sweep_prints_what_it_does_not_draw_and_json_has_it(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    leave_out_pixels(monkeypatch)
+    vary = f"{{'{MASS}': [2 t, 4 t], rope.diameter: [30 mm, 36 mm], 'solver.step': [4 ms, 5 ms]}}"
+    write_sweep(tmp_path, f"vary: {vary}\ncollect: [max_tension]", "50 ms")
+    code, printed, said = commands_of(Crane(), capsys)("sweep", "limits.yaml", "-o", "out", "-j", "1", "--json")
+    assert code == 0, said
+    (told,) = json.loads(printed)["not_drawn"]
+    assert "3 parameters have several values" in told
+    assert "note: no figures are drawn of a grid" in said
