@@ -80,12 +80,16 @@ class Watch:
     def judge(self, row: Compared) -> None:
         """Judge all alarms."""
         measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
+        # A peak that lasts one reading says nothing of the machine, but may be true: bounds see what is left out.
+        shown = measured | {
+            one.channel.name: one.left_out for one in self.health if np.isfinite(one.left_out) and one.channel.is_output
+        }
         order = [one.name for one in self.plan.measured]
         for one in self.plan.alarms:
             if one.is_residual:
                 self._judge_residual(one, row, order.index(one.target), measured[one.target])
             else:
-                self._judge_output(one, row, measured.get(one.target, np.nan))
+                self._judge_output(one, row, shown.get(one.target, np.nan))
         self.judge_sensors(row.time, row.correlation, row.converged)
         self._judge_ahead(row)
         self.judge_operation(row.time)
@@ -133,9 +137,10 @@ class Watch:
             column = health.channel.column
             for kind in ("lost", "stuck", "clipped", "out of range", "unit"):
                 self.alarms.judge(f"{column} {kind}", health.fault == kind, time, health.text)
+            self.alarms.judge(f"{column} jumping", health.jumping(time), time, health.jump)
             if i in numbers:
                 alike = float(correlation[numbers.index(i)])
-                off = said(health.mean * health.sd, health.channel.unit)
+                off = health.channel.told(health.mean * health.sd)
                 text = f"{column} is off by {off} on average lately: the sensor, the weight or friction drifts"
                 self.alarms.judge(f"{column} drifting", health.drifting(alike) and converged, time, text)
                 side = "above" if health.off > 0.0 else "below"
