@@ -190,3 +190,10 @@ def test_the_rounding_of_a_sensor_that_stands_at_zero_does_not_jump():
     random = np.random.default_rng(6)
     readings = 10.0 ** random.uniform(-15.0, -11.0, 200) * random.choice([-1.0, 1.0], 200)
     assert hook(readings)[1].jumps == 0
+
+
+def test_a_reading_that_is_absurd_in_si_is_none():
+    rows = Rows(["x"], 0.0)
+    rows.scales = np.array([1e3])
+    rows.add(0.0, {"x": 1e29})
+    assert np.isnan(rows.ready(end=True).values[0]) and rows.counts["with an absurd reading"] == 1

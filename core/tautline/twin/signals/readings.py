@@ -36,6 +36,7 @@ class Readings:
     def __init__(self, plan: Plan, start: Mapping[str, float], live: bool) -> None:
         self.channels, self.run_in, self.start = plan.channels, plan.run_in, start
         self.rows = Rows([one.column for one in plan.channels], plan.delay, live)
+        self.rows.scales = np.array([abs(one.scale) for one in plan.channels])
         self.rows.bounds = [one.shown for one in plan.channels]
         self.health = [Health(one) for one in plan.channels]
         self.tracks = [InputTrack(one, i) for i, one in enumerate(plan.channels) if one.is_input]

@@ -79,6 +79,8 @@ class Rows:
         with an absurd reading or one that stands for none, which count as missing.
     bounds : sequence of (float, float)
         What each column can show, in its unit: by its range in the map, else infinite.
+    scales : (c,)
+        How many SI units one of a column is: what is absurd is so in either.
     interval : float
         The sample interval, s; NaN until it is known.
     newest : float
@@ -94,6 +96,7 @@ class Rows:
     def __post_init__(self) -> None:
         self.shift = 0.0
         self.bounds: Sequence[tuple[float, float]] = [(-np.inf, np.inf)] * len(self.columns)
+        self.scales = np.ones(len(self.columns))
         self._lowest = np.full(len(self.columns), np.inf)
         self.waiting: list[Row] = []
         self.past: deque[Row] = deque()
@@ -126,7 +129,7 @@ class Rows:
             self.counts["no stamp"] += 1
             return
         read = np.array([values.get(c, np.nan) for c in self.columns], float)
-        absurd = np.abs(read) >= ABSURD
+        absurd = np.abs(read) * np.maximum(self.scales, 1.0) >= ABSURD
         if absurd.any():
             self.counts["with an absurd reading"] += 1
             read[absurd] = np.nan
