@@ -8,6 +8,7 @@ import tautline
 from tautline.live.simulation import Simulation
 from tautline.twin.map import names_of, plan_of, read_map
 from tautline.twin.twin import Twin
+from tautline.twin.watch import Watch
 
 LIMITS = [
     {"output": "winch.tension", "above": "80 kN", "for": "0.2 s", "name": "overload"},
@@ -69,3 +70,12 @@ def test_a_range_and_a_deviation_without_a_unit_are_in_that_of_the_sensor(writte
     [one] = plan_of(read_map(map), names, {}).channels
     assert (one.low, one.high, one.sd) == pytest.approx((low, high, 500.0))
     assert one.shown == pytest.approx((50.0, 50.0 + 1e-3 * high))
+
+
+def test_alarms_tell_values_in_the_unit_of_the_sensor_and_others_in_those_of_the_scene(names):
+    plan = plan_of(read_map(SENSORS), names, {})
+    watch = Watch(plan, [], None, "field")
+    of = {one.target: watch._teller(one) for one in plan.alarms}
+    assert of["winch.tension"](80e3) == "80 kN"
+    # 1000 N over 4.4482 N/lbf.
+    assert of["min_tension"](1e3).startswith("224.8 lbf") or of["min_tension"](1e3) == "0.2248 kip"
