@@ -230,7 +230,7 @@ def _without_gaps(
     if not usual > 0.0 or np.mean(np.abs(intervals - usual) < EVEN * usual) < MOSTLY:
         return
     longest = LONGEST_GAP * usual if gap is None else TypeAdapter(Duration).validate_python(gap)
-    for i in np.flatnonzero(intervals > longest * (1.0 + 1e-9)):
+    for i in np.flatnonzero(intervals > longest * (1.0 + 1e-9)).tolist():
         from scipy.interpolate import CubicSpline  # of a scene without a fault it would be loaded for nothing
 
         (before, _), (line, row) = columns.rows[i], columns.rows[i + 1]

@@ -154,7 +154,7 @@ class Rows:
     def _nulls(self, read: np.ndarray) -> np.ndarray:
         """Which readings (c,) stand for none: what the sensor can show by its range, or has come near to, does not."""
         null = np.isin(read, NULLS)
-        for i in np.flatnonzero(null):
+        for i in np.flatnonzero(null).tolist():
             low, high = self.bounds[i]
             known = np.isfinite(low) or np.isfinite(high)
             null[i] = not (low <= read[i] <= high if known else self._lowest[i] < 0.5 * read[i])
