@@ -14,7 +14,8 @@ from crane.results.angles import hook_span, leads
 from crane.results.course import contacts_of, course_of, laid_out, nodes_of, scene_of
 from crane.results.summary import headline, most_worked_end, span_ends
 from crane.scene.scene import read
-from tautline.results.errors import ResultError
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.results.errors import ResultError, once_each
 from tautline.simulation import simulate
 
 DATA = Path(__file__).parents[2] / "data"
@@ -230,3 +231,23 @@ def test_a_computed_hoist_is_summed_up_as_its_frames_say():
     # Its elements sag and sway between the two, by millimetres of length.
     np.testing.assert_allclose(length, straight, atol=5e-3)
     assert value(found, "max_bending_cycles") == 1.0
+
+
+def test_the_rise_is_that_at_the_end_and_the_largest_stands_beside_it():
+    of = one_fall()
+    made = result(of, frames=51)
+    found, height = headline(made, of), np.asarray(made["body_position"])[:, 0, 2]
+    assert found["rise"]["text"].endswith("at the end")
+    assert value(found, "rise") == pytest.approx(height[-1] - height[0])
+    assert value(found, "max_rise") == pytest.approx(height.max() - height[0])
+
+
+def test_what_happens_on_a_wheel_is_told_of_the_wheel_and_not_of_an_axis():
+    stop = StoppedEarly(Status.SLACK_ON_WHEEL, 11.866, "winch: x")
+    assert stop.line.startswith("stopped at t = 11.866 s, winch: slack rope has fallen back")
+    assert "hook: x" in StoppedEarly(Status.NOT_FINITE, 1.0, "hook: x").line
+
+
+def test_several_variables_in_one_option_are_to_be_written_once_for_each():
+    assert once_each("a, b") == "write it once for each: --what a --what b"
+    assert once_each("a") == ""

@@ -7,7 +7,7 @@ import pytest
 
 import tautline
 from tautline.live.errors import SimulationError
-from tautline.live.fmu.unit import Core, from_bytes, to_bytes
+from tautline.live.fmu.unit import Core, from_bytes, state_from_bytes, to_bytes
 from tautline.live.fmu.writing import write_fmu
 
 pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
@@ -281,3 +281,28 @@ def test_an_input_is_of_the_start_while_a_parameter_that_was_set_later_prevents_
 
 def _no_equilibrium(*_, **__):
     raise SimulationError("no equilibrium")
+
+
+def test_bytes_that_are_no_state_are_told_where_they_are_set_and_steps_wait_for_one_that_is(folder):
+    core = Core(folder)
+    core.step(0.0, H)
+    saved = core.save()
+    for junk in (b"\0" * 100, b"", b"{}", b"[1]\0abc"):
+        with pytest.raises(SimulationError):
+            from_bytes(junk)
+        with pytest.raises(SimulationError, match="no state of this FMU"):
+            core.restore(state_from_bytes(junk))
+        with pytest.raises(SimulationError, match="no state"):
+            core.step(H, H)
+    core.restore(saved)
+    core.step(H, H)
+
+
+def test_an_output_that_is_set_is_told_and_stays(folder):
+    core = Core(folder)
+    core.step(0.0, H)
+    tension = core.get(TENSION)
+    with pytest.raises(SimulationError, match="is an output"):
+        core.refuse_output(TENSION)
+    core.step(H, H)
+    assert tension > 0.0

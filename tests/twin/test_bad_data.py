@@ -23,7 +23,15 @@ def now_and_then_nan(rows):
     return [(t, {**r, "heave": np.nan} if k % 7 == 0 else r) for k, (t, r) in enumerate(rows)]
 
 
+def now_and_then(value):
+    return lambda rows: [
+        (t, {**r, "rope_tension": value} if k % 25 == 24 else r) for k, (t, r) in enumerate(rows)
+    ]  # fmt: skip
+
+
 BAD = {
+    "nulls of a rig": (now_and_then(-999.25), "with a reading that stands for none (-999.25)"),
+    "knocks": (now_and_then(400.0), "with a reading that jumped away and back"),
     "doubled": (lambda rows: [row for row in rows for _ in range(2)], "doubled"),
     "shuffled": (shuffled, "out of order"),
     "future stamps": (lambda rows: [(t + 1000.0 * (k % 25 == 24), r) for k, (t, r) in enumerate(rows)], "future"),
@@ -47,6 +55,9 @@ def test_bad_data_leave_the_estimate_as_it_is(kind, settled):
     assert finite(lines)
     # A clock that is 1 % wrong makes the accelerations 2 % wrong, and the weight hardly.
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
+    if kind == "knocks":
+        assert any("rope_tension jumping" in [one["name"] for one in line["alarms"]] for line in lines)
+        assert any(line["health"] == "degraded" for line in lines)
     if counted:
         assert twin.readings.rows.counts[counted] > 0
     times = [line["time"] for line in lines]

@@ -8,6 +8,7 @@ import tautline
 from tautline.live.simulation import Simulation
 from tautline.twin.map import names_of, plan_of, read_map
 from tautline.twin.twin import Twin
+from tautline.twin.watch import Watch
 
 LIMITS = [
     {"output": "winch.tension", "above": "80 kN", "for": "0.2 s", "name": "overload"},
@@ -60,3 +61,21 @@ def test_an_overload_by_the_scene_s_own_limit_raises_an_alarm():
     # It has to last for 0.2 s; rows come every 0.1 s.
     assert raised == pytest.approx(3.3, abs=0.11)
     assert "above 80 kN" in next(one["text"] for one in at(lines, raised)["alarms"] if one["name"] == "overload")
+
+
+@pytest.mark.parametrize(("written", "low", "high"), [("[0, 600]", 0.0, 600e3), ("[0 kN, 2 MN]", 0.0, 2e6)])
+def test_a_range_and_a_deviation_without_a_unit_are_in_that_of_the_sensor(written, low, high):
+    map = f"sensors:\n  - {{column: pull, unit: kN, output: winch.tension, sd: 0.5, range: {written}, zero: 50}}\n"
+    names = names_of(tautline.Simulation(hoist(CALM), keep=False))
+    [one] = plan_of(read_map(map), names, {}).channels
+    assert (one.low, one.high, one.sd) == pytest.approx((low, high, 500.0))
+    assert one.shown == pytest.approx((50.0, 50.0 + 1e-3 * high))
+
+
+def test_alarms_tell_values_in_the_unit_of_the_sensor_and_others_in_those_of_the_scene(names):
+    plan = plan_of(read_map(SENSORS), names, {})
+    watch = Watch(plan, [], None, "field")
+    of = {one.target: watch._teller(one) for one in plan.alarms}
+    assert of["winch.tension"](80e3) == "80 kN"
+    # 1000 N over 4.4482 N/lbf.
+    assert of["min_tension"](1e3).startswith("224.8 lbf") or of["min_tension"](1e3) == "0.2248 kip"

@@ -123,3 +123,77 @@ def test_a_rotary_speed_that_stands_at_its_set_point_is_not_clipped():
 
 def test_a_rotary_speed_that_stands_at_the_end_of_its_range_is_clipped():
     assert faults_of_a_rotary(set_point(), low=0.0, high=12.0)[-1] == "clipped"
+
+
+def told_missing(readings, bounds=(-np.inf, np.inf)):
+    """Which readings of a column come out as missing."""
+    rows = Rows(["x"], 0.0)
+    rows.bounds = [bounds]
+    for k, reading in enumerate(readings):
+        rows.add(0.1 * k, {"x": reading})
+    came = []
+    while (row := rows.ready(end=True)) is not None:
+        came.append(row)
+    return [bool(np.isnan(row.values[0])) for row in came]
+
+
+@pytest.mark.parametrize("null", [-999.0, -999.25, -9999.0])
+def test_what_rigs_write_for_a_missing_value_is_no_reading(null):
+    assert told_missing([null, 205.0, null, 204.0]) == [True, False, True, False]
+    assert told_missing([205.0, null], (0.0, 600.0)) == [False, True]
+
+
+def test_a_null_of_rigs_is_a_reading_where_the_sensor_can_show_it():
+    assert not any(told_missing([-990.0, -995.0, -999.0, -1003.0]))
+    assert not any(told_missing([0.0, -999.0], (-2000.0, 2000.0)))
+
+
+def hook(readings, **channel):
+    """What a hook load in klbf is taken for, reading by reading at 10 Hz, with the next three known; and its health."""
+    klbf = 4448.2216152605
+    one = Channel(**{
+        "column": "hook_load", "name": "top.hook_load", "is_input": False, "unit": "N", "scale": klbf, "zero": 0.0,
+        "zero_first": False, "sd": 0.01, "relative": True, "low": -np.inf, "high": np.inf, "waves": False,
+        "lost_after": 5.0, "column_unit": "klbf", "factor": klbf,
+    } | channel)  # fmt: skip
+    health, si = Health(one), klbf * np.asarray(readings, float)
+    return np.array([health.check(0.1 * k, si[k], si[k + 1 : k + 4]) for k in range(si.size)]) / klbf, health
+
+
+NOISY = 200.0 + 2.0 * np.random.default_rng(5).standard_normal(120)
+
+
+@pytest.mark.parametrize(("at", "jump"), [([60], -1200.0), ([60, 61], 800.0), ([40, 80], 300.0)])
+def test_a_reading_that_jumps_away_and_back_is_left_out_counted_and_told(at, jump):
+    readings = NOISY.copy()
+    readings[at] += jump
+    values, health = hook(readings)
+    assert np.flatnonzero(np.isnan(values)).tolist() == at
+    assert health.jumps == len(at)
+    assert health.jump.startswith("hook_load jumped from ") and "klbf" in health.jump
+    assert health.jumping(0.1 * at[-1] + 5.0) and not health.jumping(0.1 * at[-1] + 15.0)
+
+
+def test_a_hook_load_that_falls_into_slips_or_swings_from_row_to_row_does_not_jump():
+    assert hook(np.where(np.arange(120) < 60, NOISY, NOISY - 150.0))[1].jumps == 0
+    swing = 100.0 + 60.0 * np.cos(2.0 * np.pi * np.arange(120) / 2.7)
+    assert hook(swing, sd=0.001)[1].jumps == 0
+
+
+def test_a_sensor_outside_its_range_is_told_in_its_own_unit_with_the_range():
+    klbf = 4448.2216152605
+    _, health = hook([155.0, 700.0], low=0.0, high=600.0 * klbf)
+    assert health.text == "hook_load shows 700 klbf, outside its range of 0 klbf to 600 klbf"
+
+
+def test_the_rounding_of_a_sensor_that_stands_at_zero_does_not_jump():
+    random = np.random.default_rng(6)
+    readings = 10.0 ** random.uniform(-15.0, -11.0, 200) * random.choice([-1.0, 1.0], 200)
+    assert hook(readings)[1].jumps == 0
+
+
+def test_a_reading_that_is_absurd_in_si_is_none():
+    rows = Rows(["x"], 0.0)
+    rows.scales = np.array([1e3])
+    rows.add(0.0, {"x": 1e29})
+    assert np.isnan(rows.ready(end=True).values[0]) and rows.counts["with an absurd reading"] == 1

@@ -37,7 +37,7 @@ FIGURES = {
     "max_offlead": "rad", "max_sidelead": "rad",
 }  # fmt: skip
 OF_DRUMS = {"max_winch_power": "W", "mean_winch_power": "W", "energy_hoisted": "J", "energy_regenerated": "J"}
-OF_BODIES = {"rise": "m", "max_displacement": "m"}
+OF_BODIES = {"rise": "m", "max_rise": "m", "max_displacement": "m"}
 """Figures and their units: of the rope, of each drum, of each body. Some of them only some runs have."""
 NOTHING = frozenset({"longest_slack", "max_snap", "undamped_snaps", "slipping_share"})
 """Those that a run is without because there is no slack and no slip."""
@@ -72,7 +72,7 @@ def headline(
         ("max_winch_power|mean_winch_power|energy_", lambda: _winches(result, scene)),
         ("equivalent_tension_range|tension_cycles", lambda: _fatigue(result, scene)),
         ("max_bending_cycles|smallest_bending_ratio", lambda: _bending(result, course_of(result, layout))),
-        ("rise|max_displacement", lambda: _bodies(result, scene)),
+        ("rise|max_rise|max_displacement", lambda: _bodies(result, scene)),
         ("max_offlead|max_sidelead", lambda: _angles(result)),
     ]
     wanted = [part for begins, part in parts if not names or _any_begins(begins, frozenset(names))]
@@ -345,7 +345,10 @@ def _bodies(result: Any, scene: CraneScene) -> Iterator[Row]:
     rest = position[0]
     for k, body in enumerate(scene.bodies[:MOST_BODIES]):
         end = f"_{slug(body.name)}" if len(scene.bodies) > 1 else ""
-        yield f"rise{end}", float(position[-1, k, 2] - rest[k, 2]), "m", f"rise of {body.name}"
+        yield f"rise{end}", float(position[-1, k, 2] - rest[k, 2]), "m", f"rise of {body.name} at the end"
+        highest = int(np.argmax(position[:, k, 2]))
+        text = f"largest rise of {body.name} (at {float(result.time[highest]):.4g} s)"
+        yield f"max_rise{end}", float(position[highest, k, 2] - rest[k, 2]), "m", text
         away = largest(result.time, np.linalg.norm(position[:, k] - rest[k], axis=-1), [body.name])
         text = f"largest displacement of {body.name} (at {away.time:.4g} s)"
         yield f"max_displacement{end}", away.value, "m", text

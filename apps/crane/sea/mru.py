@@ -134,7 +134,7 @@ def _order(record: Record) -> list[Problem]:
     """Too few rows, and times that do not increase."""
     time, lines = record.time, record.lines
     if time.size < FEWEST_ROWS:
-        cause = f"{time.size} rows are no record of a motion"
+        cause = f"{time.size} {'row is' if time.size == 1 else 'rows are'} no record of a motion"
         return [record.problem(None, "", None, cause, f"give {FEWEST_ROWS} at least")]
     problems = []
     latest = 0

@@ -19,7 +19,7 @@ import numpy as np
 
 from drillstring.well.sections import direction, dogleg
 from drillstring.well.wellbore import LARGEST_DOGLEG
-from tautline.scene.reading.columns import Columns, is_unit
+from tautline.scene.reading.columns import Columns, is_unit, thousand
 
 MAX_GAP = 500.0
 """Longest hole [m] without a station, unless the scene says otherwise: a stand is 30 m, a forgotten page 1000 m."""
@@ -236,7 +236,8 @@ def _in_order(table: Columns, place: int, md: np.ndarray, sound: np.ndarray) -> 
             table.add(line, "md", row[place], cause, f"keep one of lines {other} and {line}")
         elif kept and depth < md[kept[-1]]:
             above = table.rows[kept[-1]][0]
-            table.add(line, "md", row[place], f"above the station of line {above}", "sort the rows by depth")
+            cure = f"sort the rows by depth{thousand(row[place])}"
+            table.add(line, "md", row[place], f"above the station of line {above}", cure)
         else:
             kept.append(int(i))
         first.setdefault(depth, int(i))

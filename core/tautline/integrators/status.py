@@ -86,6 +86,10 @@ SENTENCES = {
 }
 
 
+ON_WHEELS = (Status.RUN_OUT, Status.TWO_BLOCKED, Status.DRUM_FULL, Status.SLACK_ON_WHEEL)
+"""Ends of a run that a drum or a sheave as a whole has."""
+
+
 class StoppedEarly(TautlineError):
     """A run that ended before its time; what it had is kept.
 
@@ -105,6 +109,8 @@ class StoppedEarly(TautlineError):
     """
 
     def __init__(self, status: Status, time: float, part: str, detail: str = "", result: Any = None) -> None:
+        # What happens on a wheel happens to all of it, whichever of its unknowns was worst.
+        part = part.partition(":")[0] if status in ON_WHEELS else part
         self.status, self.time, self.part, self.detail, self.result = status, time, part, detail, result
         self.sentence = SENTENCES[status] + (f" ({detail})" if detail else "")
         super().__init__(f"{status.name} at t = {time:.6g} s, {part}: {self.sentence}")

@@ -55,6 +55,8 @@ if TYPE_CHECKING:
 WALL, CPU = range(2)
 BEGIN = 7
 """Place of the time of the last frame among the arguments of a loop."""
+SHORTEST = 1e-9
+"""Shortest advance, over the interval of frames: what is shorter is the rounding of a sum of times."""
 CLOSE = 1.0e-9
 """Share of the output interval within which an advance ends at a frame."""
 EXAMPLES = {"parameters": '{"payload.mass": 5200.0}', "initial": '{"winch.pay_out_speed": -0.2}'}
@@ -251,6 +253,9 @@ class Simulation:
             raise SimulationError(
                 f"cannot advance to {time:g} s from {begin:g} s", "give a later time; restore() goes back"
             )
+        if time - begin < SHORTEST * self.model.solver.interval:
+            cause = f"{time - begin:.3g} s is too short to go on by: it is rounding beside output.interval"
+            raise SimulationError(cause, f"go on by {SHORTEST * self.model.solver.interval:.3g} s at least")
         if self._stopped:
             raise SimulationError(
                 f"the simulation has stopped: {self._stopped}", "restore a state that was saved before"
@@ -365,7 +370,11 @@ class Simulation:
         """Make the outputs those of the state as it is, at a time that is no end of an advance."""
         self._pause[STEP] = self._pause[PART] = 0
         self._time = float(time)
+        before = self._frames.rows[0].copy()
         record_now(self._run.method, self.model.system, self._state, self._time, self._frames.rows[0])
+        if not np.isfinite(self._frames.rows[0]).all():
+            # What the inputs ask for from here on cannot be: the last frame is all that is known.
+            self._frames.rows[0] = before
         self._observed = None
 
     @property

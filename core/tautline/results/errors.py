@@ -25,3 +25,9 @@ class ResultError(TautlineError):
 
 class WriteError(ResultError):
     """Writing failed in mid-run, as on a full disk; what was written before is kept under the result's name."""
+
+
+def once_each(words: str, option: str = "--what") -> str:
+    """The cure of several names in one option, ``a,b``: it is written once for each; empty where there is one name."""
+    names = [name.strip() for name in words.split(",") if name.strip()]
+    return f"write it once for each: {' '.join(f'{option} {name}' for name in names)}" if len(names) > 1 else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -45,6 +46,12 @@ class Problem:
         return f"{text}; {self.cure}" if self.cure else text
 
 
+ALIKE = 3
+"""Lines of a file with one and the same fault that are shown one by one."""
+NUMBERS = re.compile(r"[\d.]+")
+"""In what they differ."""
+
+
 class SceneError(TautlineError):
     """A scene that cannot be run.
 
@@ -59,9 +66,22 @@ class SceneError(TautlineError):
         super().__init__(self.problems)
 
     def __str__(self) -> str:
-        lines = [str(problem) for problem in self.problems[:SHOWN]]
-        if len(self.problems) > SHOWN:
-            lines.append(f"... and {len(self.problems) - SHOWN} more")
+        alike: dict[tuple[str, str, str], set[int]] = {}
+        told = []
+        for problem in self.problems:
+            kind = problem.file, problem.key, NUMBERS.sub("", problem.cause)
+            rows = alike.setdefault(kind, set())
+            if problem.line is not None:
+                rows.add(problem.line)
+            if len(rows) <= ALIKE:
+                told.append((kind, problem))
+        lines = [str(problem) for _, problem in told[:SHOWN]]
+        last = {kind: i for i, (kind, _) in enumerate(told[:SHOWN])}
+        for kind, i in last.items():
+            if len(alike[kind]) > ALIKE:
+                lines[i] += f"\n... and {len(alike[kind]) - ALIKE} more like this"
+        if len(told) > SHOWN:
+            lines.append(f"... and {len(told) - SHOWN} more")
         return "\n".join(lines)
 
 

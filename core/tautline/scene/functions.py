@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import functools
 import itertools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, GetCoreSchemaHandler, TypeAdapter, ValidationInfo, create_model, model_validator
 from pydantic_core import CoreSchema, core_schema
 
@@ -22,7 +24,7 @@ from tautline.scene.reading.files import FileName
 from tautline.scene.refusal import fault, refusal
 from tautline.scene.values.magnitude import SMALLEST
 from tautline.scene.values.quantity import quantity
-from tautline.scene.values.ranges import rate_of
+from tautline.scene.values.ranges import rate_of, sized
 
 Time = Annotated[float, quantity("s", of="moment")]
 Duration = Annotated[float, quantity("s", positive=True, of="duration")]
@@ -31,6 +33,12 @@ Angle = Annotated[float, quantity("rad", of="phase")]
 Number = Annotated[float, quantity("", of="response to waves")]
 MOST_COMPONENTS = 5000
 SHORTEST_RAMP = 1.0e-9
+LONGEST_GAP = 3.0
+"""Usual intervals without a row that are bridged where no `gap` is given."""
+RECORD, EVEN, MOSTLY = 8, 0.02, 0.75
+"""Rows from which on a file may be a record; how even its intervals are, and what share of them."""
+RATES = ("m/s", "rad/s")
+"""Units of values between which a table goes straight unless told otherwise."""
 
 
 class Constant(Model):
@@ -69,6 +77,10 @@ class Table(Model):
     value: tuple[float, ...] = Field((), examples=["[0, 0.5, 0.5]"])
     file: FileName | None = None
     column: str | None = None
+    gap: Annotated[
+        Duration | None,
+        Field(description="longest time without a row in a file of even rows; default: three times the usual one"),
+    ] = None
     interpolation: Annotated[
         Literal["linear", "cubic"] | None,
         Field(description="default: linear for a velocity, cubic for a position, a force, a torque or a share"),
@@ -76,6 +88,8 @@ class Table(Model):
 
     @model_validator(mode="after")
     def _rows(self) -> Table:
+        if self.gap is not None and self.file is None:
+            raise fault("gap", "is given without a file", "leave it out: rows of a list are as far apart as is meant")
         if not self.time:
             raise fault("time", "is an empty list", "give at least one time, or a file")
         if len(self.time) != len(self.value):
@@ -169,6 +183,19 @@ def _terms(unit: str, of: str) -> TypeAdapter[Any]:
     return TypeAdapter(list[Annotated[Any, time_function(unit, of=of)]])
 
 
+def places(columns: Columns, asked: Any) -> tuple[int, int]:
+    """Where time and value stand in the file of a table, whose column of values may be asked for by name.
+
+    Raises
+    ------
+    SceneError
+        If there is no such column.
+    """
+    time = columns.index(("time", "t"), otherwise=0)
+    other = 1 if time == 0 else 0
+    return time, columns.index((asked,)) if isinstance(asked, str) else columns.index(("value",), otherwise=other)
+
+
 def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
     """Replace ``file:`` by the times and values in it."""
     if not isinstance(data, dict) or not isinstance(data.get("file"), str):
@@ -178,15 +205,41 @@ def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
     folder = (info.context or {}).get("folder", Path())
     try:
         columns = Columns(Path(folder) / data["file"])
-        time = columns.index(("time", "t"), otherwise=0)
-        asked = data.get("column")
-        other = 1 if time == 0 else 0
-        value = columns.index((asked,)) if isinstance(asked, str) else columns.index(("value",), otherwise=other)
-        return data | {"time": list(columns.values(time, "s")), "value": list(columns.values(value, unit))}
+        time, value = places(columns, data.get("column"))
+        times, values = columns.values(time, "s"), columns.values(value, unit)
+        columns.in_order(time, times)
+        if data.get("interpolation") != "linear" and (data.get("interpolation") or unit not in RATES):
+            _without_gaps(columns, time, times, values, unit, data.get("gap"))
+        return data | {"time": list(times), "value": list(values)}
     except SceneError as error:
         first = error.problems[0]
         words = f"{first.value} in {first.key} {first.cause}" if first.value is not None else first.cause
         raise refusal(words, first.cure, file=first.file, line=first.line) from None
+
+
+def _without_gaps(
+    columns: Columns, place: int, times: Sequence[float], values: Sequence[float], unit: str, gap: Any
+) -> None:
+    """Refuse a record with a long time without a row, which a cubic would fill as it likes; raises SceneError.
+
+    A record is what has rows at even times; a table of some rows as somebody thought them out is none.
+    """
+    t = np.array(times)
+    intervals = np.diff(t)
+    usual = float(np.median(intervals)) if t.size >= RECORD else 0.0
+    if not usual > 0.0 or np.mean(np.abs(intervals - usual) < EVEN * usual) < MOSTLY:
+        return
+    longest = LONGEST_GAP * usual if gap is None else TypeAdapter(Duration).validate_python(gap)
+    for i in np.flatnonzero(intervals > longest * (1.0 + 1e-9)).tolist():
+        from scipy.interpolate import CubicSpline  # of a scene without a fault it would be loaded for nothing
+
+        (before, _), (line, row) = columns.rows[i], columns.rows[i + 1]
+        inside = CubicSpline(t, values, bc_type="natural")(np.linspace(t[i], t[i + 1], 201))
+        off = max(inside.max() - max(values[i : i + 2]), min(values[i : i + 2]) - inside.min(), 0.0)
+        more = f", and a curve through the rows goes {sized(off, unit)} beyond them there" if off > 0.0 else ""
+        cause = f"comes {intervals[i]:.6g} s after line {before} with no row between{more}"
+        cure = "fill it in, give a longer `gap:` if the motion is known to be smooth, or write `interpolation: linear`"
+        columns.stop(line, columns.names[place] or "time", row[place], cause, cure)
 
 
 @functools.cache

@@ -37,6 +37,10 @@ WITHOUT_TEXT = (
 MOST_FAULTS = 100
 """Faults of one mapping that are told; a table of words for numbers has as many as rows."""
 
+BASED = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
+"""A number of YAML that nobody writes for a quantity."""
+AFTER_COMMA = re.compile(r"[0-9]+([eE][+-]?[0-9]+)?(\s+\S.*|[^\W\d].*|\s*%)?", re.ASCII)
+"""What stands behind a decimal comma: digits, and a unit."""
 OTHER_WORDS = {
     "wob": ("weight",), "weight_on_bit": ("weight",), "tob": ("torque",), "torque_on_bit": ("torque",),
     "weight": ("mass", "mass_per_length"), "mbl": ("breaking_load",), "ea": ("axial_stiffness",),
@@ -90,7 +94,7 @@ class Model(pydantic.BaseModel):
         try:
             return handler(data)
         except ValidationError as error:
-            details = [_detail(cls, e) for e in error.errors(include_url=False)[:MOST_FAULTS]]
+            details = [_detail(cls, e, data) for e in error.errors(include_url=False)[:MOST_FAULTS]]
             raise ValidationError.from_exception_data(cls.__name__, details) from None
 
     @classmethod
@@ -122,16 +126,28 @@ def _meant(key: str, known: Sequence[str]) -> str:
     return nearest(key, known) if other is None else f"did you mean '{other}'?"
 
 
-def _detail(model: type[Model], error: Any) -> InitErrorDetails:
-    """Rebuild one of pydantic's errors, with a cure that only the model knows."""
+def _decimal_comma(data: Any, key: str) -> str:
+    """What to write for ``friction: 0,25``, which in braces is the key friction with 0, and the key 25 with nothing."""
+    after = AFTER_COMMA.fullmatch(key)
+    if after is None or not isinstance(data, dict) or data.get(key, data) is not None:
+        return ""
+    keys = list(data)
+    before = data[keys[keys.index(key) - 1]] if keys.index(key) > 0 else None
+    whole = isinstance(before, int) and not isinstance(before, bool)
+    if not whole and not (isinstance(before, str) and re.fullmatch(r"-0+", before)):
+        return ""
+    return f"is it a decimal comma? Write {before}.{key} with a point, for {keys[keys.index(key) - 1]}"
+
+
+def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetails:
+    """Rebuild one of pydantic's errors, with a cure that only the model knows; `data` is what was validated."""
     kind, place, context = error["type"], error["loc"], error.get("ctx") or {}
     known: Any = kind
     if len(place) == 1 and kind == "missing":
         example = model._example(str(place[0]))
         known = refusal("is missing", f"add `{place[0]}:`" + (f", such as {example}" if example else ""))
     elif len(place) == 1 and kind == "extra_forbidden":
-        comma = "is it a decimal comma? Write 0.127 with a point" if str(place[0]).isdigit() else ""
-        known = refusal("unknown key", comma or _meant(str(place[0]), model._keys()))
+        known = refusal("unknown key", _decimal_comma(data, str(place[0])) or _meant(str(place[0]), model._keys()))
     elif kind == DOUBT:
         known = PydanticCustomError(DOUBT, "doubtful", context)
     elif kind == KIND or "error" in context:
@@ -351,6 +367,12 @@ def validate(model: type[M], document: Document) -> M:
     SceneError
         Listing every fault with its line, key and cure.
     """
+    based = [
+        document.problem(path, "is a number of base 8 or 16", "write it with the digits 0 to 9")
+        for path, text in document.scalars() if BASED.fullmatch(text)
+    ]  # fmt: skip
+    if based:
+        raise SceneError(based)
     try:
         scene = model.model_validate(document.root, context={"folder": document.folder})
     except ValidationError as error:
@@ -408,6 +430,8 @@ def _plain(error: Any) -> tuple[str, str]:
     names |= {"tuple": ("a list", "[0, 1]"), "list": ("a list", "[0, 1]")}
     if kind.startswith("int_") and isinstance(given, float) and given.is_integer():
         return "must be a whole number, written without a point or an exponent", f"write {given:.0f}"
+    if kind.startswith("int_") and isinstance(given, str) and re.fullmatch(r"[+-]?[0-9]+", given.strip()):
+        return "is text, not a number", f"remove the quotes: write {given.strip()}"
     for name, (what, example) in names.items():
         if kind.startswith(f"{name}_"):
             return f"must be {what}", f"give {what} such as {example}"

@@ -15,8 +15,10 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
 
-from tautline.scene.errors import SceneWarning
+from tautline.scene.errors import SceneError, SceneWarning
+from tautline.scene.functions import places
 from tautline.scene.model import DOUBT, MARK, Model
+from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document, Path_, join_key
 from tautline.scene.values.quantity import NUMBER, Quantity, decimal
 from tautline.scene.values.ranges import RANGES, Range, in_range, sized
@@ -49,6 +51,8 @@ class _Doubt:
     typed: str
     value: float
     bare: bool
+    column: tuple[str, str] | None = None
+    """Of a number that comes from a file: its column, and the file."""
 
     @property
     def shown(self) -> str:
@@ -81,7 +85,10 @@ def slips_of_units(model: type[Model], document: Document | None) -> list[SceneW
             kind = re.sub(r"\[\d+\]", "[]", join_key(doubt.key))
             groups.setdefault((kind, doubt.of), []).append(doubt)
     warnings = [warning for group in groups.values() for warning in _outside(group, system)]
-    return warnings + _bare(system, [doubt for doubt in found if RANGES[doubt.of].holds(doubt.value)])
+    bare = [doubt for doubt in found if RANGES[doubt.of].holds(doubt.value)]
+    columns = {doubt.column: doubt for doubt in bare if doubt.column is not None}
+    warnings += [_bare_column(system, doubt) for column, doubt in columns.items() if column and column[0]]
+    return warnings + _bare(system, [doubt for doubt in bare if doubt.column is None])
 
 
 def _asks(system: str) -> Callable[[Quantity, Any, float], None]:
@@ -123,7 +130,8 @@ def _doubts(model: type[Model], document: Document, ask: Callable[[Quantity, Any
             if context["bare"] and place == key:
                 context["typed"] = document.written(key)  # 1.0e9 is not to become 1000000000.0
             line = None if document.origin(place) else document.line(place)
-            doubts.append(_Doubt(place, line, **context))
+            column = None if place == key else _column(document, place, key[-2:])
+            doubts.append(_Doubt(place, line, **context, column=column))
     yield from sorted(doubts, key=lambda doubt: doubt.line or 0)
 
 
@@ -135,6 +143,29 @@ def _place(document: Document, key: Path_) -> Path_ | None:
     if ends and document.written((*key[: ends[-1]], "file")) is not None:
         return (*key[: ends[-1]], "file")
     return None
+
+
+def _column(document: Document, place: Path_, end: Path_) -> tuple[str, str]:
+    """Column of a table's file that a number comes from, and the file's name; no column where its header has a unit."""
+    file = str(document.written(place))
+    try:
+        columns = Columns(document.folder / file)
+        time, value = places(columns, document.written((*place[:-1], "column")))
+    except SceneError:
+        return "", file
+    at = time if end and end[0] == "time" else value
+    return ("" if columns.units[at] else columns.names[at] or f"{at + 1}"), file
+
+
+def _bare_column(system: str, doubt: _Doubt) -> SceneWarning:
+    """A warning of a column without a unit, in a scene that is in other units than SI."""
+    assert doubt.column is not None
+    (name, file), usual = doubt.column, _usual_unit(RANGES[doubt.of], system)
+    text = (
+        f"{system}, and the column {name} of {file} has no unit. Its numbers are read in {doubt.unit or 'no unit'}. "
+        f"Write the unit into the header: {name} [{doubt.unit}], or {name} [{usual}]"
+    )
+    return SceneWarning("units", text)
 
 
 def _units_meant(doubt: _Doubt, system: str) -> list[tuple[str, float]]:

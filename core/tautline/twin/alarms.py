@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,10 +65,8 @@ def beyond(value: float, above: float, below: float) -> bool:
     return bool(value > above or value < below)
 
 
-def bound_said(value: float, above: float, below: float, unit: str) -> str:
-    """``61.2 kN, above 60 kN``."""
+def bound_said(value: float, above: float, below: float, tell: Callable[[float], str]) -> str:
+    """``61.2 kN, above 60 kN``, where `tell` says a value of it."""
     high = value > above or not math.isfinite(below)
     word, bound = ("above", above) if high else ("below", below)
-    from tautline.scene.values.printed import quantity
-
-    return f"{quantity(value, unit)}, {word} {quantity(bound, unit)}"
+    return f"{tell(value)}, {word} {tell(bound)}"

@@ -16,6 +16,8 @@ from tautline.live.simulation import Simulation
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.model import Model, Scene, Switch, word
 from tautline.scene.refusal import nearest, refusal
+from tautline.scene.values.printed import quantity as printed
+from tautline.scene.values.printed import significant
 from tautline.scene.values.quantity import Quantity, quantity
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 
@@ -34,8 +36,8 @@ OFFSET = "offset "
 class Sensor(Model):
     """A column of the data, and what it is in the scene.
 
-    ``value = scale * (reading - zero)``, both in the unit of the column. A `signal` is what only the application asks
-    for, to know what the machine is at: the flow of a rig's pumps.
+    ``value = scale * (reading - zero)``, both in the unit of the column; so are `sd` and `range` without a unit. A
+    `signal` is what only the application asks for, to know what the machine is at: the flow of a rig's pumps.
     """
 
     column: str
@@ -160,6 +162,8 @@ class Channel(pydantic.BaseModel):
         ``value = scale * (reading - zero)``: SI out of a reading in the column's unit.
     low, high : float
         What the sensor can show, SI.
+    column_unit, factor : str, float
+        Unit that the map gives the column, and how many SI units it is; empty and 1 where it gives none.
     """
 
     model_config = pydantic.ConfigDict(frozen=True)
@@ -177,6 +181,20 @@ class Channel(pydantic.BaseModel):
     high: float
     waves: bool
     lost_after: float
+    column_unit: str = ""
+    factor: float = 1.0
+
+    def told(self, value: float) -> str:
+        """A value, SI, in words: in the column's unit."""
+        if not self.column_unit:
+            return printed(float(value), self.unit)
+        return f"{significant(float(value) / self.factor)} {self.column_unit}"
+
+    @property
+    def shown(self) -> tuple[float, float]:
+        """Its range in the column's unit: what readings can be."""
+        low, high = (one / self.scale + self.zero for one in (self.low, self.high))
+        return min(low, high), max(low, high)
 
 
 class Unknown(pydantic.BaseModel):
@@ -315,12 +333,14 @@ class _Reader:
     def fault(self, key: tuple[str | int, ...], cause: str, cure: str) -> None:
         self.problems.append(self.map.problem(key, cause, cure))
 
-    def number(self, key: tuple[str | int, ...], written: Written | None, unit: str, default: float) -> float:
-        """A number in SI; a fault where it is none."""
+    def number(
+        self, key: tuple[str | int, ...], written: Written | None, unit: str, default: float, factor: float = 1.0
+    ) -> float:
+        """A number in SI; a fault where it is none. One without a unit is in that of so many SI units."""
         if written is None:
             return default
         try:
-            return float(Quantity(unit).read(written))
+            return float(Quantity(unit).read(written)) * (1.0 if isinstance(written, str) else factor)
         except PydanticCustomError as error:
             self.fault(key, error.message(), str((error.context or {}).get("cure", "")))
             return default
@@ -396,17 +416,17 @@ class _Reader:
             return None
         factor = self.factor(("sensors", i, "unit"), sensor.unit, unit)
         share = PER_CENT.fullmatch(sensor.sd) if isinstance(sensor.sd, str) and unit else None
-        sd = float(share[1]) / 100.0 if share else self.number(("sensors", i, "sd"), sensor.sd, unit, math.nan)
+        sd = float(share[1]) / 100.0 if share else self.number(("sensors", i, "sd"), sensor.sd, unit, math.nan, factor)
         if sd <= 0.0:
             self.fault(("sensors", i, "sd"), "must be greater than zero", "give the sensor's standard deviation")
-        low, high = self.bounds(("sensors", i, "range"), sensor.range, unit)
+        low, high = self.bounds(("sensors", i, "range"), sensor.range, unit, factor)
         zero = 0.0 if sensor.zero == "first" else float(sensor.zero)
         waves = sensor.forecast == "waves" or (sensor.forecast is None and sensor.name.startswith("vessel."))
         return Channel(
             column=sensor.column, name=sensor.name, is_input=is_input, is_output=kind == "output", unit=unit,
             scale=sensor.scale * factor,
             zero=zero, zero_first=sensor.zero == "first", sd=sd, relative=share is not None, low=low, high=high,
-            waves=waves, lost_after=sensor.lost_after or self.map.lost,
+            waves=waves, lost_after=sensor.lost_after or self.map.lost, column_unit=sensor.unit, factor=factor,
         )  # fmt: skip
 
     def factor(self, key: tuple[str | int, ...], written: str, wanted: str) -> float:
@@ -426,12 +446,12 @@ class _Reader:
             return 1.0
 
     def bounds(
-        self, key: tuple[str | int, ...], given: tuple[Written, Written] | None, unit: str
+        self, key: tuple[str | int, ...], given: tuple[Written, Written] | None, unit: str, factor: float = 1.0
     ) -> tuple[float, float]:
         if given is None:
             return -math.inf, math.inf
-        low = self.number((*key, 0), given[0], unit, -math.inf)
-        high = self.number((*key, 1), given[1], unit, math.inf)
+        low = self.number((*key, 0), given[0], unit, -math.inf, factor)
+        high = self.number((*key, 1), given[1], unit, math.inf, factor)
         if not low < high:
             self.fault(key, "ends before it begins", "write the smaller number first")
         return low, high

@@ -67,7 +67,7 @@ class Twin:
         self.plan, first = self._planned()
         self.readings = Readings(self.plan, {}, live)
         self.estimate = Estimate(self.plan, self._machine(first), self.operation, self.readings.rows)
-        self.watch = Watch(self.plan, self.readings.health, self.operation)
+        self.watch = Watch(self.plan, self.readings.health, self.operation, getattr(self.scene, "units", "si"))
         self.outlook = Outlook(self.plan, self.readings.waves, self.estimate.state)
         self._begin_anew()
         self._read = list(dict.fromkeys([

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from tautline.scene.values.printed import quantity
+from tautline.scene.values.printed import in_words, quantity, shown
 from tautline.twin.alarms import Alarms, beyond, bound_said
 from tautline.twin.forecast import Found, extreme
 from tautline.twin.map import Alarm, Plan
@@ -71,21 +71,28 @@ class Watch:
     health : sequence of Health
         Of all channels (c,).
     operation : Operation or None
+    system : str
+        The scene's ``units``, in which values are told; those of a sensor are in the unit of its column.
     """
 
-    def __init__(self, plan: Plan, health: Sequence[Health], operation: Operation | None) -> None:
+    def __init__(self, plan: Plan, health: Sequence[Health], operation: Operation | None, system: str = "si") -> None:
+        self.system = system
         self.plan, self.health, self.operation = plan, health, operation
         self.alarms = Alarms()
 
     def judge(self, row: Compared) -> None:
         """Judge all alarms."""
         measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
+        # A peak that lasts one reading says nothing of the machine, but may be true: bounds see what is left out.
+        seen = measured | {
+            one.channel.name: one.left_out for one in self.health if np.isfinite(one.left_out) and one.channel.is_output
+        }
         order = [one.name for one in self.plan.measured]
         for one in self.plan.alarms:
             if one.is_residual:
                 self._judge_residual(one, row, order.index(one.target), measured[one.target])
             else:
-                self._judge_output(one, row, measured.get(one.target, np.nan))
+                self._judge_output(one, row, seen.get(one.target, np.nan))
         self.judge_sensors(row.time, row.correlation, row.converged)
         self._judge_ahead(row)
         self.judge_operation(row.time)
@@ -102,12 +109,9 @@ class Watch:
         size = abs(r) / sd if one.times_sd else r
         known = np.isfinite(r) and bool(row.use[m]) and row.converged
         holds = bool(known and (size > one.above or (not one.times_sd and beyond(r, one.above, one.below))))
-        text = (
-            f"{one.target} is measured {said(measured, one.unit)}, expected {said(measured - r, one.unit)}"
-            if known
-            else ""
-        )
-        text += f" (standard deviation {said(sd, one.unit)}): friction, contact or rope path are not as in the scene"
+        tell = self._teller(one)
+        text = f"{one.target} is measured {tell(measured)}, expected {tell(measured - r)}" if known else ""
+        text += f" (standard deviation {tell(sd)}): friction, contact or rope path are not as in the scene"
         self.alarms.judge(one.name, holds, row.time, text, one.lasting)
 
     def _judge_output(self, one: Alarm, row: Compared, measured: float) -> None:
@@ -118,11 +122,11 @@ class Watch:
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
         text, holds = "", bool(now)
         if now:
-            text = f"{one.target} {now[0][0]}: {bound_said(now[0][1], one.above, one.below, one.unit)}"
+            text = f"{one.target} {now[0][0]}: {bound_said(now[0][1], one.above, one.below, self._teller(one))}"
         elif known and ahead is not None and one.name in ahead.first:
             after, value = ahead.first[one.name]
             left = max(0.0, ahead.begun + after - row.time)
-            text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, one.unit)}"
+            text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
             holds = True
         self.alarms.judge(one.name, holds, row.time, text, one.lasting)
 
@@ -133,9 +137,10 @@ class Watch:
             column = health.channel.column
             for kind in ("lost", "stuck", "clipped", "out of range", "unit"):
                 self.alarms.judge(f"{column} {kind}", health.fault == kind, time, health.text)
+            self.alarms.judge(f"{column} jumping", health.jumping(time), time, health.jump)
             if i in numbers:
                 alike = float(correlation[numbers.index(i)])
-                off = said(health.mean * health.sd, health.channel.unit)
+                off = health.channel.told(health.mean * health.sd)
                 text = f"{column} is off by {off} on average lately: the sensor, the weight or friction drifts"
                 self.alarms.judge(f"{column} drifting", health.drifting(alike) and converged, time, text)
                 side = "above" if health.off > 0.0 else "below"
@@ -145,7 +150,12 @@ class Watch:
     def judge_operation(self, time: float) -> None:
         """Judge what the application warns of."""
         for name, holds, text, lasting in self.operation.alarms() if self.operation else ():
-            self.alarms.judge(name, holds, time, text, lasting)
+            self.alarms.judge(name, holds, time, in_words(text, self.system), lasting)
+
+    def _teller(self, one: Alarm) -> Callable[[float], str]:
+        """How values of an alarm's target are said: in the unit of the sensor that measures it, or of the scene."""
+        channel = next((c for c in self.plan.measured if c.name == one.target and c.column_unit), None)
+        return channel.told if channel is not None else lambda value: said(value, one.unit, self.system)
 
     def _judge_ahead(self, row: Compared) -> None:
         """Where the simulation ahead cannot go on, such as with two blocks together."""
@@ -158,6 +168,6 @@ class Watch:
             self.alarms.judge(name, holds, row.time, text)
 
 
-def said(value: float, unit: str) -> str:
-    """A quantity in words."""
-    return quantity(float(value), unit)
+def said(value: float, unit: str, system: str = "si") -> str:
+    """A quantity in words, in the units of a system."""
+    return quantity(float(value), unit) if system == "si" else shown(float(value), unit, system)

@@ -5,6 +5,7 @@ import shutil
 import socket
 import threading
 import time
+import urllib.error
 import urllib.request
 
 import pytest
@@ -213,3 +214,18 @@ def test_a_twin_that_has_ended_is_told_and_its_last_numbers_stay(browser):
     page.close()
     tab.wait_for_selector("#health[data-health=none]", timeout=5000)
     assert shown(tab, '#estimates .card[data-name="payload.mass"] .value') == 5000.0
+
+
+def test_the_page_answers_to_its_own_name_only(page):
+    """A page from elsewhere, whose name was made to lead to this computer, gets nothing."""
+
+    def answer(host):
+        request = urllib.request.Request(f"{page.address}/", headers={"Host": host})
+        try:
+            with urllib.request.urlopen(request, timeout=5.0) as found:
+                return found.status
+        except urllib.error.HTTPError as error:
+            return error.code
+
+    assert [answer(host) for host in ("localhost", f"localhost:{page.port}", "127.0.0.1:1")] == [200, 200, 200]
+    assert answer("evil.example") == 400

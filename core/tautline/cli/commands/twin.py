@@ -293,14 +293,14 @@ class _Loop:
         """Print what was found last, and what was wrong with the data."""
         from tautline.cli.output.console import console
         from tautline.cli.output.summary import two_columns
-        from tautline.scene.values.printed import quantity
+        from tautline.twin.watch import said
 
-        rows = []
+        rows, system = [], getattr(self.twin.scene, "units", "si")
         if self.last is None:
             self._say_why_nothing()
         else:
             rows += [
-                (name, f"{quantity(one['value'], one['unit'])} ± {quantity(2.0 * one['sd'], one['unit'])}")
+                (name, f"{said(one['value'], one['unit'], system)} ± {said(2.0 * one['sd'], one['unit'], system)}")
                 for name, one in self.last["estimates"].items()
             ]
             rows += [("not observable", text) for text in self.last["not_observable"]]

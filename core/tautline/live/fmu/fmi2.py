@@ -51,7 +51,7 @@ class Unit:
             self.units[name] = unit
             variable = Real(
                 name, description=text, getter=lambda name=name: core.get(name),
-                setter=None if kind == "output" else partial(self._set, name), **KINDS[kind],
+                setter=partial(self._refuse if kind == "output" else self._set, name), **KINDS[kind],
             )  # fmt: skip
             slave.register_variable(variable, nested=False)
 
@@ -84,9 +84,17 @@ class Unit:
         """One communication step; a failure is told in the host's log."""
         return self._guarded(lambda: self.core.step(current_time, step_size))
 
+    def restore(self, state: dict[str, Any]) -> None:
+        """Stand where a state was saved; what is none is told in the host's log, and steps fail until one is set."""
+        self._guarded(lambda: self.core.restore(state))
+
     def _set(self, name: str, value: float) -> None:
         """Set an input or a parameter. PythonFMU has no way to say that it is refused but the log: steps then fail."""
         self._guarded(lambda: self.core.set(name, value))
+
+    def _refuse(self, name: str, value: float) -> None:
+        """What a host gives an output: it is told in the log, and nothing is changed."""
+        self._guarded(lambda: self.core.refuse_output(name))
 
     def _guarded(self, act: Any) -> bool:
         try:

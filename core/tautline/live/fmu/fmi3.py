@@ -14,7 +14,7 @@ from pythonfmu3.unit import Unit as NamedUnit
 from pythonfmu3.variables import Float64
 
 from tautline.errors import TautlineError
-from tautline.live.fmu.unit import BASE, Core, from_bytes, to_bytes
+from tautline.live.fmu.unit import BASE, Core, state_from_bytes, to_bytes
 from tautline.version import __version__
 
 KINDS: dict[str, dict[str, Any]] = {
@@ -53,7 +53,7 @@ class Unit(Fmi3Slave):
         for name, unit, text, kind in signals:
             variable = Float64(
                 name, description=text, unit=unit if unit in BASE else None, getter=lambda name=name: core.get(name),
-                setter=None if kind == "output" else partial(self._set, name), **KINDS[kind],
+                setter=partial(self._refuse if kind == "output" else self._set, name), **KINDS[kind],
             )  # fmt: skip
             self.register_variable(variable, nested=False)
 
@@ -76,6 +76,10 @@ class Unit(Fmi3Slave):
         """Set an input or a parameter. PythonFMU has no way to say that it is refused but the log: steps then fail."""
         self._guarded(lambda: self.core.set(name, value))
 
+    def _refuse(self, name: str, value: float) -> None:
+        """What a host gives an output: it is told in the log, and nothing is changed."""
+        self._guarded(lambda: self.core.refuse_output(name))
+
     def _guarded(self, act: Any) -> bool:
         try:
             act()
@@ -88,7 +92,7 @@ class Unit(Fmi3Slave):
         return self.core.save()
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
-        self.core.restore(state)
+        self._guarded(lambda: self.core.restore(state))
 
     @staticmethod
     def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
@@ -96,4 +100,4 @@ class Unit(Fmi3Slave):
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
-        return from_bytes(state)
+        return state_from_bytes(state)

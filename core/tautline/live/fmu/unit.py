@@ -36,6 +36,10 @@ def parts_of(output: Output) -> list[tuple[str, tuple[int, ...]]]:
     return [(f"{output.name}[{','.join(map(str, at))}]", at) for at in np.ndindex(*output.shape)]
 
 
+NO_STATE = "no state"
+"""Key under which it stands why bytes are no state."""
+
+
 class Core:
     """The simulation of an FMU.
 
@@ -184,11 +188,27 @@ class Core:
             "timed": self.timed, "initialised": self.initialised,
         }  # fmt: skip
 
+    def refuse_output(self, name: str) -> None:
+        """Say that an output cannot be set; raises SimulationError. It stays what is computed, and steps go on."""
+        raise SimulationError(f"{name} is an output: it is computed, and cannot be set", "set an input or a parameter")
+
     def restore(self, saved: dict[str, Any]) -> None:
-        """Stand where a state was saved."""
+        """Stand where a state was saved.
+
+        Raises
+        ------
+        SimulationError
+            For what is no state of this FMU. No step is made then until one is set that is.
+        """
+        try:
+            if NO_STATE in saved:
+                raise SimulationError(saved[NO_STATE])
+            self.sim.restore(saved["state"])
+        except SimulationError as error:
+            self.refused[NO_STATE] = str(error)
+            raise
         self.stale, self.fault = False, ""
         self.refused.clear()
-        self.sim.restore(saved["state"])
         self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
         self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
         self.stepped, self.begin, self.timed = saved["stepped"], saved["begin"], saved["timed"]
@@ -198,16 +218,29 @@ class Core:
 
 def to_bytes(saved: dict[str, Any]) -> bytes:
     """A state as bytes: numbers as JSON, then the block."""
+    if NO_STATE in saved:
+        return b""
     state: State = saved["state"]
     told = [state.time, state.scene, state.layout, state.frames, sum_of(state.block), state.changed]
     head = {**saved, "state": told}
     return json.dumps(head).encode("utf8") + b"\0" + state.block.tobytes()
 
 
+def state_from_bytes(data: bytes) -> dict[str, Any]:
+    """The same for a host, which would die of an error: other bytes are a state that is refused where it is set."""
+    try:
+        return from_bytes(data)
+    except SimulationError as error:
+        return {NO_STATE: str(error)}
+
+
 def from_bytes(data: bytes) -> dict[str, Any]:
-    """What `to_bytes` wrote; raises SimulationError where it is something else by now."""
+    """What `to_bytes` wrote; raises SimulationError for anything else."""
     head, _, block = bytes(data).partition(b"\0")
-    saved = json.loads(head)
-    time, scene, layout, frames, *others = saved["state"]
+    try:
+        saved = json.loads(head)
+        time, scene, layout, frames, *others = saved["state"]
+    except (ValueError, KeyError, TypeError):
+        raise SimulationError("the bytes are no state of this FMU", "give those that it was serialised to") from None
     saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, *others)
     return saved

@@ -52,10 +52,10 @@ class {name}(Fmi2Slave):
         return self.unit.core.save()
 
     def _set_fmu_state(self, state):
-        self.unit.core.restore(state)
+        self.unit.restore(state)
 
     _fmu_state_to_bytes = staticmethod(unit.to_bytes)
-    _fmu_state_from_bytes = staticmethod(unit.from_bytes)
+    _fmu_state_from_bytes = staticmethod(unit.state_from_bytes)
 ''',
     3: '''"""Written by Tautline: the class that the host makes."""
 

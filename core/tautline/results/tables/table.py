@@ -12,7 +12,7 @@ from uuid import uuid4
 
 import numpy as np
 
-from tautline.results.errors import ResultError, WriteError
+from tautline.results.errors import ResultError, WriteError, once_each
 from tautline.results.output_path import check_folder
 from tautline.results.result import Result
 from tautline.results.variable import Variable
@@ -79,8 +79,8 @@ def _chosen(result: Result, what: Sequence[str]) -> list[Variable]:
     """Variables by name; all of them, but those that only name places along a dimension, for no name."""
     for name in what:
         if name not in result.variables:
-            known = ", ".join(result.variables)
-            raise ResultError("--what", f"{result.path or 'the result'} has no variable '{name}'", f"it has {known}")
+            cure = once_each(name) or f"it has {', '.join(result.variables)}"
+            raise ResultError("--what", f"{result.path or 'the result'} has no variable '{name}'", cure)
     if what:
         return [result.variables[name] for name in dict.fromkeys(what)]
     return [one for one in result.variables.values() if one.dims != (one.name,) or one.name == "time"]

@@ -31,6 +31,10 @@ HEADER = re.compile(r"\s*(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\
 NO_UNIT = ("", "-", "--", "1")
 """What stands for a unit in the header of a column without one."""
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+THOUSANDS = re.compile(r"[+-]?\d{1,3}(\.\d{3})+", re.ASCII)
+"""A number that may have points as marks of thousands."""
+SEPARATOR_LINE = re.compile(r"\s*\"?sep=(.)\"?\s*", re.IGNORECASE)
+"""The first line of files that a spreadsheet writes for itself: it states what stands between cells."""
 WORDS = {
     "°": "deg", "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "dega": "deg",
     "rad": "rad", "rads": "rad", "radian": "rad", "radians": "rad", "grad": "gon", "hz": "Hz",
@@ -119,9 +123,11 @@ class Columns:
         if not text.strip():
             self.stop(None, "", None, "is empty", "write a header and rows of numbers into it")
         lines = [(i, s) for i, s in enumerate(text.splitlines(), 1) if s.strip(" \t;,\x1a") and s.lstrip()[0] != "#"]
+        stated = SEPARATOR_LINE.fullmatch(lines[0][1]) if lines else None
+        lines = lines[1:] if stated else lines
         if not lines:
             self.stop(None, "", None, "holds only comments", "write a header and rows of numbers into it")
-        self.separator = next((mark for mark in "\t;," if mark in lines[0][1]), ",")
+        self.separator = stated[1] if stated else next((mark for mark in "\t;," if mark in lines[0][1]), ",")
         return [(i, self._cells(i, s)) for i, s in lines]
 
     def _cells(self, line: int, text: str) -> list[str]:
@@ -238,6 +244,20 @@ class Columns:
             return float(plain)
         return math.nan
 
+    def in_order(self, place: int, values: Sequence[float]) -> None:
+        """Refuse rows whose values of a column do not grow from row to row; raises SceneError with all of them."""
+        latest = 0
+        for i in range(1, len(values)):
+            if values[i] > values[latest]:
+                latest = i
+                continue
+            (line, row), (other, before) = self.rows[i], self.rows[latest]
+            same = values[i] == values[latest]
+            cause = f"is the same as in line {other}" if same else f"is less than {before[place]} in line {other}"
+            cure = f"keep one of lines {other} and {line}" if same else f"sort the rows{thousand(row[place])}"
+            self.add(line, self.names[place] or f"column {place + 1}", row[place], cause, cure)
+        self.raise_if_any()
+
     def values(self, place: int, unit: str) -> tuple[float, ...]:
         """A column in SI, `unit` where the header has none; raises SceneError for what is wrong with it."""
         name = self.names[place] or f"column {place + 1}"
@@ -250,6 +270,13 @@ class Columns:
             line, row = self.rows[int(np.flatnonzero(values == largest)[0])]
             self.stop(line, name, row[place], *OUTSIDE)
         return tuple(float(value) for value in values)
+
+
+def thousand(cell: str) -> str:
+    """What to ask of a number that is smaller than it should be: ``1.000`` may be meant as 1000; else nothing."""
+    if not THOUSANDS.fullmatch(cell):
+        return ""
+    return f", or is the point a mark of thousands? Then write {cell.replace('.', '')} without it"
 
 
 def _cell(row: list[str], place: int) -> str:

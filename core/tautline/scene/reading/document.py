@@ -134,6 +134,15 @@ class Document:
             line, node = node.key_lines[part], node.children[part]
         return line
 
+    def scalars(self) -> Iterator[tuple[Path_, str]]:
+        """Key path and text of every number of the file, as its author wrote it, in the order of the file."""
+        left: list[tuple[Path_, Node]] = [((), self.tree)]
+        while left:
+            path, node = left.pop()
+            if node.scalar is not None and isinstance(node.value, (int, float)):
+                yield path, node.scalar
+            left += [((*path, key), child) for key, child in reversed(node.children.items())]
+
     def written(self, key: str | Path_) -> str | None:
         """Return the text of a scalar as its author wrote it, None for anything else."""
         node, path = self.tree, split_key(key)

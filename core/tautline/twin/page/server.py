@@ -166,6 +166,8 @@ class Page:
 
     def _app(self) -> Any:
         from starlette.applications import Starlette
+        from starlette.middleware import Middleware
+        from starlette.middleware.trustedhost import TrustedHostMiddleware
         from starlette.responses import Response, StreamingResponse
         from starlette.routing import Route
 
@@ -180,7 +182,10 @@ class Page:
             headers = {"Content-Security-Policy": rules, "Cache-Control": "no-store"}
             return Response((HERE / name).read_bytes(), media_type=kind, headers=headers)
 
-        return Starlette(routes=[*(Route(path, file) for path in FILES), Route("/events", events)])
+        routes = [*(Route(path, file) for path in FILES), Route("/events", events)]
+        # A page from elsewhere whose name was made to lead here is not answered. Whoever serves all computers does so.
+        known = ["*"] if self.host in ("0.0.0.0", "::", "") else ["127.0.0.1", "localhost", self.host]
+        return Starlette(routes=routes, middleware=[Middleware(TrustedHostMiddleware, known, www_redirect=False)])
 
 
 def _event(kind: str, text: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
 
 import numpy as np
 
@@ -35,6 +36,8 @@ class Readings:
     def __init__(self, plan: Plan, start: Mapping[str, float], live: bool) -> None:
         self.channels, self.run_in, self.start = plan.channels, plan.run_in, start
         self.rows = Rows([one.column for one in plan.channels], plan.delay, live)
+        self.rows.scales = np.array([abs(one.scale) for one in plan.channels])
+        self.rows.bounds = [one.shown for one in plan.channels]
         self.health = [Health(one) for one in plan.channels]
         self.tracks = [InputTrack(one, i) for i, one in enumerate(plan.channels) if one.is_input]
         self.waves = {one.name: Waves() for one in plan.inputs if one.waves}
@@ -43,13 +46,17 @@ class Readings:
     def checked(self, row: Row) -> np.ndarray:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
         values = np.full(len(self.channels), np.nan)
+        coming = list(takewhile(lambda one: not one.after_gap, self.rows.waiting))
         for i, (channel, health) in enumerate(zip(self.channels, self.health, strict=True)):
             reading = row.values[i]
             if channel.zero_first and i not in self.zeros and np.isfinite(reading):
                 self.zeros[i] = float(reading)
             zero = self.zeros.get(i, 0.0) if channel.zero_first else channel.zero
             start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
-            values[i] = health.check(row.time, channel.scale * (reading - zero) + start)
+            following = [channel.scale * (one.values[i] - zero) + start for one in coming]
+            values[i] = health.check(row.time, channel.scale * (reading - zero) + start, following)
+            if np.isfinite(health.left_out):
+                self.rows.counts["with a reading that jumped away and back"] += 1
         row.values = values
         return values
 
@@ -79,7 +86,7 @@ class Readings:
         lost = [health.fault == "lost" for health in self.health]
         if all(lost) or any(track.missing and self.health[track.number].fault == "lost" for track in self.tracks):
             return "lost"
-        poor = any(health.fault or health.contradicts for health in self.health) or self.made_up
+        poor = any(one.fault or one.contradicts or one.jumping(one.seen) for one in self.health) or self.made_up
         return "degraded" if poor or not settled else "good"
 
     # -- inputs --------------------------------------------------------------------------------------------------------

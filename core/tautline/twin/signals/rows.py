@@ -12,6 +12,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
 | no readable stamp | it is left out, and counted |
 | a reading beyond 1e30 | it counts as missing, and the row is counted |
+| -999, -999.25 or -9999, which rigs write for none | it counts as missing where the sensor cannot show it; counted |
 """
 
 from __future__ import annotations
@@ -39,6 +40,8 @@ CLOCK_WRONG = 1e-3
 CLOCK_TIME = 60.0
 """Over how long that is found, s."""
 
+NULLS = (-999.0, -999.25, -9999.0)
+"""What the formats of rigs (WITS, LAS) write for a value that is missing."""
 ABSURD = 1.0e30
 """Reading from which one is none: what other programs write for a missing value is one (9.97e36, 3.4e38)."""
 
@@ -73,7 +76,11 @@ class Rows:
     ----------
     counts : Counter
         What was put right, by kind: late, doubled, out of order, future, no stamp, gaps, clock set back, and rows
-        with an absurd reading, which counts as missing.
+        with an absurd reading or one that stands for none, which count as missing.
+    bounds : sequence of (float, float)
+        What each column can show, in its unit: by its range in the map, else infinite.
+    scales : (c,)
+        How many SI units one of a column is: what is absurd is so in either.
     interval : float
         The sample interval, s; NaN until it is known.
     newest : float
@@ -88,6 +95,9 @@ class Rows:
 
     def __post_init__(self) -> None:
         self.shift = 0.0
+        self.bounds: Sequence[tuple[float, float]] = [(-np.inf, np.inf)] * len(self.columns)
+        self.scales = np.ones(len(self.columns))
+        self._lowest = np.full(len(self.columns), np.inf)
         self.waiting: list[Row] = []
         self.past: deque[Row] = deque()
         self.reached = -np.inf
@@ -119,10 +129,14 @@ class Rows:
             self.counts["no stamp"] += 1
             return
         read = np.array([values.get(c, np.nan) for c in self.columns], float)
-        absurd = np.abs(read) >= ABSURD
+        absurd = np.abs(read) * np.maximum(self.scales, 1.0) >= ABSURD
         if absurd.any():
             self.counts["with an absurd reading"] += 1
             read[absurd] = np.nan
+        null = self._nulls(read)
+        if null.any():
+            self.counts["with a reading that stands for none (-999.25)"] += 1
+            read[null] = np.nan
         row = Row(time + self.shift, read, arrived)
         if self.live:
             self._compare_clocks(time, arrived)
@@ -136,6 +150,16 @@ class Rows:
             return
         self._late.clear()
         self._insert(row)
+
+    def _nulls(self, read: np.ndarray) -> np.ndarray:
+        """Which readings (c,) stand for none: what the sensor can show by its range, or has come near to, does not."""
+        null = np.isin(read, NULLS)
+        for i in np.flatnonzero(null).tolist():
+            low, high = self.bounds[i]
+            known = np.isfinite(low) or np.isfinite(high)
+            null[i] = not (low <= read[i] <= high if known else self._lowest[i] < 0.5 * read[i])
+        self._lowest = np.fmin(self._lowest, np.where(null, np.inf, read))
+        return null
 
     @property
     def _far(self) -> float:

@@ -1,4 +1,4 @@
-"""Whether a sensor can be believed: lost, stuck, clipped, outside its range, in another unit, drifting.
+"""Whether a sensor can be believed: lost, stuck, clipped, outside its range, in another unit, drifting, jumping.
 
 A value that does not change is no fault by itself: a winch that stands has none. It is one where the sensor has noise,
 so that its values always change, or where the motion stopped more abruptly than it ever changed before.
@@ -7,7 +7,7 @@ so that its values always change, or where the motion stopped more abruptly than
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,16 @@ OFF_TIME = 10.0
 """Time constant of the mean that tells whether sensor and simulation contradict each other, s."""
 DOZENS, WORST = 24.0, 100.0
 """Standard deviations of that mean from which on they do; and those that a residual counts as at most."""
+AWAY, BACK = 2, 3.0
+"""Readings after one that jumped among which one is back; and how much nearer that is to the one before."""
+USUAL, SHARE = 4.0, 0.9
+"""Changes from reading to reading, of which so many are smaller, that a jump is beyond."""
+RECENT = 40
+"""Readings of which those are the changes."""
+FLOOR, TINY = 0.1, 1e-6
+"""Share of the largest value seen, and a value in SI, that a deviation is a share of at least."""
+JUMPING = 10.0
+"""For how long a jump is told, s."""
 LONGEST_PASSED = 1.0
 """Time that a residual counts for at most, s: what was between it and the one before is not known."""
 
@@ -60,6 +70,10 @@ class Health:
     ----------
     fault : str
         lost, stuck, clipped, out of range, unit, or empty.
+    jumps : int
+        Readings that jumped away from those before and after: they are left out.
+    left_out : float
+        The last reading, SI, where it was one of them; else NaN.
     """
 
     def __init__(self, channel: Channel) -> None:
@@ -77,15 +91,19 @@ class Health:
         self.off, self.contradicts = 0.0, False
         self._off_for, self._off_at = 0.0, np.nan
         self._before, self._passed, self._largest = np.nan, np.nan, 0.0
+        self.jumps, self.left_out, self._jumped, self.jump = 0, np.nan, -np.inf, ""
 
-    def check(self, time: float, reading: float) -> float:
+    def check(self, time: float, reading: float, following: Sequence[float] = ()) -> float:
         """The value in SI, NaN where it is not to be used.
 
         Parameters
         ----------
         reading : float
             In SI already; NaN where there is none.
+        following : sequence of float
+            Readings that come after it, as far as they are known.
         """
+        self.left_out = np.nan
         if not np.isfinite(self.begun):
             self.begun = time
         if not np.isfinite(reading):
@@ -100,14 +118,47 @@ class Health:
         self._passed = passed
         if self.fault == "lost":
             self._set("", "")
+        if self._jumps_away(reading, following):
+            self.jumps, self.left_out, self._jumped = self.jumps + 1, reading, time
+            way = f"from {self.channel.told(self._last)} to {self.channel.told(reading)} and back"
+            self.jump = f"{self.channel.column} jumped {way} at {time:.6g} s; left out so far: {self.jumps}"
+            return np.nan
         low, high = self.channel.low, self.channel.high
         width = EDGE * (high - low) if np.isfinite(high - low) else 0.0
         if reading < low - width or reading > high + width:
-            self._set(
-                "out of range", f"{self.channel.column} shows {reading:.6g} {self.channel.unit}, outside its range"
-            )
+            allowed = f"{self.channel.told(low)} to {self.channel.told(high)}"
+            text = f"{self.channel.column} shows {self.channel.told(reading)}, outside its range of {allowed}"
+            self._set("out of range", text)
             return np.nan
         return self._repeated(time, reading, low, high, width)
+
+    def jumping(self, time: float) -> bool:
+        """Whether a reading jumped away and back lately."""
+        return time - self._jumped < JUMPING
+
+    def _jumps_away(self, reading: float, following: Sequence[float]) -> bool:
+        """Whether a reading is dozens of standard deviations off the one before it, and the next are not.
+
+        A place or a speed that drives the scene breaks where no motion is as fast; that is seen to elsewhere.
+        """
+        if self.channel.is_input or not np.isfinite(self._last):
+            return False
+        jump = abs(reading - self._last)
+        known = [one for one in following if np.isfinite(one)][:AWAY]
+        if not any(abs(one - self._last) < jump / BACK for one in known):
+            return False
+        recent = np.array(self._values)[-RECENT:]
+        if recent.size < SAME:
+            return False
+        # What swings from reading to reading is no jump, however little noise the sensor has.
+        if jump <= USUAL * np.quantile(np.abs(np.diff(recent)), SHARE):
+            return False
+        # A share of nothing is nothing: what a sensor shows that stands at zero is rounding.
+        size = max(np.max(np.abs(recent)), FLOOR * self._largest, TINY)
+        sd = self.channel.sd * (size if self.channel.relative else 1.0)
+        if not np.isfinite(sd):
+            sd = np.median(np.abs(np.diff(recent, 2))) / 1.65 if recent.size > 2 else 0.0
+        return bool(jump > max(DOZENS * sd, TINY))
 
     def repeats(self, reading: float) -> bool:
         """Whether a reading to come, in SI, is the one that a sensor is stuck or clipped at."""
@@ -143,9 +194,7 @@ class Health:
         extreme = reading >= max(self._values) or reading <= min(self._values)
         cut = extreme and len(self._values) >= ENOUGH and not self._is_set
         kind = "clipped" if at_edge or cut else "stuck"
-        self._set(
-            kind, f"{self.channel.column} has shown {reading:.6g} {self.channel.unit} since {self._same_from:.6g} s"
-        )
+        self._set(kind, f"{self.channel.column} has shown {self.channel.told(reading)} since {self._same_from:.6g} s")
         return np.nan
 
     def _has_noise(self) -> bool:
@@ -219,7 +268,7 @@ class Health:
         return {
             "fault": self.fault, "text": self.text, "seen": self.seen, "values": list(self._values),
             "changes": list(self._changes), "mean": self.mean, "weight": self.weight, "before": self._before,
-            "off": [self.off, self._off_for, self._off_at],
+            "off": [self.off, self._off_for, self._off_at], "jumps": [self.jumps, self._jumped, self.jump],
         }  # fmt: skip
 
     def recall(self, memory: Mapping[str, Any]) -> None:
@@ -230,3 +279,4 @@ class Health:
         self.mean, self.weight, self._before = memory["mean"], memory["weight"], memory["before"]
         self.off, self._off_for, self._off_at = memory["off"]
         self.contradicts = self._off_for >= OFF_TIME
+        self.jumps, self._jumped, self.jump = memory.get("jumps", [0, -np.inf, ""])

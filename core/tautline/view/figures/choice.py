@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, once_each
 from tautline.results.result import Result
 from tautline.view.figures.comparison import listed, nearest
 
@@ -79,7 +79,9 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
     """
     name, rest = split(words)
     if name not in result.variables:
-        cure = f"{nearest(name, list(result.variables))}it has {', '.join(result.variables)}"
+        cure = (
+            once_each(words, option) or f"{nearest(name, list(result.variables))}it has {', '.join(result.variables)}"
+        )
         raise ResultError(option, f"{result.path or 'the result'} has no variable '{name}'", cure)
     variable, values = result.variables[name], result[name]
     dims, picked, text = list(variable.dims), [], variable.long_name

@@ -1,0 +1,109 @@
+"""Files of other programs and of spreadsheets: what is doubtful is told by file, line and column."""
+
+import numpy as np
+import pytest
+
+from crane.scene.scene import CraneScene
+from tautline.scene.doubts import slips_of_units
+from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.columns import Columns
+from tautline.scene.reading.document import Document
+
+CRANE = """\
+units: field
+rope: {mass_per_length: 5.5 kg/m, axial_stiffness: 80 MN, diameter: 36 mm, damping: 10 ms}
+bodies: [{name: load, mass: 5 t, position: [10.2, 0, 0]}]
+path:
+  - drum: {name: winch, center: [0, 0, 10], radius: 0.4, axis: [0, 1, 0], wrap: over, pay_out: 0}
+  - sheave: {name: tip, center: [10, 0, 20], radius: 0.2, axis: [0, 1, 0], wrap: over}
+  - end: {name: hook, body: load}
+mesh: {elements_per_span: 4}
+vessel: {reference: [0, 0, 0], motion: {heave: {table: {file: out.csv}}}}
+solver: {step: 2 ms, end: 20 s}
+output: {interval: 10 ms}
+"""
+
+
+def given(folder, text, scene=CRANE):
+    """A crane's document whose vessel heaves by a file."""
+    (folder / "out.csv").write_text(text)
+    return Document.parse(scene, folder / "scene.yaml")
+
+
+def refused(folder, text, scene=CRANE):
+    with pytest.raises(SceneError) as error:
+        CraneScene.read(given(folder, text, scene))
+    return str(error.value)
+
+
+def column(head, values):
+    return f"time [s],{head}\n" + "".join(f"{k},{value}\n" for k, value in enumerate(values))
+
+
+def of_column(document):
+    return [one.text for one in slips_of_units(CraneScene, document) if "column" in one.text or "out.csv" in one.text]
+
+
+def test_numbers_of_a_column_with_a_unit_are_not_doubted_and_one_without_is_told_once(tmp_path):
+    assert of_column(given(tmp_path, column("out [ft]", [0.5, 1.5, 2.5]))) == []
+    (told,) = of_column(given(tmp_path, column("out", [0.5, 1.5, 2.5])))
+    assert "the column out of out.csv has no unit" in told and "out [m], or out [ft]" in told
+
+
+GAP = "time [s],value [m]\n" + "".join(f"{k},{k % 3 / 10}\n" for k in (*range(6), *range(16, 22)))
+
+
+def test_a_gap_in_a_record_is_refused_with_what_a_curve_would_make_of_it(tmp_path):
+    told = refused(tmp_path, GAP)
+    assert "out.csv:8: 16 in time comes 11 s after line 7 with no row between" in told
+    assert "gap:" in told and "interpolation: linear" in told
+    # Between two rows at 0.2 m and 0.1 m the natural spline through the record goes as far beyond them as is told.
+    from scipy.interpolate import make_interp_spline
+
+    t = np.array([*range(6), *range(16, 22)], float)
+    spline = make_interp_spline(t, t % 3 / 10, bc_type="natural")
+    there = spline(np.linspace(5.0, 16.0, 1001))
+    off = max(there.max() - 0.2, 0.1 - there.min())
+    assert float(told.split("goes ")[1].split(" m")[0]) == pytest.approx(off, rel=1e-3)
+
+
+@pytest.mark.parametrize("more", [", gap: 12 s", ", interpolation: linear"])
+def test_a_gap_that_is_meant_is_bridged(more, tmp_path):
+    scene = CRANE.replace("out.csv", f"out.csv{more}")
+    assert len(CraneScene.read(given(tmp_path, GAP, scene)).vessel.motion.heave.time) == 12
+
+
+def test_a_table_of_few_rows_or_of_uneven_ones_is_no_record(tmp_path):
+    CraneScene.read(given(tmp_path, "time [s],value [m]\n0,0\n1,0\n20,5\n"))
+    uneven = "time [s],value [m]\n" + "".join(f"{t},0\n" for t in (0, 1, 3, 4, 8, 9, 15, 30, 31, 60))
+    CraneScene.read(given(tmp_path, uneven))
+
+
+def test_a_gap_is_of_a_file_only(tmp_path):
+    scene = CRANE.replace("file: out.csv", "time: [0, 1], value: [0, 1], gap: 1 s")
+    assert "gap = 1 s: is given without a file" in refused(tmp_path, "", scene)
+
+
+def test_rows_out_of_order_and_doubled_ones_are_told_by_the_file_and_its_line(tmp_path):
+    assert "out.csv:4: 1 in time is less than 2 in line 3" in refused(tmp_path, "time [s],value [m]\n0,0\n2,0\n1,0\n")
+    told = refused(tmp_path, "time [s],value [m]\n0,0\n2,0\n2,1\n")
+    assert "out.csv:4: 2 in time is the same as in line 3; keep one of lines 3 and 4" in told
+
+
+def test_a_german_mark_of_thousands_is_asked_for(tmp_path):
+    told = refused(tmp_path, "time [s];value [m]\n998;0\n999;0\n1.000;0\n")
+    assert "is the point a mark of thousands? Then write 1000 without it" in told
+
+
+def test_the_line_by_which_a_spreadsheet_states_its_separator_is_no_header(tmp_path):
+    (tmp_path / "a.csv").write_text("sep=;\nt [s];x [m]\n0;1,5\n1;2,5\n")
+    columns = Columns(tmp_path / "a.csv")
+    assert columns.names == ["t", "x"] and columns.values(1, "m") == (1.5, 2.5)
+    assert columns.lines == [3, 4]
+
+
+def test_of_a_fault_on_many_lines_three_are_told_and_the_others_counted():
+    rows = [Problem("a.csv", k, "md", f"{k}", f"above the station of line {k - 1}", "sort") for k in range(2, 123)]
+    other = Problem("a.csv", 200, "inc", "x", "is not a number", "")
+    lines = str(SceneError([*rows, other])).splitlines()
+    assert len(lines) == 5 and lines[3] == "... and 118 more like this" and lines[4] == str(other)
