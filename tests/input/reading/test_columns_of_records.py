@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from crane.scene.scene import CraneScene
-from tautline.scene.doubts import slips_of_units
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document
+from tautline.scene.unit_slips import slips_of_units
 
 CRANE = """\
 units: field
