@@ -262,7 +262,11 @@ class Estimate:
         found: dict[str, Any] = {}
         for name, values in read.items():
             J = self.family.derivatives(values)
-            found[name] = (values[0] + J @ shift, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
+            value = values[0] + J @ shift
+            if self.operation is not None and name in self.operation.pulled and np.min(values) >= 0.0:
+                # None of the simulations has it: a rope is slack before it pushes.
+                value = np.maximum(value, 0.0)
+            found[name] = (value, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
         return found
 
     @property

@@ -18,6 +18,8 @@ from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noi
 
 JOIN = 3.0
 """Shortest time in which a difference is made up for, s."""
+BOUNCES = 5.0
+"""And at least in so many periods in which a load bounces: so slowly that it does not bounce by that."""
 SPEED = 1.0
 """Speed at which a large difference is made up for where nothing faster was measured, SI."""
 SAME = 1e-9
@@ -49,6 +51,8 @@ class InputTrack:
         Whether there is no sample of it near.
     joining : bool
         Whether a difference is being made up for.
+    bounce : float
+        Period in which a load bounces on its rope, s; 0 as long as none is known.
     """
 
     def __init__(self, channel: Channel, number: int) -> None:
@@ -57,6 +61,7 @@ class InputTrack:
         self.time = np.nan
         self.missing = False
         self.fastest = SPEED
+        self.bounce = 0.0
         self._apart, self._from, self._over = np.zeros(3), -np.inf, 1.0
         self._held, self._held_at = np.full(3, np.nan), np.nan
         self._noises: deque[float] = deque(maxlen=NOISES)
@@ -82,10 +87,9 @@ class InputTrack:
         if near.size == 0 or near[0] > 1e-9 or near[-1] < -1e-9:
             return self.hold(row.time)
         found = smooth(times[good], values[good], row.time, reach, self._noise(values[good]))
-        if (row.after_gap or self._break == row.time) and not self.missing:
-            self.hold(row.time)
-        if self.missing:
-            self._join(found, row.time)
+        if row.after_gap or self._break == row.time or self.missing:
+            # What made do without samples went on until now: it has not stood since the row before.
+            self._join(found, self.hold(row.time))
         self.missing = False
         if row.time < self._from + self._over:
             found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
@@ -127,11 +131,12 @@ class InputTrack:
         self.state, self.time = coming_to_rest(self._held, time - self._held_at), time
         return self.state
 
-    def _join(self, found: np.ndarray, time: float) -> None:
-        """Begin to make up for the difference between where the simulation stands and what is measured."""
-        self._apart = self.state - found
-        self._from = time
-        self._over = max(JOIN, 1.875 * abs(float(self._apart[0])) / self.fastest)
+    def _join(self, found: np.ndarray, held: np.ndarray) -> None:
+        """Begin to make up for the difference between where the simulation stands (3,) and what is measured (3,)."""
+        self._apart = held - found
+        self._from = self.time
+        slowly = max(JOIN, BOUNCES * self.bounce)
+        self._over = max(slowly, 1.875 * abs(float(self._apart[0])) / self.fastest)
 
     def joining_from_rest(self, found: np.ndarray, run_in: float) -> float:
         """How long the simulation runs before the first row, s: nothing where it stands where the sensor says."""

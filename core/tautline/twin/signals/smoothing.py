@@ -28,7 +28,7 @@ WILD = 1.0
 STEADY = 0.02
 """Bend of three samples, over the largest nearby, below which they are on a line."""
 FIFTH = 252.0**0.5
-REST = 1.0
+REST = 0.7
 """Time constant with which a motion comes to rest where samples are missing, s."""
 
 
@@ -130,9 +130,16 @@ def bend_of(values: np.ndarray) -> float:
 
 
 def coming_to_rest(state: np.ndarray, after: float) -> np.ndarray:
-    """Value, rate and second rate of what comes to rest from a state (3,), a time after it."""
+    """Value, rate and second rate of what comes to rest from a state (3,), a time after it.
+
+    The rate dies away as a critically damped oscillator: the second rate goes on from where it was too, for what jumps
+    in it sets off a load that bounces on its rope.
+    """
     left = np.exp(-after / REST)
-    return np.array([state[0] + state[1] * REST * (1.0 - left), state[1] * left, -state[1] / REST * left])
+    change = state[2] + state[1] / REST
+    way = REST * state[1] * (1.0 - left) + REST**2 * change * (1.0 - left * (1.0 + after / REST))
+    rate = (state[1] + change * after) * left
+    return np.array([state[0] + way, rate, change * left - rate / REST])
 
 
 def joined(apart: np.ndarray, share: float, over: float) -> np.ndarray:
