@@ -24,6 +24,7 @@ from tautline.twin.forecast import Forecast, Found
 from tautline.twin.map import Plan, TwinMap, checked, driven_by, read_map
 from tautline.twin.operation import Operation
 from tautline.twin.outlook import Outlook
+from tautline.twin.settling import Settling
 from tautline.twin.signals.readings import Readings
 from tautline.twin.signals.rows import Row
 from tautline.twin.signals.sensors import Health
@@ -77,6 +78,7 @@ class Twin:
             *(self.operation.reads if self.operation else ()),
         ]))  # fmt: skip
         self.now, self.unsettled = np.nan, -np.inf
+        self.settling = Settling()
         self.restarts = 0
         self.notes = self.estimate.notes  # one list
         self.notes += self.operation.doubts(self.plan) if self.operation else []
@@ -231,6 +233,7 @@ class Twin:
         except StoppedEarly as again:
             raise StoppedEarly(again.status, row.time, "the twin, begun again where the sensors are") from again
         self.unsettled = row.time + max(SETTLING, self.plan.window)
+        self.settling.disturb(row.time)
 
     def _rest(self) -> None:
         """Put the simulations back to rest, with the parameters of the estimate."""
@@ -243,6 +246,8 @@ class Twin:
         """Which of the measured outputs count (m,)."""
         if self.readings.made_up:
             self.unsettled = row.time + SETTLING
+        if self.readings.led:
+            self.settling.disturb(row.time)
         return self.readings.believed(values) & (row.time >= self.unsettled)
 
     def _compare(
@@ -263,13 +268,17 @@ class Twin:
             sds = horizon.own(residual_sd, y0) if estimate.converged else residual_sd
             for (_, health), off, sd in zip(self._health_of_outputs(), residual, sds, strict=True):
                 health.contradict(row.time, off if health.fault == "" else np.nan, sd)
+        # A row of what is compared as means tells nothing by itself.
+        alone = self.operation is None or self.operation.mean == 0.0
+        off = np.where(self.readings.believed(values), residual, np.nan) if alone else np.full_like(residual, np.nan)
+        self.settling.follow(row.time, off, residual_sd, y)
         estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))
         estimate.log.rows.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
         estimate.relinearise()
         outputs = estimate.outputs(read)
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
-            self.outlook.fresh(row.time), row.time - horizon.changed,
+            self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
@@ -350,7 +359,7 @@ class Twin:
     @property
     def state_of_health(self) -> str:
         """Good, degraded or lost."""
-        return self.readings.state_of_health(settled=self.now >= self.unsettled)
+        return self.readings.state_of_health(settled=self.now >= self.unsettled and not self.settling.catching_up)
 
 
 def number(value: Any) -> Any:

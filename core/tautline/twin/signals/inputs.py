@@ -38,6 +38,10 @@ FAR = 2.0
 """Delays from an instant within which samples are looked at."""
 JUMP = 3.0
 """Speed from sample to sample, over the fastest seen, that is no motion but a break of the sensor."""
+SUDDEN = 10.0
+"""Change of speed in the interval of two samples that a machine may begin with, m/s2 (of an angle rad/s2)."""
+NOISE_APART = 8.0
+"""Standard deviations of the noise that two samples may be apart by."""
 
 
 class InputTrack:
@@ -67,11 +71,21 @@ class InputTrack:
         self._noises: deque[float] = deque(maxlen=NOISES)
         self._bends: deque[float] = deque(maxlen=NOISES)
         self._break = np.nan
+        self._seen, self.noise = 0.0, 0.0
 
     @property
     def joining(self) -> bool:
         """Whether a difference is being made up for."""
         return self.time < self._from + self._over
+
+    @property
+    def led(self) -> bool:
+        """Whether it moves by something else than its sensor: on its way to rest, or back to what is measured."""
+        return self.joining or (self.missing and abs(float(self.state[1])) > SLOW * self.fastest)
+
+    def part(self, time: float) -> None:
+        """Take notice that what was followed until a time is not believed: the input has to join its sensor anew."""
+        self._break = time
 
     def begin(self, value: float, time: float) -> None:
         """Stand at rest at a value: where the simulation begins."""
@@ -86,7 +100,8 @@ class InputTrack:
         # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
         if near.size == 0 or near[0] > 1e-9 or near[-1] < -1e-9:
             return self.hold(row.time)
-        found = smooth(times[good], values[good], row.time, reach, self._noise(values[good]))
+        self.noise = self._noise(values[good])
+        found = smooth(times[good], values[good], row.time, reach, self.noise)
         if row.after_gap or self._break == row.time or self.missing:
             # What made do without samples went on until now: it has not stood since the row before.
             self._join(found, self.hold(row.time))
@@ -94,7 +109,8 @@ class InputTrack:
         if row.time < self._from + self._over:
             found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
         else:
-            self.fastest = max(self.fastest, abs(float(found[1])))
+            self._seen = max(self._seen, abs(float(found[1])))
+            self.fastest = max(SPEED, self._seen)
         self.state, self.time = found, row.time
         return found
 
@@ -103,7 +119,10 @@ class InputTrack:
         keep = np.ones(len(values), bool)
         finite = np.flatnonzero(np.isfinite(values))
         speeds = np.abs(np.diff(values[finite])) / np.maximum(np.diff(times[finite]), 1e-9)
-        for i in np.flatnonzero(speeds > JUMP * self.fastest):
+        # Before rows have shown how an input moves it may begin with any usual speed.
+        floor = min(SPEED, SUDDEN * float(np.median(np.diff(times)))) if len(self._bends) >= ENOUGH else SPEED
+        spread = NOISE_APART * self.noise / np.maximum(np.diff(times[finite]), 1e-9)
+        for i in np.flatnonzero(speeds > JUMP * max(self._seen, floor) + spread):
             cut = times[finite[i + 1]]
             keep &= (times < cut) == (at < cut)
             if at == cut:
@@ -148,8 +167,9 @@ class InputTrack:
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
-        names = ("state", "time", "missing", "fastest", "_apart", "_from", "_over", "_held", "_held_at")
-        return {name: np.asarray(getattr(self, name)).tolist() for name in (*names, *LEARNED)}
+        state = ("state", "time", "missing", "fastest", "_seen", "noise")
+        names = (*state, "_apart", "_from", "_over", "_held", "_held_at", *LEARNED)
+        return {name: np.asarray(getattr(self, name)).tolist() for name in names}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""

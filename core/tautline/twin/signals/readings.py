@@ -13,6 +13,9 @@ from tautline.twin.signals.sensors import Health
 from tautline.twin.signals.smoothing import smooth
 from tautline.twin.signals.waves import Waves
 
+STILL = ("stuck", "clipped")
+"""Faults of a sensor that shows one value for a while."""
+
 
 class Readings:
     """Sensors of a plan: their rows, their health, and the motion of the inputs that they show.
@@ -49,7 +52,16 @@ class Readings:
                 self.zeros[i] = float(reading)
             zero = self.zeros.get(i, 0.0) if channel.zero_first else channel.zero
             start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
+            before = health.fault
             values[i] = health.check(row.time, channel.scale * (reading - zero) + start)
+            if channel.is_input and health.fault in STILL and before not in STILL:
+                # What it showed since it stands was believed until now.
+                for one in self.rows.past:
+                    if one.time > health.still_since:
+                        one.values[i] = np.nan
+                for track in self.tracks:
+                    if track.number == i:
+                        track.part(row.time)
         row.values = values
         return values
 
@@ -73,6 +85,11 @@ class Readings:
     def made_up(self) -> bool:
         """Whether an input is not measured now, or is on its way back to what is."""
         return any(track.missing or track.joining for track in self.tracks)
+
+    @property
+    def led(self) -> bool:
+        """Whether an input moves by something else than its sensor."""
+        return any(track.led for track in self.tracks)
 
     def state_of_health(self, settled: bool) -> str:
         """Good, degraded or lost."""
@@ -101,13 +118,16 @@ class Readings:
             if not np.isfinite(track.state).all() and begun:
                 track.begin(self.start[track.channel.name], row.time)
             values = np.array([self._in_si(one, track.number) for one in around])
+            if self.health[track.number].is_place:
+                values = self._without_stops(np.array([one.time for one in around]), values, self.health[track.number])
             if begun:
                 state = track.follow(around, values, row, reach)
             else:
                 state = self._first_state(track, around, values, row, reach)
             found.append((track.channel.name, state))
-            if track.channel.name in self.waves and not track.missing:
-                self.waves[track.channel.name].add(row.time, state)
+            if track.channel.name in self.waves:
+                # What is held too: a run ahead begins where the simulation stands, or its first step is a jump.
+                self.waves[track.channel.name].add(row.time, state, track.missing)
         return found
 
     def _in_si(self, row: Row, i: int) -> float:
@@ -121,6 +141,22 @@ class Readings:
         health = self.health[i]
         repeated = health.repeats(value)
         return value if channel.low <= value <= channel.high and not repeated else np.nan
+
+    def _without_stops(self, times: np.ndarray, values: np.ndarray, health: Health) -> np.ndarray:
+        """Values (n,) without those to come that stand still more abruptly than the motion ever changed."""
+        values = values.copy()
+        still, last = health.stands, health.last
+        for k in range(2, len(values)):
+            if times[k] <= self.rows.reached:
+                continue
+            if still:
+                still = bool(values[k] == last)
+            else:
+                last = values[k - 1]
+                still = bool(values[k] == last != 0.0 and health.stops(values[k - 1] - values[k - 2]))
+            if still:
+                values[k] = np.nan
+        return values
 
     def _first_state(
         self, track: InputTrack, around: Sequence[Row], values: np.ndarray, row: Row, reach: float

@@ -126,15 +126,14 @@ class Health:
             if self.fault in ("stuck", "out of range") or (self.fault == "clipped" and time >= self._until):
                 self._set("", "")
         if same and self._same == 2:
-            largest = max(self._changes, default=np.inf) if len(self._changes) >= ENOUGH else np.inf
             # A speed may be held from one sample to the next; a place may not.
-            self._abrupt = bool(not self._is_set and np.isfinite(self._step) and abs(self._step) > ABRUPT * largest)
+            self._abrupt = not self._is_set and self.stops(self._step)
         self._values.append(reading)
         self._last, self._largest = reading, max(self._largest, abs(reading))
         long = self._same >= SAME and time - self._same_from >= SHORTEST
         # A slack rope, or a string that stands, shows zero for as long as it likes; a depth of the hole is no motion.
         if not long or reading == 0.0 or not (self.channel.is_input or self.channel.is_output):
-            return reading if self.fault != "clipped" else np.nan
+            return reading if self.fault != "clipped" and not self.stands else np.nan
         at_edge = np.isfinite(width) and width > 0.0 and (reading <= low + width or reading >= high - width)
         # A ship never stands still to the last digit.
         ship = self.channel.waves and time - self._same_from >= STILL and np.ptp(self._values) > 0.0
@@ -147,6 +146,35 @@ class Health:
             kind, f"{self.channel.column} has shown {reading:.6g} {self.channel.unit} since {self._same_from:.6g} s"
         )
         return np.nan
+
+    @property
+    def is_place(self) -> bool:
+        """Whether it drives the simulation, and is no speed or torque that a machine is set to."""
+        return self.channel.is_input and not self._is_set
+
+    @property
+    def last(self) -> float:
+        """The last reading, in SI."""
+        return self._last
+
+    @property
+    def still_since(self) -> float:
+        """Since when it has shown the same, s."""
+        return self._same_from
+
+    @property
+    def stands(self) -> bool:
+        """Whether a place has stopped as no motion does: it is stuck, or will be seen not to be."""
+        return self.is_place and self._abrupt and self._same >= 2 and self._last != 0.0
+
+    def stops(self, step: float) -> bool:
+        """Whether a motion that goes so far from value to value cannot stop at the next one."""
+        if len(self._changes) < ENOUGH or not np.isfinite(step):
+            return False
+        if abs(step) > ABRUPT * max(self._changes):
+            return True
+        # Where noise never let two values be alike, no motion does.
+        return self._has_noise() and bool(np.diff(list(self._values)[: -self._same]).all())
 
     def _has_noise(self) -> bool:
         """Whether values used to change at random, before the last that are alike."""
