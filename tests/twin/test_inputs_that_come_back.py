@@ -185,3 +185,15 @@ def test_what_is_computed_is_judged_again_when_it_has_agreed_for_a_second_and_no
         settling.follow(0.1 * k, residual, sd, measured)
         assert settling.catching_up == (k < 40)
     assert settling.since == pytest.approx(4.0)
+
+
+def test_a_first_reading_far_from_the_start_of_the_scene_is_told_and_health_is_degraded():
+    far, near = Twin(HOIST, MAP), Twin(HOIST, MAP.replace("input: winch", "zero: first, input: winch"))
+    rows = [(t, {**r, "winch_pos": r["winch_pos"] + 100.0}) for t, r in finer_rows() if t <= 2.0]
+    told = [[line for stamp, readings in rows for line in twin.add(stamp, readings)] for twin in (far, near)]
+    note = [text for text in far.notes if "winch_pos begins at 100 m" in text]
+    assert len(note) == 1
+    assert "the scene begins at 0 m: write `zero: first`" in note[0]
+    assert {line["health"] for line in told[0]} == {"degraded"}
+    assert near.notes == []
+    assert "good" in {line["health"] for line in told[1]}

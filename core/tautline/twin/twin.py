@@ -30,6 +30,10 @@ from tautline.twin.signals.rows import Row
 from tautline.twin.signals.sensors import Health
 from tautline.twin.watch import Compared, Watch
 
+MANY = 5.0
+"""Standard deviations of a sensor from which on a computed value is not known well, where inputs are noisy."""
+NOISE_SHOWN = 12
+"""Rows that show how much noise inputs have before a load is moved by them."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
 
@@ -68,6 +72,8 @@ class Twin:
         self.plan, first = self._planned()
         self.readings = Readings(self.plan, {}, live)
         self.estimate = Estimate(self.plan, self._machine(first), self.operation, self.readings.rows)
+        if self.estimate.blows and self.plan.inputs:
+            self.readings.rows.fewest = NOISE_SHOWN
         self.watch = Watch(self.plan, self.readings.health, self.operation)
         self.outlook = Outlook(self.plan, self.readings.waves, self.estimate.state)
         self._begin_anew()
@@ -78,7 +84,7 @@ class Twin:
             *(self.operation.reads if self.operation else ()),
         ]))  # fmt: skip
         self.now, self.unsettled = np.nan, -np.inf
-        self.settling = Settling()
+        self.settling, self.unsure = Settling(), False
         self.restarts = 0
         self.notes = self.estimate.notes  # one list
         self.notes += self.operation.doubts(self.plan) if self.operation else []
@@ -156,7 +162,7 @@ class Twin:
         if self.estimate.from_rest:
             self.estimate.horizon.begin_again()
             self._rest()
-        inputs = self.readings.inputs(row, self.estimate.log.begun)
+        inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
         if not self.estimate.log.begun:
             self._begin_at(row, inputs)
         try:
@@ -174,6 +180,7 @@ class Twin:
         """Bring the simulations to where the sensors begin."""
         anywhere = self.operation is not None and self.operation.anywhere
         run_in = self.readings.begin(row, inputs, anywhere)
+        self.notes += self.readings.remarks()
         family, log = self.estimate.family, self.estimate.log
         begin = family.time
         log.origin = row.time - begin - run_in
@@ -257,6 +264,7 @@ class Twin:
         estimate, horizon = self.estimate, self.estimate.horizon
         read = dict(zip(self._read, estimate.family.read(self._read), strict=True))
         y = self.readings.measured(values)
+        horizon.shaken = self.readings.shaken
         y0, J = estimate.compared(read)
         tells = estimate.alike(read)
         believed = self._compare_units(row.time, y, y0, J, use, tells) & estimate.tame(J)
@@ -275,13 +283,23 @@ class Twin:
         estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))
         estimate.log.rows.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
         estimate.relinearise()
-        outputs = estimate.outputs(read)
+        outputs = self._with_noise_of_inputs(estimate.outputs(read), y0)
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
+
+    def _with_noise_of_inputs(self, outputs: dict[str, Any], y0: np.ndarray) -> dict[str, Any]:
+        """Outputs with what noisy inputs add to the deviations of those that are compared."""
+        horizon, more = self.estimate.horizon, dict(outputs)
+        sds, self.unsure = horizon.deviations(y0), False
+        for one, sd, shaken in zip(self.plan.measured, sds, horizon.of_inputs(y0), strict=True):
+            value, own = outputs[one.name]
+            more[one.name] = value, np.hypot(own, shaken)
+            self.unsure |= bool(self.readings.shaken and more[one.name][1] > MANY * sd)
+        return more
 
     def _health_of_outputs(self) -> list[tuple[str, Health]]:
         """Names and health of the measured outputs (m,)."""
@@ -359,7 +377,8 @@ class Twin:
     @property
     def state_of_health(self) -> str:
         """Good, degraded or lost."""
-        return self.readings.state_of_health(settled=self.now >= self.unsettled and not self.settling.catching_up)
+        followed = self.now >= self.unsettled and not self.settling.catching_up
+        return self.readings.state_of_health(settled=followed and not self.unsure)
 
 
 def number(value: Any) -> Any:

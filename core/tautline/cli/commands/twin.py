@@ -352,7 +352,7 @@ def record(
     """
     from tautline.integrators.status import StoppedEarly
     from tautline.results.target import check_record
-    from tautline.twin.record import Sensing, read_fault, read_gap
+    from tautline.twin.record import Sensing, read_fault, read_gap, read_input_noise
     from tautline.twin.record import record as recorded
 
     scene = changed(catalogue.read(path)[1], changes)
@@ -363,6 +363,7 @@ def record(
         dropout=_share("--dropout", given["dropout"]), jitter=_number("--jitter", given["jitter"], "s", 0.0),
         delay=_number("--delay", given["delay"], "s", 0.0), gaps=[read_gap(text) for text in given["gap"] or ()],
         faults=[read_fault(text) for text in given["fault"] or ()], seed=given["seed"],
+        input_noise=dict(read_input_noise(text) for text in given["input_noise"] or ()),
     )  # fmt: skip
     if not sensing.rate > 0.0:
         raise option_error("--rate", str(given["rate"]), "is no rate", "give rows a second, such as 10 Hz")

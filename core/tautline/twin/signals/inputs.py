@@ -14,7 +14,7 @@ import numpy as np
 
 from tautline.twin.map import Channel
 from tautline.twin.signals.rows import Row
-from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth
+from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth, smooth_widely, third_of
 
 JOIN = 3.0
 """Shortest time in which a difference is made up for, s."""
@@ -32,12 +32,16 @@ ENOUGH, UNKNOWN = 7, 4
 
 A machine that sets off at once must not pass for noise: a change of speed that takes two intervals bends three times
 three samples, which are the minority of seven."""
-LEARNED = ("_noises", "_bends")
+LEARNED = ("_noises", "_bends", "_thirds")
 """Names of what is known of the noise."""
 FAR = 2.0
 """Delays from an instant within which samples are looked at."""
 JUMP = 3.0
 """Speed from sample to sample, over the fastest seen, that is no motion but a break of the sensor."""
+LIKE_NOISE = 0.4
+"""Noise of fifth differences, over that of third ones, from which on it is noise and no motion."""
+SHAKEN = 0.02
+"""Second rate of a noise at the frequency of a bounce from which on it shakes a load, SI."""
 SUDDEN = 10.0
 """Change of speed in the interval of two samples that a machine may begin with, m/s2 (of an angle rad/s2)."""
 NOISE_APART = 8.0
@@ -70,6 +74,7 @@ class InputTrack:
         self._held, self._held_at = np.full(3, np.nan), np.nan
         self._noises: deque[float] = deque(maxlen=NOISES)
         self._bends: deque[float] = deque(maxlen=NOISES)
+        self._thirds: deque[float] = deque(maxlen=NOISES)
         self._break = np.nan
         self._seen, self.noise = 0.0, 0.0
 
@@ -83,6 +88,14 @@ class InputTrack:
         """Whether it moves by something else than its sensor: on its way to rest, or back to what is measured."""
         return self.joining or (self.missing and abs(float(self.state[1])) > SLOW * self.fastest)
 
+    @property
+    def shakes(self) -> bool:
+        """Whether its noise would make a load bounce: by its size, at the frequency of the bounce."""
+        if not self.bounce > 0.0 or not self.noise * (2.0 * np.pi / self.bounce) ** 2 > SHAKEN:
+            return False
+        # A motion changes less from the third difference to the fifth; noise is the same in all of them.
+        return bool(np.median(self._noises) > LIKE_NOISE * np.median(self._thirds))
+
     def part(self, time: float) -> None:
         """Take notice that what was followed until a time is not believed: the input has to join its sensor anew."""
         self._break = time
@@ -91,17 +104,31 @@ class InputTrack:
         """Stand at rest at a value: where the simulation begins."""
         self.state, self.time = np.array([value, 0.0, 0.0]), time
 
-    def follow(self, rows: Sequence[Row], values: np.ndarray, row: Row, reach: float) -> np.ndarray:
-        """State (3,) at a row, from the samples around it."""
+    def follow(
+        self, rows: Sequence[Row], values: np.ndarray, row: Row, reach: float, widest: float = 0.0
+    ) -> np.ndarray:
+        """State (3,) at a row, from the samples around it.
+
+        Parameters
+        ----------
+        reach : float
+            How far away from the row samples are taken, s.
+        widest : float
+            The same of a sensor whose noise would shake the load, s.
+        """
         times = np.array([one.time for one in rows])
         good = np.isfinite(values) & self._one_side(times, values, row.time)
-        good &= np.abs(times - row.time) <= FAR * reach + 1e-9
+        good &= np.abs(times - row.time) <= max(FAR * reach, widest) + 1e-9
         near = times[good & (np.abs(times - row.time) <= reach + 1e-9)] - row.time
         # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
         if near.size == 0 or near[0] > 1e-9 or near[-1] < -1e-9:
             return self.hold(row.time)
-        self.noise = self._noise(values[good])
-        found = smooth(times[good], values[good], row.time, reach, self.noise)
+        self.look(values[good])
+        found = None
+        if self.shakes and widest > reach:
+            found = smooth_widely(times[good], values[good], row.time, widest, reach, self.noise)
+        if found is None:
+            found = smooth(times[good], values[good], row.time, reach, self.noise)
         if row.after_gap or self._break == row.time or self.missing:
             # What made do without samples went on until now: it has not stood since the row before.
             self._join(found, self.hold(row.time))
@@ -129,6 +156,10 @@ class InputTrack:
                 self._break = at
         return keep
 
+    def look(self, values: np.ndarray) -> None:
+        """See how much noise samples (n,) have, the newest last."""
+        self.noise = self._noise(values)
+
     def _noise(self, values: np.ndarray) -> float:
         """Standard deviation of the sensor: as the map says, or as the samples show.
 
@@ -137,6 +168,7 @@ class InputTrack:
         # At the first row all samples that are there tell, and later each that is new.
         for end in range(values.size if self._noises else min(values.size, 6), values.size + 1):
             self._noises.append(noise_of(values[:end]))
+            self._thirds.append(third_of(values[:end]))
         for end in range(values.size if self._bends else min(values.size, 3), values.size + 1):
             self._bends.append(bend_of(values[:end]))
         unknown = UNKNOWN * [0.0] if len(self._bends) < ENOUGH else []

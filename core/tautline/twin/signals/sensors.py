@@ -35,6 +35,8 @@ GAP = 4.0
 """Time since the last value, over that before it, that is a gap."""
 ABRUPT = 4.0
 """Change of the step from value to value, over the largest seen, that no motion makes."""
+BRAKED = 2.0
+"""Change of speed in an interval that a machine stops with, m/s2; between rows that come slowly any may stop."""
 EDGE = 1e-6
 TEN = (8.0, 12.5)
 """Ratio of measured and computed value that looks like a slip of a unit by 10."""
@@ -69,7 +71,7 @@ class Health:
         self.begun = np.nan
         self._values: deque[float] = deque(maxlen=HISTORY)
         self._changes: deque[float] = deque(maxlen=HISTORY)
-        self._same, self._same_from, self._abrupt = 1, np.nan, False
+        self._same, self._same_from, self._abrupt, self._stopped = 1, np.nan, False, False
         self._last, self._step = np.nan, np.nan
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
@@ -127,7 +129,8 @@ class Health:
                 self._set("", "")
         if same and self._same == 2:
             # A speed may be held from one sample to the next; a place may not.
-            self._abrupt = not self._is_set and self.stops(self._step)
+            self._abrupt = not self._is_set and self._is_abrupt(self._step)
+            self._stopped = self.stops(self._step, self._passed)
         self._values.append(reading)
         self._last, self._largest = reading, max(self._largest, abs(reading))
         long = self._same >= SAME and time - self._same_from >= SHORTEST
@@ -165,16 +168,22 @@ class Health:
     @property
     def stands(self) -> bool:
         """Whether a place has stopped as no motion does: it is stuck, or will be seen not to be."""
-        return self.is_place and self._abrupt and self._same >= 2 and self._last != 0.0
+        return self.is_place and self._stopped and self._same >= 2 and self._last != 0.0
 
-    def stops(self, step: float) -> bool:
-        """Whether a motion that goes so far from value to value cannot stop at the next one."""
-        if len(self._changes) < ENOUGH or not np.isfinite(step):
+    def stops(self, step: float, interval: float) -> bool:
+        """Whether a motion that goes so far from value to value, in an interval, s, cannot stop at the next one."""
+        if not abs(step) > BRAKED * interval**2:
             return False
-        if abs(step) > ABRUPT * max(self._changes):
+        if self._is_abrupt(step):
             return True
         # Where noise never let two values be alike, no motion does.
-        return self._has_noise() and bool(np.diff(list(self._values)[: -self._same]).all())
+        never = bool(np.diff(list(self._values)[: -self._same]).all())
+        return never and len(self._changes) >= ENOUGH and self._has_noise()
+
+    def _is_abrupt(self, step: float) -> bool:
+        """Whether a step from value to value is so large that one to nothing was never seen."""
+        enough = len(self._changes) >= ENOUGH and np.isfinite(step)
+        return bool(enough and abs(step) > ABRUPT * max(self._changes))
 
     def _has_noise(self) -> bool:
         """Whether values used to change at random, before the last that are alike."""
