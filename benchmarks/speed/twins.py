@@ -1,6 +1,6 @@
 """How long a twin takes for a row, and what an hour of data does to it: written into docs/twin.md.
 
-``python -m benchmarks.speed.twins [--hour]``. Time is that of the thread: what else runs on the machine is not in it.
+``python -m benchmarks.speed.twins [--hour | --noise]``. Time is that of the thread: what else runs is not in it.
 """
 
 from __future__ import annotations
@@ -56,6 +56,8 @@ estimate:
 window: 3 s
 ahead: 2 s
 """
+NOISES = (0.0, 0.0002, 0.0005, 0.001, 0.002, 0.005)
+"""Noise of the inputs of a hoist, m."""
 SCENES = {"hoist": (HOIST, 20.0, 12.5), "sixteen_falls": (FALLS, 100.0, 20.0), "jwell": (JWELL, 50.0, 30.0)}
 """Scene -> map, what a row may take in the 99th percentile, ms, and the length of the record, s."""
 
@@ -137,6 +139,28 @@ def hour(length: float) -> str:
     return "; ".join(parts) + ".\n"
 
 
+def noise() -> str:
+    """What noise of winch and motion sensor does to the weight and the tension of the hoist, by its size."""
+    fine = {"mesh.elements_per_span": 8, "solver.step": "2 ms", "bodies[0].mass": "5.3 t"}
+    plan, scene = HOIST.replace("1 %", "500 N"), ROOT / "data" / "hoist.yaml"
+    rows = []
+    for size in NOISES:
+        sensing = Sensing(seed=1, rate=RATE, input_noise={"winch": size, "heave": size})
+        twin = Twin(scene, plan)
+        lines: list[dict[str, Any]] = []
+        for stamp, readings in record(tautline.read(scene).replace(fine), read_map(plan), sensing, 12.0):
+            lines += twin.add(stamp, readings)
+            twin.work()
+        late = [line for line in lines + twin.finish() if line["time"] > 4.0]
+        off = np.array([line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late]) / 1e3
+        mass = late[-1]["estimates"]["payload.mass"]
+        good = 100.0 * np.mean([line["health"] == "good" for line in late])
+        found = f"{mass['value']:.0f} ± {2.0 * mass['sd']:.0f} kg"
+        rows.append([f"{1e3 * size:g} mm", f"{off.std():.1f} kN", f"{abs(off).max():.1f} kN", found, f"{good:.0f} %"])
+    header = ["noise", "computed less measured, sd", "largest", "weight at the end, two sd", "rows with good health"]
+    return table(header, rows)
+
+
 def write(mark: str, text: str) -> None:
     """Put a text between its marks in the page."""
     begin, end = f"<!-- {mark}: written by benchmarks/speed/twins.py -->\n", f"<!-- end of {mark} -->\n"
@@ -150,8 +174,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hour", action="store_true", help="an hour of calm hoisting in waves, in place of times")
     parser.add_argument("--length", type=float, default=3600.0, help="of it, s")
+    parser.add_argument("--noise", action="store_true", help="what noise of its inputs does to a twin, instead")
     given = parser.parse_args(arguments)
-    if given.hour:
+    if given.noise:
+        write("noise", noise())
+    elif given.hour:
         write("hour", hour(given.length))
     else:
         write("times", rows_of_scenes())

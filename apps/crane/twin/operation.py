@@ -22,6 +22,8 @@ from tautline.twin.operation import Operation
 
 FOUND = {"rope.damage": "", "rope.damage_place": "m"}
 """What it finds, and the units."""
+TENSIONS = ("tension", "axial_force", "drum_tension", "max_tension", "min_tension")
+"""Outputs of a whole rope that is never pressed together."""
 COLUMNS = 3 + np.arange(9)
 """Where the columns of a rotation are behind the place of a frame."""
 
@@ -37,6 +39,9 @@ class Lifting(Operation):
     def __init__(self, scene: CraneScene) -> None:
         self._heights = _heights_on_ground(scene)
         self.reads: Sequence[str] = ("min_tension", *self._heights)
+        if scene.rope.compression == "none":
+            drums = [f"{one.name}.tension" for one in scene.path if isinstance(one, Drum)]
+            self.pulled = frozenset((*TENSIONS, *drums))
 
     def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
         """All sensors, while in every simulation the rope is taut and no load touches the ground."""

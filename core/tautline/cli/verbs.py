@@ -157,6 +157,9 @@ Serve = Annotated[
 Lines = Annotated[bool, typer.Option("--json", help="Print a JSON object a sample on standard output, SI units.")]
 RecordFile = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", help="Where to.")]
 RowRate = Annotated[str, typer.Option("--rate", help="Rows a second.")]
+InputNoise = Annotated[
+    list[str] | None, typer.Option("--input-noise", metavar="COLUMN:SIZE", help="Of an input: winch_pos:0.001.")
+]
 Noise = Annotated[str | None, typer.Option("--noise", help="Of measured outputs, as a share: 1 %.")]
 SensorDelay = Annotated[str | None, typer.Option("--delay", help="Of measured outputs.")]
 Dropout = Annotated[str | None, typer.Option("--dropout", help="Share of rows that do not arrive.")]
@@ -461,6 +464,7 @@ def record(
     end: End = None,
     rate: RowRate = "10 Hz",
     noise: Noise = None,
+    input_noise: InputNoise = None,
     delay: SensorDelay = None,
     dropout: Dropout = None,
     jitter: Jitter = None,
@@ -474,8 +478,9 @@ def record(
     from tautline.cli.commands import twin as verb
 
     given = verb.RecordOptions(
-        rate=rate, noise=noise, delay=delay, dropout=dropout, jitter=jitter, gap=gap, fault=fault, seed=seed
-    )
+        rate=rate, noise=noise, delay=delay, dropout=dropout, jitter=jitter, gap=gap, fault=fault, seed=seed,
+        input_noise=input_noise,
+    )  # fmt: skip
     verb.record(context.obj, scene, map, output, changes, end, given, as_json, force)
 
 

@@ -6,7 +6,7 @@ bit is not known, or off bottom, where the hook load shows the friction. The twi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Protocol
@@ -52,6 +52,8 @@ class Operation(Protocol):
         a phase that nobody knows. A window is gone through anew from rest then. 0 for rows one by one.
     anywhere : bool
         Whether positions with ``zero: first`` count from where the machine stands whenever it begins anew.
+    pulled : collection of str
+        Outputs that are never negative: tensions of what cannot push.
     """
 
     outputs: Mapping[str, str] = MappingProxyType({})
@@ -60,6 +62,7 @@ class Operation(Protocol):
     window: float | None = None
     mean: float = 0.0
     anywhere: bool = False
+    pulled: Collection[str] = ()
 
     def built(self, sim: Any) -> None:
         """Take notice of the simulation that stands for the machine from now on, at its start."""

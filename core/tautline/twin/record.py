@@ -7,7 +7,7 @@ its faults. The simulation is that of the scene: what it moves, it moves by its 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,6 +26,7 @@ SIZED = ("bias", "drift", "scale", "clip", "spike")
 MOST_ROWS = 1.0e8
 """Rows that a record may have."""
 EXAMPLE = "write COLUMN:KIND:FROM:TO[:SIZE], such as rope_tension:bias:4:8:5"
+NOISE_EXAMPLE = "write COLUMN:SIZE in the unit of the column, such as winch_pos:0.001"
 GAP_EXAMPLE = "write FROM:TO in s, such as 4:8"
 
 
@@ -50,6 +51,8 @@ class Sensing:
         Rows a second.
     noise : float
         Standard deviation of measured outputs as a share of their value; inputs have that of the map.
+    input_noise : mapping
+        Column of an input -> its standard deviation in the unit of the column, instead of that of the map.
     dropout : float
         Share of rows that do not arrive.
     jitter : float
@@ -67,6 +70,7 @@ class Sensing:
     dropout: float = 0.0
     jitter: float = 0.0
     delay: float = 0.0
+    input_noise: Mapping[str, float] = field(default_factory=dict)
     gaps: Sequence[tuple[float, float]] = ()
     faults: Sequence[Fault] = ()
     seed: int = 0
@@ -118,6 +122,10 @@ def record(
     for fault in sensing.faults:
         if fault.column not in known:
             raise option_error("--fault", fault.column, "there is no such column", nearest(fault.column, sorted(known)))
+    driving = {one.column for one in plan.channels if one.is_input}
+    for column in sensing.input_noise:
+        if column not in driving:
+            raise option_error("--input-noise", column, "is no column of an input", nearest(column, sorted(driving)))
     last = sim.model.solver.end if end is None else end
     if last * sensing.rate > MOST_ROWS:
         cause = f"is {last * sensing.rate:.2g} rows, and a record has {MOST_ROWS:.0e} at most"
@@ -187,6 +195,9 @@ def _noisy(
     if sensing.noise > 0.0:
         measured = np.array([c.is_output for c in channels])
         size = np.where(measured, sensing.noise * np.abs(values), size)
+    for k, one in enumerate(channels):
+        if one.column in sensing.input_noise:
+            size[k] = abs(one.scale) * sensing.input_noise[one.column]
     return values + size * rng.standard_normal(len(values))
 
 
@@ -210,6 +221,18 @@ def read_fault(text: str) -> Fault:
     if kind not in SIZED and size is not None:
         raise option_error("--fault", text, f"has a size, and {kind} has none", f"write {':'.join(parts[:4])}")
     return Fault(parts[0], kind, begin, end, size or 0.0)
+
+
+def read_input_noise(text: str) -> tuple[str, float]:
+    """Column and standard deviation of a noise as they are written in the option; raises SceneError."""
+    column, _, size = text.rpartition(":")
+    try:
+        sd = float(size)
+    except ValueError:
+        sd = np.nan
+    if not column or not np.isfinite(sd) or sd < 0.0:
+        raise option_error("--input-noise", text, "is no noise of an input", NOISE_EXAMPLE)
+    return column, sd
 
 
 def read_gap(text: str) -> tuple[float, float]:

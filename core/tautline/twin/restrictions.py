@@ -55,28 +55,35 @@ class Outlook:
         self.found: Found | None = None
         self.restricted: list[dict[str, Any]] = []
         self._job: Iterator[None] | None = None
+        self._due: tuple[float, Mapping[str, np.ndarray]] | None = None
         self._next_forecast = self._next_restrict = -np.inf
 
     def foresee(self, time: float, inputs: Mapping[str, np.ndarray]) -> None:
         """Begin a run ahead from a row with its inputs (3,), where one is due."""
-        if self.forecast is None or self._job is not None or time < self._next_forecast - 1e-9:
+        if self.forecast is None or self._job is not None:
             return
-        self._next_forecast = time + self.plan.forecast_every
-        self._job = self._run(self.forecast, time, inputs)
+        if self._due is None:
+            if time < self._next_forecast - 1e-9:
+                return
+            self._next_forecast = time + self.plan.forecast_every
+        # Rows may come before there is time for it: then it begins from the last of them, where the simulation stands.
+        self._due = time, inputs
 
     def work(self, seconds: float | None = None) -> bool:
         """Look ahead for at most so many seconds, or to the end; whether something is left."""
         end = np.inf if seconds is None else clock.perf_counter() + seconds
-        while self._job is not None and clock.perf_counter() < end:
+        while (self._job is not None or self._due is not None) and clock.perf_counter() < end:
+            if self._job is None and self._due is not None and self.forecast is not None:
+                self._job, self._due = self._run(self.forecast, *self._due), None
             try:
-                next(self._job)
+                next(self._job or iter(()))
             except StopIteration:
                 self._job = None
-        return self._job is not None
+        return self._job is not None or self._due is not None
 
     def drop(self, found: Found | None = None) -> None:
         """Leave what is under way: the machine is not where it was. What is known of the time ahead is `found`."""
-        self._job, self.found = None, found
+        self._job, self._due, self.found = None, None, found
 
     def fresh(self, time: float) -> Found | None:
         """What was found, if that is not too long ago."""

@@ -24,11 +24,16 @@ from tautline.twin.forecast import Forecast, Found
 from tautline.twin.map import Plan, TwinMap, checked, driven_by, read_map
 from tautline.twin.operation import Operation
 from tautline.twin.restrictions import Outlook
+from tautline.twin.settling import Settling
 from tautline.twin.signals.readings import Readings
 from tautline.twin.signals.rows import Row
 from tautline.twin.signals.sensors import Health
 from tautline.twin.watch import Compared, Watch
 
+MANY = 5.0
+"""Standard deviations of a sensor from which on a computed value is not known well, where inputs are noisy."""
+NOISE_SHOWN = 12
+"""Rows that show how much noise inputs have before a load is moved by them."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
 
@@ -67,6 +72,8 @@ class Twin:
         self.plan, first = self._planned()
         self.readings = Readings(self.plan, {}, live)
         self.estimate = Estimate(self.plan, self._machine(first), self.operation, self.readings.rows)
+        if self.estimate.blows and self.plan.inputs:
+            self.readings.rows.fewest = NOISE_SHOWN
         self.watch = Watch(self.plan, self.readings.health, self.operation, getattr(self.scene, "units", "si"))
         self.outlook = Outlook(self.plan, self.readings.waves, self.estimate.state)
         self._begin_anew()
@@ -77,6 +84,7 @@ class Twin:
             *(self.operation.reads if self.operation else ()),
         ]))  # fmt: skip
         self.now, self.unsettled = np.nan, -np.inf
+        self.settling, self.unsure = Settling(), False
         self.restarts = 0
         self.notes = self.estimate.notes  # one list
         self.notes += self.operation.doubts(self.plan) if self.operation else []
@@ -154,7 +162,7 @@ class Twin:
         if self.estimate.from_rest:
             self.estimate.horizon.begin_again()
             self._rest()
-        inputs = self.readings.inputs(row, self.estimate.log.begun)
+        inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
         if not self.estimate.log.begun:
             self._begin_at(row, inputs)
         try:
@@ -172,6 +180,7 @@ class Twin:
         """Bring the simulations to where the sensors begin."""
         anywhere = self.operation is not None and self.operation.anywhere
         run_in = self.readings.begin(row, inputs, anywhere)
+        self.notes += self.readings.remarks()
         family, log = self.estimate.family, self.estimate.log
         begin = family.time
         log.origin = row.time - begin - run_in
@@ -231,6 +240,7 @@ class Twin:
         except StoppedEarly as again:
             raise StoppedEarly(again.status, row.time, "the twin, begun again where the sensors are") from again
         self.unsettled = row.time + max(SETTLING, self.plan.window)
+        self.settling.disturb(row.time)
 
     def _rest(self) -> None:
         """Put the simulations back to rest, with the parameters of the estimate."""
@@ -243,6 +253,8 @@ class Twin:
         """Which of the measured outputs count (m,)."""
         if self.readings.made_up:
             self.unsettled = row.time + SETTLING
+        if self.readings.led:
+            self.settling.disturb(row.time)
         return self.readings.believed(values) & (row.time >= self.unsettled)
 
     def _compare(
@@ -252,6 +264,7 @@ class Twin:
         estimate, horizon = self.estimate, self.estimate.horizon
         read = dict(zip(self._read, estimate.family.read(self._read), strict=True))
         y = self.readings.measured(values)
+        horizon.shaken = self.readings.shaken
         y0, J = estimate.compared(read)
         tells = estimate.alike(read)
         believed = self._compare_units(row.time, y, y0, J, use, tells) & estimate.tame(J)
@@ -263,16 +276,30 @@ class Twin:
             sds = horizon.own(residual_sd, y0) if estimate.converged else residual_sd
             for (_, health), off, sd in zip(self._health_of_outputs(), residual, sds, strict=True):
                 health.contradict(row.time, off if health.fault == "" else np.nan, sd)
+        # A row of what is compared as means tells nothing by itself.
+        alone = self.operation is None or self.operation.mean == 0.0
+        off = np.where(self.readings.believed(values), residual, np.nan) if alone else np.full_like(residual, np.nan)
+        self.settling.follow(row.time, off, residual_sd, y)
         estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))
         estimate.log.rows.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
         estimate.relinearise()
-        outputs = estimate.outputs(read)
+        outputs = self._with_noise_of_inputs(estimate.outputs(read), y0)
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
-            self.outlook.fresh(row.time), row.time - horizon.changed,
+            self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
+
+    def _with_noise_of_inputs(self, outputs: dict[str, Any], y0: np.ndarray) -> dict[str, Any]:
+        """Outputs with what noisy inputs add to the deviations of those that are compared."""
+        horizon, more = self.estimate.horizon, dict(outputs)
+        sds, self.unsure = horizon.deviations(y0), False
+        for one, sd, shaken in zip(self.plan.measured, sds, horizon.of_inputs(y0), strict=True):
+            value, own = outputs[one.name]
+            more[one.name] = value, np.hypot(own, shaken)
+            self.unsure |= bool(self.readings.shaken and more[one.name][1] > MANY * sd)
+        return more
 
     def _health_of_outputs(self) -> list[tuple[str, Health]]:
         """Names and health of the measured outputs (m,)."""
@@ -350,7 +377,8 @@ class Twin:
     @property
     def state_of_health(self) -> str:
         """Good, degraded or lost."""
-        return self.readings.state_of_health(settled=self.now >= self.unsettled)
+        followed = self.now >= self.unsettled and not self.settling.catching_up
+        return self.readings.state_of_health(settled=followed and not self.unsure)
 
 
 def number(value: Any) -> Any:

@@ -20,6 +20,12 @@ TOLD = {
     "OFF_WHEEL": "rope off its sheave ahead", "SLACK_ON_WHEEL": "slack rope on a sheave ahead",
 }  # fmt: skip
 """Names of alarms where the simulation cannot go on."""
+BY_PLACE = ("TWO_BLOCKED", "RUN_OUT", "DRUM_FULL")
+"""Those that come by where a winch is, even while a load bounces as the machine's does not."""
+CATCHING_UP = "catching up"
+"""Name of the alarm that what is computed is not judged."""
+NOT_AHEAD = "cannot look ahead"
+"""Name of the alarm that the simulation stops on the way ahead, and not because of what the machine does."""
 STOPPED = "simulation stopped"
 """Name of the alarm that the simulation was begun again."""
 WHY_OFF = "zero and unit of the sensor, or the scene's weights, are not right, and no estimate makes up for it"
@@ -48,6 +54,10 @@ class Compared:
         What will come, if that was found lately.
     changed : float
         How long ago the last readings contradicted all others, s; infinite where they have not.
+    judged_from : float
+        Time from which on what is computed, or foreseen, is judged, s; infinite while inputs are caught up with.
+    led_until : float
+        Time until which an input did not go as its sensor says, s.
     """
 
     time: float
@@ -60,6 +70,14 @@ class Compared:
     converged: bool
     ahead: Found | None
     changed: float = np.inf
+    judged_from: float = -np.inf
+    led_until: float = -np.inf
+
+    @property
+    def foreseen(self) -> Found | None:
+        """What will come, of a run ahead that began where the machine is."""
+        ahead = self.ahead if self.converged else None
+        return ahead if ahead is not None and ahead.begun >= self.judged_from else None
 
 
 class Watch:
@@ -99,6 +117,8 @@ class Watch:
         text = "the last readings contradict those before: friction, weight or path is another now, and estimated anew"
         self.alarms.judge(CHANGED, row.changed < SHOWN, row.time, text)
         self.alarms.judge(STOPPED, False, row.time, "")
+        text = "an input was missing or not believed: only what is measured is judged until what is computed agrees"
+        self.alarms.judge(CATCHING_UP, row.time < row.judged_from, row.time, text)
 
     def stopped(self, time: float, text: str) -> None:
         """Take notice that the simulation was begun again."""
@@ -116,8 +136,8 @@ class Watch:
 
     def _judge_output(self, one: Alarm, row: Compared, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
-        computed, ahead = row.outputs.get(one.target), row.ahead
-        known = computed is not None and row.converged
+        computed, ahead = row.outputs.get(one.target), row.foreseen
+        known = computed is not None and row.converged and row.time >= row.judged_from
         values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
         text, holds = "", bool(now)
@@ -159,13 +179,21 @@ class Watch:
 
     def _judge_ahead(self, row: Compared) -> None:
         """Where the simulation ahead cannot go on, such as with two blocks together."""
-        ahead = row.ahead if row.converged else None
+        ahead = row.ahead if row.converged and row.ahead and row.ahead.begun > row.led_until else None
         stopped = ahead.stopped if ahead is not None else None
+        if stopped is not None and stopped[1] not in BY_PLACE and ahead is not row.foreseen:
+            stopped = None
         for status, name in TOLD.items():
             holds = stopped is not None and stopped[1] == status
             left = max(0.0, ahead.begun + stopped[0] - row.time) if holds and ahead and stopped else 0.0
             text = f"{name.removesuffix(' ahead')} in {left:.1f} s if all goes on as now"
             self.alarms.judge(name, holds, row.time, text)
+        blind = stopped is not None and stopped[1] not in TOLD
+        text = ""
+        if stopped is not None and blind:
+            why = stopped[1].lower().replace("_", " ")
+            text = f"the simulation stops {stopped[0]:.2g} s ahead ({why}): what comes after that is not foreseen"
+        self.alarms.judge(NOT_AHEAD, blind, row.time, text)
 
 
 def said(value: float, unit: str, system: str = "si") -> str:

@@ -347,6 +347,7 @@ class RecordOptions:
     gap: Sequence[str] | None
     fault: Sequence[str] | None
     seed: int
+    input_noise: Sequence[str] | None
 
 
 def record(
@@ -367,7 +368,7 @@ def record(
     """
     from tautline.integrators.status import StoppedEarly
     from tautline.results.output_path import check_record
-    from tautline.twin.record import Sensing, read_fault, read_gap
+    from tautline.twin.record import Sensing, read_fault, read_gap, read_input_noise
     from tautline.twin.record import record as recorded
 
     scene = changed(catalogue.read(path)[1], changes)
@@ -378,6 +379,7 @@ def record(
         dropout=_share("--dropout", given.dropout), jitter=_number("--jitter", given.jitter, "s", 0.0),
         delay=_number("--delay", given.delay, "s", 0.0), gaps=[read_gap(text) for text in given.gap or ()],
         faults=[read_fault(text) for text in given.fault or ()], seed=given.seed,
+        input_noise=dict(read_input_noise(text) for text in given.input_noise or ()),
     )  # fmt: skip
     if not sensing.rate > 0.0:
         raise option_error("--rate", given.rate, "is no rate", "give rows a second, such as 10 Hz")

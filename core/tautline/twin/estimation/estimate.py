@@ -47,6 +47,10 @@ LATE = 8
 """Means of rows that are held against all others of a window."""
 FEWEST = 5
 """Rows that are worth going through anew."""
+STRUCK_STEP, STRUCK_STEPS = 0.02, 150
+"""Interval, s, and number of looks at a load that was struck, to see how fast it bounces."""
+SAME_BOUNCE = 0.2
+"""Share by which a period that is found anew may be another without counting as one."""
 APART = 0.1
 """How far neighbours are off, over the standard deviation at the start."""
 SWINGING = 0.003
@@ -118,6 +122,7 @@ class Estimate:
         self._pending: list[Sample] = []
         self._gathered: list[Sample] = []
         self._slopes: list[deque[np.ndarray]] = []
+        self._bounce = 0.0
         self.build(plan, machine)
         free = [_as_unknown(one) for one in self.blows]
         late = LATE if self._mean else 0
@@ -201,7 +206,11 @@ class Estimate:
         if not self._seen:
             return states[0], {}
         at = self.horizon.mean[self._parameters]
-        weights = (self.horizon.mean - self.horizon.theta0)[self._seen] / self.family.apart
+        moved = (self.horizon.mean - self.horizon.theta0)[self._seen]
+        p = len(self._parameters)
+        # What free motion the difference of the neighbours holds is no part of their derivative.
+        moved[p:] -= self.family.mixed @ moved[:p]
+        weights = moved / self.family.apart
         memory = self.family.simulations[0].parts.memory
         block = memory.combine(states[0].block, [s.block for s in states[1:]], weights)
         return replace(states[0], block=block), dict(zip(self.family.names, at.tolist(), strict=True))
@@ -262,7 +271,11 @@ class Estimate:
         found: dict[str, Any] = {}
         for name, values in read.items():
             J = self.family.derivatives(values)
-            found[name] = (values[0] + J @ shift, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
+            value = values[0] + J @ shift
+            if self.operation is not None and name in self.operation.pulled and np.min(values) >= 0.0:
+                # None of the simulations has it: a rope is slack before it pushes.
+                value = np.maximum(value, 0.0)
+            found[name] = (value, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
         return found
 
     @property
@@ -398,6 +411,32 @@ class Estimate:
             use = row.use & self.alike(read)
             found.append(Sample(row.time, np.where(use, row.y, np.nan), y0, J, use))
         return found
+
+    def bounce(self) -> float:
+        """Period of the free motion, s, as its derivative shows; 0 where there is none, or none is known yet."""
+        samples = self.horizon.samples
+        if self.blows and self._bounce == 0.0:
+            self._bounce = self._first_bounce()
+        if self.blows and len(samples) >= 2 * FEWEST:
+            J = np.array([one.J[:, len(self.plan.unknowns) :] for one in samples])
+            turns = int(np.count_nonzero(np.diff(np.sign(J), axis=0), axis=0).max(initial=0))
+            found = 2.0 * (samples[-1].time - samples[0].time) / turns if turns >= 2 else 0.0
+            if found and abs(found - self._bounce) > SAME_BOUNCE * self._bounce:
+                self._bounce = found
+        return self._bounce
+
+    def _first_bounce(self) -> float:
+        """The same before there are rows: of the scene at its start, struck and left alone, s."""
+        names = [one.name for one in self.plan.measured]
+        calm, struck = self._first.copy(), self._first.copy()
+        struck.displace(self.blows[0].output, self.blows[0].by)
+        found = []
+        for at in STRUCK_STEP * np.arange(1, STRUCK_STEPS + 1):
+            for sim in (calm, struck):
+                sim.advance_to(self._first.time + at)
+            found.append([float(struck[name]) - float(calm[name]) for name in names])
+        turns = int(np.count_nonzero(np.diff(np.sign(found), axis=0), axis=0).max(initial=0))
+        return 2.0 * STRUCK_STEP * STRUCK_STEPS / turns if turns else np.inf
 
     @property
     def _quarter(self) -> float:

@@ -106,6 +106,8 @@ class Horizon:
     variance, alike, learned : (m,)
         Of what is left unexplained: its variance where no noise is given, over how many samples it stays alike, and
         how often that was learned.
+    shaken : bool
+        Whether inputs are so noisy that the load bounces in the simulation by that.
     released : float
         Time at which the prior was released for the last time; minus infinity.
     since, changed : float
@@ -137,6 +139,7 @@ class Horizon:
         self.released, self._contradicted = -np.inf, np.nan
         self.rough = np.zeros((m, k))
         self.largest = np.zeros(m)
+        self.shaken = False
         self.variance = np.zeros(m)
         self.alike, self.learned = np.ones(m), np.zeros(m)
 
@@ -400,11 +403,15 @@ class Horizon:
     def expected(self, sample: Sample) -> tuple[np.ndarray, np.ndarray]:
         """What is expected of a sample before it is taken: residuals (m,), and their standard deviations."""
         y0 = sample.y0 + sample.J @ (self.mean - self.theta0) if self.unknowns else sample.y0
-        sd = self.deviations(sample.y0) * np.sqrt(np.clip(self.spread, 1.0, 9.0))
+        sd = self.deviations(sample.y0) * np.sqrt(np.clip(self.spread, 1.0, np.inf if self.shaken else 9.0))
         own = np.zeros_like(sd)
         if self.unknowns:
             own = np.einsum("mi,ij,mj->m", sample.J, self.covariance, sample.J)
         return np.where(sample.use, sample.y - y0, np.nan), np.sqrt(sd**2 + own)
+
+    def of_inputs(self, y0: np.ndarray) -> np.ndarray:
+        """Standard deviations (m,) of what noisy inputs make of computed values (m,), as residuals show it."""
+        return self.deviations(y0) * np.sqrt(np.maximum(self.spread - 1.0, 0.0)) * self.shaken
 
     def own(self, residual_sd: np.ndarray, y0: np.ndarray) -> np.ndarray:
         """Standard deviations of residuals (m,) without what the sensors are believed to be worse than is given."""

@@ -14,10 +14,12 @@ import numpy as np
 
 from tautline.twin.map import Channel
 from tautline.twin.signals.rows import Row
-from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth
+from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth, smooth_widely, third_of
 
 JOIN = 3.0
 """Shortest time in which a difference is made up for, s."""
+BOUNCES = 5.0
+"""And at least in so many periods in which a load bounces: so slowly that it does not bounce by that."""
 SPEED = 1.0
 """Speed at which a large difference is made up for where nothing faster was measured, SI."""
 SAME = 1e-9
@@ -30,12 +32,20 @@ ENOUGH, UNKNOWN = 7, 4
 
 A machine that sets off at once must not pass for noise: a change of speed that takes two intervals bends three times
 three samples, which are the minority of seven."""
-LEARNED = ("_noises", "_bends")
+LEARNED = ("_noises", "_bends", "_thirds")
 """Names of what is known of the noise."""
 FAR = 2.0
 """Delays from an instant within which samples are looked at."""
 JUMP = 3.0
 """Speed from sample to sample, over the fastest seen, that is no motion but a break of the sensor."""
+LIKE_NOISE = 0.4
+"""Noise of fifth differences, over that of third ones, from which on it is noise and no motion."""
+SHAKEN = 0.02
+"""Second rate of a noise at the frequency of a bounce from which on it shakes a load, SI."""
+SUDDEN = 10.0
+"""Change of speed in the interval of two samples that a machine may begin with, m/s2 (of an angle rad/s2)."""
+NOISE_APART = 8.0
+"""Standard deviations of the noise that two samples may be apart by."""
 
 
 class InputTrack:
@@ -49,6 +59,8 @@ class InputTrack:
         Whether there is no sample of it near.
     joining : bool
         Whether a difference is being made up for.
+    bounce : float
+        Period in which a load bounces on its rope, s; 0 as long as none is known.
     """
 
     def __init__(self, channel: Channel, number: int) -> None:
@@ -57,40 +69,75 @@ class InputTrack:
         self.time = np.nan
         self.missing = False
         self.fastest = SPEED
+        self.bounce = 0.0
         self._apart, self._from, self._over = np.zeros(3), -np.inf, 1.0
         self._held, self._held_at = np.full(3, np.nan), np.nan
         self._noises: deque[float] = deque(maxlen=NOISES)
         self._bends: deque[float] = deque(maxlen=NOISES)
+        self._thirds: deque[float] = deque(maxlen=NOISES)
         self._break = np.nan
+        self._seen, self.noise = 0.0, 0.0
 
     @property
     def joining(self) -> bool:
         """Whether a difference is being made up for."""
         return self.time < self._from + self._over
 
+    @property
+    def led(self) -> bool:
+        """Whether it moves by something else than its sensor: on its way to rest, or back to what is measured."""
+        return self.joining or (self.missing and abs(float(self.state[1])) > SLOW * self.fastest)
+
+    @property
+    def shakes(self) -> bool:
+        """Whether its noise would make a load bounce: by its size, at the frequency of the bounce."""
+        if not self.bounce > 0.0 or not self.noise * (2.0 * np.pi / self.bounce) ** 2 > SHAKEN:
+            return False
+        # A motion changes less from the third difference to the fifth; noise is the same in all of them.
+        return bool(np.median(self._noises) > LIKE_NOISE * np.median(self._thirds))
+
+    def part(self, time: float) -> None:
+        """Take notice that what was followed until a time is not believed: the input has to join its sensor anew."""
+        self._break = time
+
     def begin(self, value: float, time: float) -> None:
         """Stand at rest at a value: where the simulation begins."""
         self.state, self.time = np.array([value, 0.0, 0.0]), time
 
-    def follow(self, rows: Sequence[Row], values: np.ndarray, row: Row, reach: float) -> np.ndarray:
-        """State (3,) at a row, from the samples around it."""
+    def follow(
+        self, rows: Sequence[Row], values: np.ndarray, row: Row, reach: float, widest: float = 0.0
+    ) -> np.ndarray:
+        """State (3,) at a row, from the samples around it.
+
+        Parameters
+        ----------
+        reach : float
+            How far away from the row samples are taken, s.
+        widest : float
+            The same of a sensor whose noise would shake the load, s.
+        """
         times = np.array([one.time for one in rows])
         good = np.isfinite(values) & self._one_side(times, values, row.time)
-        good &= np.abs(times - row.time) <= FAR * reach + 1e-9
+        good &= np.abs(times - row.time) <= max(FAR * reach, widest) + 1e-9
         near = times[good & (np.abs(times - row.time) <= reach + 1e-9)] - row.time
         # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
         if near.size == 0 or near[0] > 1e-9 or near[-1] < -1e-9:
             return self.hold(row.time)
-        found = smooth(times[good], values[good], row.time, reach, self._noise(values[good]))
-        if (row.after_gap or self._break == row.time) and not self.missing:
-            self.hold(row.time)
-        if self.missing:
-            self._join(found, row.time)
+        self.look(values[good])
+        found = None
+        if self.shakes and widest > reach:
+            found = smooth_widely(times[good], values[good], row.time, widest, reach, self.noise)
+        if found is None:
+            found = smooth(times[good], values[good], row.time, reach, self.noise)
+        if row.after_gap or self._break == row.time or self.missing:
+            # What made do without samples went on until now: it has not stood since the row before.
+            self._join(found, self.hold(row.time))
         self.missing = False
         if row.time < self._from + self._over:
             found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
         else:
-            self.fastest = max(self.fastest, abs(float(found[1])))
+            self._seen = max(self._seen, abs(float(found[1])))
+            self.fastest = max(SPEED, self._seen)
         self.state, self.time = found, row.time
         return found
 
@@ -99,12 +146,19 @@ class InputTrack:
         keep = np.ones(len(values), bool)
         finite = np.flatnonzero(np.isfinite(values))
         speeds = np.abs(np.diff(values[finite])) / np.maximum(np.diff(times[finite]), 1e-9)
-        for i in np.flatnonzero(speeds > JUMP * self.fastest):
+        # Before rows have shown how an input moves it may begin with any usual speed.
+        floor = min(SPEED, SUDDEN * float(np.median(np.diff(times)))) if len(self._bends) >= ENOUGH else SPEED
+        spread = NOISE_APART * self.noise / np.maximum(np.diff(times[finite]), 1e-9)
+        for i in np.flatnonzero(speeds > JUMP * max(self._seen, floor) + spread):
             cut = times[finite[i + 1]]
             keep &= (times < cut) == (at < cut)
             if at == cut:
                 self._break = at
         return keep
+
+    def look(self, values: np.ndarray) -> None:
+        """See how much noise samples (n,) have, the newest last."""
+        self.noise = self._noise(values)
 
     def _noise(self, values: np.ndarray) -> float:
         """Standard deviation of the sensor: as the map says, or as the samples show.
@@ -114,6 +168,7 @@ class InputTrack:
         # At the first row all samples that are there tell, and later each that is new.
         for end in range(values.size if self._noises else min(values.size, 6), values.size + 1):
             self._noises.append(noise_of(values[:end]))
+            self._thirds.append(third_of(values[:end]))
         for end in range(values.size if self._bends else min(values.size, 3), values.size + 1):
             self._bends.append(bend_of(values[:end]))
         unknown = UNKNOWN * [0.0] if len(self._bends) < ENOUGH else []
@@ -127,11 +182,12 @@ class InputTrack:
         self.state, self.time = coming_to_rest(self._held, time - self._held_at), time
         return self.state
 
-    def _join(self, found: np.ndarray, time: float) -> None:
-        """Begin to make up for the difference between where the simulation stands and what is measured."""
-        self._apart = self.state - found
-        self._from = time
-        self._over = max(JOIN, 1.875 * abs(float(self._apart[0])) / self.fastest)
+    def _join(self, found: np.ndarray, held: np.ndarray) -> None:
+        """Begin to make up for the difference between where the simulation stands (3,) and what is measured (3,)."""
+        self._apart = held - found
+        self._from = self.time
+        slowly = max(JOIN, BOUNCES * self.bounce)
+        self._over = max(slowly, 1.875 * abs(float(self._apart[0])) / self.fastest)
 
     def joining_from_rest(self, found: np.ndarray, run_in: float) -> float:
         """How long the simulation runs before the first row, s: nothing where it stands where the sensor says."""
@@ -143,8 +199,9 @@ class InputTrack:
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
-        names = ("state", "time", "missing", "fastest", "_apart", "_from", "_over", "_held", "_held_at")
-        return {name: np.asarray(getattr(self, name)).tolist() for name in (*names, *LEARNED)}
+        state = ("state", "time", "missing", "fastest", "_seen", "noise")
+        names = (*state, "_apart", "_from", "_over", "_held", "_held_at", *LEARNED)
+        return {name: np.asarray(getattr(self, name)).tolist() for name in names}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""

@@ -7,12 +7,18 @@ from itertools import takewhile
 
 import numpy as np
 
-from tautline.twin.map import Plan
+from tautline.scene.values.printed import quantity
+from tautline.twin.map import Channel, Plan
 from tautline.twin.signals.inputs import SLOW, InputTrack
-from tautline.twin.signals.rows import Row, Rows
+from tautline.twin.signals.rows import DELAY, Row, Rows
 from tautline.twin.signals.sensors import Health
-from tautline.twin.signals.smoothing import smooth
+from tautline.twin.signals.smoothing import smooth, smooth_widely
 from tautline.twin.signals.waves import Waves
+
+SMOOTHED = 2.0
+"""Periods of the bounce, before a row and after it, that noisy inputs are smoothed over."""
+STILL = ("stuck", "clipped")
+"""Faults of a sensor that shows one value for a while."""
 
 
 class Readings:
@@ -31,6 +37,8 @@ class Readings:
     ----------
     zeros : dict
         Number of a channel with ``zero: first`` -> the reading that counts as zero.
+    far : dict
+        Input -> where it began, SI, so far from the scene's start that they hardly count from the same place.
     """
 
     def __init__(self, plan: Plan, start: Mapping[str, float], live: bool) -> None:
@@ -42,6 +50,8 @@ class Readings:
         self.tracks = [InputTrack(one, i) for i, one in enumerate(plan.channels) if one.is_input]
         self.waves = {one.name: Waves() for one in plan.inputs if one.waves}
         self.zeros: dict[int, float] = {}
+        self.far: dict[str, float] = {}
+        self._remarks: list[str] = []
 
     def checked(self, row: Row) -> np.ndarray:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
@@ -54,9 +64,18 @@ class Readings:
             zero = self.zeros.get(i, 0.0) if channel.zero_first else channel.zero
             start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
             following = [channel.scale * (one.values[i] - zero) + start for one in coming]
+            before = health.fault
             values[i] = health.check(row.time, channel.scale * (reading - zero) + start, following)
             if np.isfinite(health.left_out):
                 self.rows.counts["with a reading that jumped away and back"] += 1
+            if channel.is_input and health.fault in STILL and before not in STILL:
+                # What it showed since it stands was believed until now.
+                for one in self.rows.past:
+                    if one.time > health.still_since:
+                        one.values[i] = np.nan
+                for track in self.tracks:
+                    if track.number == i:
+                        track.part(row.time)
         row.values = values
         return values
 
@@ -81,41 +100,65 @@ class Readings:
         """Whether an input is not measured now, or is on its way back to what is."""
         return any(track.missing or track.joining for track in self.tracks)
 
+    @property
+    def led(self) -> bool:
+        """Whether an input moves by something else than its sensor."""
+        # A machine may set another speed at once.
+        return any(track.led and (track.missing or self.health[track.number].is_place) for track in self.tracks)
+
+    def remarks(self) -> list[str]:
+        """Sentences on what the first readings show, each of them given once."""
+        said, self._remarks = self._remarks, []
+        return said
+
     def state_of_health(self, settled: bool) -> str:
         """Good, degraded or lost."""
         lost = [health.fault == "lost" for health in self.health]
         if all(lost) or any(track.missing and self.health[track.number].fault == "lost" for track in self.tracks):
             return "lost"
         poor = any(one.fault or one.contradicts or one.jumping(one.seen) for one in self.health) or self.made_up
-        return "degraded" if poor or not settled else "good"
+        return "degraded" if poor or self.far or not settled else "good"
 
     # -- inputs --------------------------------------------------------------------------------------------------------
 
-    def inputs(self, row: Row, begun: bool) -> list[tuple[str, np.ndarray]]:
+    def inputs(self, row: Row, begun: bool, bounce: float = 0.0) -> list[tuple[str, np.ndarray]]:
         """Inputs and their states (3,) at a row.
 
         Parameters
         ----------
         begun : bool
             Whether the simulations stand where the data are, so that a motion has to go on from where it was.
+        bounce : float
+            Period in which a load bounces on its rope, s; 0 as long as none is known.
         """
         around = self.rows.around(row)
-        reach = self.rows.patience
+        widest = self.rows.patience
+        reach = min(widest, DELAY * self.rows.interval) if self.rows.delay is None else widest
         if not np.isfinite(reach):
             reach = self.rows.interval if np.isfinite(self.rows.interval) else 1.0
         found = []
         for track in self.tracks:
+            track.bounce = bounce
             if not np.isfinite(track.state).all() and begun:
                 track.begin(self.start[track.channel.name], row.time)
             values = np.array([self._in_si(one, track.number) for one in around])
+            if self.health[track.number].is_place:
+                values = self._without_stops(np.array([one.time for one in around]), values, self.health[track.number])
             if begun:
-                state = track.follow(around, values, row, reach)
+                state = track.follow(around, values, row, reach, widest)
             else:
                 state = self._first_state(track, around, values, row, reach)
             found.append((track.channel.name, state))
-            if track.channel.name in self.waves and not track.missing:
-                self.waves[track.channel.name].add(row.time, state)
+            if track.channel.name in self.waves:
+                # What is held too: a run ahead begins where the simulation stands, or its first step is a jump.
+                self.waves[track.channel.name].add(row.time, state, track.missing)
+        self.rows.wanted = SMOOTHED * bounce if self.shaken else 0.0
         return found
+
+    @property
+    def shaken(self) -> bool:
+        """Whether an input is so noisy that a load would bounce by that."""
+        return any(track.shakes for track in self.tracks)
 
     def _in_si(self, row: Row, i: int) -> float:
         """A value of a row that is still to come, as `checked` will have it."""
@@ -129,6 +172,24 @@ class Readings:
         repeated = health.repeats(value)
         return value if channel.low <= value <= channel.high and not repeated else np.nan
 
+    def _without_stops(self, times: np.ndarray, values: np.ndarray, health: Health) -> np.ndarray:
+        """Values (n,) without those to come that stand still more abruptly than the motion ever changed."""
+        values = values.copy()
+        still, last = health.stands, health.last
+        for k in range(2, len(values)):
+            if times[k] <= self.rows.reached:
+                continue
+            if still:
+                still = bool(values[k] == last)
+            else:
+                last = values[k - 1]
+                still = bool(
+                    values[k] == last != 0.0 and health.stops(values[k - 1] - values[k - 2], times[k] - times[k - 1])
+                )
+            if still:
+                values[k] = np.nan
+        return values
+
     def _first_state(
         self, track: InputTrack, around: Sequence[Row], values: np.ndarray, row: Row, reach: float
     ) -> np.ndarray:
@@ -136,7 +197,12 @@ class Readings:
         times = np.array([one.time for one in around])
         if not good.any():
             return np.array([self.start[track.channel.name], 0.0, 0.0])
-        return smooth(times[good], values[good], row.time, reach)
+        found = None
+        if track.bounce > 0.0:
+            track.look(values[good])
+        if track.shakes:
+            found = smooth_widely(times[good], values[good], row.time, SMOOTHED * track.bounce, reach, track.noise)
+        return smooth(times[good], values[good], row.time, reach) if found is None else found
 
     def begin(self, row: Row, inputs: Sequence[tuple[str, np.ndarray]], anywhere: bool) -> float:
         """Let motions begin at a row; gives how long the simulations need to come to them from rest, s.
@@ -149,6 +215,11 @@ class Readings:
         run_in = 0.0
         for track, (name, state) in zip(self.tracks, inputs, strict=True):
             track.begin(self.start[name], row.time)
+            begun_far = abs(float(state[0]) - self.start[name]) * 1.875 > track.fastest * self.run_in
+            place = self.health[track.number].is_place and not track.channel.zero_first and not anywhere
+            if begun_far and place and name not in self.far:
+                self.far[name] = float(state[0])
+                self._remarks.append(_far_said(track.channel, float(state[0]), self.start[name]))
             if anywhere and track.channel.zero_first:
                 self._count_anew(track, state)
             run_in = max(run_in, track.joining_from_rest(state, self.run_in))
@@ -170,3 +241,12 @@ class Readings:
         self.zeros[i] = self.zeros.get(i, 0.0) - off / track.channel.scale
         for row in self.rows.past:
             row.values[i] += off
+
+
+def _far_said(channel: Channel, begins: float, start: float) -> str:
+    """A sensor and its scene that begin at different places, in words, and what to do."""
+    there, here = quantity(begins, channel.unit), quantity(start, channel.unit)
+    return (
+        f"{channel.column} begins at {there}; the scene begins at {here}: write `zero: first` where the machine stands "
+        f"as in the scene, or give its `zero`, or the scene's start. Until then health is degraded"
+    )

@@ -83,6 +83,10 @@ class Rows:
         How many SI units one of a column is: what is absurd is so in either.
     interval : float
         The sample interval, s; NaN until it is known.
+    wanted : float
+        How long rows are to wait at least where the map gives no delay, s: what noisy inputs are smoothed over.
+    fewest : int
+        Rows that are to be there before the first is handed on: they show the noise of inputs.
     newest : float
         Largest time of a row so far, s; minus infinity before the first.
     """
@@ -108,6 +112,7 @@ class Rows:
         self._clock: deque[tuple[float, float]] = deque(maxlen=600)
         self.clock_rate = 0.0
         self.known_interval = np.nan
+        self.wanted, self.fewest = 0.0, 1
 
     @property
     def interval(self) -> float:
@@ -121,7 +126,7 @@ class Rows:
         """How long a row waits for others, s."""
         if self.delay is not None:
             return self.delay
-        return DELAY * self.interval if np.isfinite(self.interval) else np.inf
+        return max(DELAY * self.interval, self.wanted) if np.isfinite(self.interval) else np.inf
 
     def add(self, time: float, values: Mapping[str, float], arrived: float = 0.0) -> None:
         """Take a record of the source."""
@@ -240,6 +245,8 @@ class Rows:
             self._insert(self._suspect)
             self._suspect = None
         if not self.waiting:
+            return None
+        if self.reached == -np.inf and len(self.waiting) < self.fewest and not end:
             return None
         row = self.waiting[0]
         behind = self._suspect is not None or any(one.after_gap for one in self.waiting[1:])

@@ -35,6 +35,8 @@ GAP = 4.0
 """Time since the last value, over that before it, that is a gap."""
 ABRUPT = 4.0
 """Change of the step from value to value, over the largest seen, that no motion makes."""
+BRAKED = 2.0
+"""Change of speed in an interval that a machine stops with, m/s2; between rows that come slowly any may stop."""
 EDGE = 1e-6
 TEN = (8.0, 12.5)
 """Ratio of measured and computed value that looks like a slip of a unit by 10."""
@@ -83,7 +85,7 @@ class Health:
         self.begun = np.nan
         self._values: deque[float] = deque(maxlen=HISTORY)
         self._changes: deque[float] = deque(maxlen=HISTORY)
-        self._same, self._same_from, self._abrupt = 1, np.nan, False
+        self._same, self._same_from, self._abrupt, self._stopped = 1, np.nan, False, False
         self._last, self._step = np.nan, np.nan
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
@@ -177,15 +179,15 @@ class Health:
             if self.fault in ("stuck", "out of range") or (self.fault == "clipped" and time >= self._until):
                 self._set("", "")
         if same and self._same == 2:
-            largest = max(self._changes, default=np.inf) if len(self._changes) >= ENOUGH else np.inf
             # A speed may be held from one sample to the next; a place may not.
-            self._abrupt = bool(not self._is_set and np.isfinite(self._step) and abs(self._step) > ABRUPT * largest)
+            self._abrupt = not self._is_set and self._is_abrupt(self._step)
+            self._stopped = self.stops(self._step, self._passed)
         self._values.append(reading)
         self._last, self._largest = reading, max(self._largest, abs(reading))
         long = self._same >= SAME and time - self._same_from >= SHORTEST
         # A slack rope, or a string that stands, shows zero for as long as it likes; a depth of the hole is no motion.
         if not long or reading == 0.0 or not (self.channel.is_input or self.channel.is_output):
-            return reading if self.fault != "clipped" else np.nan
+            return reading if self.fault != "clipped" and not self.stands else np.nan
         at_edge = np.isfinite(width) and width > 0.0 and (reading <= low + width or reading >= high - width)
         # A ship never stands still to the last digit.
         ship = self.channel.waves and time - self._same_from >= STILL and np.ptp(self._values) > 0.0
@@ -196,6 +198,41 @@ class Health:
         kind = "clipped" if at_edge or cut else "stuck"
         self._set(kind, f"{self.channel.column} has shown {self.channel.told(reading)} since {self._same_from:.6g} s")
         return np.nan
+
+    @property
+    def is_place(self) -> bool:
+        """Whether it drives the simulation, and is no speed or torque that a machine is set to."""
+        return self.channel.is_input and not self._is_set
+
+    @property
+    def last(self) -> float:
+        """The last reading, in SI."""
+        return self._last
+
+    @property
+    def still_since(self) -> float:
+        """Since when it has shown the same, s."""
+        return self._same_from
+
+    @property
+    def stands(self) -> bool:
+        """Whether a place has stopped as no motion does: it is stuck, or will be seen not to be."""
+        return self.is_place and self._stopped and self._same >= 2 and self._last != 0.0
+
+    def stops(self, step: float, interval: float) -> bool:
+        """Whether a motion that goes so far from value to value, in an interval, s, cannot stop at the next one."""
+        if not abs(step) > BRAKED * interval**2:
+            return False
+        if self._is_abrupt(step):
+            return True
+        # Where noise never let two values be alike, no motion does.
+        never = bool(np.diff(list(self._values)[: -self._same]).all())
+        return never and len(self._changes) >= ENOUGH and self._has_noise()
+
+    def _is_abrupt(self, step: float) -> bool:
+        """Whether a step from value to value is so large that one to nothing was never seen."""
+        enough = len(self._changes) >= ENOUGH and np.isfinite(step)
+        return bool(enough and abs(step) > ABRUPT * max(self._changes))
 
     def _has_noise(self) -> bool:
         """Whether values used to change at random, before the last that are alike."""

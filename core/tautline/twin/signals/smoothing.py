@@ -19,6 +19,10 @@ FEWEST = 5
 """Samples that a cubic takes."""
 ACCEPTED = 1.5
 """Residual of a fit over the noise with which its order is high enough."""
+WIDELY = 2.0
+"""The same of a cubic that is laid widely: how large noise is is known to a half only."""
+CUBIC = 7
+"""And samples that a cubic takes which is laid widely."""
 AT_EDGE = 4
 """Highest order where samples are on one side only."""
 UNRESOLVED = 0.02
@@ -28,7 +32,7 @@ WILD = 1.0
 STEADY = 0.02
 """Bend of three samples, over the largest nearby, below which they are on a line."""
 FIFTH = 252.0**0.5
-REST = 1.0
+REST = 0.7
 """Time constant with which a motion comes to rest where samples are missing, s."""
 
 
@@ -90,6 +94,51 @@ def smooth(times: np.ndarray, values: np.ndarray, at: float, reach: float, noise
     return np.array([found[0] + x[0], found[1] / h, 2.0 * found[2] / h**2])
 
 
+def smooth_widely(
+    times: np.ndarray, values: np.ndarray, at: float, widest: float, narrowest: float, noise: float
+) -> np.ndarray | None:
+    """Value, rate and second rate (3,) at an instant, from so many samples that noise does not shake a load.
+
+    A cubic is laid through the samples with the weights of a raised cosine, which lets hardly anything through that is
+    quicker than half its width. It is as wide as the motion is a cubic but for noise; where samples are mostly on
+    one side it is a parabola.
+
+    Parameters
+    ----------
+    times, values : (n,)
+        Samples in order, s and SI.
+    at : float
+        s.
+    widest, narrowest : float
+        How far away samples are taken from, s.
+    noise : float
+        Standard deviation of the samples, SI.
+
+    Returns
+    -------
+    (3,) or None
+        None where there are too few samples.
+    """
+    wide, found = widest, None
+    while wide >= narrowest - 1e-9:
+        near = np.abs(times - at) <= wide + 1e-9
+        t, x = times[near] - at, values[near]
+        if t.size < CUBIC:
+            return found
+        edge = wide * (1.0 + 2.0 / t.size)
+        root = np.cos(0.5 * np.pi * t / edge)
+        order = 3 if min(-t[0], t[-1]) > 0.5 * wide else 2
+        powers = (t / wide)[:, None] ** np.arange(order + 1)
+        fit = np.linalg.lstsq(powers * root[:, None], (x - x[0]) * root, rcond=None)[0]
+        left = (x - x[0] - powers @ fit) * root
+        found = np.array([fit[0] + x[0], fit[1] / wide, 2.0 * fit[2] / wide**2])
+        if left @ left <= (WIDELY * noise) ** 2 * float(root @ root) * (1.0 - (order + 1) / t.size):
+            break
+        wide *= 0.8
+    # What is not met so is a change of speed: the narrowest follows it best, and no noise is laid through.
+    return found
+
+
 def _unresolved(t: np.ndarray, y: np.ndarray, rates: list[float], share: float) -> bool:
     """Whether the rate still changes by a share of the range of slopes with the last two orders of a fit."""
     slopes = np.diff(y) / np.diff(t)
@@ -129,10 +178,22 @@ def bend_of(values: np.ndarray) -> float:
     return abs(float(np.diff(values, 2)[-1])) / 6.0**0.5 if values.size >= 3 else 0.0
 
 
+def third_of(values: np.ndarray) -> float:
+    """Size of the noise by the last third difference of six neighbouring samples; as `noise_of`, with more motion."""
+    return abs(float(np.diff(values, 3)[-1])) / 20.0**0.5 if values.size >= 6 else 0.0
+
+
 def coming_to_rest(state: np.ndarray, after: float) -> np.ndarray:
-    """Value, rate and second rate of what comes to rest from a state (3,), a time after it."""
+    """Value, rate and second rate of what comes to rest from a state (3,), a time after it.
+
+    The rate dies away as a critically damped oscillator: the second rate goes on from where it was too, for what jumps
+    in it sets off a load that bounces on its rope.
+    """
     left = np.exp(-after / REST)
-    return np.array([state[0] + state[1] * REST * (1.0 - left), state[1] * left, -state[1] / REST * left])
+    change = state[2] + state[1] / REST
+    way = REST * state[1] * (1.0 - left) + REST**2 * change * (1.0 - left * (1.0 + after / REST))
+    rate = (state[1] + change * after) * left
+    return np.array([state[0] + way, rate, change * left - rate / REST])
 
 
 def joined(apart: np.ndarray, share: float, over: float) -> np.ndarray:

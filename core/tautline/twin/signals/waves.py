@@ -10,6 +10,8 @@ from collections import deque
 
 import numpy as np
 
+from tautline.twin.signals.smoothing import coming_to_rest, joined
+
 MEMORY = 180.0
 """Over how long motions are remembered, s."""
 STEP = 0.25
@@ -17,6 +19,8 @@ STEP = 0.25
 ORDER = 48
 """Samples that the next one is predicted from."""
 FEWEST = 4 * ORDER
+FORGOTTEN = 20.0 * STEP
+"""Time without a sample after which what was before tells nothing of a motion, s."""
 NOISE = 1e-6
 """Share of the variance that is taken for noise, so that the equations can be solved."""
 
@@ -29,14 +33,20 @@ class Waves:
         self._next = -np.inf
         self._state = np.zeros(3)
         self._time = 0.0
+        self._held_from = np.nan
         self._coefficients: np.ndarray | None = None
         self._fitted = 0
 
-    def add(self, time: float, state: np.ndarray) -> None:
-        """Take the motion's value, rate and second rate (3,) at a time, s."""
-        if time - self._next > 20.0 * STEP or self._next == -np.inf:
+    def add(self, time: float, state: np.ndarray, held: bool = False) -> None:
+        """Take the motion's value, rate and second rate (3,) at a time, s; held is what no sensor shows now."""
+        back = not held and time - self._held_from > FORGOTTEN
+        if back or time - self._next > FORGOTTEN or self._next == -np.inf:
             self._values.clear()
             self._next = time
+        if not held:
+            self._held_from = np.nan
+        elif not np.isfinite(self._held_from):
+            self._held_from = time
         before, at = self._state, self._time
         while self._next <= time + 1e-9:
             share = (self._next - at) / (time - at) if time > at else 1.0
@@ -56,6 +66,8 @@ class Waves:
 
     def ahead(self, times: np.ndarray) -> np.ndarray:
         """Value, rate and second rate (n, 3) at times ahead (n,), s from the newest on."""
+        if np.isfinite(self._held_from):
+            return np.array([coming_to_rest(self._state, after) for after in times])
         if len(self._values) < FEWEST:
             return _at_speed(self._state, times)
         x = np.array(self._values)
@@ -103,8 +115,6 @@ class Waves:
             Value, rate and second rate.
         """
         from scipy.interpolate import CubicSpline
-
-        from tautline.twin.signals.smoothing import joined
 
         x = np.array(self._values)
         begin = self._next - STEP - self._time - STEP * np.arange(len(x))[::-1]

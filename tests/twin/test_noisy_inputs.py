@@ -1,0 +1,92 @@
+"""Noise of the inputs: a load does not bounce in the simulation by it, and what it makes unknown is said."""
+
+import numpy as np
+import pytest
+from twin.test_inputs_that_come_back import MAP, QUIET, RATE, UNTRUE
+
+import tautline
+from tautline.scene.errors import SceneError
+from tautline.twin.map import read_map
+from tautline.twin.record import Sensing, read_input_noise, record
+from tautline.twin.signals.smoothing import smooth_widely
+from tautline.twin.twin import Twin
+
+HOIST = "data/hoist.yaml"
+TRUE_MASS = 5300.0
+
+
+def noisy(size):
+    """Lines of a twin of the finer model's rows, with noise of both inputs, m."""
+    fine = {"mesh.elements_per_span": 8, "solver.step": "2 ms", "bodies[0].mass": "5.3 t"}
+    sensing = Sensing(seed=1, rate=RATE, input_noise={"winch_pos": size, "heave": size})
+    twin, lines = Twin(HOIST, MAP), []
+    for stamp, readings in record(tautline.read(HOIST).replace(fine), read_map(MAP), sensing, 12.0):
+        lines += twin.add(stamp, readings)
+        twin.work()
+    return lines + twin.finish()
+
+
+def test_a_millimetre_of_noise_of_the_inputs_moves_the_tension_by_little_and_raises_no_alarm():
+    lines = noisy(0.001)
+    late = [line for line in lines if line["time"] > QUIET]
+    off = [line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late]
+    # It was 136 kN, with 8336 +- 3643 kg.
+    assert np.std(off) < 3e3
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(TRUE_MASS, rel=0.01)
+    raised = {one["name"] for line in late for one in line["alarms"]}
+    assert not UNTRUE & raised
+
+
+def test_a_wide_cubic_lets_nothing_of_a_bounce_through_and_follows_a_wave():
+    t, period = 0.05 * np.arange(100), 0.3
+    w = 2.0 * np.pi / 8.0
+    shaking = 0.001 * np.sin(2.0 * np.pi / period * t)
+    found = smooth_widely(t, 0.5 * np.sin(w * t) + shaking, t[50], 2.0 * period, 0.15, 0.001)
+    assert found is not None
+    exact = 0.5 * np.array([np.sin(w * t[50]), w * np.cos(w * t[50]), -w * w * np.sin(w * t[50])])
+    assert found[0] == pytest.approx(exact[0], abs=1e-4)
+    # A millimetre at that frequency is 0.44 m/s2.
+    assert found[2] == pytest.approx(exact[2], abs=0.01)
+
+
+def test_a_computed_value_of_many_deviations_of_its_sensor_is_degraded_where_inputs_shake_it():
+    twin = Twin(HOIST, MAP)
+    for track in twin.readings.tracks:
+        track.bounce, track.noise = 0.3, 0.01
+    horizon = twin.estimate.horizon
+    horizon.shaken, horizon.spread[:] = True, 100.0
+    found = twin._with_noise_of_inputs({"winch.tension": (50e3, 0.0)}, np.array([50e3]))
+    assert found["winch.tension"][1] == pytest.approx(500.0 * 99.0**0.5)
+    assert twin.state_of_health == "degraded"
+
+
+def test_a_run_ahead_begins_with_the_tension_that_is_computed():
+    twin, tried = Twin(HOIST, MAP), 0
+    sim = twin.estimate.family.simulations[0].copy()
+    for stamp, readings in record(tautline.read(HOIST), read_map(MAP), Sensing(seed=1, rate=RATE), 4.0):
+        lines = twin.add(stamp, readings)
+        if stamp > 3.0 and lines and twin.estimate.family.mixed.any():
+            state, parameters = twin.estimate.state()
+            sim.restore(state)
+            for name, value in parameters.items():
+                sim.parameters[name] = value
+            read = dict(zip(["winch.tension"], twin.estimate.family.read(["winch.tension"]), strict=True))
+            computed = twin.estimate.outputs(read)["winch.tension"][0]
+            assert sim["winch.tension"] == pytest.approx(computed, rel=0.02)
+            tried += 1
+    assert tried > 5
+
+
+def test_the_noise_of_an_input_that_record_is_given_is_in_its_column_alone_and_nonsense_is_refused():
+    scene = tautline.read(HOIST)
+    plain = np.array([list(r.values()) for _, r in record(scene, read_map(MAP), Sensing(rate=RATE), 4.0)])
+    one = Sensing(rate=RATE, input_noise={"winch_pos": 0.01})
+    noise = np.array([list(r.values()) for _, r in record(scene, read_map(MAP), one, 4.0)]) - plain
+    assert noise[:, 0].std() == pytest.approx(0.01, rel=0.25)
+    assert not noise[:, 1].any()
+    assert read_input_noise("winch_pos:0.001") == ("winch_pos", 0.001)
+    for text in ("winch_pos", "winch_pos:much", "winch_pos:-1", ":1"):
+        with pytest.raises(SceneError):
+            read_input_noise(text)
+    with pytest.raises(SceneError, match="is no column of an input"):
+        next(record(scene, read_map(MAP), Sensing(input_noise={"rope_tension": 1.0}), 1.0))
