@@ -76,4 +76,4 @@ def test_two_blocking_is_told_by_its_name_time_and_sheave():
     begin = "two-blocking at 12.98 s: a hook or block has reached `boom tip`. Stop hoisting earlier. "
     assert stop.line.startswith(begin) and stop.status.name == "TWO_BLOCKED"
     other = StoppedEarly(Status.RUN_OUT, 2.5, "winch: x")
-    assert other.line == f"stopped at t = 2.5 s, winch: x: {other.sentence}"
+    assert other.line == f"stopped at t = 2.5 s, winch: {other.sentence}"

@@ -155,7 +155,7 @@ def test_the_import_contracts_hold():
 def test_every_room_of_an_application_has_its_layer_in_a_contract(name):
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = project["tool"]["importlinter"]["contracts"]
-    layers = next((c["layers"] for c in contracts if c["name"] == f"the rooms of {name}"), ())
+    layers = next((c["layers"] for c in contracts if c["name"] == f"the folders of {name}"), ())
     placed = {room.strip() for layer in layers for room in layer.split("|")}
     rooms = {p.stem for p in (ROOT / "apps" / name).glob("*.py")} - {"__init__", "main"}
     rooms |= {p.parent.name for p in (ROOT / "apps" / name).glob("*/__init__.py")}

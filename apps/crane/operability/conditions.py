@@ -137,8 +137,9 @@ def _holds_sea(function: Any) -> bool:
 
 
 def conditions_of(
-    heights: Sequence[float], periods: Sequence[float], headings: Sequence[float | None], gravity: Sequence[float]
-) -> list[Condition]:
+    heights: Sequence[float], periods: Sequence[float], headings: Sequence[float | None],
+    gravity: Sequence[float] = (0.0, 0.0, -EARTH_GRAVITY),
+) -> list[Condition]:  # fmt: skip
     """All sea states, physical or not, heading by heading, period by period; under a scene's gravity, if it has any."""
     g = math.hypot(*gravity) or EARTH_GRAVITY
     return [Condition(height, period, heading, g) for heading in headings for period in periods for height in heights]
