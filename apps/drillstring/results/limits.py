@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections import ChainMap
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
+from drillstring.results.places import reaches_of_links
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import extreme_tension
-from tautline.results.assessment.bounds import Bound
-from tautline.results.assessment.limits import AT_LEAST, STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit
+from tautline.results.assessment.limits import STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit
 from tautline.scene.values.printed import shown
 
 INTO_THE_WALL = 1.0
@@ -27,8 +24,7 @@ SNUG = 0.05
 def limits(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[dict[str, Any]]:
     """Records of `tautline.results.assessment.limits`, from the stored frames of either kind of string."""
     tension = extreme_tension(scene, lumps, result["hook_load"], result["tension"])
-    links = [f"{lumps.tubes[k].name}, {a:.4g} to {b:.4g} m" for k, a, b in zip(
-        lumps.section, lumps.measured_depth[:-1], lumps.measured_depth[1:], strict=True)]  # fmt: skip
+    links = reaches_of_links(lumps)
     modulus = lumps.of_links(lambda tube: tube.youngs_modulus)
     strain = tension / lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
     found = strain_limit(result.time, strain, np.where(modulus > STEEL, STEEL_STRAIN, STRAIN), links)
@@ -55,27 +51,6 @@ def pushed_at_the_top(result: Any, scene: DrillstringScene) -> list[str]:
         "the string down, and a hoist cannot push. A rig without pull-down does not do what this run shows. Lower the "
         f"block more slowly, or put less force on the bit{more}"
     ]
-
-
-def judged_at_ends(bounds: Sequence[Bound], scene: DrillstringScene, lumps: Lumps) -> tuple[Bound, ...]:
-    """A scene's own bounds, where those on `tension` are of its largest or least value in each element.
-
-    An output has the tension in the middle of an element, and long elements have much more at their upper ends.
-    """
-    return tuple(_at_ends(bound, scene, lumps) for bound in bounds)
-
-
-def _at_ends(bound: Bound, scene: DrillstringScene, lumps: Lumps) -> Bound:
-    if bound.series is None or bound.output.partition("[")[0] != "tension":
-        return bound
-    series, least = bound.series, bound.sense == AT_LEAST
-
-    def at_ends(frames: Mapping[str, np.ndarray]) -> np.ndarray:
-        found = extreme_tension(scene, lumps, frames["hook_load"], frames["tension"], least)
-        with_ends: Any = ChainMap({"tension": found}, cast(Any, frames))
-        return series(with_ends)
-
-    return replace(bound, series=at_ends)
 
 
 def _into_the_wall(result: Any) -> list[dict[str, Any]]:
