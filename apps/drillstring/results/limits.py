@@ -17,6 +17,8 @@ INTO_THE_WALL = 1.0
 """Depth of the string in the wall over its clearance, above which the wall is no wall."""
 ROUNDING = 1.0e-6
 """Share of the largest tension below which a hook load is what rounding leaves."""
+MOVED = 1.0e-6
+"""Way of the block, m, below which it counts as held."""
 SNUG = 0.05
 """Share of the hole's diameter that a stabiliser, which fits the hole, is taken to have for its clearance."""
 
@@ -43,14 +45,26 @@ def pushed_at_the_top(result: Any, scene: DrillstringScene) -> list[str]:
     if hook[lowest] + block >= -ROUNDING * np.abs(result["tension"]).max():
         return []
     load = shown(float(hook[lowest]), "N", scene.units)
-    given, more = "no top.weight is given", ", or give top.weight, the weight of block and top drive"
+    given, cures = (
+        "no top.weight is given",
+        ["put less force on the bit", "give top.weight, that of block and top drive"],
+    )
     if block > 0.0:
-        given, more = f"top.weight is only {shown(block, 'N', scene.units)}", ""
+        given, cures = f"top.weight is only {shown(block, 'N', scene.units)}", cures[:1]
+    if _lowered(np.asarray(result["block_position"])[: lowest + 1]):
+        cures = ["lower the block more slowly", *cures]
+    cure = ", or ".join(cures)
     return [
         f"the hook load falls to {load} at t = {result.time[lowest]:.4g} s, and {given}. The hoist would have to push "
-        "the string down, and a hoist cannot push. A rig without pull-down does not do what this run shows. Lower the "
-        f"block more slowly, or put less force on the bit{more}"
+        "the string down, and a hoist cannot push. A rig without pull-down does not do what this run shows. "
+        f"{cure[0].upper()}{cure[1:]}. Where the model begins below the rig, add the weight of the string above it to "
+        "top.weight"
     ]
+
+
+def _lowered(block: np.ndarray) -> bool:
+    """Whether a block, positions (m,) in m, positive down, came below where it had been."""
+    return bool((block - np.minimum.accumulate(block)).max() > MOVED)
 
 
 def _into_the_wall(result: Any) -> list[dict[str, Any]]:
