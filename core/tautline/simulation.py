@@ -255,6 +255,13 @@ def _of_windows(record: dict[str, Any], watched: Collection[str]) -> dict[str, A
     return {**record, "passed": None, "margin": None, "note": note}
 
 
+def _of_another_build(by: str) -> tuple[str, str]:
+    """Cause and cure where a result's last state has other numbers than this program remembers of the same scene."""
+    other = f"Tautline {by or 'of an unknown version'}" if by != __version__ else f"another build of Tautline {by}"
+    cause = f"cannot be gone on with: {other} wrote it, and kept other numbers of its last state than this one needs"
+    return cause, "run the scene from its start, or go on with the same build that wrote it"
+
+
 class Run:
     """A run under way: the clock, the state, and what of it was stored."""
 
@@ -313,10 +320,8 @@ class Run:
         if earlier.attributes.get("prepared") != self.model.attributes.get("prepared"):
             cause = "was made with motions that were prepared otherwise, as those of a shorter or a longer run are"
             raise ResultError(place, cause, "run the scene from its start to the new end")
-        if wrong := recall(earlier.restart, *self._parts()):
-            by = earlier.attributes.get("version", "?")
-            cause = f"Tautline {by} wrote it, and Tautline {__version__} keeps another state: {wrong[0]} does not fit"
-            raise ResultError(place, cause, "run the scene from its start, or go on with the Tautline that wrote it")
+        if recall(earlier.restart, *self._parts()):
+            raise ResultError(place, *_of_another_build(earlier.attributes.get("version", "")))
         times = np.array(earlier["time"])
         # A run that failed has stored frames since the state that it remembers: they are run again.
         kept = times <= float(earlier.attributes.get("restart_time", times[-1])) * (1.0 + 1e-12)

@@ -10,12 +10,14 @@ from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fix
 from of_the_suite import studies
 from references.cables import catenary
 
+import tautline
 from crane.assembly.drum_supply import check_supply, supply_of
-from crane.assembly.estimates import estimate, rk4_limit
+from crane.assembly.estimates import estimate, held_limit, rk4_limit
 from crane.scene.scene import CraneScene
 from crane.scene.strength import strain_bound
 from crane.view.figures import draw_scene
 from crane.warnings import describe, figures, warnings
+from tautline.integrators.status import StoppedEarly
 from tautline.scene.errors import SceneError
 
 GRAVITY = 9.81
@@ -136,6 +138,31 @@ def test_the_step_of_rk4_is_that_of_a_light_drum_on_its_brake_where_that_is_less
     assert step == pytest.approx(2.83 * math.sqrt(mass * 0.5 / (1.0e3 * 8.0e7)), rel=0.05)
     free = one_fall(path=[light, TIP, HOOK], solver={"method": "rk4", "step": "auto"})
     assert "the time of a wave of tension" in only(free, "solver.method")
+
+
+@pytest.mark.parametrize(
+    ("inertia", "rope", "friction"), [(0.01, 500.0, 0.0), (200.0, 500.0, 0.0), (200.0, 50.0, 0.0), (200.0, 500.0, 6e4)]
+)
+def test_the_step_of_rk4_by_a_held_drum_is_that_up_to_which_a_run_is_stable(inertia, rope, friction):
+    """The rope on a drum turns with it; brake and friction have a spring each."""
+    own = {"torque": 0.0, "inertia": inertia, "rope_on_drum": rope, "brake": {"torque": "60 kN m"}}
+    own |= {"friction_torque": friction} if friction else {}
+    drum = {"drum": {k: x for k, x in WINCH["drum"].items() if k != "pay_out"} | own}
+
+    def fitting(step):
+        """Steps are cut to fit an interval of the output: ten of them fit."""
+        return one_fall(
+            path=[drum, TIP, HOOK], interval=10.0 * step, solver={"method": "rk4", "step": step, "end": 50.0 * step}
+        )
+
+    drawn = fitting(1e-5)
+    limit = held_limit(drawn, drawn.drums[0], 8.1)
+    assert any("held by its brake or friction" in text for text in told(fitting(1.02 * limit), "solver.step"))
+    assert not any("rk4 takes" in text for text in told(fitting(0.98 * limit), "solver.step"))
+
+    assert tautline.simulate(fitting(0.98 * limit)).attributes["status"] == "done"
+    with pytest.raises(StoppedEarly, match="the explicit method is unstable"):
+        tautline.simulate(fitting(1.02 * limit))
 
 
 def test_what_is_to_happen_after_the_run_has_ended_is_told_with_both_times():

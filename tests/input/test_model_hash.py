@@ -1,5 +1,6 @@
 """What a scene is: everything that it says counts, but what is named as how it is solved, kept or shown."""
 
+import re
 from pathlib import Path
 
 import h5py
@@ -15,6 +16,7 @@ from tautline.scene.errors import SceneError
 from tautline.scene.identity import model_hash
 from tautline.scene.model import validate
 from tautline.simulation import simulate
+from tautline.version import __version__
 
 DATA = Path(__file__).parents[2] / "data"
 BESIDES = {"title", "units", "output", "Plots"}
@@ -139,14 +141,20 @@ def test_a_run_is_not_gone_on_with_in_a_scene_of_a_hundred_times_the_drag():
         simulate(Installed().of(thick).build(thick), resume=result)
 
 
-def test_a_state_that_another_version_remembers_differently_is_refused_as_that(tmp_path):
+@pytest.mark.parametrize("version", [None, "0.0.7"])
+def test_a_state_of_another_build_is_refused_in_plain_words_also_where_its_version_is_the_same(tmp_path, version):
     scene = Installed().for_scene(DATA / "hoist.yaml").read(DATA / "hoist.yaml")
     short = changed(changed(scene, ("solver", "end"), 0.1), ("output", "interval"), 0.05)
     path = tmp_path / "hoist.nc"
     simulate(Installed().of(short).build(short), path)
     with h5py.File(path, "a") as file:
         del file["restart/method.last_step"]
+        if version:
+            file.attrs["version"] = version
     longer = changed(short, ("solver", "end"), 0.2)
-    with pytest.raises(ResultError, match=r"keeps another state: method\.last_step does not fit") as refused:
+    by = f"Tautline {version} wrote" if version else f"another build of Tautline {__version__} wrote"
+    with pytest.raises(ResultError, match=f"cannot be gone on with: {re.escape(by)} it") as refused:
         simulate(Installed().of(longer).build(longer), resume=Result(path))
+    text = f"{refused.value}"
+    assert "last_step" not in text and text.count("Tautline") == 1
     assert "run the scene from its start" in refused.value.cure

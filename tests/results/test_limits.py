@@ -166,6 +166,8 @@ def test_whether_a_hanging_pipe_yields_at_its_hook_load_does_not_depend_on_the_m
     own = [record for name, record in found.items() if name.startswith("tension")]
     most, first, least = own
     assert [one["value"] for one in (most, first)] == pytest.approx([WEIGHT, WEIGHT], rel=1e-5)
+    # The place is that of the element's upper end, and not of its middle.
+    assert most["place"] == found["yield_load"]["place"]
     assert most["passed"] == first["passed"] == (share > 1.0)
     # Nothing hangs on its end.
     assert least["value"] == pytest.approx(0.0, abs=1e-5 * WEIGHT) and not least["passed"]

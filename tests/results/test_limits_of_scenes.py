@@ -245,7 +245,7 @@ def test_the_hook_load_of_a_plumb_string_is_judged_against_its_weight():
     assert found["more"]["passed"] is True and found["more"]["margin"] == pytest.approx(0.01 * weight, rel=0.02)
     assert found["less"]["passed"] is False and found["less"]["value"] == pytest.approx(weight, rel=1e-3)
     # The uppermost of ten elements of 50 m.
-    assert found["pull"]["place"] == "drill pipe at 25.0 m"
+    assert found["pull"]["place"] == "drill pipe, 0 to 50 m"
     assert found["figure"]["passed"] is False
     assert found["none"]["passed"] is True and found["none"]["value"] == 0.0
 

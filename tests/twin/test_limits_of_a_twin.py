@@ -1,5 +1,7 @@
 """A twin watches the limits that its scene gives itself, but for what its map names."""
 
+from math import pi
+
 import pytest
 import yaml
 from twin.rehearsal import CALM, SENSORS, alarms, at, changed, hoist, lines_of, rows_of
@@ -79,3 +81,55 @@ def test_alarms_tell_values_in_the_unit_of_the_sensor_and_others_in_those_of_the
     assert of["winch.tension"](80e3) == "80 kN"
     # 1000 N over 4.4482 N/lbf.
     assert of["min_tension"](1e3).startswith("224.8 lbf") or of["min_tension"](1e3) == "0.2248 kip"
+
+
+PIPE = """
+well: {sections: [{hold: 1000 m}], diameter: 1 m, wall: none}
+string: [{name: drill pipe, length: rest, od: 0.127, id: 0.1086}]
+material: {youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850 kg/m^3}
+model: {kind: lumped, elements: 2}
+gravity: 9.80665
+limits: [{output: tension, above: ABOVE}, {output: tension, below: BELOW, name: push}]
+start: static
+solver: {method: generalized-alpha, rho_inf: 0.8, step: 1 ms, end: 2 s}
+output: {interval: 0.1 s}
+"""
+HANGS = 7850.0 * pi / 4.0 * (0.127**2 - 0.1086**2) * 1000.0 * 9.80665
+"""Weight of the pipe, which its upper end has for its tension; of two elements the middles have 3/4 and 1/4 of it."""
+HOOK = """
+sensors:
+  - {column: hook, unit: kN, output: hook_load, sd: 5 kN}
+  - {column: block, unit: m/s, input: top.block_speed}
+"""
+
+
+def pipe(above, below):
+    return tautline.read(PIPE.replace("ABOVE", f"{above:.1f}").replace("BELOW", f"{below:.1f}"))
+
+
+def hanging_rows():
+    return [(0.1 * k, {"hook": 1e-3 * HANGS, "block": 0.0}) for k in range(1, 16)]
+
+
+@pytest.mark.parametrize(("share", "least", "told"), [(0.9, -1.0, True), (1.1, -1.0, False), (1.1, 10.0, "push")])
+def test_a_twin_watches_the_tension_at_the_ends_of_elements_that_a_run_is_judged_by(share, least, told):
+    scene = pipe(share * HANGS, least)
+    judged = {one["name"]: one["passed"] for one in tautline.simulate(scene).limits if one.get("output") == "tension"}
+    raised = alarms(lines_of(Twin(scene, HOOK), hanging_rows()))
+    assert {name for name in raised if name in judged} == {name for name, passed in judged.items() if not passed}
+    assert [not passed for passed in judged.values()] == [told is True, told == "push"]
+
+
+def test_what_is_read_live_has_the_tension_that_a_run_is_judged_by():
+    sim = tautline.Simulation(pipe(0.9 * HANGS, -1.0))
+    sim.advance(0.1)
+    assert sim["largest_tension"].tolist() == pytest.approx([HANGS, 0.5 * HANGS], rel=1e-5)
+    assert sim["least_tension"].tolist() == pytest.approx([0.5 * HANGS, 0.0], rel=1e-5, abs=1e-5 * HANGS)
+    assert sim["tension"].max() == pytest.approx(0.75 * HANGS, rel=1e-5)
+
+
+def test_a_watch_of_a_map_on_tension_is_of_the_ends_of_elements_too():
+    names = names_of(tautline.Simulation(pipe(1.1 * HANGS, -1.0), keep=False))
+    own = "watch: [{output: tension, above: 200 kN}, {output: tension, below: 1 N, name: loose}]\n"
+    found = {one.name: one.target for one in plan_of(read_map(HOOK + own), names, {}).alarms}
+    assert found == {"tension above 200 kN": "largest_tension", "loose": "least_tension"}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crane.assembly.friction import held_stiffness
+from crane.assembly.friction import held_stiffness, springs_of
 from crane.assembly.layout import Layout, carries_nothing, lay_out, sags_of
 from crane.assembly.loads import load_of, pull
 from crane.assembly.mesh_damping import HIGHEST, bounce
@@ -19,6 +19,8 @@ REAL_LIMIT = 2.785294
 """Decay rate times step beyond which RK4 is unstable: 1 - x + x^2/2 - x^3/6 + x^4/24 = 1."""
 IMAGINARY_LIMIT = 2.0 * math.sqrt(2.0)
 """Angular frequency times step beyond which RK4 is unstable."""
+REACH = 2.8
+"""Angular frequency times step that a run of RK4 allows (thesis, eq. 2.137)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +121,11 @@ def rk4_limit(scene: CraneScene, length: float, damping: float) -> float:
 
 
 def held_limit(scene: CraneScene, drum: Drum, length: float) -> float:
-    """Longest step of RK4, s, by a drum that its brake or its friction holds, with an element of a length, m, at it."""
+    """Longest step of RK4, s, by a drum that its brake or its friction holds, with an element of a length, m, at it.
+
+    The rope on the drum turns with it. How much there is later, a drum that goes by its torque does not tell before it
+    runs: what there is at the start counts.
+    """
     rope = scene.rope
-    mass = (drum.inertia or 0.0) / drum.radius**2 + rope.mass_per_length * length / 3.0
-    return IMAGINARY_LIMIT * math.sqrt(mass / held_stiffness(rope.axial_stiffness, drum))
+    mass = (drum.inertia or 0.0) / drum.radius**2 + rope.mass_per_length * ((drum.rope_on_drum or 0.0) + length / 3.0)
+    return REACH * math.sqrt(mass / (springs_of(drum) * held_stiffness(rope.axial_stiffness, drum)))

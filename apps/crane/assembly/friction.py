@@ -76,10 +76,15 @@ def held_stiffness(axial_stiffness: float, drum: Drum) -> float:
     return HELD * axial_stiffness / drum.radius
 
 
+def springs_of(drum: Drum) -> int:
+    """How many springs of that stiffness may hold a drum together: one of its brake, and one of its friction."""
+    brakes = drum.brake is not None and drum.brake.torque > 0.0
+    return 0 if drum.prescribed else int(brakes) + int(drum.friction_torque > 0.0)
+
+
 def is_held(drum: Drum) -> bool:
     """Whether a drum has a brake or friction that may hold it."""
-    brakes = drum.brake is not None and drum.brake.torque > 0.0
-    return not drum.prescribed and (brakes or drum.friction_torque > 0.0)
+    return springs_of(drum) > 0
 
 
 def _brake(drum: Drum) -> tuple[Steering, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from drillstring.drilling.end_groups import notes_of_ends
@@ -10,7 +9,7 @@ from drillstring.model.handles import handles, requests
 from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.drilling import variables_of_ends
-from drillstring.results.limits import judged_at_ends, limits, pushed_at_the_top
+from drillstring.results.limits import limits, pushed_at_the_top
 from drillstring.results.observe import COORDINATE_UNITS, FIGURES, NOTHING, headline, variables
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
@@ -71,10 +70,9 @@ def build(scene: DrillstringScene) -> Model:
         confined=True,
         own=observer.own,
         notes=notes,
-        handles=lambda: handles(scene, model),
+        handles=lambda: handles(scene, lumps, model),
     )  # fmt: skip
-    model = with_limits(within_rounding(model), scene)
-    return replace(model, bounds=judged_at_ends(model.bounds, scene, lumps)) if model.bounds else model
+    return with_limits(within_rounding(model), scene)
 
 
 def _assembler(kind: str) -> Any:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from drillstring.drilling.end_groups import TORQUE_INPUT, is_driven
+from drillstring.results.places import reaches_of_links
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.factors import factors_of
+from drillstring.string.lumps import Lumps
+from drillstring.string.strength import shares_at_ends, tension_at_ends
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant
 from tautline.system.handles import Handles, Output, Parameter, inputs_of, outputs_of, part_of, prepared_of, same_as
@@ -27,6 +31,8 @@ NAMES = {
     "surface_torque": "top.string_torque", "drive_torque": "top.torque", "drive_speed": "top.rotary_speed",
 }  # fmt: skip
 """Variables that belong to an end, and their names there."""
+LARGEST, LEAST = "largest_tension", "least_tension"
+"""Outputs of what each element has at most and at least, ends and middle."""
 
 
 def driven(scene: DrillstringScene, names: tuple[str, ...]) -> DrillstringScene:
@@ -67,14 +73,14 @@ def requests(scene: DrillstringScene) -> list[FunctionRequest]:
     return made
 
 
-def handles(scene: DrillstringScene, model: Any) -> Handles:
+def handles(scene: DrillstringScene, lumps: Lumps, model: Any) -> Handles:
     """All handles of a drill string."""
     asked = requests(scene)
     inputs = inputs_of(asked)
     if TORQUE_INPUT in scene.driven:
         inputs = {name: one for name, one in inputs.items() if not name.startswith("top.rotary")}
     parameters = {one.name: one for one in _friction(scene, model.system.groups)}
-    return Handles(inputs, _outputs(model), parameters, prepared_of(asked))
+    return Handles(inputs, _outputs(model) | _at_ends(scene, lumps, model), parameters, prepared_of(asked))
 
 
 def _outputs(model: Any) -> dict[str, Output]:
@@ -91,6 +97,31 @@ def _outputs(model: Any) -> dict[str, Output]:
     if "top.rotary_speed" not in made:
         made["top.rotary_speed"] = part_of(known["rotation_rate"], "top.rotary_speed", 0)
     return made
+
+
+def _at_ends(scene: DrillstringScene, lumps: Lumps, model: Any) -> dict[str, Output]:
+    """Largest and least tension of each element, by which bounds on `tension` are judged, and `tension` that says so.
+
+    The variable is the tension in the middle of an element, and long elements have much more at their upper ends.
+    """
+    middle = outputs_of([one for one in model.variables if one.name == "tension"], model.coordinates)["tension"]
+    share, labels = shares_at_ends(scene, lumps), tuple(reaches_of_links(lumps))
+
+    def series(least: bool) -> Callable[[Mapping[str, np.ndarray]], np.ndarray]:
+        return lambda frames: tension_at_ends(share, frames["hook_load"], frames["tension"], least)
+
+    made = {"tension": replace(middle, judged_by=(LARGEST, LEAST))}
+    for name, word in ((LARGEST, "largest"), (LEAST, "least")):
+        of_frames = series(name == LEAST)
+        made[name] = replace(
+            middle, name=name, text=f"{word} effective tension anywhere in the element", labels=labels,
+            value=_first(of_frames), series=of_frames,
+        )  # fmt: skip
+    return made
+
+
+def _first(series: Callable[[Mapping[str, np.ndarray]], np.ndarray]) -> Callable[[Mapping[str, np.ndarray]], Any]:
+    return lambda frame: series(frame)[0]
 
 
 def _friction(scene: DrillstringScene, groups: tuple[Any, ...]) -> Iterator[Parameter]:

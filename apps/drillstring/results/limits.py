@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections import ChainMap
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
+from drillstring.results.places import reaches_of_links
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import extreme_tension
-from tautline.results.assessment.bounds import Bound
-from tautline.results.assessment.limits import AT_LEAST, STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit
+from tautline.results.assessment.limits import STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit
 from tautline.scene.values.printed import shown
 
 INTO_THE_WALL = 1.0
 """Depth of the string in the wall over its clearance, above which the wall is no wall."""
 ROUNDING = 1.0e-6
 """Share of the largest tension below which a hook load is what rounding leaves."""
+MOVED = 1.0e-6
+"""Way of the block, m, below which it counts as held."""
 SNUG = 0.05
 """Share of the hole's diameter that a stabiliser, which fits the hole, is taken to have for its clearance."""
 
@@ -27,8 +26,7 @@ SNUG = 0.05
 def limits(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[dict[str, Any]]:
     """Records of `tautline.results.assessment.limits`, from the stored frames of either kind of string."""
     tension = extreme_tension(scene, lumps, result["hook_load"], result["tension"])
-    links = [f"{lumps.tubes[k].name}, {a:.4g} to {b:.4g} m" for k, a, b in zip(
-        lumps.section, lumps.measured_depth[:-1], lumps.measured_depth[1:], strict=True)]  # fmt: skip
+    links = reaches_of_links(lumps)
     modulus = lumps.of_links(lambda tube: tube.youngs_modulus)
     strain = tension / lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
     found = strain_limit(result.time, strain, np.where(modulus > STEEL, STEEL_STRAIN, STRAIN), links)
@@ -47,35 +45,26 @@ def pushed_at_the_top(result: Any, scene: DrillstringScene) -> list[str]:
     if hook[lowest] + block >= -ROUNDING * np.abs(result["tension"]).max():
         return []
     load = shown(float(hook[lowest]), "N", scene.units)
-    given, more = "no top.weight is given", ", or give top.weight, the weight of block and top drive"
+    given, cures = (
+        "no top.weight is given",
+        ["put less force on the bit", "give top.weight, that of block and top drive"],
+    )
     if block > 0.0:
-        given, more = f"top.weight is only {shown(block, 'N', scene.units)}", ""
+        given, cures = f"top.weight is only {shown(block, 'N', scene.units)}", cures[:1]
+    if _lowered(np.asarray(result["block_position"])[: lowest + 1]):
+        cures = ["lower the block more slowly", *cures]
+    cure = ", or ".join(cures)
     return [
         f"the hook load falls to {load} at t = {result.time[lowest]:.4g} s, and {given}. The hoist would have to push "
-        "the string down, and a hoist cannot push. A rig without pull-down does not do what this run shows. Lower the "
-        f"block more slowly, or put less force on the bit{more}"
+        "the string down, and a hoist cannot push. A rig without pull-down does not do what this run shows. "
+        f"{cure[0].upper()}{cure[1:]}. Where the model begins below the rig, add the weight of the string above it to "
+        "top.weight"
     ]
 
 
-def judged_at_ends(bounds: Sequence[Bound], scene: DrillstringScene, lumps: Lumps) -> tuple[Bound, ...]:
-    """A scene's own bounds, where those on `tension` are of its largest or least value in each element.
-
-    An output has the tension in the middle of an element, and long elements have much more at their upper ends.
-    """
-    return tuple(_at_ends(bound, scene, lumps) for bound in bounds)
-
-
-def _at_ends(bound: Bound, scene: DrillstringScene, lumps: Lumps) -> Bound:
-    if bound.series is None or bound.output.partition("[")[0] != "tension":
-        return bound
-    series, least = bound.series, bound.sense == AT_LEAST
-
-    def at_ends(frames: Mapping[str, np.ndarray]) -> np.ndarray:
-        found = extreme_tension(scene, lumps, frames["hook_load"], frames["tension"], least)
-        with_ends: Any = ChainMap({"tension": found}, cast(Any, frames))
-        return series(with_ends)
-
-    return replace(bound, series=at_ends)
+def _lowered(block: np.ndarray) -> bool:
+    """Whether a block, positions (m,) in m, positive down, came below where it had been."""
+    return bool((block - np.minimum.accumulate(block)).max() > MOVED)
 
 
 def _into_the_wall(result: Any) -> list[dict[str, Any]]:

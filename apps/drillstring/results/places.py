@@ -29,6 +29,12 @@ def names_of_links(lumps: Lumps) -> list[str]:
     return [f"{lumps.tubes[k].name} at {depth_said(x)}" for k, x in zip(lumps.section.tolist(), middle, strict=True)]
 
 
+def reaches_of_links(lumps: Lumps) -> list[str]:
+    """Where each element begins and ends, for what is looked at all along it: ``drill pipe, 0 to 250 m``."""
+    ends = zip(lumps.section.tolist(), lumps.measured_depth[:-1], lumps.measured_depth[1:], strict=True)
+    return [f"{lumps.tubes[k].name}, {a:.4g} to {b:.4g} m" for k, a, b in ends]
+
+
 def depth_said(depth: float) -> str:
     """A depth, m, for a heading: to the metre, and of a short string to a tenth."""
     return f"{depth:.0f} m" if depth >= 100.0 else f"{depth:.1f} m"

@@ -55,12 +55,22 @@ def extreme_tension(
     (..., n) array
         N.
     """
-    fluid, tension = fluid_of(scene.mud), np.asarray(tension, float)
+    return tension_at_ends(shares_at_ends(scene, lumps), hook_load, tension, least)
+
+
+def shares_at_ends(scene: DrillstringScene, lumps: Lumps) -> np.ndarray:
+    """W_i / (W_(i-1) + W_i) of `extreme_tension` at the lumps between two links, (n - 1,)."""
+    fluid = fluid_of(scene.mud)
     weight = lumps.of_links(lambda tube: weight_in(fluid, tube, scene.gravity)) * lumps.length
     if weight.min() <= 0.0:
         # Nothing weighs, or something floats: what acts is spread as the length is.
         weight = lumps.length
-    share = weight[1:] / (weight[:-1] + weight[1:])
+    return weight[1:] / (weight[:-1] + weight[1:])
+
+
+def tension_at_ends(share: np.ndarray, hook_load: np.ndarray, tension: np.ndarray, least: bool = False) -> np.ndarray:
+    """What `extreme_tension` gives, from the shares that `shares_at_ends` has found."""
+    tension = np.asarray(tension, float)
     inside = tension[..., 1:] + share * (tension[..., :-1] - tension[..., 1:])
     upper = np.concatenate([np.asarray(hook_load, float)[..., None], inside], axis=-1)
     lower = np.concatenate([inside, 2.0 * tension[..., -1:] - upper[..., -1:]], axis=-1)

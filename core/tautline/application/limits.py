@@ -90,6 +90,7 @@ class _Reader:
         read = self.named(i, name)
         if read is None:
             return []
+        judged = [self.named(i, self.judged(name, side.fails)) or read for side in limit.sides]
         if read.series is None and limit.for_ > 0.0:
             cause = f"{name} is a figure of the whole run: it does not last"
             self.fault((i, "for"), cause, "remove it, or name an output over time")
@@ -101,12 +102,19 @@ class _Reader:
             self.fault((i, upper), cause, cure)
         return [
             Bound(
-                side.name, name, AT_MOST if side.fails == ABOVE else AT_LEAST, to, read.unit, limit.for_, read.series,
-                read.places, read.source, read.variable, read.absent,
+                side.name, name, AT_MOST if side.fails == ABOVE else AT_LEAST, to, one.unit, limit.for_, one.series,
+                one.places, one.source, one.variable, one.absent,
             )
-            for side, to in zip(limit.sides, found, strict=True)
+            for side, one, to in zip(limit.sides, judged, found, strict=True)
             if to is not None
         ]  # fmt: skip
+
+    def judged(self, name: str, fails: str) -> str:
+        """What counts where an output, or one of its numbers, has a bound: most often itself."""
+        part = None if name in self.outputs else PART.fullmatch(name)
+        whole = part[1] if part else name
+        other = self.outputs[whole].judged_by[fails != ABOVE] if whole in self.outputs else ""
+        return other + name[len(whole) :] if other else name
 
     def number(self, key: tuple[str | int, ...], written: float | str, unit: str) -> float | None:
         """A bound in SI; a fault where it is none."""
@@ -149,7 +157,7 @@ class _Reader:
             cause = f"{output.name} has several components"
             self.fault((i, "output"), cause, f"name one of its numbers: {output.name}[{indices}] is the first")
             return None
-        places = self.places(output.dims) if output.shape else (_thing(output.name),)
+        places = output.labels or (self.places(output.dims) if output.shape else (_thing(output.name),))
         return _Read(output.unit, series_of(output), places, variable=output.variable)
 
     def part(self, i: int, output: Output, at: tuple[int, ...]) -> _Read | None:

@@ -51,6 +51,11 @@ class Output:
         Variable of results that it is, or a part of; empty where it is made otherwise.
     source : str
         Variable of which it is the largest or the smallest; empty where it is no such thing.
+    judged_by : (str, str)
+        Outputs whose values count in place of its own where it has a bound above and where it has one below; empty
+        where its own do.
+    labels : tuple of str
+        Names of its places, where they are others than those of its dimensions.
     """
 
     name: str
@@ -63,6 +68,8 @@ class Output:
     series: Callable[[Mapping[str, np.ndarray]], np.ndarray] | None = None
     variable: str = ""
     source: str = ""
+    judged_by: tuple[str, str] = ("", "")
+    labels: tuple[str, ...] = ()
 
     def one_by_one(self, frames: Mapping[str, np.ndarray], count: int) -> np.ndarray:
         """Its values in so many frames that were observed together, (count, ...)."""

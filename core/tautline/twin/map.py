@@ -140,6 +140,8 @@ class Names(pydantic.BaseModel):
         Names of those that it cannot: of figures of a whole run, and of single numbers of an array.
     rivals : dict of str to list of str
         Inputs that drive the same as another one does, as a winch's place and its speed, by its name.
+    judged_by : dict of str to (str, str)
+        Outputs that are watched in place of others, above and below a bound, as the limits of a scene are judged.
     """
 
     inputs: dict[str, str]
@@ -149,6 +151,7 @@ class Names(pydantic.BaseModel):
     limits: tuple[Watch, ...] = ()
     unwatched: tuple[str, ...] = ()
     rivals: dict[str, list[str]] = {}
+    judged_by: dict[str, tuple[str, str]] = {}
 
 
 class Channel(pydantic.BaseModel):
@@ -501,6 +504,10 @@ class _Reader:
         known = self.outputs if one.output else {name: self.outputs[name] for name in measured if name in self.outputs}
         if not self.known((*key, kind), kind if one.output else "sensor of", target, known):
             return None
+        said = f"{target} above {one.above}" if one.above is not None else f"{target} below {one.below}"
+        if one.output and target in self.names.judged_by:
+            # What raises an alarm is what a run is judged by.
+            target = self.names.judged_by[target][one.above is None]
         unit = known[target]
         times = one.residual is not None and isinstance(one.above, str) and TIMES_SD.fullmatch(one.above)
         if times:
@@ -508,7 +515,6 @@ class _Reader:
         else:
             above = self.number((*key, "above"), one.above, unit, math.inf)
             below = self.number((*key, "below"), one.below, unit, -math.inf)
-        said = f"{target} above {one.above}" if one.above is not None else f"{target} below {one.below}"
         return Alarm(
             name=one.name or said, target=target, is_residual=one.residual is not None, above=above, below=below,
             times_sd=bool(times), ahead=one.ahead, lasting=one.for_, unit=unit,
@@ -564,4 +570,5 @@ def names_of(sim: Simulation) -> Names:
         outputs=units(outputs),
         parameters=units(sim.parameters.describe()),
         shapes={name: tuple(one["shape"]) for name, one in outputs.items()},
+        judged_by={name: one.judged_by for name, one in sim.outputs.handles.items() if all(one.judged_by)},
     )

@@ -140,9 +140,18 @@ def test_a_run_in_which_the_hoist_would_have_to_push_is_warned_of_unless_the_blo
     if told:
         assert "the hook load falls to -200 kN at t = " in said[0]
         assert ("no top.weight is given" in said[0]) == (block == 0.0) != ("is only 150 kN" in said[0])
+        assert ". Put less force on the bit" in said[0] and "Where the model begins below the rig, add the" in said[0]
 
 
-@pytest.mark.parametrize("name", ["hanging", "configuration_a", "configuration_b"])
+@pytest.mark.parametrize(("speed", "lowered"), [(1.0, True), (0.0, False), (-1.0, False)])
+def test_to_lower_the_block_more_slowly_is_the_cure_only_where_it_was_lowered(speed, lowered):
+    weight = mass_per_length() * GRAVITY * 100.0
+    changes = {"bit": {"force": -weight - 2e5}, "top": {"block": {"velocity": {"ramp": {"to": speed, "over": 0.01}}}}}
+    (said,) = [one for one in run(straight_hole(0.0, elements=2, **changes)).warnings if "a hoist cannot push" in one]
+    assert ("Lower the block more slowly, or put less force" in said) == lowered
+
+
+@pytest.mark.parametrize("name", ["hanging", "configuration_a", "configuration_b", "whirl"])
 def test_no_push_is_told_of_a_string_that_is_not_pushed(name):
     assert not any("push" in one for one in run(shipped(name, solver__end=0.1, output__interval=0.1)).warnings)
 
