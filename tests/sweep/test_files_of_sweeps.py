@@ -99,6 +99,40 @@ def test_a_case_that_reads_a_file_while_it_is_written_is_no_row(scene, tmp_path,
     assert [row["case"] for row in rows_of(out)] == [0, 1, 2, 3] and seen[-1] == 4
 
 
+def test_a_file_that_is_touched_in_every_case_lets_the_sweep_end_with_the_rows_of_its_contents(
+    scene, tmp_path, monkeypatch
+):
+    from tautline.sweeps.cases import Runner
+
+    alone = tautline.sweep(scene, VARY, collect=["max_tension"], jobs=1)
+    of_case, runs = Runner._row, []
+
+    def touched(runner, case, changes):
+        runs.append(case)
+        if len(runs) > 100:
+            raise KeyboardInterrupt
+        found = of_case(runner, case, changes)
+        os.utime(tmp_path / "speed.csv", ns=(len(runs), len(runs)))
+        return found
+
+    monkeypatch.setattr(Runner, "_row", touched)
+    data = tautline.sweep(scene, VARY, collect=["max_tension"], jobs=1)
+    assert (data["max_tension"].values == alone["max_tension"].values).all() and len(runs) <= 3 * 12
+
+
+def test_a_changed_file_is_told_as_a_worker_sees_it_of_workers_elsewhere_only():
+    pytest.importorskip("distributed")
+    from tautline.scene.errors import option_error
+    from tautline.sweeps import workers
+    from tautline.sweeps.inputs import InputChanged
+
+    error = InputChanged(option_error("speed.csv", "", "is not the file that it was").problems)
+    for address, told in ((workers.LOCAL, False), ("tcp://10.0.0.1:8786", True)):
+        with pytest.raises(InputChanged, match="is not the file") as found:
+            list(workers._lost(error, [1], address))
+        assert ("as a worker sees it" in str(found.value)) is told
+
+
 def test_a_worker_that_sees_another_file_under_the_same_path_runs_no_case(scene, tmp_path):
     import pickle
 

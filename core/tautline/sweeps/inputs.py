@@ -10,8 +10,8 @@ from typing import Any
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.reading.files import files_of
 
-Stamp = tuple[int, int, int]
-"""Time of the last change, ns, size and number of a file: as long as they stay, it is taken for the same."""
+Stamp = tuple[int, int]
+"""Time of the last change, ns, and size of a file: as long as they stay, it is taken for the same."""
 NO_FILE = "no file"
 
 
@@ -92,8 +92,8 @@ def _stamp(path: str) -> Stamp:
     try:
         status = Path(path).stat()
     except OSError:
-        return -1, -1, -1
-    return status.st_mtime_ns, status.st_size, status.st_ino
+        return -1, -1
+    return status.st_mtime_ns, status.st_size
 
 
 def _hash(path: str) -> str:
