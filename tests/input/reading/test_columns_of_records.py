@@ -5,6 +5,7 @@ import pytest
 
 from crane.scene.scene import CraneScene
 from tautline.kernels.time_function import sample
+from tautline.scene import unit_slips
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Table
 from tautline.scene.reading.columns import Columns
@@ -51,6 +52,18 @@ def test_numbers_of_a_column_with_a_unit_are_not_doubted_and_one_without_is_told
     assert of_column(given(tmp_path, column("out [ft]", [0.5, 1.5, 2.5]))) == []
     (told,) = of_column(given(tmp_path, column("out", [0.5, 1.5, 2.5])))
     assert "the column out of out.csv has no unit" in told and "out [m], or out [ft]" in told
+
+
+def test_a_file_is_read_once_for_all_doubts_of_its_numbers(tmp_path, monkeypatch):
+    document, read = given(tmp_path, column("out", [0.5 + k / 1000 for k in range(200)])), []
+
+    def counted(path, *others):
+        read.append(path)
+        return Columns(path, *others)
+
+    monkeypatch.setattr(unit_slips, "Columns", counted)
+    assert len(of_column(document)) == 1
+    assert len(read) == 1
 
 
 GAP = "time [s],value [m]\n" + "".join(f"{k},{k % 3 / 10}\n" for k in (*range(6), *range(16, 22)))
