@@ -157,3 +157,16 @@ def test_a_file_that_a_value_can_name_only_beside_others_counts_as_well(scene, t
 
     with pytest.raises(SceneError, match=r"other.csv: is not the file"):
         tautline.sweep(scene, vary, "zip", ["rise"], jobs=1, progress=change)
+
+
+@pytest.mark.parametrize("text", ["t,speed\n0,0\n1,much\n", None], ids=["that cannot be read", "that is gone"])
+def test_a_file_without_which_no_scene_can_be_read_is_named_where_the_sweep_is_to_go_on(text, scene, tmp_path):
+    other = tmp_path / "other.csv"
+    other.write_text(QUICK, encoding="utf8")
+    vary = {"path[0].drum.pay_out.table.file": ["speed.csv", "other.csv"]}
+    tautline.sweep(scene, vary, collect=["rise"], jobs=1, folder=tmp_path / "out")
+    other.unlink()
+    if text is not None:
+        other.write_text(text, encoding="utf8")
+    with pytest.raises(ResultError, match=r"another sweep: .*other.csv has been changed.*put the file back"):
+        tautline.sweep(scene, vary, collect=["rise"], jobs=1, folder=tmp_path / "out", resume=True)
