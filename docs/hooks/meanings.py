@@ -37,7 +37,8 @@ MEANINGS = {
     "Table.file": "CSV file with the times in its first column.",
     "Survey.file": "CSV file of the survey.",
     "column": "Column of the file, by its header.",
-    "Table.gap": "Longest time without a row in a file with even rows; by default three times the usual one.",
+    "Table.gap": "Longest time without a row in a file with even rows, where the curve would go beyond the two rows; "
+    "by default three times the usual one.",
     "interpolation": "Between values; without it linear for a velocity, cubic for a position.",
     "on_bottom": "Whether the bit is on the bottom of the hole.",
     "lateral": "Whether the bit can move across the hole.",

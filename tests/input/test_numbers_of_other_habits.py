@@ -23,6 +23,12 @@ def test_a_decimal_comma_in_braces_is_offered_as_the_number_that_was_meant(writt
     assert f"is it a decimal comma? Write {meant} with a point, for damping" in told
 
 
+@pytest.mark.parametrize(("written", "meant"), [("-0,5", "-0.5"), ("-0,5 m", "-0.5 m"), ("-1,5", "-1.5")])
+def test_a_negative_decimal_comma_keeps_its_sign_in_what_is_offered(written, meant):
+    told = refused(TEXT.replace("pay_out: {ramp: {to: -2.0, over: 1.0}}", f"pay_out: {written}", 1))
+    assert f"is it a decimal comma? Write {meant} with a point, for pay_out" in told
+
+
 def test_a_key_of_digits_with_a_value_is_no_decimal_comma():
     assert "comma" not in refused("ground: {level: -5, 25: 1e6}\n" + TEXT)
 

@@ -298,11 +298,53 @@ def test_bytes_that_are_no_state_are_told_where_they_are_set_and_steps_wait_for_
     core.step(H, H)
 
 
+@pytest.mark.parametrize("tiny", [1e-12, 1e-13, 1e-15, 1e-16])
+def test_a_communication_step_of_rounding_succeeds_and_inputs_wait_for_the_next(tiny, folder):
+    """A host of variable step makes one between two others; the reference is one that makes none."""
+    heights = []
+    for others in ((), (tiny,)):
+        core, t = Core(folder), 0.0
+        for _ in range(3):
+            core.step(t, H)
+            t += H
+        core.set(SPEED, 0.0)
+        before = core.get(HEIGHT)
+        for length in others:
+            core.step(t, length)
+            assert core.get(HEIGHT) == pytest.approx(before, abs=1e-8) and core.get(SPEED) == 0.0
+            t += length
+        core.step(t, H - sum(others))
+        core.step(t + H - sum(others), H)
+        heights.append(core.get(HEIGHT))
+    assert heights[1] == pytest.approx(heights[0], abs=1e-7)
+
+
+def test_many_steps_of_rounding_add_up_to_an_advance(folder):
+    core = Core(folder)
+    core.step(0.0, H)
+    shortest = 1e-9 * core.sim.model.solver.interval
+    for k in range(20):
+        core.step(H + k * shortest / 4.0, shortest / 4.0)
+    assert core.sim.time == pytest.approx(H + 5.0 * shortest, abs=1.1 * shortest) and core.sim.time > H
+
+
+@pytest.mark.parametrize("length", [0.0, -1e-13, -H, float("nan")])
+def test_a_communication_step_of_no_length_or_backwards_is_refused(length, folder):
+    core = Core(folder)
+    core.step(0.0, H)
+    with pytest.raises(SimulationError, match="cannot advance"):
+        core.step(H, length)
+
+
 def test_an_output_that_is_set_is_told_and_stays(folder):
     core = Core(folder)
     core.step(0.0, H)
     tension = core.get(TENSION)
     with pytest.raises(SimulationError, match="is an output"):
         core.refuse_output(TENSION)
+    assert core.get(TENSION) == tension > 0.0
+    other = Core(folder)
+    for k in range(2):
+        other.step(k * H, H)
     core.step(H, H)
-    assert tension > 0.0
+    assert core.get(TENSION) == other.get(TENSION) != tension

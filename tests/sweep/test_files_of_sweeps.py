@@ -99,6 +99,40 @@ def test_a_case_that_reads_a_file_while_it_is_written_is_no_row(scene, tmp_path,
     assert [row["case"] for row in rows_of(out)] == [0, 1, 2, 3] and seen[-1] == 4
 
 
+def test_a_file_that_is_touched_in_every_case_lets_the_sweep_end_with_the_rows_of_its_contents(
+    scene, tmp_path, monkeypatch
+):
+    from tautline.sweeps.cases import Runner
+
+    alone = tautline.sweep(scene, VARY, collect=["max_tension"], jobs=1)
+    of_case, runs = Runner._row, []
+
+    def touched(runner, case, changes):
+        runs.append(case)
+        if len(runs) > 100:
+            raise KeyboardInterrupt
+        found = of_case(runner, case, changes)
+        os.utime(tmp_path / "speed.csv", ns=(len(runs), len(runs)))
+        return found
+
+    monkeypatch.setattr(Runner, "_row", touched)
+    data = tautline.sweep(scene, VARY, collect=["max_tension"], jobs=1)
+    assert (data["max_tension"].values == alone["max_tension"].values).all() and len(runs) <= 3 * 12
+
+
+def test_a_changed_file_is_told_as_a_worker_sees_it_of_workers_elsewhere_only():
+    pytest.importorskip("distributed")
+    from tautline.scene.errors import option_error
+    from tautline.sweeps import workers
+    from tautline.sweeps.inputs import InputChanged
+
+    error = InputChanged(option_error("speed.csv", "", "is not the file that it was").problems)
+    for address, told in ((workers.LOCAL, False), ("tcp://10.0.0.1:8786", True)):
+        with pytest.raises(InputChanged, match="is not the file") as found:
+            list(workers._lost(error, [1], address))
+        assert ("as a worker sees it" in str(found.value)) is told
+
+
 def test_a_worker_that_sees_another_file_under_the_same_path_runs_no_case(scene, tmp_path):
     import pickle
 
@@ -123,3 +157,16 @@ def test_a_file_that_a_value_can_name_only_beside_others_counts_as_well(scene, t
 
     with pytest.raises(SceneError, match=r"other.csv: is not the file"):
         tautline.sweep(scene, vary, "zip", ["rise"], jobs=1, progress=change)
+
+
+@pytest.mark.parametrize("text", ["t,speed\n0,0\n1,much\n", None], ids=["that cannot be read", "that is gone"])
+def test_a_file_without_which_no_scene_can_be_read_is_named_where_the_sweep_is_to_go_on(text, scene, tmp_path):
+    other = tmp_path / "other.csv"
+    other.write_text(QUICK, encoding="utf8")
+    vary = {"path[0].drum.pay_out.table.file": ["speed.csv", "other.csv"]}
+    tautline.sweep(scene, vary, collect=["rise"], jobs=1, folder=tmp_path / "out")
+    other.unlink()
+    if text is not None:
+        other.write_text(text, encoding="utf8")
+    with pytest.raises(ResultError, match=r"another sweep: .*other.csv has been changed.*put the file back"):
+        tautline.sweep(scene, vary, collect=["rise"], jobs=1, folder=tmp_path / "out", resume=True)

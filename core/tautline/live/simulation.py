@@ -249,6 +249,8 @@ class Simulation:
             On Ctrl-C, after the step under way.
         """
         begin, time = self._time, seconds(time)
+        if abs(time - begin) <= 4.0 * math.ulp(begin):
+            raise SimulationError(f"cannot advance to {time:g} s: it is the time now", "give a later time")
         if not begin < time < math.inf:
             raise SimulationError(
                 f"cannot advance to {time:g} s from {begin:g} s", "give a later time; restore() goes back"

@@ -126,17 +126,25 @@ def _meant(key: str, known: Sequence[str]) -> str:
     return nearest(key, known) if other is None else f"did you mean '{other}'?"
 
 
-def _decimal_comma(data: Any, key: str) -> str:
-    """What to write for ``friction: 0,25``, which in braces is the key friction with 0, and the key 25 with nothing."""
+def _decimal_comma(data: Any, key: str) -> tuple[str, str]:
+    """What to write for ``friction: 0,25``, which in braces is the key friction with 0, and the key 25 with nothing.
+
+    Returns
+    -------
+    cure, before : str
+        Empty where it is no decimal comma. `before` is the key in front: of ``-0`` its value has lost the sign, which
+        the document still has.
+    """
     after = AFTER_COMMA.fullmatch(key)
     if after is None or not isinstance(data, dict) or data.get(key, data) is not None:
-        return ""
+        return "", ""
     keys = list(data)
     before = data[keys[keys.index(key) - 1]] if keys.index(key) > 0 else None
     whole = isinstance(before, int) and not isinstance(before, bool)
     if not whole and not (isinstance(before, str) and re.fullmatch(r"-0+", before)):
-        return ""
-    return f"is it a decimal comma? Write {before}.{key} with a point, for {keys[keys.index(key) - 1]}"
+        return "", ""
+    name = str(keys[keys.index(key) - 1])
+    return f"is it a decimal comma? Write {before}.{key} with a point, for {name}", name
 
 
 def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetails:
@@ -147,7 +155,9 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
         example = model._example(str(place[0]))
         known = refusal("is missing", f"add `{place[0]}:`" + (f", such as {example}" if example else ""))
     elif len(place) == 1 and kind == "extra_forbidden":
-        known = refusal("unknown key", _decimal_comma(data, str(place[0])) or _meant(str(place[0]), model._keys()))
+        cure, before = _decimal_comma(data, str(place[0]))
+        words = {"cause": "unknown key", "cure": cure or _meant(str(place[0]), model._keys())}
+        known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
         known = PydanticCustomError(DOUBT, "doubtful", context)
     elif kind == KIND or "error" in context:
@@ -397,6 +407,9 @@ def _problem(error: Any, document: Document) -> Problem:
         cause, cure = str(context.get("cause", "")), suited(str(context.get("cure", "")), error["input"])
         if "file" in context:
             return Problem(str(context["file"]), context.get("line"), "", None, cause, cure)
+        before = str(context.get("before", ""))
+        if before and (document.written((*path[:-1], before)) or "").startswith("-0"):
+            cure = cure.replace("Write 0.", "Write -0.", 1)
         cause += _shown_beside(document, str(context.get("beside", "")))
     else:
         cause, cure = _plain(error)

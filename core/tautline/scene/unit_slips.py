@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
@@ -118,7 +118,8 @@ def _doubts(model: type[Model], document: Document, ask: Callable[[Quantity, Any
     else:
         return
     told: set[Path_] = set()
-    doubts = []
+    doubts: list[_Doubt] = []
+    titles: dict[Path_, _Titles] = {}
     for one in errors:
         if one["type"] != DOUBT:
             continue
@@ -130,7 +131,12 @@ def _doubts(model: type[Model], document: Document, ask: Callable[[Quantity, Any
             if context["bare"] and place == key:
                 context["typed"] = document.written(key)  # 1.0e9 is not to become 1000000000.0
             line = None if document.origin(place) else document.line(place)
-            column = None if place == key else _column(document, place, key[-2:])
+            column = None
+            if place != key:
+                # A file has as many doubts as numbers, and is read once for all of them.
+                if place not in titles:
+                    titles[place] = _titles(document, place)
+                column = titles[place].of(key[-2:])
             doubts.append(_Doubt(place, line, **context, column=column))
     yield from sorted(doubts, key=lambda doubt: doubt.line or 0)
 
@@ -145,16 +151,27 @@ def _place(document: Document, key: Path_) -> Path_ | None:
     return None
 
 
-def _column(document: Document, place: Path_, end: Path_) -> tuple[str, str]:
-    """Column of a table's file that a number comes from, and the file's name; no column where its header has a unit."""
+class _Titles(NamedTuple):
+    """What a table's file says of its columns: their names, empty where the header has a unit, and the file's name."""
+
+    file: str
+    time: str
+    value: str
+
+    def of(self, end: Path_) -> tuple[str, str]:
+        """Name of the column that a number comes from, by the end of its key, and of the file."""
+        return (self.time if end and end[0] == "time" else self.value), self.file
+
+
+def _titles(document: Document, place: Path_) -> _Titles:
+    """The columns of a table whose file is named at a key; no names where the file cannot be read."""
     file = str(document.written(place))
     try:
         columns = Columns(document.folder / file)
-        time, value = places(columns, document.written((*place[:-1], "column")))
+        both = places(columns, document.written((*place[:-1], "column")))
     except SceneError:
-        return "", file
-    at = time if end and end[0] == "time" else value
-    return ("" if columns.units[at] else columns.names[at] or f"{at + 1}"), file
+        return _Titles(file, "", "")
+    return _Titles(file, *("" if columns.units[at] else columns.names[at] or f"{at + 1}" for at in both))
 
 
 def _bare_column(system: str, doubt: _Doubt) -> SceneWarning:

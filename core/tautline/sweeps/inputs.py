@@ -10,8 +10,8 @@ from typing import Any
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.reading.files import files_of
 
-Stamp = tuple[int, int, int]
-"""Time of the last change, ns, size and number of a file: as long as they stay, it is taken for the same."""
+Stamp = tuple[int, int]
+"""Time of the last change, ns, and size of a file: as long as they stay, it is taken for the same."""
 NO_FILE = "no file"
 
 
@@ -21,7 +21,7 @@ class InputChanged(SceneError):
 
 def hashes_of(scenes: Iterable[Any]) -> dict[str, str]:
     """Path -> hash of the contents of each file that scenes name."""
-    return {path: _hash(path) for path in sorted({path for scene in scenes for path in _paths_of(scene)})}
+    return {path: hash_of(path) for path in sorted({path for scene in scenes for path in _paths_of(scene)})}
 
 
 def stamps_of(paths: Iterable[str]) -> dict[str, Stamp]:
@@ -61,7 +61,7 @@ class Inputs:
         for path, stamp in stamps.items():
             if self._seen.get(path) == stamp:
                 continue
-            found = _hash(path)
+            found = hash_of(path)
             if found != self.hashes[path]:
                 cause = "is not the file that it was when the sweep began"
                 raise InputChanged(
@@ -92,12 +92,13 @@ def _stamp(path: str) -> Stamp:
     try:
         status = Path(path).stat()
     except OSError:
-        return -1, -1, -1
-    return status.st_mtime_ns, status.st_size, status.st_ino
+        return -1, -1
+    return status.st_mtime_ns, status.st_size
 
 
-def _hash(path: str) -> str:
+def hash_of(path: str) -> str:
+    """Hash of the contents of a file, `NO_FILE` where there is none that can be read."""
     try:
-        return sha256(Path(path).read_bytes()).hexdigest()
+        return sha256(Path(path).read_bytes()).hexdigest() if Path(path).is_file() else NO_FILE
     except OSError:
         return NO_FILE

@@ -20,6 +20,7 @@ from tautline.results.disk import Lock
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.tables.finding import Finding
 from tautline.sweeps.cases import UNFINISHED, Row
+from tautline.sweeps.inputs import hash_of
 from tautline.version import __version__
 
 NAME = "journal.ndjson"
@@ -89,6 +90,8 @@ class Journal:
         """Raise ResultError for the journal of another sweep, and name the files that make it another one."""
         before = before if isinstance(before, dict) else {}
         changed = [path for path, found in self.files.items() if before.get(path, found) != found]
+        # A file by which no scene can be read any more is not among those that are read now.
+        changed += [path for path, found in before.items() if path not in self.files and hash_of(path) != found]
         if changed:
             cause = f"belongs to another sweep: {', '.join(changed)} has been changed since it began"
             raise ResultError(folder, cause, "put the file back as it was, or name another folder with -o")

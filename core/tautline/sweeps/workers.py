@@ -216,7 +216,7 @@ def _lost(error: Any, cases: list[int], address: str) -> Iterator[Found]:
     elif isinstance(error, (ImportError, AttributeError, OtherProgram)):
         cure = "install the same version of Tautline where the workers run"
         raise option_error("--dask", address, f"its workers cannot run the cases: {error}", cure)
-    elif isinstance(error, InputChanged):
+    elif isinstance(error, InputChanged) and address != LOCAL:
         raise InputChanged([replace(one, cause=f"{one.cause}, as a worker sees it") for one in error.problems])
     else:
         raise error

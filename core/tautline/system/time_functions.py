@@ -17,6 +17,7 @@ import numpy as np
 from tautline.errors import ArgumentError, ArgumentTypeError
 from tautline.kernels.moving_frame import Lifts, new_frames
 from tautline.kernels.time_function import DEGREES, TERMS, LongSums, TimeFunctions
+from tautline.scene.curves import hermite, slopes
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity
 
@@ -415,7 +416,7 @@ def _add(model: Any, parts: Parts, smooth: bool) -> None:
         cubic = model.interpolation == "cubic" or (model.interpolation is None and smooth)
         parts.tracks.append(_table(np.array(model.time, dtype=float), np.array(model.value, dtype=float), cubic))
     elif isinstance(model, Samples):
-        rows = _hermite(np.diff(model.time), model.value, model.rate, model.second)
+        rows = hermite(np.diff(model.time), model.value, model.rate, model.second)
         parts.tracks.append(Track.held(model.time, rows, model.value[0], model.value[-1]))
     elif isinstance(model, Harmonic):
         w = 2.0 * math.pi * (model.frequency if model.frequency is not None else 1.0 / model.period)
@@ -454,74 +455,11 @@ def _table(time: np.ndarray, value: np.ndarray, cubic: bool) -> Track:
     if len(time) == 1:
         return Track.of([], [0.0], [[value[0]]])
     if cubic:
-        slope, second = _slopes(time, value)
-        rows = _hermite(np.diff(time), value, slope, second)
+        slope, second = slopes(time, value)
+        rows = hermite(np.diff(time), value, slope, second)
     else:
         rows = np.column_stack((value[:-1], np.diff(value) / np.diff(time)))
     return Track.held(time, rows, value[0], value[-1])
-
-
-def _slopes(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Slope and second derivative at each time, for quintic Hermite pieces that are C2 everywhere.
-
-    They are the natural cubic spline's, so the curve is that spline, but for knots beside an interval in which the
-    data are monotone and the spline is not: there the slope is a limited harmonic mean (as in pchip) and the second
-    derivative is zero. Such a quintic is monotone if both slopes are at most twice the secant's, so that monotone
-    data are never overshot. Beside a crest of the data the spline may rise above them, as a sampled wave should.
-    """
-    h, secant = np.diff(time), np.diff(value) / np.diff(time)
-    n = len(time)
-    second = np.zeros(n)
-    if n > 2:
-        from scipy.linalg import solve_banded
-
-        band = np.zeros((3, n - 2))
-        band[0, 1:], band[1], band[2, :-1] = h[1:-1], 2.0 * (h[:-1] + h[1:]), h[1:-1]
-        second[1:-1] = solve_banded((1, 1), band, 6.0 * np.diff(secant))
-    slope = np.append(secant - h * (2.0 * second[:-1] + second[1:]) / 6.0, 0.0)
-    slope[-1] = secant[-1] + h[-1] * second[-2] / 6.0
-
-    sign = np.sign(secant)
-    around = np.column_stack((np.append(sign[0], sign[:-1]), sign, np.append(sign[1:], sign[-1])))
-    monotone = (around.min(axis=1) >= 0.0) | (around.max(axis=1) <= 0.0) | (sign == 0.0)
-    safe = np.concatenate((secant[:1], _limited(h, secant), secant[-1:]))
-    changed = np.zeros(n, dtype=bool)
-    x = np.linspace(0.0, 1.0, 33)
-    while True:
-        rows = _hermite(h, value, slope, second)
-        rate = sum(k * rows[:, k, None] * (x * h[:, None]) ** (k - 1) for k in range(1, 6))
-        scale = 1e-9 * np.abs(secant) + 1e-300
-        wrong = np.where(sign == 0.0, np.abs(rate).max(axis=1), -(rate * sign[:, None]).min(axis=1)) > scale
-        spread = np.zeros(n, dtype=bool)
-        spread[:-1] |= wrong & monotone
-        spread[1:] |= wrong & monotone
-        if not np.any(spread & ~changed):
-            return slope, second
-        changed |= spread
-        slope[changed], second[changed] = safe[changed], 0.0
-
-
-def _limited(h: np.ndarray, secant: np.ndarray) -> np.ndarray:
-    """Harmonic mean of the secants on both sides of each inner knot, at most twice the smaller; 0 at a crest."""
-    before, after = secant[:-1], secant[1:]
-    same = before * after > 0.0
-    weight = h[:-1] + 2.0 * h[1:], 2.0 * h[:-1] + h[1:]
-    # A secant of next to nothing has a weight of infinity, and a mean of nothing.
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        mean = (weight[0] + weight[1]) / (weight[1] / before + weight[0] / after)
-    most = 2.0 * np.minimum(np.abs(before), np.abs(after))
-    return np.where(same, np.clip(np.where(same, mean, 0.0), -most, most), 0.0)
-
-
-def _hermite(h: np.ndarray, f: np.ndarray, df: np.ndarray, ddf: np.ndarray) -> np.ndarray:
-    """Quintics (n, 6) through values, slopes and second derivatives (n + 1,) at the ends of intervals h (n,)."""
-    d = f[1:] - f[:-1] - h * (df[:-1] + 0.5 * h * ddf[:-1])
-    e = h * (df[1:] - df[:-1] - h * ddf[:-1])
-    g = 0.5 * h * h * (ddf[1:] - ddf[:-1])
-    third = (10.0 * d - 4.0 * e + g) / h**3
-    fourth = (-15.0 * d + 7.0 * e - 2.0 * g) / h**4
-    fifth = (6.0 * d - 3.0 * e + g) / h**5
-    return np.column_stack((f[:-1], df[:-1], 0.5 * ddf[:-1], third, fourth, fifth))
 
 
 def _rows_at(rows: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -564,7 +502,7 @@ def _integrated(waves: np.ndarray, request: FunctionRequest) -> Track:
         added += 0.5 * weight * h * _waves_at(waves, time[:-1] + 0.5 * (1.0 + node) * h)[0]
     f, df = _waves_at(waves, time)
     whole = np.concatenate(([0.0], np.cumsum(added)))
-    track = Track.held(time, _hermite(h, whole, f, df), whole[0], whole[-1])
+    track = Track.held(time, hermite(h, whole, f, df), whole[0], whole[-1])
     track.coefficients[0, 1], track.coefficients[-1, 1] = f[0], f[-1]
     return track
 

@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 from crane.scene.scene import CraneScene
+from tautline.kernels.time_function import sample
+from tautline.scene import unit_slips
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.functions import Table
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document
 from tautline.scene.unit_slips import slips_of_units
+from tautline.system.time_functions import FunctionRequest, compile_functions
 
 CRANE = """\
 units: field
@@ -50,21 +54,67 @@ def test_numbers_of_a_column_with_a_unit_are_not_doubted_and_one_without_is_told
     assert "the column out of out.csv has no unit" in told and "out [m], or out [ft]" in told
 
 
+def test_a_file_is_read_once_for_all_doubts_of_its_numbers(tmp_path, monkeypatch):
+    document, read = given(tmp_path, column("out", [0.5 + k / 1000 for k in range(200)])), []
+
+    def counted(path, *others):
+        read.append(path)
+        return Columns(path, *others)
+
+    monkeypatch.setattr(unit_slips, "Columns", counted)
+    assert len(of_column(document)) == 1
+    assert len(read) == 1
+
+
 GAP = "time [s],value [m]\n" + "".join(f"{k},{k % 3 / 10}\n" for k in (*range(6), *range(16, 22)))
 
 
-def test_a_gap_in_a_record_is_refused_with_what_a_curve_would_make_of_it(tmp_path):
+def test_a_gap_in_a_record_is_refused_with_what_the_curve_of_a_run_makes_of_it(tmp_path):
     told = refused(tmp_path, GAP)
     assert "out.csv:8: 16 in time comes 11 s after line 7 with no row between" in told
     assert "gap:" in told and "interpolation: linear" in told
-    # Between two rows at 0.2 m and 0.1 m the natural spline through the record goes as far beyond them as is told.
-    from scipy.interpolate import make_interp_spline
-
+    # Between two rows at 0.2 m and 0.1 m the function that a run follows goes as far beyond them as is told.
     t = np.array([*range(6), *range(16, 22)], float)
-    spline = make_interp_spline(t, t % 3 / 10, bc_type="natural")
-    there = spline(np.linspace(5.0, 16.0, 1001))
+    there = followed(t, t % 3 / 10, np.linspace(5.0, 16.0, 1001))
     off = max(there.max() - 0.2, 0.1 - there.min())
-    assert float(told.split("goes ")[1].split(" m")[0]) == pytest.approx(off, rel=1e-3)
+    assert off > 0.01 and float(told.split("goes ")[1].split(" m")[0]) == pytest.approx(off, rel=1e-3)
+
+
+def followed(times, values, at):
+    """What a run follows of a table (times,): the compiled function at times `at`."""
+    function = compile_functions([FunctionRequest(Table(time=tuple(times), value=tuple(values)))])
+    return np.array(sample(function, 0, at))[:, 0]
+
+
+HOLDS = {
+    "hoist, then hold": [(t, min(t, 10) * 0.2) for t in range(13)] + [(300, 2.0)],
+    "hold before": [(-300, 0.0)] + [(t, max(t - 2, 0) * 0.2) for t in range(13)],
+    "zeros": [(t, 0.0) for t in (*range(12), 100, 101)],
+    "straight": [(t, 0.1 * t) for t in (*range(12), 100, 101)],
+}
+
+
+@pytest.mark.parametrize("rows", HOLDS.values(), ids=HOLDS)
+def test_a_gap_that_the_curve_of_a_run_bridges_between_its_two_rows_is_read(rows, tmp_path):
+    text = "time [s],value [m]\n" + "".join(f"{t},{value:.6g}\n" for t, value in rows)
+    assert len(CraneScene.read(given(tmp_path, text)).vessel.motion.heave.time) == len(rows)
+    times, values = np.array(rows, float).T
+    i = int(np.diff(times).argmax())
+    there = followed(times, values, np.linspace(times[i], times[i + 1], 1001))
+    ends = sorted(values[i : i + 2])
+    assert there.min() >= ends[0] - 1e-12 and there.max() <= ends[1] + 1e-12
+
+
+def test_a_gap_among_stamps_that_jitter_by_some_per_cent_is_refused(tmp_path):
+    late = np.random.default_rng(3).uniform(-0.04, 0.04, 40)
+    kept = [k for k in range(40) if not 20 < k < 31]
+    rows = "".join(f"{k + late[k]:.3f},{k % 3 / 10}\n" for k in kept)
+    assert "with no row between" in refused(tmp_path, "time [s],value [m]\n" + rows)
+
+
+def test_a_gap_that_is_no_duration_is_refused_under_its_own_key(tmp_path):
+    told = refused(tmp_path, GAP, CRANE.replace("out.csv", "out.csv, gap: soon"))
+    assert "vessel.motion.heave.table.gap = soon: " in told
 
 
 @pytest.mark.parametrize("more", [", gap: 12 s", ", interpolation: linear"])
@@ -75,6 +125,8 @@ def test_a_gap_that_is_meant_is_bridged(more, tmp_path):
 
 def test_a_table_of_few_rows_or_of_uneven_ones_is_no_record(tmp_path):
     CraneScene.read(given(tmp_path, "time [s],value [m]\n0,0\n1,0\n20,5\n"))
+    by_hand = "time [s],value [m]\n" + "".join(f"{t},{t % 3}\n" for t in (0, 2, 5, 7, 10, 12, 15, 60, 62, 65))
+    CraneScene.read(given(tmp_path, by_hand))
     uneven = "time [s],value [m]\n" + "".join(f"{t},0\n" for t in (0, 1, 3, 4, 8, 9, 15, 30, 31, 60))
     CraneScene.read(given(tmp_path, uneven))
 

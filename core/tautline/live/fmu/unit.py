@@ -12,7 +12,7 @@ import numpy as np
 from tautline.errors import TautlineError
 from tautline.live.errors import SimulationError
 from tautline.live.memory import State, as_sent, sum_of
-from tautline.live.simulation import Simulation
+from tautline.live.simulation import SHORTEST, Simulation
 from tautline.system.handles import Output
 
 SCENE, DESCRIPTION = "scene.yaml", "unit.json"
@@ -161,22 +161,30 @@ class Core:
             self.stale, self.fault = True, ""
 
     def step(self, time: float, length: float) -> None:
-        """One communication step; raises what the simulation raises, and where a value that was set is refused."""
+        """One communication step; raises what the simulation raises, and where a value that was set is refused.
+
+        One so short that it is rounding beside the scene's output is no advance, and succeeds: hosts of variable step
+        make such ones. Outputs stay, and inputs wait for the next step, which may begin before or behind it.
+        """
         if self.refused:
             raise SimulationError("; ".join(self.refused.values()))
         sim = self.begun()
         if not self.timed:
             self.start_at(time)
-        if abs(time - self.begin - sim.time) > NEAR * max(1.0, abs(time)):
+        rounding = SHORTEST * sim.model.solver.interval
+        if abs(time - self.begin - sim.time) > max(NEAR * max(1.0, abs(time)), rounding):
             cause = f"the host steps from {time:g} s, and the unit stands at {self.begin + sim.time:g} s"
             raise SimulationError(cause, "set the state that was saved there")
         self.stepped = True
+        end = time - self.begin + length
+        if length > 0.0 and end - sim.time < rounding and not sim.stopped:
+            return
         for name, value in self.given.items():
             # What was given before and stays as it is needs no way to it. What was never given still goes by the scene.
             if self.sent.get(name) != value:
                 sim.inputs[name] = self.sent[name] = value
         self.given.clear()
-        sim.advance_to(time - self.begin + length)
+        sim.advance_to(end)
 
     # -- state ---------------------------------------------------------------------------------------------------------
 
