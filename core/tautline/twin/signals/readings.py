@@ -57,6 +57,7 @@ class Readings:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
         values = np.full(len(self.channels), np.nan)
         coming = list(takewhile(lambda one: not one.after_gap, self.rows.waiting))
+        stamps = [one.time for one in coming]
         for i, (channel, health) in enumerate(zip(self.channels, self.health, strict=True)):
             reading = row.values[i]
             if channel.zero_first and i not in self.zeros and np.isfinite(reading):
@@ -65,7 +66,7 @@ class Readings:
             start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
             following = [channel.scale * (one.values[i] - zero) + start for one in coming]
             before = health.fault
-            values[i] = health.check(row.time, channel.scale * (reading - zero) + start, following)
+            values[i] = health.check(row.time, channel.scale * (reading - zero) + start, following, stamps)
             if np.isfinite(health.left_out):
                 self.rows.counts["with a reading that jumped away and back"] += 1
             if channel.is_input and health.fault in STILL and before not in STILL:
