@@ -6,6 +6,7 @@ import pytest
 from tautline.twin.map import Channel
 from tautline.twin.signals.rows import Rows
 from tautline.twin.signals.sensors import Health
+from tautline.twin.sources.table import Header
 
 
 def given(stamps, delay=0.3, interval=0.1):
@@ -137,7 +138,7 @@ def told_missing(readings, bounds=(-np.inf, np.inf)):
     return [bool(np.isnan(row.values[0])) for row in came]
 
 
-@pytest.mark.parametrize("null", [-999.0, -999.25, -9999.0])
+@pytest.mark.parametrize("null", [-999.0, -999.25, -9999.0, -9999.25])
 def test_what_rigs_write_for_a_missing_value_is_no_reading(null):
     assert told_missing([null, 205.0, null, 204.0]) == [True, False, True, False]
     assert told_missing([205.0, null], (0.0, 600.0)) == [False, True]
@@ -146,6 +147,30 @@ def test_what_rigs_write_for_a_missing_value_is_no_reading(null):
 def test_a_null_of_rigs_is_a_reading_where_the_sensor_can_show_it():
     assert not any(told_missing([-990.0, -995.0, -999.0, -1003.0]))
     assert not any(told_missing([0.0, -999.0], (-2000.0, 2000.0)))
+
+
+@pytest.mark.parametrize("unit", ["kN", "N", "klbf", "tf"])
+def test_a_null_is_told_by_what_was_written_whatever_unit_the_header_gives(unit):
+    header = Header(f"time [s],x [{unit}]", ["x"], "", "rec.csv", {"x": "klbf"})
+    rows = Rows(["x"], 0.0)
+    rows.bounds, rows.factors = [(0.0, 600.0)], header.factors
+    for k, written in enumerate(["100", "-999.25", "-9999.25", "101"]):
+        rows.add(*header.read(f"{0.1 * k},{written}"))
+    came = []
+    while (row := rows.ready(end=True)) is not None:
+        came.append(np.isnan(row.values[0]))
+    assert came == [False, True, True, False]
+    assert rows.counts["with a reading that stands for none (-999.25)"] == 2
+
+
+@pytest.mark.parametrize("zero", [{"zero_first": True, "zero": 0.0}, {"zero_first": False, "zero": -980.0}])
+def test_a_null_is_a_reading_where_the_zero_of_the_sensor_is_near_it(zero):
+    place = Channel(
+        column="x", name="winch.pay_out", is_input=True, unit="m", scale=1.0, sd=np.nan, relative=False, low=-50.0,
+        high=50.0, waves=False, lost_after=5.0, **zero,
+    )  # fmt: skip
+    assert not any(told_missing([-985.0, -998.0, -999.0, -1000.0], place.shown))
+    assert told_missing([-985.0, -9999.0], place.shown) == [False, True]
 
 
 def hook(readings, rate=10.0, **channel):

@@ -26,7 +26,7 @@ class Given:
 
     def __init__(self, rows, dropped=0, notes=()):
         self.name, self.live, self.again, self.ended, self.refused = "given", False, True, False, 0
-        self.dropped, self.notes, self._rows = dropped, list(notes), list(rows)
+        self.dropped, self.notes, self._rows, self.factors = dropped, list(notes), list(rows), {}
 
     def poll(self, timeout):
         if self._rows:

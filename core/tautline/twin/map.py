@@ -192,7 +192,9 @@ class Channel(pydantic.BaseModel):
 
     @property
     def shown(self) -> tuple[float, float]:
-        """Its range in the column's unit: what readings can be."""
+        """Its range in the column's unit: what readings can be; infinite where the first of them says what is zero."""
+        if self.zero_first:
+            return -math.inf, math.inf
         low, high = (one / self.scale + self.zero for one in (self.low, self.high))
         return min(low, high), max(low, high)
 
