@@ -169,6 +169,7 @@ class Twin:
             self.estimate.advance(row.time, inputs)
         except StoppedEarly as error:
             self._restart(row, inputs, error)
+        self.readings.take_back(row.time, values, self._computed())
         line = self._compare(row, inputs, values, self._used(row, values) & use, use)
         self.now = row.time
         self.outlook.foresee(row.time, dict(inputs))
@@ -300,6 +301,11 @@ class Twin:
             more[one.name] = value, np.hypot(own, shaken)
             self.unsure |= bool(self.readings.shaken and more[one.name][1] > MANY * sd)
         return more
+
+    def _computed(self) -> dict[str, float]:
+        """What is computed of the measured outputs now, SI by name."""
+        first = self.estimate.family.simulations[0]
+        return {one.name: float(first.outputs[one.name]) for one in self.plan.measured}
 
     def _health_of_outputs(self) -> list[tuple[str, Health]]:
         """Names and health of the measured outputs (m,)."""

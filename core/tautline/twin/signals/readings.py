@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import takewhile
 
@@ -19,6 +20,8 @@ SMOOTHED = 2.0
 """Periods of the bounce, before a row and after it, that noisy inputs are smoothed over."""
 STILL = ("stuck", "clipped")
 """Faults of a sensor that shows one value for a while."""
+JUMPED = "with a reading that jumped away and back"
+"""Kind of rows that are counted so."""
 
 
 class Readings:
@@ -68,7 +71,7 @@ class Readings:
             before = health.fault
             values[i] = health.check(row.time, channel.scale * (reading - zero) + start, following, stamps)
             if np.isfinite(health.left_out):
-                self.rows.counts["with a reading that jumped away and back"] += 1
+                self.rows.counts[JUMPED] += 1
             if channel.is_input and health.fault in STILL and before not in STILL:
                 # What it showed since it stands was believed until now.
                 for one in self.rows.past:
@@ -79,6 +82,15 @@ class Readings:
                         track.part(row.time)
         row.values = values
         return values
+
+    def take_back(self, time: float, values: np.ndarray, computed: Mapping[str, float]) -> None:
+        """Put readings that jumped into values (c,) where what is computed, SI by name, jumps as well."""
+        for i, (channel, health) in enumerate(zip(self.channels, self.health, strict=True)):
+            reading = health.left_out
+            if channel.is_output and health.explained(time, computed[channel.name]):
+                values[i] = reading
+                self.rows.counts[JUMPED] -= 1
+                self.rows.counts += Counter()  # what is counted no more is not told
 
     def named(self, values: np.ndarray) -> dict[str, float]:
         """Values (c,) by the names of their channels."""

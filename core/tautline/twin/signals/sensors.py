@@ -55,6 +55,8 @@ AWAY, BACK = 2, 3.0
 """Readings after one that jumped among which one is back; and how much nearer that is to the one before."""
 AWAY_TIME = 0.5
 """From the reading before a jump to the one that is back at most, s: a machine may swing out and back in longer."""
+AS_MUCH = 0.5
+"""Share of a jump from which on a change of what is computed is as large: then the machine did it."""
 DIGITS = 4.0
 """Last digits of a sensor that is coarser than its `sd` that its readings may go away and back by."""
 USUAL, SHARE = 4.0, 0.9
@@ -98,6 +100,8 @@ class Health:
         self._off_for, self._off_at = 0.0, np.nan
         self._before, self._passed, self._largest = np.nan, np.nan, 0.0
         self.jumps, self.left_out, self._jumped, self.jump = 0, np.nan, -np.inf, ""
+        self._jumps_before = self.jumps, self._jumped, self.jump
+        self._computed: deque[tuple[float, float]] = deque()
 
     def check(
         self, time: float, reading: float, following: Sequence[float] = (), stamps: Sequence[float] = ()
@@ -138,6 +142,7 @@ class Health:
         if self.fault == "out of range":
             self._set("", "")
         if self._jumps_away(reading, following, stamps or [time + (k + 1) * passed for k in range(AWAY)]):
+            self._jumps_before = self.jumps, self._jumped, self.jump
             self.jumps, self.left_out, self._jumped = self.jumps + 1, reading, time
             way = f"from {self.channel.told(self._last)} to {self.channel.told(reading)} and back"
             self.jump = f"{self.channel.column} jumped {way} at {time:.6g} s; left out so far: {self.jumps}"
@@ -175,6 +180,24 @@ class Health:
             # What never changed tells nothing of what a change is.
             return bool(sd > 0.0 and jump > max(DOZENS * sd, TINY))
         return bool(jump > max(DOZENS * sd, DIGITS * digit, TINY))
+
+    def explained(self, time: float, computed: float) -> bool:
+        """Whether the reading that was just left out is what the machine does, for what is computed jumps as well.
+
+        Loads that snap again and again come so. To be called for every reading, with what is computed then, SI.
+        """
+        while self._computed and self._computed[0][0] < time - AWAY_TIME * (1.0 + EDGE):
+            self._computed.popleft()
+        self._computed.append((time, computed))
+        if not np.isfinite(self.left_out):
+            return False
+        jump = self.left_out - self._last
+        lately = np.sign(jump) * np.array([one for _, one in self._computed])
+        if not np.max(lately - np.minimum.accumulate(lately)) >= AS_MUCH * abs(jump):
+            return False
+        self.jumps, self._jumped, self.jump = self._jumps_before
+        self.left_out = np.nan
+        return True
 
     def _digit(self) -> float:
         """The smallest difference of readings so far: the last digit of a sensor that shows round numbers; else 0."""
