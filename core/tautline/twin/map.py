@@ -510,11 +510,32 @@ class _Reader:
         else:
             above = self.number((*key, "above"), one.above, unit, math.inf)
             below = self.number((*key, "below"), one.below, unit, -math.inf)
-        said = f"{target} above {one.above}" if one.above is not None else f"{target} below {one.below}"
+        side, bound = ("above", one.above) if one.above is not None else ("below", one.below)
+        said = f"{target} {side} {bound}" if isinstance(bound, str) else f"{target} {side} {bound:.10g} {unit}".strip()
         return Alarm(
             name=one.name or said, target=target, is_residual=one.residual is not None, above=above, below=below,
             times_sd=bool(times), ahead=one.ahead, lasting=one.for_, unit=unit,
         )  # fmt: skip
+
+
+def bare_bounds(read: TwinMap, plan: Plan) -> list[str]:
+    """Sentences on bounds without a unit beside a sensor that has one: they are in SI units, unlike its readings."""
+    units = {one.name: one for one in plan.measured if one.column_unit and one.factor != 1.0}
+    sentences = []
+    for one in read.watch:
+        channel = units.get(one.output or one.residual or "")
+        if channel is None:
+            continue
+        for side in _sides(one):
+            bound = getattr(one, side)
+            if isinstance(bound, str) or bound == 0.0:
+                continue
+            sentences.append(
+                f"watch: `{side}: {bound:.10g}` of {channel.name} has no unit and counts as {bound:.10g} "
+                f"{channel.unit}. The sensor {channel.column} is in {channel.column_unit}. "
+                f"If the bound is too, write `{side}: {bound:.10g} {channel.column_unit}`"
+            )
+    return sentences
 
 
 def _sides(one: Watch) -> list[str]:

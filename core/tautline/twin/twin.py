@@ -21,7 +21,7 @@ from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import Forecast, Found
-from tautline.twin.map import Plan, TwinMap, checked, driven_by, read_map
+from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, read_map
 from tautline.twin.operation import Operation
 from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling
@@ -87,6 +87,7 @@ class Twin:
         self.settling, self.unsure = Settling(), False
         self.restarts = 0
         self.notes = self.estimate.notes  # one list
+        self.notes += bare_bounds(self.map, self.plan)
         self.notes += self.operation.doubts(self.plan) if self.operation else []
         self.paused = False
         self._further: dict[str, dict[str, Any]] = {}
