@@ -75,6 +75,13 @@ def test_stamps_and_readings_with_decimal_commas_are_used(twin):
     assert code == 0 and len(out.splitlines()) == 6
 
 
+def test_a_null_is_counted_where_the_header_has_another_unit_than_the_map(twin):
+    readings = ["49050", "49050", "-999.25", "49050", "49050", "49050"]
+    text = "time [s];winch_pos [m];rope_tension [N]\n" + "".join(f"0.{k};0;{one}\n" for k, one in enumerate(readings))
+    code, _, told = twin(text, "--json")
+    assert code == 0 and "rows with a reading that stands for none (-999.25)  1" in told
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
