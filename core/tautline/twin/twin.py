@@ -170,7 +170,7 @@ class Twin:
             self.estimate.advance(row.time, inputs)
         except StoppedEarly as error:
             self._restart(row, inputs, error)
-        self.readings.take_back(row.time, values, self._computed())
+        self.readings.take_back(row.time, self._computed())
         line = self._compare(row, inputs, values, self._used(row, values) & use, use)
         self.now = row.time
         self.outlook.foresee(row.time, dict(inputs))

@@ -83,12 +83,13 @@ class Readings:
         row.values = values
         return values
 
-    def take_back(self, time: float, values: np.ndarray, computed: Mapping[str, float]) -> None:
-        """Put readings that jumped into values (c,) where what is computed, SI by name, jumps as well."""
-        for i, (channel, health) in enumerate(zip(self.channels, self.health, strict=True)):
-            reading = health.left_out
+    def take_back(self, time: float, computed: Mapping[str, float]) -> None:
+        """Call readings no jumps where what is computed, SI by name, jumps as well.
+
+        They stay out of the estimate: how large a snap is at an instant hangs on when it came.
+        """
+        for channel, health in zip(self.channels, self.health, strict=True):
             if channel.is_output and health.explained(time, computed[channel.name]):
-                values[i] = reading
                 self.rows.counts[JUMPED] -= 1
                 self.rows.counts += Counter()  # what is counted no more is not told
 

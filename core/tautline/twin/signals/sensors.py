@@ -196,7 +196,6 @@ class Health:
         if not np.max(lately - np.minimum.accumulate(lately)) >= AS_MUCH * abs(jump):
             return False
         self.jumps, self._jumped, self.jump = self._jumps_before
-        self.left_out = np.nan
         return True
 
     def _digit(self) -> float:
