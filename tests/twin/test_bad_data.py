@@ -64,6 +64,21 @@ def test_bad_data_leave_the_estimate_as_it_is(kind, settled):
     assert times == sorted(times)
 
 
+def test_loads_that_snap_again_and_again_as_the_simulation_does_are_no_jumps_and_a_knock_is_one():
+    # A rope that goes slack in each wave of 3 s: peaks of 0.2 s that are several times the weight.
+    scene = hoist({"time": [0, 100], "value": [0, 0]}, heave=2.5)
+    scene["rope"]["axial_stiffness"] = 4e7
+    scene["vessel"]["motion"]["heave"]["harmonic"]["period"] = 3.0
+    rows = rows_of(scene, end=12.0, rate=10.0)
+    assert sum(readings["rope_tension"] > 200.0 for _, readings in rows) >= 2
+    knocked = [(t, {**r, "rope_tension": 400.0} if k == 15 else r) for k, (t, r) in enumerate(rows)]
+    twin = weight_twin(scene, start="5 t")
+    lines = lines_of(twin, knocked)
+    assert twin.readings.rows.counts["with a reading that jumped away and back"] == 1
+    assert at(lines, 1.5)["health"] == "degraded" and at(lines, 11.9)["health"] == "good"
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
+
+
 @pytest.mark.parametrize("gap", [5.0, *studies(1.0)])
 def test_after_a_gap_the_twin_goes_on_and_says_that_it_was_degraded(gap, settled):
     twin, rest = settled(end=14.0 + gap)

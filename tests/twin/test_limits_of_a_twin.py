@@ -8,7 +8,7 @@ from twin.rehearsal import CALM, SENSORS, alarms, at, changed, hoist, lines_of, 
 
 import tautline
 from tautline.live.simulation import Simulation
-from tautline.twin.map import names_of, plan_of, read_map
+from tautline.twin.map import bare_bounds, names_of, plan_of, read_map
 from tautline.twin.twin import Twin
 from tautline.twin.watch import Watch
 
@@ -72,6 +72,20 @@ def test_a_range_and_a_deviation_without_a_unit_are_in_that_of_the_sensor(writte
     [one] = plan_of(read_map(map), names, {}).channels
     assert (one.low, one.high, one.sd) == pytest.approx((low, high, 500.0))
     assert one.shown == pytest.approx((50.0, 50.0 + 1e-3 * high))
+
+
+def test_a_bound_without_a_unit_is_in_si_and_the_twin_says_so_where_the_sensor_is_in_another(names):
+    watch = "watch:\n  - {output: winch.tension, above: 80}\n  - {output: winch.tension, below: 1 kN}\n"
+    read = read_map(SENSORS + watch)
+    plan = plan_of(read, names, {})
+    assert plan.alarms[0].above == 80.0
+    assert [one.name for one in plan.alarms[:2]] == ["winch.tension above 80 N", "winch.tension below 1 kN"]
+    said = (
+        "watch: `above: 80` of winch.tension has no unit and counts as 80 N. The sensor rope_tension is in kN. "
+        "If the bound is too, write `above: 80 kN`"
+    )
+    assert bare_bounds(read, plan) == [said]
+    assert said in Twin(hoist(CALM), SENSORS + watch).notes
 
 
 def test_alarms_tell_values_in_the_unit_of_the_sensor_and_others_in_those_of_the_scene(names):

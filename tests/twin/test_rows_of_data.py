@@ -6,6 +6,7 @@ import pytest
 from tautline.twin.map import Channel
 from tautline.twin.signals.rows import Rows
 from tautline.twin.signals.sensors import Health
+from tautline.twin.sources.table import Header
 
 
 def given(stamps, delay=0.3, interval=0.1):
@@ -137,7 +138,7 @@ def told_missing(readings, bounds=(-np.inf, np.inf)):
     return [bool(np.isnan(row.values[0])) for row in came]
 
 
-@pytest.mark.parametrize("null", [-999.0, -999.25, -9999.0])
+@pytest.mark.parametrize("null", [-999.0, -999.25, -9999.0, -9999.25])
 def test_what_rigs_write_for_a_missing_value_is_no_reading(null):
     assert told_missing([null, 205.0, null, 204.0]) == [True, False, True, False]
     assert told_missing([205.0, null], (0.0, 600.0)) == [False, True]
@@ -148,8 +149,32 @@ def test_a_null_of_rigs_is_a_reading_where_the_sensor_can_show_it():
     assert not any(told_missing([0.0, -999.0], (-2000.0, 2000.0)))
 
 
-def hook(readings, **channel):
-    """What a hook load in klbf is taken for, reading by reading at 10 Hz, with the next three known; and its health."""
+@pytest.mark.parametrize("unit", ["kN", "N", "klbf", "tf"])
+def test_a_null_is_told_by_what_was_written_whatever_unit_the_header_gives(unit):
+    header = Header(f"time [s],x [{unit}]", ["x"], "", "rec.csv", {"x": "klbf"})
+    rows = Rows(["x"], 0.0)
+    rows.bounds, rows.factors = [(0.0, 600.0)], header.factors
+    for k, written in enumerate(["100", "-999.25", "-9999.25", "101"]):
+        rows.add(*header.read(f"{0.1 * k},{written}"))
+    came = []
+    while (row := rows.ready(end=True)) is not None:
+        came.append(np.isnan(row.values[0]))
+    assert came == [False, True, True, False]
+    assert rows.counts["with a reading that stands for none (-999.25)"] == 2
+
+
+@pytest.mark.parametrize("zero", [{"zero_first": True, "zero": 0.0}, {"zero_first": False, "zero": -980.0}])
+def test_a_null_is_a_reading_where_the_zero_of_the_sensor_is_near_it(zero):
+    place = Channel(
+        column="x", name="winch.pay_out", is_input=True, unit="m", scale=1.0, sd=np.nan, relative=False, low=-50.0,
+        high=50.0, waves=False, lost_after=5.0, **zero,
+    )  # fmt: skip
+    assert not any(told_missing([-985.0, -998.0, -999.0, -1000.0], place.shown))
+    assert told_missing([-985.0, -9999.0], place.shown) == [False, True]
+
+
+def hook(readings, rate=10.0, **channel):
+    """What a hook load in klbf is taken for, reading by reading, with the next three known; and its health."""
     klbf = 4448.2216152605
     one = Channel(**{
         "column": "hook_load", "name": "top.hook_load", "is_input": False, "unit": "N", "scale": klbf, "zero": 0.0,
@@ -157,7 +182,9 @@ def hook(readings, **channel):
         "lost_after": 5.0, "column_unit": "klbf", "factor": klbf,
     } | channel)  # fmt: skip
     health, si = Health(one), klbf * np.asarray(readings, float)
-    return np.array([health.check(0.1 * k, si[k], si[k + 1 : k + 4]) for k in range(si.size)]) / klbf, health
+    t = np.arange(si.size) / rate
+    values = [health.check(t[k], si[k], si[k + 1 : k + 4], list(t[k + 1 : k + 4])) for k in range(si.size)]
+    return np.array(values) / klbf, health
 
 
 NOISY = 200.0 + 2.0 * np.random.default_rng(5).standard_normal(120)
@@ -178,6 +205,31 @@ def test_a_hook_load_that_falls_into_slips_or_swings_from_row_to_row_does_not_ju
     assert hook(np.where(np.arange(120) < 60, NOISY, NOISY - 150.0))[1].jumps == 0
     swing = 100.0 + 60.0 * np.cos(2.0 * np.pi * np.arange(120) / 2.7)
     assert hook(swing, sd=0.001)[1].jumps == 0
+
+
+@pytest.mark.parametrize("sd", [{"sd": np.nan, "relative": False}, {"sd": 0.0005}], ids=["no sd", "a small sd"])
+def test_the_last_digit_of_a_sensor_that_shows_round_numbers_does_not_jump(sd):
+    flicker = np.where(np.arange(200) % 17 == 0, 51.0, 50.0)
+    values, health = hook(flicker, **sd)
+    assert health.jumps == 0 and np.isfinite(values).all()
+    knocked = np.where(np.arange(200) == 100, 400.0, flicker)
+    assert hook(knocked, **sd)[1].jumps == 1
+
+
+@pytest.mark.parametrize(("rate", "away", "jumps"), [(1.0, 1, 0), (2.0, 1, 0), (5.0, 1, 1), (5.0, 2, 0), (10.0, 2, 2)])
+def test_what_is_away_for_longer_than_half_a_second_does_not_jump(rate, away, jumps):
+    readings = NOISY.copy()
+    readings[60 : 60 + away] += 300.0
+    assert hook(readings, rate)[1].jumps == jumps
+
+
+def test_a_spike_outside_the_range_is_out_of_range_and_no_jump():
+    klbf = 4448.2216152605
+    spiked = np.where(np.arange(61) == 60, 9999.0, NOISY[:61])
+    health = hook([*spiked, 9999.0], low=0.0, high=600.0 * klbf)[1]
+    assert health.fault == "out of range" and health.jumps == 0 and np.isnan(health.left_out)
+    # A sensor that shows round numbers comes back with the very reading that it had before.
+    assert hook([200.0, 9999.0, 200.0], low=0.0, high=600.0 * klbf)[1].fault == ""
 
 
 def test_a_sensor_outside_its_range_is_told_in_its_own_unit_with_the_range():

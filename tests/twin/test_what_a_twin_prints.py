@@ -26,7 +26,7 @@ class Given:
 
     def __init__(self, rows, dropped=0, notes=()):
         self.name, self.live, self.again, self.ended, self.refused = "given", False, True, False, 0
-        self.dropped, self.notes, self._rows = dropped, list(notes), list(rows)
+        self.dropped, self.notes, self._rows, self.factors = dropped, list(notes), list(rows), {}
 
     def poll(self, timeout):
         if self._rows:
@@ -73,6 +73,13 @@ HEADER = "time [s];winch_pos [m];rope_tension [kN]\n"
 def test_stamps_and_readings_with_decimal_commas_are_used(twin):
     code, out, _ = twin(HEADER + "".join(f"0,{k}00000;0,0;49,05\n" for k in range(6)), "--json")
     assert code == 0 and len(out.splitlines()) == 6
+
+
+def test_a_null_is_counted_where_the_header_has_another_unit_than_the_map(twin):
+    readings = ["49050", "49050", "-999.25", "49050", "49050", "49050"]
+    text = "time [s];winch_pos [m];rope_tension [N]\n" + "".join(f"0.{k};0;{one}\n" for k, one in enumerate(readings))
+    code, _, told = twin(text, "--json")
+    assert code == 0 and "rows with a reading that stands for none (-999.25)  1" in told
 
 
 @pytest.mark.parametrize(

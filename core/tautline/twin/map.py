@@ -195,7 +195,9 @@ class Channel(pydantic.BaseModel):
 
     @property
     def shown(self) -> tuple[float, float]:
-        """Its range in the column's unit: what readings can be."""
+        """Its range in the column's unit: what readings can be; infinite where the first of them says what is zero."""
+        if self.zero_first:
+            return -math.inf, math.inf
         low, high = (one / self.scale + self.zero for one in (self.low, self.high))
         return min(low, high), max(low, high)
 
@@ -515,10 +517,35 @@ class _Reader:
         else:
             above = self.number((*key, "above"), one.above, unit, math.inf)
             below = self.number((*key, "below"), one.below, unit, -math.inf)
+<<<<<<< HEAD
+=======
+        side, bound = ("above", one.above) if one.above is not None else ("below", one.below)
+        said = f"{target} {side} {bound}" if isinstance(bound, str) else f"{target} {side} {bound:.10g} {unit}".strip()
+>>>>>>> mend-sense2
         return Alarm(
             name=one.name or said, target=target, is_residual=one.residual is not None, above=above, below=below,
             times_sd=bool(times), ahead=one.ahead, lasting=one.for_, unit=unit,
         )  # fmt: skip
+
+
+def bare_bounds(read: TwinMap, plan: Plan) -> list[str]:
+    """Sentences on bounds without a unit beside a sensor that has one: they are in SI units, unlike its readings."""
+    units = {one.name: one for one in plan.measured if one.column_unit and one.factor != 1.0}
+    sentences = []
+    for one in read.watch:
+        channel = units.get(one.output or one.residual or "")
+        if channel is None:
+            continue
+        for side in _sides(one):
+            bound = getattr(one, side)
+            if isinstance(bound, str) or bound == 0.0:
+                continue
+            sentences.append(
+                f"watch: `{side}: {bound:.10g}` of {channel.name} has no unit and counts as {bound:.10g} "
+                f"{channel.unit}. The sensor {channel.column} is in {channel.column_unit}. "
+                f"If the bound is too, write `{side}: {bound:.10g} {channel.column_unit}`"
+            )
+    return sentences
 
 
 def _sides(one: Watch) -> list[str]:

@@ -21,7 +21,7 @@ from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import Forecast, Found
-from tautline.twin.map import Plan, TwinMap, checked, driven_by, read_map
+from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, read_map
 from tautline.twin.operation import Operation
 from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling
@@ -87,6 +87,7 @@ class Twin:
         self.settling, self.unsure = Settling(), False
         self.restarts = 0
         self.notes = self.estimate.notes  # one list
+        self.notes += bare_bounds(self.map, self.plan)
         self.notes += self.operation.doubts(self.plan) if self.operation else []
         self.paused = False
         self._further: dict[str, dict[str, Any]] = {}
@@ -169,6 +170,7 @@ class Twin:
             self.estimate.advance(row.time, inputs)
         except StoppedEarly as error:
             self._restart(row, inputs, error)
+        self.readings.take_back(row.time, self._computed())
         line = self._compare(row, inputs, values, self._used(row, values) & use, use)
         self.now = row.time
         self.outlook.foresee(row.time, dict(inputs))
@@ -300,6 +302,11 @@ class Twin:
             more[one.name] = value, np.hypot(own, shaken)
             self.unsure |= bool(self.readings.shaken and more[one.name][1] > MANY * sd)
         return more
+
+    def _computed(self) -> dict[str, float]:
+        """What is computed of the measured outputs now, SI by name."""
+        first = self.estimate.family.simulations[0]
+        return {one.name: float(first.outputs[one.name]) for one in self.plan.measured}
 
     def _health_of_outputs(self) -> list[tuple[str, Health]]:
         """Names and health of the measured outputs (m,)."""

@@ -83,6 +83,7 @@ def twin(
     ):
         try:
             made = Twin(scene, read, live=opened.live, account=account)
+            made.readings.rows.factors = opened.factors
             begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
             if begin is not None:
                 say(f"going on from {stamp_said(begin)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import takewhile
 
@@ -19,6 +20,8 @@ SMOOTHED = 2.0
 """Periods of the bounce, before a row and after it, that noisy inputs are smoothed over."""
 STILL = ("stuck", "clipped")
 """Faults of a sensor that shows one value for a while."""
+JUMPED = "with a reading that jumped away and back"
+"""Kind of rows that are counted so."""
 
 
 class Readings:
@@ -57,6 +60,7 @@ class Readings:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
         values = np.full(len(self.channels), np.nan)
         coming = list(takewhile(lambda one: not one.after_gap, self.rows.waiting))
+        stamps = [one.time for one in coming]
         for i, (channel, health) in enumerate(zip(self.channels, self.health, strict=True)):
             reading = row.values[i]
             if channel.zero_first and i not in self.zeros and np.isfinite(reading):
@@ -65,9 +69,9 @@ class Readings:
             start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
             following = [channel.scale * (one.values[i] - zero) + start for one in coming]
             before = health.fault
-            values[i] = health.check(row.time, channel.scale * (reading - zero) + start, following)
+            values[i] = health.check(row.time, channel.scale * (reading - zero) + start, following, stamps)
             if np.isfinite(health.left_out):
-                self.rows.counts["with a reading that jumped away and back"] += 1
+                self.rows.counts[JUMPED] += 1
             if channel.is_input and health.fault in STILL and before not in STILL:
                 # What it showed since it stands was believed until now.
                 for one in self.rows.past:
@@ -78,6 +82,16 @@ class Readings:
                         track.part(row.time)
         row.values = values
         return values
+
+    def take_back(self, time: float, computed: Mapping[str, float]) -> None:
+        """Call readings no jumps where what is computed, SI by name, jumps as well.
+
+        They stay out of the estimate: how large a snap is at an instant hangs on when it came.
+        """
+        for channel, health in zip(self.channels, self.health, strict=True):
+            if channel.is_output and health.explained(time, computed[channel.name]):
+                self.rows.counts[JUMPED] -= 1
+                self.rows.counts += Counter()  # what is counted no more is not told
 
     def named(self, values: np.ndarray) -> dict[str, float]:
         """Values (c,) by the names of their channels."""

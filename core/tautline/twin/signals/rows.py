@@ -12,7 +12,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
 | no readable stamp | it is left out, and counted |
 | a reading beyond 1e30 | it counts as missing, and the row is counted |
-| -999, -999.25 or -9999, which rigs write for none | it counts as missing where the sensor cannot show it; counted |
+| -999, -999.25, -9999 or -9999.25, written for none | it counts as missing where the sensor cannot show it; counted |
 """
 
 from __future__ import annotations
@@ -40,8 +40,10 @@ CLOCK_WRONG = 1e-3
 CLOCK_TIME = 60.0
 """Over how long that is found, s."""
 
-NULLS = (-999.0, -999.25, -9999.0)
+NULLS = (-999.0, -999.25, -9999.0, -9999.25)
 """What the formats of rigs (WITS, LAS) write for a value that is missing."""
+ROUNDING = 1e-12
+"""Relative rounding of a reading that was converted."""
 ABSURD = 1.0e30
 """Reading from which one is none: what other programs write for a missing value is one (9.97e36, 3.4e38)."""
 
@@ -81,6 +83,9 @@ class Rows:
         What each column can show, in its unit: by its range in the map, else infinite.
     scales : (c,)
         How many SI units one of a column is: what is absurd is so in either.
+    factors : mapping of str to float
+        What the source has multiplied the readings of a column by, where it gives them in another unit than the map:
+        what stands for none is told by what was written.
     interval : float
         The sample interval, s; NaN until it is known.
     wanted : float
@@ -101,6 +106,7 @@ class Rows:
         self.shift = 0.0
         self.bounds: Sequence[tuple[float, float]] = [(-np.inf, np.inf)] * len(self.columns)
         self.scales = np.ones(len(self.columns))
+        self.factors: Mapping[str, float] = {}
         self._lowest = np.full(len(self.columns), np.inf)
         self.waiting: list[Row] = []
         self.past: deque[Row] = deque()
@@ -158,7 +164,8 @@ class Rows:
 
     def _nulls(self, read: np.ndarray) -> np.ndarray:
         """Which readings (c,) stand for none: what the sensor can show by its range, or has come near to, does not."""
-        null = np.isin(read, NULLS)
+        factors = np.array([self.factors.get(one, 1.0) for one in self.columns])
+        null = np.isclose(read[:, None], np.outer(factors, NULLS), rtol=ROUNDING, atol=0.0).any(axis=1)
         for i in np.flatnonzero(null).tolist():
             low, high = self.bounds[i]
             known = np.isfinite(low) or np.isfinite(high)

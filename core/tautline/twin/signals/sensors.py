@@ -53,6 +53,12 @@ DOZENS, WORST = 24.0, 100.0
 """Standard deviations of that mean from which on they do; and those that a residual counts as at most."""
 AWAY, BACK = 2, 3.0
 """Readings after one that jumped among which one is back; and how much nearer that is to the one before."""
+AWAY_TIME = 0.5
+"""From the reading before a jump to the one that is back at most, s: a machine may swing out and back in longer."""
+AS_MUCH = 0.5
+"""Share of a jump from which on a change of what is computed is as large: then the machine did it."""
+DIGITS = 4.0
+"""Last digits of a sensor that is coarser than its `sd` that its readings may go away and back by."""
 USUAL, SHARE = 4.0, 0.9
 """Changes from reading to reading, of which so many are smaller, that a jump is beyond."""
 RECENT = 40
@@ -86,7 +92,7 @@ class Health:
         self._values: deque[float] = deque(maxlen=HISTORY)
         self._changes: deque[float] = deque(maxlen=HISTORY)
         self._same, self._same_from, self._abrupt, self._stopped = 1, np.nan, False, False
-        self._last, self._step = np.nan, np.nan
+        self._last, self._last_at, self._step = np.nan, np.nan, np.nan
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
         self.mean, self.weight = 0.0, 0.0
@@ -94,8 +100,12 @@ class Health:
         self._off_for, self._off_at = 0.0, np.nan
         self._before, self._passed, self._largest = np.nan, np.nan, 0.0
         self.jumps, self.left_out, self._jumped, self.jump = 0, np.nan, -np.inf, ""
+        self._jumps_before = self.jumps, self._jumped, self.jump
+        self._computed: deque[tuple[float, float]] = deque()
 
-    def check(self, time: float, reading: float, following: Sequence[float] = ()) -> float:
+    def check(
+        self, time: float, reading: float, following: Sequence[float] = (), stamps: Sequence[float] = ()
+    ) -> float:
         """The value in SI, NaN where it is not to be used.
 
         Parameters
@@ -104,6 +114,8 @@ class Health:
             In SI already; NaN where there is none.
         following : sequence of float
             Readings that come after it, as far as they are known.
+        stamps : sequence of float
+            Their times, s; without them they come as fast as the last did.
         """
         self.left_out = np.nan
         if not np.isfinite(self.begun):
@@ -120,11 +132,6 @@ class Health:
         self._passed = passed
         if self.fault == "lost":
             self._set("", "")
-        if self._jumps_away(reading, following):
-            self.jumps, self.left_out, self._jumped = self.jumps + 1, reading, time
-            way = f"from {self.channel.told(self._last)} to {self.channel.told(reading)} and back"
-            self.jump = f"{self.channel.column} jumped {way} at {time:.6g} s; left out so far: {self.jumps}"
-            return np.nan
         low, high = self.channel.low, self.channel.high
         width = EDGE * (high - low) if np.isfinite(high - low) else 0.0
         if reading < low - width or reading > high + width:
@@ -132,22 +139,32 @@ class Health:
             text = f"{self.channel.column} shows {self.channel.told(reading)}, outside its range of {allowed}"
             self._set("out of range", text)
             return np.nan
+        if self.fault == "out of range":
+            self._set("", "")
+        if self._jumps_away(reading, following, stamps or [time + (k + 1) * passed for k in range(AWAY)]):
+            self._jumps_before = self.jumps, self._jumped, self.jump
+            self.jumps, self.left_out, self._jumped = self.jumps + 1, reading, time
+            way = f"from {self.channel.told(self._last)} to {self.channel.told(reading)} and back"
+            self.jump = f"{self.channel.column} jumped {way} at {time:.6g} s; left out so far: {self.jumps}"
+            return np.nan
         return self._repeated(time, reading, low, high, width)
 
     def jumping(self, time: float) -> bool:
         """Whether a reading jumped away and back lately."""
         return time - self._jumped < JUMPING
 
-    def _jumps_away(self, reading: float, following: Sequence[float]) -> bool:
+    def _jumps_away(self, reading: float, following: Sequence[float], stamps: Sequence[float]) -> bool:
         """Whether a reading is dozens of standard deviations off the one before it, and the next are not.
 
-        A place or a speed that drives the scene breaks where no motion is as fast; that is seen to elsewhere.
+        All of it takes no longer than `AWAY_TIME`, so at two readings a second and slower nothing jumps. A place or a
+        speed that drives the scene breaks where no motion is as fast; that is seen to elsewhere.
         """
         if self.channel.is_input or not np.isfinite(self._last):
             return False
         jump = abs(reading - self._last)
-        known = [one for one in following if np.isfinite(one)][:AWAY]
-        if not any(abs(one - self._last) < jump / BACK for one in known):
+        until = self._last_at + AWAY_TIME * (1.0 + EDGE)
+        known = [(one, at) for one, at in zip(following, stamps, strict=False) if np.isfinite(one)][:AWAY]
+        if not any(abs(one - self._last) < jump / BACK and at <= until for one, at in known):
             return False
         recent = np.array(self._values)[-RECENT:]
         if recent.size < SAME:
@@ -157,10 +174,35 @@ class Health:
             return False
         # A share of nothing is nothing: what a sensor shows that stands at zero is rounding.
         size = max(np.max(np.abs(recent)), FLOOR * self._largest, TINY)
-        sd = self.channel.sd * (size if self.channel.relative else 1.0)
+        sd, digit = self.channel.sd * (size if self.channel.relative else 1.0), self._digit()
         if not np.isfinite(sd):
-            sd = np.median(np.abs(np.diff(recent, 2))) / 1.65 if recent.size > 2 else 0.0
-        return bool(jump > max(DOZENS * sd, TINY))
+            sd = max(np.median(np.abs(np.diff(recent, 2))) / 1.65, digit)
+            # What never changed tells nothing of what a change is.
+            return bool(sd > 0.0 and jump > max(DOZENS * sd, TINY))
+        return bool(jump > max(DOZENS * sd, DIGITS * digit, TINY))
+
+    def explained(self, time: float, computed: float) -> bool:
+        """Whether the reading that was just left out is what the machine does, for what is computed jumps as well.
+
+        Loads that snap again and again come so. To be called for every reading, with what is computed then, SI.
+        """
+        while self._computed and self._computed[0][0] < time - AWAY_TIME * (1.0 + EDGE):
+            self._computed.popleft()
+        self._computed.append((time, computed))
+        if not np.isfinite(self.left_out):
+            return False
+        jump = self.left_out - self._last
+        lately = np.sign(jump) * np.array([one for _, one in self._computed])
+        if not np.max(lately - np.minimum.accumulate(lately)) >= AS_MUCH * abs(jump):
+            return False
+        self.jumps, self._jumped, self.jump = self._jumps_before
+        return True
+
+    def _digit(self) -> float:
+        """The smallest difference of readings so far: the last digit of a sensor that shows round numbers; else 0."""
+        steps = np.diff(np.unique(self._values))
+        steps = steps[steps > ROUNDING * self._largest]
+        return float(steps.min()) if steps.size else 0.0
 
     def repeats(self, reading: float) -> bool:
         """Whether a reading to come, in SI, is the one that a sensor is stuck or clipped at."""
@@ -183,7 +225,7 @@ class Health:
             self._abrupt = not self._is_set and self._is_abrupt(self._step)
             self._stopped = self.stops(self._step, self._passed)
         self._values.append(reading)
-        self._last, self._largest = reading, max(self._largest, abs(reading))
+        self._last, self._last_at, self._largest = reading, time, max(self._largest, abs(reading))
         long = self._same >= SAME and time - self._same_from >= SHORTEST
         # A slack rope, or a string that stands, shows zero for as long as it likes; a depth of the hole is no motion.
         if not long or reading == 0.0 or not (self.channel.is_input or self.channel.is_output):

@@ -66,6 +66,7 @@ class CsvFile:
             self._file.close()
             raise
         self.notes += self._header.notes
+        self.factors = self._header.factors
         self.units = dict(zip(self._header.names, self._header.units, strict=True))
         self._next = self._read()
         self._begun = (self._now(), self._next.time if self._next else 0.0)

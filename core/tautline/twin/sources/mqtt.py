@@ -61,6 +61,7 @@ class Mqtt:
             raise option_error("--source", address, "needs paho-mqtt", "pip install tautline[live]") from None
         self.name, self.live, self.again, self.ended = address, True, False, False
         self.refused = self.dropped = 0
+        self.factors: dict[str, float] = {}
         self.notes: list[str] = []
         self._connection = Connection(address, self.notes)
         self._columns, self._time, self._topic = list(columns), time, topic

@@ -61,6 +61,7 @@ class OpcUa:
         self.name, self.live, self.again, self.ended = address, True, False, False
         self.refused = 0
         self.dropped, self.notes = 0, list[str]()
+        self.factors: dict[str, float] = {}
         self.missing: list[str] = []
         self._connection = Connection(address, self.notes)
         self._address = address if parts.port else parts._replace(netloc=f"{parts.netloc}:{PORT}").geturl()

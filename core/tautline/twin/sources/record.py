@@ -43,6 +43,8 @@ class Source(Protocol):
         Lines or messages that could not be read.
     dropped : int
         Records that were let go because they came faster than they were taken.
+    factors : dict of str to float
+        What readings are multiplied by, by column, to be in the map's unit, where the source gives another one.
     notes : list of str
         Sentences for the user that were not yet printed; who prints them takes them out.
     """
@@ -53,6 +55,7 @@ class Source(Protocol):
     ended: bool
     refused: int
     dropped: int
+    factors: dict[str, float]
     notes: list[str]
 
     def poll(self, timeout: float) -> Record | None:

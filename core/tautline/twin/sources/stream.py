@@ -38,6 +38,7 @@ class Stream:
         self.name, self.live, self.again, self.ended = name, True, False, False
         self.refused, self.last = 0, ""
         self.dropped, self.notes = 0, list[str]()
+        self.factors: dict[str, float] = {}
         self._file, self._columns, self._time, self._units = file, list(columns), time, units
         self._queue: queue.Queue[Record | SceneError | None] = queue.Queue(MOST)
         self._header: Header | None = None
@@ -63,6 +64,7 @@ class Stream:
         elif self._header is None:
             self._header = Header(line, self._columns, self._time, self.name, self._units)
             self.notes += self._header.notes
+            self.factors |= self._header.factors
             return
         else:
             row = self._header.read(line)
