@@ -506,7 +506,7 @@ class _Reader:
         known = self.outputs if one.output else {name: self.outputs[name] for name in measured if name in self.outputs}
         if not self.known((*key, kind), kind if one.output else "sensor of", target, known):
             return None
-        said = f"{target} above {one.above}" if one.above is not None else f"{target} below {one.below}"
+        asked = target
         if one.output and target in self.names.judged_by:
             # What raises an alarm is what a run is judged by.
             target = self.names.judged_by[target][one.above is None]
@@ -517,11 +517,8 @@ class _Reader:
         else:
             above = self.number((*key, "above"), one.above, unit, math.inf)
             below = self.number((*key, "below"), one.below, unit, -math.inf)
-<<<<<<< HEAD
-=======
         side, bound = ("above", one.above) if one.above is not None else ("below", one.below)
-        said = f"{target} {side} {bound}" if isinstance(bound, str) else f"{target} {side} {bound:.10g} {unit}".strip()
->>>>>>> mend-sense2
+        said = f"{asked} {side} {bound}" if isinstance(bound, str) else f"{asked} {side} {bound:.10g} {unit}".strip()
         return Alarm(
             name=one.name or said, target=target, is_residual=one.residual is not None, above=above, below=below,
             times_sd=bool(times), ahead=one.ahead, lasting=one.for_, unit=unit,
