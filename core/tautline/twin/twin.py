@@ -171,7 +171,7 @@ class Twin:
             self._restart(row, inputs, error)
         line = self._compare(row, inputs, values, self._used(row, values) & use, use)
         self.now = row.time
-        self.outlook.foresee(row.time, dict(inputs))
+        self.outlook.foresee(row.time, dict(inputs), self.readings.shown)
         return line
 
     # -- the machine begins, waits and goes on -------------------------------------------------------------------------
@@ -287,6 +287,7 @@ class Twin:
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
+            self.readings.blind,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)

@@ -55,6 +55,8 @@ class InputTrack:
     ----------
     state : (3,)
         As given to the simulation at the last row.
+    shown : (3,)
+        As its sensor shows it there: the same, but for what is being made up for.
     missing : bool
         Whether there is no sample of it near.
     joining : bool
@@ -65,7 +67,7 @@ class InputTrack:
 
     def __init__(self, channel: Channel, number: int) -> None:
         self.channel, self.number = channel, number
-        self.state = np.full(3, np.nan)
+        self.state = self.shown = np.full(3, np.nan)
         self.time = np.nan
         self.missing = False
         self.fastest = SPEED
@@ -132,7 +134,7 @@ class InputTrack:
         if row.after_gap or self._break == row.time or self.missing:
             # What made do without samples went on until now: it has not stood since the row before.
             self._join(found, self.hold(row.time))
-        self.missing = False
+        self.missing, self.shown = False, found
         if row.time < self._from + self._over:
             found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
         else:

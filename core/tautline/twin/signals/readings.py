@@ -106,6 +106,16 @@ class Readings:
         # A machine may set another speed at once.
         return any(track.led and (track.missing or self.health[track.number].is_place) for track in self.tracks)
 
+    @property
+    def shown(self) -> dict[str, np.ndarray]:
+        """Inputs that are on their way back to their sensors -> the states (3,) that these show."""
+        return {track.channel.name: track.shown for track in self.tracks if track.joining and not track.missing}
+
+    @property
+    def blind(self) -> bool:
+        """Whether an input that the machine's driver moves is not measured now."""
+        return any(track.missing and not track.channel.waves for track in self.tracks)
+
     def remarks(self) -> list[str]:
         """Sentences on what the first readings show, each of them given once."""
         said, self._remarks = self._remarks, []
