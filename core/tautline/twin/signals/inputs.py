@@ -120,6 +120,7 @@ class InputTrack:
         """
         times = np.array([one.time for one in rows])
         good = np.isfinite(values) & self._one_side(times, values, row.time)
+        slope = _slope_to(times[good], values[good], row.time)
         good &= np.abs(times - row.time) <= max(FAR * reach, widest) + 1e-9
         near = times[good & (np.abs(times - row.time) <= reach + 1e-9)] - row.time
         # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
@@ -138,7 +139,9 @@ class InputTrack:
         if row.time < self._from + self._over:
             found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
         else:
-            self._seen = max(self._seen, abs(float(found[1])))
+            # Where nothing is there but the sample itself its rate is not known, and what it has moved since the one
+            # before tells.
+            self._seen = max(self._seen, abs(float(found[1])) if near.size > 1 else slope)
             self.fastest = max(SPEED, self._seen)
         self.state, self.time = found, row.time
         return found
@@ -149,7 +152,8 @@ class InputTrack:
         finite = np.flatnonzero(np.isfinite(values))
         speeds = np.abs(np.diff(values[finite])) / np.maximum(np.diff(times[finite]), 1e-9)
         # Before rows have shown how an input moves it may begin with any usual speed.
-        floor = min(SPEED, SUDDEN * float(np.median(np.diff(times)))) if len(self._bends) >= ENOUGH else SPEED
+        known = len(self._bends) >= ENOUGH and times.size > 1
+        floor = min(SPEED, SUDDEN * float(np.median(np.diff(times)))) if known else SPEED
         spread = NOISE_APART * self.noise / np.maximum(np.diff(times[finite]), 1e-9)
         for i in np.flatnonzero(speeds > JUMP * max(self._seen, floor) + spread):
             cut = times[finite[i + 1]]
@@ -212,3 +216,11 @@ class InputTrack:
                 setattr(self, name, deque(value, maxlen=NOISES))
                 continue
             setattr(self, name, np.array(value, float) if isinstance(value, list) else value)
+
+
+def _slope_to(times: np.ndarray, values: np.ndarray, at: float) -> float:
+    """Speed from the sample before to that of an instant, of samples (n,) in order; 0 where one is missing."""
+    k = int(np.searchsorted(times, at - 1e-9))
+    if k == 0 or k == times.size or times[k] > at + 1e-9:
+        return 0.0
+    return abs(float(values[k] - values[k - 1])) / max(float(times[k] - times[k - 1]), 1e-9)

@@ -143,7 +143,9 @@ class Readings:
         """
         around = self.rows.around(row)
         widest = self.rows.patience
-        reach = min(widest, DELAY * self.rows.interval) if self.rows.delay is None else widest
+        # Where no sample is waited for, those of the past alone tell of a rate.
+        few = self.rows.delay is None or widest < self.rows.interval
+        reach = DELAY * self.rows.interval if few else widest
         if not np.isfinite(reach):
             reach = self.rows.interval if np.isfinite(self.rows.interval) else 1.0
         found = []
