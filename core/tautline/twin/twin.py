@@ -279,7 +279,7 @@ class Twin:
         # A row of what is compared as means tells nothing by itself.
         alone = self.operation is None or self.operation.mean == 0.0
         off = np.where(self.readings.believed(values), residual, np.nan) if alone else np.full_like(residual, np.nan)
-        self.settling.follow(row.time, off, residual_sd, y)
+        self.settling.follow(row.time, off, residual_sd, y, estimate.bounce())
         estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))
         estimate.log.rows.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
         estimate.relinearise()
