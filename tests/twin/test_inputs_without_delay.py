@@ -45,3 +45,24 @@ def test_an_input_of_which_each_sample_stands_alone_sets_off_no_join_as_it_gains
             track.follow(rows[first : k + 1], values[first : k + 1], rows[k], 0.0)
             assert not track.joining
             assert track.state[0] == values[k]
+
+
+def test_the_first_line_waits_for_the_noise_of_inputs_for_a_second_at_most_and_not_where_a_delay_is_given():
+    rows = finer_rows()
+    given, slow = Twin(HOIST, MAP + "delay: 0 s\n"), Twin(HOIST, MAP)
+    assert given.add(*rows[0])
+    # At 5 Hz the first of twelve rows came after 2.2 s.
+    first = next(stamp for stamp, readings in rows[::4] if slow.add(stamp, readings))
+    assert first == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_simulation_that_is_begun_again_does_not_say_that_the_first_reading_is_far_from_its_start():
+    twin = Twin(HOIST, MAP)
+    rows = [row for row in finer_rows() if row[0] <= 6.0]
+    for stamp, readings in rows[:-10]:
+        twin.add(stamp, readings)
+    twin._rest()
+    lines = [line for stamp, readings in rows[-10:] for line in twin.add(stamp, readings)]
+    assert lines
+    assert not twin.readings.far
+    assert not [text for text in twin.notes if "begins at" in text]

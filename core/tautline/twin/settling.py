@@ -19,10 +19,10 @@ SMALL, SHARE = 4.0, 0.05
 SPREAD = 2.0
 """And in standard deviations of the residuals before: what a wrong weight leaves swings as the load does."""
 USUAL = 3.0
-"""Time over which the residual that stands is taken, s: that of a sensor that is off has nothing to do with an input."""
+"""Time over which the residual that stands is taken, s: that of a sensor that is off is not the input's."""
 LATEST, BOUNCES = 4.0, 5.0
-"""How long after an input has joined its sensor all is judged again in any case: s, and periods in which a load bounces;
-the larger counts."""
+"""How long after an input has joined its sensor all is judged again in any case: s, and periods of a load's bounce; the
+larger counts."""
 
 
 class Settling:

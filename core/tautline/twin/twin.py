@@ -179,7 +179,7 @@ class Twin:
     def _begin_at(self, row: Row, inputs: list[tuple[str, np.ndarray]]) -> None:
         """Bring the simulations to where the sensors begin."""
         anywhere = self.operation is not None and self.operation.anywhere
-        run_in = self.readings.begin(row, inputs, anywhere)
+        run_in = self.readings.begin(row, inputs, anywhere, first=not np.isfinite(self.now))
         self.notes += self.readings.remarks()
         family, log = self.estimate.family, self.estimate.log
         begin = family.time
@@ -300,6 +300,9 @@ class Twin:
             value, own = outputs[one.name]
             more[one.name] = value, np.hypot(own, shaken)
             self.unsure |= bool(self.readings.shaken and more[one.name][1] > MANY * sd)
+        # Steps of an encoder shake a load as noise does, and show in the residuals alone.
+        shaken = self.readings.shaken or bool(np.any(horizon.spread > MANY**2))
+        self.unsure |= shaken and not self.estimate.shown
         return more
 
     def _health_of_outputs(self) -> list[tuple[str, Health]]:

@@ -41,6 +41,8 @@ FAR_OFF = 0.25
 """Standard deviations of the start that an estimate has to be away from where it was linearised to begin from rest."""
 WILD = 4.0
 """Size of derivatives over their usual one from which on a neighbour is begun anew."""
+NOT_SHOWN = 0.5
+"""Standard deviation of an unknown, over that at the start, from which on the data have not shown it."""
 SLOPES = 200
 """Rows of which the usual size is the median."""
 LATE = 8
@@ -287,6 +289,12 @@ class Estimate:
         n = len(self.plan.unknowns)
         return n == 0 or bool(np.any(h.deviation[:n] < 0.1 * h.first_sd[:n]))
 
+    @property
+    def shown(self) -> bool:
+        """Whether the data have shown something of every unknown."""
+        h, n = self.horizon, len(self.plan.unknowns)
+        return bool(np.all(h.deviation[:n] < NOT_SHOWN * h.first_sd[:n]))
+
     def take_in(self, sample: Sample) -> None:
         """Add a row to the window: by itself, or with others as their mean."""
         if not self._mean:
@@ -428,7 +436,7 @@ class Estimate:
         return self._bounce
 
     def _first_bounce(self) -> float:
-        """The same before there are rows: of the scene at its start, struck and left alone, s; 0 where it does not turn."""
+        """The same before there are rows: of the scene at its start, struck and left alone, s; 0 where it stays."""
         blow = self.blows[0]
         calm, struck = self._first.copy(), self._first.copy()
         struck.displace(blow.output, blow.by)

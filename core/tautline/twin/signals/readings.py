@@ -216,20 +216,22 @@ class Readings:
             found = smooth_widely(times[good], values[good], row.time, SMOOTHED * track.bounce, reach, track.noise)
         return smooth(times[good], values[good], row.time, reach) if found is None else found
 
-    def begin(self, row: Row, inputs: Sequence[tuple[str, np.ndarray]], anywhere: bool) -> float:
+    def begin(self, row: Row, inputs: Sequence[tuple[str, np.ndarray]], anywhere: bool, first: bool = True) -> float:
         """Let motions begin at a row; gives how long the simulations need to come to them from rest, s.
 
         Parameters
         ----------
         anywhere : bool
             Whether positions with ``zero: first`` count from where the machine stands.
+        first : bool
+            Whether the data begin here; where the simulation is begun again the machine has been moved meanwhile.
         """
         run_in = 0.0
         for track, (name, state) in zip(self.tracks, inputs, strict=True):
             track.begin(self.start[name], row.time)
             begun_far = abs(float(state[0]) - self.start[name]) * 1.875 > track.fastest * self.run_in
             place = self.health[track.number].is_place and not track.channel.zero_first and not anywhere
-            if begun_far and place and name not in self.far:
+            if first and begun_far and place and name not in self.far:
                 self.far[name] = float(state[0])
                 self._remarks.append(_far_said(track.channel, float(state[0]), self.start[name]))
             if anywhere and track.channel.zero_first:
