@@ -187,6 +187,30 @@ def test_what_is_computed_is_judged_again_when_it_has_agreed_for_a_second_and_no
     assert settling.since == pytest.approx(4.0)
 
 
+def catching_up_after(residuals, bounce=0.0, before=8e3):
+    """How long it is caught up after an input has joined, s, with a sensor that is off by so much before."""
+    settling, sd, measured = Settling(), np.array([500.0]), np.array([50e3])
+    for k in range(100):
+        settling.follow(0.1 * k - 10.0, np.array([before]), sd, measured, bounce)
+    settling.disturb(0.0)
+    k = 0
+    while settling.catching_up and k < 1000:
+        k += 1
+        settling.follow(0.1 * k, np.array([residuals(0.1 * k)]), sd, measured, bounce)
+    return 0.1 * k
+
+
+def test_a_sensor_that_is_off_does_not_keep_what_is_computed_from_being_judged():
+    # It stays eight kilonewtons off, as before, or is put right.
+    assert catching_up_after(lambda t: 8e3) == pytest.approx(1.1)
+    assert catching_up_after(lambda t: 0.0) == pytest.approx(1.1)
+
+
+def test_all_is_judged_again_a_few_bounces_after_an_input_has_joined_in_any_case():
+    assert catching_up_after(lambda t: 20e3) == pytest.approx(4.0)
+    assert catching_up_after(lambda t: 20e3, bounce=1.0) == pytest.approx(5.0)
+
+
 def test_a_first_reading_far_from_the_start_of_the_scene_is_told_and_health_is_degraded():
     far, near = Twin(HOIST, MAP), Twin(HOIST, MAP.replace("input: winch", "zero: first, input: winch"))
     rows = [(t, {**r, "winch_pos": r["winch_pos"] + 100.0}) for t, r in finer_rows() if t <= 2.0]

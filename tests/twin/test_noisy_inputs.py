@@ -60,6 +60,16 @@ def test_a_computed_value_of_many_deviations_of_its_sensor_is_degraded_where_inp
     assert twin.state_of_health == "degraded"
 
 
+def test_health_is_degraded_where_noisy_inputs_keep_a_load_from_being_known():
+    twin = Twin(HOIST, MAP)
+    for known, sd in ((False, 4000.0), (True, 5.0)):
+        twin.estimate.horizon.spread[:] = 100.0
+        twin.estimate.horizon.covariance[0, 0] = sd**2
+        twin._with_noise_of_inputs({"winch.tension": (50e3, 0.0)}, np.array([50e3]))
+        assert twin.estimate.shown == known
+        assert twin.unsure != known
+
+
 def test_a_run_ahead_begins_with_the_tension_that_is_computed():
     twin, tried = Twin(HOIST, MAP), 0
     sim = twin.estimate.family.simulations[0].copy()

@@ -10,6 +10,7 @@ import numpy as np
 
 from tautline.twin.forecast import Forecast, Found, other_speed
 from tautline.twin.map import Plan
+from tautline.twin.signals.smoothing import joined
 from tautline.twin.signals.waves import Waves
 
 if TYPE_CHECKING:
@@ -22,6 +23,10 @@ RESTRICT_EVERY = 2.0
 REPLAYED, PIECE, INTO = 18.0, 0.125, 6.0
 """How much of the ship's motion is gone through once more, larger or smaller, in what pieces, and how long it takes to
 go over into it, s: so slowly that the load does not bounce by that."""
+
+JOINED, NO_FASTER = 0.5, 2.0
+"""Share of the time ahead in which an input that is caught up with comes to where its sensor says, at the soonest, and
+the largest speed at which it does, SI."""
 
 Estimated = Callable[[], "tuple[State, dict[str, float]]"]
 """The state and the parameters of the estimate, when they are asked for."""
@@ -56,10 +61,19 @@ class Outlook:
         self.restricted: list[dict[str, Any]] = []
         self._job: Iterator[None] | None = None
         self._due: tuple[float, Mapping[str, np.ndarray]] | None = None
+        self._shown: Mapping[str, np.ndarray] = {}
         self._next_forecast = self._next_restrict = -np.inf
 
-    def foresee(self, time: float, inputs: Mapping[str, np.ndarray]) -> None:
-        """Begin a run ahead from a row with its inputs (3,), where one is due."""
+    def foresee(
+        self, time: float, inputs: Mapping[str, np.ndarray], shown: Mapping[str, np.ndarray] | None = None
+    ) -> None:
+        """Begin a run ahead from a row with its inputs (3,), where one is due.
+
+        Parameters
+        ----------
+        shown : mapping, optional
+            Inputs that the simulation is behind with -> the states (3,) that their sensors show.
+        """
         if self.forecast is None or self._job is not None:
             return
         if self._due is None:
@@ -67,14 +81,14 @@ class Outlook:
                 return
             self._next_forecast = time + self.plan.forecast_every
         # Rows may come before there is time for it: then it begins from the last of them, where the simulation stands.
-        self._due = time, inputs
+        self._due, self._shown = (time, inputs), shown or {}
 
     def work(self, seconds: float | None = None) -> bool:
         """Look ahead for at most so many seconds, or to the end; whether something is left."""
         end = np.inf if seconds is None else clock.perf_counter() + seconds
         while (self._job is not None or self._due is not None) and clock.perf_counter() < end:
             if self._job is None and self._due is not None and self.forecast is not None:
-                self._job, self._due = self._run(self.forecast, *self._due), None
+                self._job, self._due = self._run(self.forecast, *self._due, self._shown), None
             try:
                 next(self._job or iter(()))
             except StopIteration:
@@ -90,9 +104,15 @@ class Outlook:
         found = self.found
         return found if found is not None and time - found.begun <= FRESH * self.plan.forecast_every else None
 
-    def _run(self, forecast: Forecast, time: float, inputs: Mapping[str, np.ndarray]) -> Iterator[None]:
+    def _run(
+        self, forecast: Forecast, time: float, inputs: Mapping[str, np.ndarray], shown: Mapping[str, np.ndarray]
+    ) -> Iterator[None]:
         state, parameters = self.estimated()
-        yield from forecast.run(time, state, parameters, self._paths(forecast, inputs))
+        paths = self._paths(forecast, inputs)
+        # Where the machine is, and how fast, is known before the simulation stands there.
+        for name in shown.keys() - self.waves.keys():
+            paths[name] = caught_up(inputs[name], shown[name], forecast.times)
+        yield from forecast.run(time, state, parameters, paths)
         self.found = forecast.found
         if forecast.bounds and self.plan.restrict and time >= self._next_restrict - 1e-9:
             self._next_restrict = time + RESTRICT_EVERY
@@ -144,6 +164,13 @@ class Outlook:
             )
             found.append(_restriction(forecast, "ship motion", forecast.factor, 1.0, ""))
         self.restricted = found
+
+
+def caught_up(state: np.ndarray, shown: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Path (n, 3) of an input that goes on as its sensor shows (3,), and joins it from where it stands (3,)."""
+    apart = state - shown
+    over = max(JOINED * float(times[-1]), 1.875 * abs(float(apart[0])) / NO_FASTER)
+    return other_speed(shown, times, shown[1]) + np.array([joined(apart, t / over, over) for t in times])
 
 
 def _restriction(forecast: Forecast, name: str, most: float, now: float, unit: str) -> dict[str, Any]:

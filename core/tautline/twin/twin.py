@@ -173,7 +173,7 @@ class Twin:
         self.readings.take_back(row.time, self._computed())
         line = self._compare(row, inputs, values, self._used(row, values) & use, use)
         self.now = row.time
-        self.outlook.foresee(row.time, dict(inputs))
+        self.outlook.foresee(row.time, dict(inputs), self.readings.shown)
         return line
 
     # -- the machine begins, waits and goes on -------------------------------------------------------------------------
@@ -181,7 +181,7 @@ class Twin:
     def _begin_at(self, row: Row, inputs: list[tuple[str, np.ndarray]]) -> None:
         """Bring the simulations to where the sensors begin."""
         anywhere = self.operation is not None and self.operation.anywhere
-        run_in = self.readings.begin(row, inputs, anywhere)
+        run_in = self.readings.begin(row, inputs, anywhere, first=not np.isfinite(self.now))
         self.notes += self.readings.remarks()
         family, log = self.estimate.family, self.estimate.log
         begin = family.time
@@ -281,7 +281,7 @@ class Twin:
         # A row of what is compared as means tells nothing by itself.
         alone = self.operation is None or self.operation.mean == 0.0
         off = np.where(self.readings.believed(values), residual, np.nan) if alone else np.full_like(residual, np.nan)
-        self.settling.follow(row.time, off, residual_sd, y)
+        self.settling.follow(row.time, off, residual_sd, y, estimate.bounce())
         estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))
         estimate.log.rows.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
         estimate.relinearise()
@@ -289,6 +289,7 @@ class Twin:
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
+            self.readings.blind,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
@@ -301,6 +302,9 @@ class Twin:
             value, own = outputs[one.name]
             more[one.name] = value, np.hypot(own, shaken)
             self.unsure |= bool(self.readings.shaken and more[one.name][1] > MANY * sd)
+        # Steps of an encoder shake a load as noise does, and show in the residuals alone.
+        shaken = self.readings.shaken or bool(np.any(horizon.spread > MANY**2))
+        self.unsure |= shaken and not self.estimate.shown
         return more
 
     def _computed(self) -> dict[str, float]:

@@ -58,6 +58,8 @@ class Compared:
         Time from which on what is computed, or foreseen, is judged, s; infinite while inputs are caught up with.
     led_until : float
         Time until which an input did not go as its sensor says, s.
+    blind : bool
+        Whether an input that the machine's driver moves is not measured.
     """
 
     time: float
@@ -72,6 +74,7 @@ class Compared:
     changed: float = np.inf
     judged_from: float = -np.inf
     led_until: float = -np.inf
+    blind: bool = False
 
     @property
     def foreseen(self) -> Found | None:
@@ -179,14 +182,19 @@ class Watch:
 
     def _judge_ahead(self, row: Compared) -> None:
         """Where the simulation ahead cannot go on, such as with two blocks together."""
-        ahead = row.ahead if row.converged and row.ahead and row.ahead.begun > row.led_until else None
+        ahead = row.ahead
         stopped = ahead.stopped if ahead is not None else None
-        if stopped is not None and stopped[1] not in BY_PLACE and ahead is not row.foreseen:
+        if stopped is not None and not self._believes(row, stopped[1]):
             stopped = None
+        unknown = row.blind or row.time <= row.led_until
         for status, name in TOLD.items():
             holds = stopped is not None and stopped[1] == status
             left = max(0.0, ahead.begun + stopped[0] - row.time) if holds and ahead and stopped else 0.0
-            text = f"{name.removesuffix(' ahead')} in {left:.1f} s if all goes on as now"
+            what = name.removesuffix(" ahead")
+            text = f"{what} in {left:.1f} s if all goes on as now"
+            if not holds and unknown and name in self.alarms.active:
+                # Where nothing shows where the machine goes, a danger that was seen is not over.
+                holds, text = True, f"{what} was foreseen, and an input is not followed now: nothing shows its end"
             self.alarms.judge(name, holds, row.time, text)
         blind = stopped is not None and stopped[1] not in TOLD
         text = ""
@@ -194,6 +202,11 @@ class Watch:
             why = stopped[1].lower().replace("_", " ")
             text = f"the simulation stops {stopped[0]:.2g} s ahead ({why}): what comes after that is not foreseen"
         self.alarms.judge(NOT_AHEAD, blind, row.time, text)
+
+    def _believes(self, row: Compared, status: str) -> bool:
+        """Whether a stop ahead is one of the machine: by its place also while that is caught up with."""
+        # Nor does it wait for an estimate: a load that is not known hangs at the same place.
+        return status in BY_PLACE or (row.foreseen is not None and row.foreseen.begun > row.led_until)
 
 
 def said(value: float, unit: str, system: str = "si") -> str:

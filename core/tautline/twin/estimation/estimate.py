@@ -41,14 +41,18 @@ FAR_OFF = 0.25
 """Standard deviations of the start that an estimate has to be away from where it was linearised to begin from rest."""
 WILD = 4.0
 """Size of derivatives over their usual one from which on a neighbour is begun anew."""
+NOT_SHOWN = 0.5
+"""Standard deviation of an unknown, over that at the start, from which on the data have not shown it."""
 SLOPES = 200
 """Rows of which the usual size is the median."""
 LATE = 8
 """Means of rows that are held against all others of a window."""
 FEWEST = 5
 """Rows that are worth going through anew."""
-STRUCK_STEP, STRUCK_STEPS = 0.02, 150
-"""Interval, s, and number of looks at a load that was struck, to see how fast it bounces."""
+STRUCK_STEP, STRUCK_STEPS, STRUCK_MOST = 0.02, 150, 1500
+"""Interval, s, and number of looks at a load that was struck, to see how fast it bounces: as a rule, and at most."""
+LARGE = 0.1
+"""Share of the largest from which on the motion of a load counts: what is smaller is a ripple in its rope."""
 SAME_BOUNCE = 0.2
 """Share by which a period that is found anew may be another without counting as one."""
 APART = 0.1
@@ -285,6 +289,12 @@ class Estimate:
         n = len(self.plan.unknowns)
         return n == 0 or bool(np.any(h.deviation[:n] < 0.1 * h.first_sd[:n]))
 
+    @property
+    def shown(self) -> bool:
+        """Whether the data have shown something of every unknown."""
+        h, n = self.horizon, len(self.plan.unknowns)
+        return bool(np.all(h.deviation[:n] < NOT_SHOWN * h.first_sd[:n]))
+
     def take_in(self, sample: Sample) -> None:
         """Add a row to the window: by itself, or with others as their mean."""
         if not self._mean:
@@ -426,17 +436,20 @@ class Estimate:
         return self._bounce
 
     def _first_bounce(self) -> float:
-        """The same before there are rows: of the scene at its start, struck and left alone, s."""
-        names = [one.name for one in self.plan.measured]
+        """The same before there are rows: of the scene at its start, struck and left alone, s; 0 where it stays."""
+        blow = self.blows[0]
         calm, struck = self._first.copy(), self._first.copy()
-        struck.displace(self.blows[0].output, self.blows[0].by)
-        found = []
-        for at in STRUCK_STEP * np.arange(1, STRUCK_STEPS + 1):
+        struck.displace(blow.output, blow.by)
+        found: list[float] = []
+        period = 0.0
+        # Where the load itself is: at the far end of a long rope a ripple is all there is until the wave has come.
+        for k in range(1, STRUCK_MOST + 1):
             for sim in (calm, struck):
-                sim.advance_to(self._first.time + at)
-            found.append([float(struck[name]) - float(calm[name]) for name in names])
-        turns = int(np.count_nonzero(np.diff(np.sign(found), axis=0), axis=0).max(initial=0))
-        return 2.0 * STRUCK_STEP * STRUCK_STEPS / turns if turns else np.inf
+                sim.advance_to(self._first.time + STRUCK_STEP * k)
+            found.append(float(np.ravel(blow.by) @ (np.ravel(struck[blow.output]) - np.ravel(calm[blow.output]))))
+            if k % STRUCK_STEPS == 0 and (period := _period(np.array(found))) > 0.0:
+                break
+        return period
 
     @property
     def _quarter(self) -> float:
@@ -478,6 +491,13 @@ class Estimate:
         J = np.array([one.J[:, p] for one in h.samples])
         usual = np.array([np.median(past, axis=0) for past in self._slopes]) if self._slopes else np.abs(J[0])
         return np.any(np.median(np.abs(J), axis=0) > WILD * usual, axis=0)
+
+
+def _period(motion: np.ndarray) -> float:
+    """Period of a motion (n,) after a blow, s, by its turns beyond a tenth of the largest; 0 before two of them."""
+    large = np.flatnonzero(np.abs(motion) > LARGE * np.abs(motion).max())
+    turns = large[1:][np.diff(np.sign(motion[large])) != 0.0]
+    return 2.0 * STRUCK_STEP * float(turns[-1] - turns[0]) / (turns.size - 1) if turns.size >= 2 else 0.0
 
 
 def _as_unknown(blow: Blow) -> Unknown:

@@ -55,6 +55,8 @@ class InputTrack:
     ----------
     state : (3,)
         As given to the simulation at the last row.
+    shown : (3,)
+        As its sensor shows it there: the same, but for what is being made up for.
     missing : bool
         Whether there is no sample of it near.
     joining : bool
@@ -65,7 +67,7 @@ class InputTrack:
 
     def __init__(self, channel: Channel, number: int) -> None:
         self.channel, self.number = channel, number
-        self.state = np.full(3, np.nan)
+        self.state = self.shown = np.full(3, np.nan)
         self.time = np.nan
         self.missing = False
         self.fastest = SPEED
@@ -118,6 +120,7 @@ class InputTrack:
         """
         times = np.array([one.time for one in rows])
         good = np.isfinite(values) & self._one_side(times, values, row.time)
+        slope = _slope_to(times[good], values[good], row.time)
         good &= np.abs(times - row.time) <= max(FAR * reach, widest) + 1e-9
         near = times[good & (np.abs(times - row.time) <= reach + 1e-9)] - row.time
         # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
@@ -132,11 +135,13 @@ class InputTrack:
         if row.after_gap or self._break == row.time or self.missing:
             # What made do without samples went on until now: it has not stood since the row before.
             self._join(found, self.hold(row.time))
-        self.missing = False
+        self.missing, self.shown = False, found
         if row.time < self._from + self._over:
             found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
         else:
-            self._seen = max(self._seen, abs(float(found[1])))
+            # Where nothing is there but the sample itself its rate is not known, and what it has moved since the one
+            # before tells.
+            self._seen = max(self._seen, abs(float(found[1])) if near.size > 1 else slope)
             self.fastest = max(SPEED, self._seen)
         self.state, self.time = found, row.time
         return found
@@ -147,7 +152,8 @@ class InputTrack:
         finite = np.flatnonzero(np.isfinite(values))
         speeds = np.abs(np.diff(values[finite])) / np.maximum(np.diff(times[finite]), 1e-9)
         # Before rows have shown how an input moves it may begin with any usual speed.
-        floor = min(SPEED, SUDDEN * float(np.median(np.diff(times)))) if len(self._bends) >= ENOUGH else SPEED
+        known = len(self._bends) >= ENOUGH and times.size > 1
+        floor = min(SPEED, SUDDEN * float(np.median(np.diff(times)))) if known else SPEED
         spread = NOISE_APART * self.noise / np.maximum(np.diff(times[finite]), 1e-9)
         for i in np.flatnonzero(speeds > JUMP * max(self._seen, floor) + spread):
             cut = times[finite[i + 1]]
@@ -210,3 +216,11 @@ class InputTrack:
                 setattr(self, name, deque(value, maxlen=NOISES))
                 continue
             setattr(self, name, np.array(value, float) if isinstance(value, list) else value)
+
+
+def _slope_to(times: np.ndarray, values: np.ndarray, at: float) -> float:
+    """Speed from the sample before to that of an instant, of samples (n,) in order; 0 where one is missing."""
+    k = int(np.searchsorted(times, at - 1e-9))
+    if k == 0 or k == times.size or times[k] > at + 1e-9:
+        return 0.0
+    return abs(float(values[k] - values[k - 1])) / max(float(times[k] - times[k - 1]), 1e-9)

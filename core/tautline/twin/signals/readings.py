@@ -120,6 +120,16 @@ class Readings:
         # A machine may set another speed at once.
         return any(track.led and (track.missing or self.health[track.number].is_place) for track in self.tracks)
 
+    @property
+    def shown(self) -> dict[str, np.ndarray]:
+        """Inputs that are on their way back to their sensors -> the states (3,) that these show."""
+        return {track.channel.name: track.shown for track in self.tracks if track.joining and not track.missing}
+
+    @property
+    def blind(self) -> bool:
+        """Whether an input that the machine's driver moves is not measured now."""
+        return any(track.missing and not track.channel.waves for track in self.tracks)
+
     def remarks(self) -> list[str]:
         """Sentences on what the first readings show, each of them given once."""
         said, self._remarks = self._remarks, []
@@ -147,7 +157,9 @@ class Readings:
         """
         around = self.rows.around(row)
         widest = self.rows.patience
-        reach = min(widest, DELAY * self.rows.interval) if self.rows.delay is None else widest
+        # Where no sample is waited for, those of the past alone tell of a rate.
+        few = self.rows.delay is None or widest < self.rows.interval
+        reach = DELAY * self.rows.interval if few else widest
         if not np.isfinite(reach):
             reach = self.rows.interval if np.isfinite(self.rows.interval) else 1.0
         found = []
@@ -218,20 +230,22 @@ class Readings:
             found = smooth_widely(times[good], values[good], row.time, SMOOTHED * track.bounce, reach, track.noise)
         return smooth(times[good], values[good], row.time, reach) if found is None else found
 
-    def begin(self, row: Row, inputs: Sequence[tuple[str, np.ndarray]], anywhere: bool) -> float:
+    def begin(self, row: Row, inputs: Sequence[tuple[str, np.ndarray]], anywhere: bool, first: bool = True) -> float:
         """Let motions begin at a row; gives how long the simulations need to come to them from rest, s.
 
         Parameters
         ----------
         anywhere : bool
             Whether positions with ``zero: first`` count from where the machine stands.
+        first : bool
+            Whether the data begin here; where the simulation is begun again the machine has been moved meanwhile.
         """
         run_in = 0.0
         for track, (name, state) in zip(self.tracks, inputs, strict=True):
             track.begin(self.start[name], row.time)
             begun_far = abs(float(state[0]) - self.start[name]) * 1.875 > track.fastest * self.run_in
             place = self.health[track.number].is_place and not track.channel.zero_first and not anywhere
-            if begun_far and place and name not in self.far:
+            if first and begun_far and place and name not in self.far:
                 self.far[name] = float(state[0])
                 self._remarks.append(_far_said(track.channel, float(state[0]), self.start[name]))
             if anywhere and track.channel.zero_first:

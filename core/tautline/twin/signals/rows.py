@@ -33,6 +33,8 @@ INTERVALS = 51
 """Intervals of which the median is the sample interval."""
 DELAY = 3.0
 """Sample intervals that a row waits where no delay is given."""
+SHOWN_IN = 1.0
+"""Longest that the first row waits for others that show the noise of inputs, s."""
 TYPICAL = 5
 """Rows after which the sample interval is known."""
 CLOCK_WRONG = 1e-3
@@ -253,7 +255,7 @@ class Rows:
             self._suspect = None
         if not self.waiting:
             return None
-        if self.reached == -np.inf and len(self.waiting) < self.fewest and not end:
+        if self.reached == -np.inf and not end and self._shows_too_little:
             return None
         row = self.waiting[0]
         behind = self._suspect is not None or any(one.after_gap for one in self.waiting[1:])
@@ -266,6 +268,12 @@ class Rows:
         while len(self.past) > 8 and self.past[0].time < keep:
             self.past.popleft()
         return row
+
+    @property
+    def _shows_too_little(self) -> bool:
+        """Whether more rows are waited for before the first is handed on, where the map leaves that open."""
+        span = self.newest - self.waiting[0].time
+        return self.delay is None and len(self.waiting) < self.fewest and span < SHOWN_IN
 
     def around(self, row: Row) -> list[Row]:
         """Rows on both sides of one that was handed on last, in order, without a gap between them."""
