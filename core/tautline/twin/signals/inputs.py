@@ -95,6 +95,8 @@ class InputTrack:
         """Whether its noise would make a load bounce: by its size, at the frequency of the bounce."""
         if not self.bounce > 0.0 or not self.noise * (2.0 * np.pi / self.bounce) ** 2 > SHAKEN:
             return False
+        if not self._noises:  # a noise that the map states, before any has been seen
+            return False
         # A motion changes less from the third difference to the fifth; noise is the same in all of them.
         return bool(np.median(self._noises) > LIKE_NOISE * np.median(self._thirds))
 
