@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.newton import DONE, SAME_STEP, Corrector, correct, corrector
-from tautline.integrators.state import WORST, book_losses, book_motion, book_work, restore, watch
+from tautline.integrators.state import WORST, book_losses, book_motion, book_work, watch
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
@@ -16,6 +16,8 @@ from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
+from tautline.kernels.memory import form_of
+from tautline.kernels.separate import separate
 from tautline.system.model import SolverSettings
 from tautline.system.system import System
 
@@ -28,6 +30,7 @@ AT_ONCE = 1.0e-9
 """Length of a step, over that of the step under way, in which nothing but accelerations changes."""
 STILL = -1
 """Order of the prediction that nothing moves."""
+VECTOR, STATES = form_of(np.zeros(0)), form_of(np.zeros((0, 0)))
 
 
 class GeneralizedAlpha(NamedTuple):
@@ -214,27 +217,28 @@ def _forget_what_is_held(dofs, state):
             state.auxiliary[i] = 0.0
 
 
-@kernel
-def _keep_start(state):
-    """Remember the start of a step at which a mass jumps."""
-    for i in range(state.q.size):
-        state.keep[0, i], state.keep[1, i] = state.q[i], state.v[i]
-        state.keep[2, i], state.keep[3, i] = state.a[i], state.auxiliary[i]
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
+def _keep_start(q, v, a, auxiliary, keep):
+    """Remember the start of a step at which a mass jumps: ``keep`` (4, n), as `restore` puts it back."""
+    for i in range(q.size):
+        keep[0, i], keep[1, i], keep[2, i], keep[3, i] = q[i], v[i], a[i], auxiliary[i]
 
 
-@kernel
-def _take_settled(m, dofs, state):
-    """Begin the step with the accelerations that were found, as a run begins, and with no memory of those before.
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
+def _take_settled(q, v, a, auxiliary, keep):
+    """Begin the step with the accelerations that were found, as a run begins.
 
     Position and velocity, which the corrector has moved by next to nothing, are what they were.
     """
-    for i in range(state.q.size):
-        state.q[i], state.v[i] = state.keep[0, i], state.keep[1, i]
-        state.auxiliary[i] = state.a[i]
-    m.order[0] = 0
-    expand(dofs, state.q, state.full_q)
-    expand(dofs, state.v, state.full_v)
-    expand(dofs, state.a, state.full_a)
+    for i in range(q.size):
+        q[i], v[i], auxiliary[i] = keep[0, i], keep[1, i], a[i]
+
+
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
+def _take_start(q, v, a, auxiliary, keep):
+    """Go back to the start that was remembered."""
+    for i in range(q.size):
+        q[i], v[i], a[i], auxiliary[i] = keep[0, i], keep[1, i], keep[2, i], keep[3, i]
 
 
 @kernel(forceinline=True)
@@ -254,7 +258,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     # Once through, but where a mass has jumped: then accelerations are found for it first, by the same corrector.
     while True:
         if settling:
-            _keep_start(state)
+            _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
             end, by_a, by_v = t, beta / (AT_ONCE * AT_ONCE), gamma / AT_ONCE
         else:
             _predict(m, state, h, ratio)
@@ -263,7 +267,8 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         status = correct(m.corrector, groups, dofs, state, end, by_a, by_v)
         if not settling or status != DONE:
             break
-        _take_settled(m, dofs, state)
+        _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep)
+        m.order[0] = 0  # accelerations of before tell nothing of those to come
         settling = False
         over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
     jumped = m.corrector.changed[1] > 0
@@ -275,7 +280,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         status = watch(groups, dofs, state, t + h, m.corrector.changed)
     if status != DONE:
         if jump:
-            restore(state)
+            _take_start(state.q, state.v, state.a, state.auxiliary, state.keep)
         else:
             _go_back(m, state)
         prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)

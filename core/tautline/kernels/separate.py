@@ -111,7 +111,7 @@ def _carried(form: Form) -> list[Any]:
     raise TypeError(f"late code takes records, arrays, floats and whole numbers, not {form!r}")
 
 
-def separate(returned: Form, *arguments: Form, late: bool = False) -> Callable[[Any], Any]:
+def separate(returned: Form | type[None], *arguments: Form, late: bool = False) -> Callable[[Any], Any]:
     """Decorator of compiled code that compiled code calls, and that is compiled apart from it.
 
     Parameters
@@ -137,7 +137,7 @@ def separate(returned: Form, *arguments: Form, late: bool = False) -> Callable[[
     return made
 
 
-def apart(compiled: Any, returned: Form, *arguments: Form) -> Any:
+def apart(compiled: Any, returned: Form | type[None], *arguments: Form) -> Any:
     """An entry for compiled code that calls its one copy, and does not take it in.
 
     Parameters
@@ -167,7 +167,7 @@ class StandIn:
 
 
 def _stand_in(
-    function: Any, compiled: Kernel, returned: Form, arguments: tuple[Form, ...], late: bool = False
+    function: Any, compiled: Kernel, returned: Form | type[None], arguments: tuple[Form, ...], late: bool = False
 ) -> StandIn:
     if not is_ours(function):
         raise TypeError(f"{function.__qualname__} is of no installed application: @kernel compiles it as well")
