@@ -6,6 +6,7 @@ import json
 import pytest
 from fake_application import FakeApplication
 
+from tautline import entry_points
 from tautline.application.installed import Installed
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
@@ -32,12 +33,12 @@ class Point:
 @pytest.fixture
 def installed(monkeypatch):
     points = [Point("fake", FakeApplication), Point("other", Other), Point("broken", None)]
-    others = importlib.metadata.entry_points
+    others = entry_points.in_group
 
-    def entry_points(group):
-        return points if group == "tautline.applications" else others(group=group)
+    def in_group(group):
+        return points if group == "tautline.applications" else others(group)
 
-    monkeypatch.setattr(importlib.metadata, "entry_points", entry_points)
+    monkeypatch.setattr(entry_points, "in_group", in_group)
     return Installed()
 
 
@@ -72,3 +73,21 @@ def test_schema_of_several_applications_is_an_object_by_name(installed, capsys):
     with pytest.raises(SystemExit):
         run(make_app(installed), ["schema"])
     assert json.loads(capsys.readouterr().out).keys() == {"fake", "other"}
+
+
+def test_installed_packages_are_looked_through_once_for_all_groups_and_again_where_another_folder_is_looked_in(
+    monkeypatch, tmp_path
+):
+    looks, real = [], importlib.metadata.entry_points
+    monkeypatch.setattr(importlib.metadata, "entry_points", lambda **group: looks.append(group) or real(**group))
+    monkeypatch.syspath_prepend(tmp_path)
+    assert {point.name for point in entry_points.in_group("tautline.applications")} >= {"crane", "drillstring"}
+    assert any(point.name == "crane" for point in entry_points.in_group("console_scripts"))
+    assert list(entry_points.in_group("no such group")) == []
+    assert looks == [{}]
+    about = tmp_path / "late" / "late-1.0.dist-info"
+    about.mkdir(parents=True)
+    (about / "METADATA").write_text("Name: late\nVersion: 1.0\n", encoding="utf8")
+    (about / "entry_points.txt").write_text("[tautline.extensions]\nlate = late\n", encoding="utf8")
+    monkeypatch.syspath_prepend(about.parent)
+    assert "late" in {point.name for point in entry_points.in_group("tautline.extensions")}

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from tautline import entry_points
 from tautline.scene.errors import Problem, SceneError
 
 if TYPE_CHECKING:
@@ -60,9 +61,7 @@ def refuse_other_kind(path: Path, own: Callable[[dict[str, Any]], bool]) -> None
 
 def has_command(name: str) -> bool:
     """Whether a command of that name is installed."""
-    from importlib.metadata import entry_points
-
-    return bool(entry_points(group="console_scripts", name=name))
+    return any(point.name == name for point in entry_points.in_group("console_scripts"))
 
 
 def refuse_scene(path: Path, key: str, cure: str) -> None:
@@ -165,11 +164,9 @@ class Installed:
 
     @functools.cached_property
     def _loaded(self) -> tuple[dict[str, Application], dict[str, str]]:
-        from importlib.metadata import entry_points
-
         found: dict[str, Application] = {}
         broken: dict[str, str] = {}
-        for point in entry_points(group=GROUP):
+        for point in entry_points.in_group(GROUP):
             try:
                 found[point.name] = point.load()()
             except (Exception, SystemExit) as error:  # a broken one must not keep the others from being used

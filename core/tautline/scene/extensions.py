@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 
+from tautline import entry_points
 from tautline.scene.errors import Problem
 
 GROUP = "tautline.extensions"
@@ -13,10 +14,8 @@ GROUP = "tautline.extensions"
 @functools.cache
 def load_extensions() -> dict[str, str]:
     """Import the extensions, once; returns why one could not be loaded, by its name."""
-    from importlib.metadata import entry_points
-
     broken: dict[str, str] = {}
-    for point in entry_points(group=GROUP):
+    for point in entry_points.in_group(GROUP):
         try:
             point.load()
         except (Exception, SystemExit) as error:  # a broken one must not keep the others from being used

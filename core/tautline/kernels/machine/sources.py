@@ -24,6 +24,7 @@ from typing import Any
 import llvmlite
 import numpy as np
 
+from tautline import entry_points
 from tautline.kernels.machine.settings import settings
 
 UNCOMPILED = (("study",), ("cli",), ("view",), ("results",))
@@ -65,7 +66,7 @@ def _texts(package: str, root: str) -> Iterator[tuple[str, bytes]]:
 @functools.cache
 def packages() -> frozenset[str]:
     """The core and the installed applications."""
-    points = metadata.entry_points(group="tautline.applications")
+    points = entry_points.in_group("tautline.applications")
     return frozenset({"tautline"} | {point.value.split(".")[0].split(":")[0] for point in points})
 
 
@@ -77,7 +78,7 @@ def is_ours(thing: Any) -> bool:
 @functools.cache
 def _own_packages() -> frozenset[str]:
     """The core and the applications that are installed with it."""
-    points = metadata.entry_points(group="tautline.applications")
+    points = entry_points.in_group("tautline.applications")
     with_us = (point for point in points if point.dist is not None and point.dist.name == "tautline")
     return frozenset({"tautline"} | {re.split("[.:]", point.value)[0] for point in with_us})
 
