@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 import sys
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -17,12 +17,12 @@ def in_group(group: str) -> Iterable[EntryPoint]:
 
     What is installed while a process goes on is seen by the next process, or once another folder is looked in.
     """
-    return _all(tuple(sys.path)).get(group, ())
+    return _all(tuple(sys.path)).select(group=group)
 
 
 @functools.cache
-def _all(folders: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
+def _all(folders: tuple[str, ...]) -> Any:
+    """Those of all groups; of which class they are differs from Python to Python."""
     from importlib.metadata import entry_points
 
-    everything = entry_points()
-    return {group: list(everything.select(group=group)) for group in everything.groups}
+    return entry_points()
