@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from tautline.errors import ArgumentError, ArgumentTypeError
+from tautline.kernels.hermite import gauss
 from tautline.kernels.moving_frame import Lifts, new_frames
 from tautline.kernels.time_function import DEGREES, TERMS, LongSums, TimeFunctions
 from tautline.scene.curves import hermite, slopes
@@ -25,7 +26,8 @@ ANGLE_PER_PIECE = 0.05
 """Phase that a piece of a numerical integral spans, rad."""
 PIECES_PER_ENVELOPE = 100
 MOST_PIECES = 2_000_000
-GAUSS = np.polynomial.legendre.leggauss(5)
+GAUSS_POINTS = 5
+"""Of a piece of a numerical integral."""
 WAVE_COLUMNS = 5
 MANY_WAVES = 8
 """Waves of one function from which their Taylor series is shorter."""
@@ -496,10 +498,9 @@ def _integrated(waves: np.ndarray, request: FunctionRequest) -> Track:
         raise SceneError([Problem("scene", None, request.key, None, cause, "give the position, or end earlier")])
     time = np.linspace(0.0, end, pieces + 1)
     h = np.diff(time)
-    nodes, weights = GAUSS
     added = np.zeros(pieces)
-    for node, weight in zip(nodes, weights, strict=True):
-        added += 0.5 * weight * h * _waves_at(waves, time[:-1] + 0.5 * (1.0 + node) * h)[0]
+    for place, weight in zip(*gauss(GAUSS_POINTS), strict=True):
+        added += weight * h * _waves_at(waves, time[:-1] + place * h)[0]
     f, df = _waves_at(waves, time)
     whole = np.concatenate(([0.0], np.cumsum(added)))
     track = Track.held(time, hermite(h, whole, f, df), whole[0], whole[-1])
