@@ -388,10 +388,10 @@ def render(
     """Show a result in space: in a window, or as pictures, a film or a web page."""
     from tautline.cli.commands import render as verb
 
-    asked = {
-        "output": output, "image": image, "movie": movie, "html": html, "view": view, "colour": colour,
-        "radius": radius, "exaggerate": exaggerate, "camera": camera, "size": size, "rate": rate, "speed": speed,
-    }  # fmt: skip
+    asked = verb.RenderOptions(
+        output=output, image=image, movie=movie, html=html, view=view, colour=colour, radius=radius,
+        exaggerate=exaggerate, camera=camera, size=size, rate=rate, speed=speed,
+    )  # fmt: skip
     verb.render(context.obj, result, asked, as_json)
 
 
