@@ -103,7 +103,7 @@ def relax(
     last_q, last_a = state.q.copy(), np.zeros(system.size)
     worst = 0
     for round_ in range(1, most // BETWEEN + 1):
-        motion.march()
+        motion.take_steps()
         m = _mass(still, state, mass)
         force = np.abs(m @ (moves * state.a)) * moves / system.scale
         size, worst = float(force.max(initial=0.0)), int(force.argmax()) if force.size else 0
@@ -151,7 +151,7 @@ class _DampedMotion:
     longest: float = np.inf
     alpha: float = 0.0
 
-    def march(self) -> None:
+    def take_steps(self) -> None:
         """Take `BETWEEN` steps; raises StoppedEarly for a step that fails and is no longer than the run's."""
         system, state = self.system, self.state
         # An explicit step is so short that many pass before the damping has to act again.
