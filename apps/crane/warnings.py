@@ -120,8 +120,8 @@ def _dry(scene: CraneScene) -> Sentences:
         acts = body.volume > 0.0 or any((*body.added_mass, *body.drag.linear, *body.drag.quadratic))
         if acts and body.position[2] > scene.water.surface:
             text = (
-                f"{body.name} is drawn {body.position[2] - scene.water.surface:.3g} m above the water, whose buoyancy, "
-                "drag and added mass act on a body at any height; leave them out while it is in air"
+                f"{body.name} is drawn {body.position[2] - scene.water.surface:.3g} m above the water. Buoyancy, drag "
+                "and added mass act on a body at any height. Leave them out while it is in air"
             )
             yield f"bodies[{k}]", text
 
@@ -131,7 +131,7 @@ def _floating(found: Estimate) -> Sentences:
     for k, lift in floating(found.scene, found.path):
         text = (
             f"{found.scene.bodies[k].name} floats: buoyancy and force lift it with {lift:.4g} N more than it weighs, "
-            "at any height, and its rope goes slack; give it less volume or more mass"
+            "at any height. Its rope goes slack. Give it less volume or more mass"
         )
         yield f"bodies[{k}]", text
 
@@ -151,11 +151,11 @@ def _fleet(found: Estimate) -> Sentences:
         limit = item.fleet_limit if isinstance(item, Sheave) else DRUM_FLEET_LIMIT
         angle = fleet_angle(found, i)
         if angle > limit:
-            cure = "turn the axis or move it into the path of the rope"
+            cure = "Turn the axis or move it into the path of the rope"
             cure += ", or raise fleet_limit" if isinstance(item, Sheave) else ""
             text = (
                 f"the rope meets {item.name} at {math.degrees(angle):.3g} deg to its plane, more than "
-                f"{math.degrees(limit):.3g} deg: it rubs on the flange and wears; {cure}"
+                f"{math.degrees(limit):.3g} deg. It rubs on the flange and wears. {cure}"
             )
             yield where(found.scene, item), text
 
@@ -177,8 +177,8 @@ def _bending(scene: CraneScene) -> Sentences:
         text = (
             f"{'sheave' if isinstance(item, Sheave) else 'drum'} diameter {2.0 * item.radius:.3g} m "
             f"(2 x radius {item.radius:.3g} m) on {1e3 * diameter:.3g} mm rope: D/d {math.floor(10.0 * ratio) / 10.0:g}"
-            f", below {LEAST_RATIO:g}{others}. Wire rope soon breaks of bending so; take a larger radius, "
-            "or check rope.diameter"
+            f", below {LEAST_RATIO:g}{others}. Bending soon breaks wire rope there. Take a larger radius, or "
+            "check rope.diameter"
         )
         yield where(scene, item, "radius"), text
 
@@ -189,8 +189,8 @@ def _safety(found: Estimate) -> Sentences:
     if breaking is None or tension <= 0.0 or breaking >= LEAST_SAFETY * tension:
         return
     text = (
-        f"{breaking:.3g} N is {breaking / tension:.2g} times the tension at rest, about {tension:.3g} N; by a rule of "
-        f"thumb of offshore lifting it should be {LEAST_SAFETY:g} times, and codes ask for their own factor; take a "
+        f"{breaking:.3g} N is {breaking / tension:.2g} times the tension at rest, about {tension:.3g} N. By a rule of "
+        f"thumb of offshore lifting it should be {LEAST_SAFETY:g} times. Codes ask for their own factor. Take a "
         "stronger rope, more falls or less load"
     )
     yield "rope.breaking_load", text
@@ -214,8 +214,8 @@ def _sheaves(scene: CraneScene) -> Sentences:
     for item in scene.sheaves:
         if item.law == "capstan" and not item.locked and item.inertia == 0.0:
             text = (
-                f"nothing resists {item.name}: without inertia it turns with the rope, and the friction of law: "
-                "capstan never acts; give inertia, locked: true, or law: frictionless"
+                f"nothing resists {item.name}: without inertia it turns with the rope. The friction of law: "
+                "capstan never acts. Give inertia, locked: true, or law: frictionless"
             )
             yield where(scene, item, "law"), text
 
@@ -254,8 +254,8 @@ def _steps(found: Estimate) -> Sentences:
             long = "" if solver.step == "auto" else f": {solver.step:g} s will be unstable"
             why = f"as long as {held.name} is held by its brake or friction" if held else OF_A_WAVE
             text = (
-                f"rk4 takes steps of no more than about {critical:.2g} s here, {why}{falls}{long}; method: "
-                "generalized-alpha takes ten to a hundred times longer ones"
+                f"rk4 takes steps of no more than about {critical:.2g} s here, {why}{falls}{long}. Steps "
+                "of method: generalized-alpha are ten to a hundred times longer"
             )
             yield "solver.method" if solver.step == "auto" else "solver.step", text
     if frequency is None:
@@ -263,15 +263,15 @@ def _steps(found: Estimate) -> Sentences:
     period = 1.0 / frequency
     if solver.step != "auto" and not scene.controlled and float(solver.step) * STEPS_PER_PERIOD > period:
         text = (
-            f"{solver.step:g} s is long against the natural period of the load on the rope, about {period:.2g} s: "
-            f"fewer than {STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take "
+            f"{solver.step:g} s is long against the natural period of the load on the rope, about {period:.2g} s. "
+            f"Fewer than {STEPS_PER_PERIOD:.0f} steps a period do not follow the motion. Take "
             f"{0.5 * period / STEPS_PER_PERIOD:.1g} s or less, or control: error"
         )
         yield "solver.step", text
     if interval * FRAMES_PER_PERIOD > period:
         text = (
             f"{interval:g} s keeps fewer than {FRAMES_PER_PERIOD:.0f} frames in a natural period of the load on the "
-            f"rope, about {period:.2g} s: peaks between frames are not seen; take {period / 10.0:.1g} s or less where "
+            f"rope, about {period:.2g} s. Peaks between frames are not seen. Take {period / 10.0:.1g} s or less where "
             "they matter"
         )
         yield "output.interval", text
@@ -291,8 +291,8 @@ def _mesh(found: Estimate) -> Sentences:
         if across / (8.0 * tension) > SAGGING and n < ENOUGH:
             sag = across * span.length / (8.0 * tension)
             text = (
-                f"{n} from {names}: the rope sags by about {sag:.2g} m in {span.length:.3g} m, and is drawn as {n} "
-                f"straight pieces; take {ENOUGH} or more for that span"
+                f"{n} from {names}: the rope sags by about {sag:.2g} m in {span.length:.3g} m, and is modelled as {n} "
+                f"straight pieces. Take {ENOUGH} or more for that span"
             )
             yield "mesh.elements_per_span", text
 
@@ -312,8 +312,8 @@ def _undamped(scene: CraneScene) -> Sentences:
 def _compression(scene: CraneScene) -> Sentences:
     if scene.rope.compression == "elastic":
         text = (
-            "elastic: the rope carries pressure as a rod does, so that it never goes slack and no snap follows; give "
-            "none for a rope, unless it is known to stay taut"
+            "elastic: the rope carries compression as a rod does. It never goes slack, and no snap follows. Give none "
+            "for a rope, unless it is known to stay taut"
         )
         yield "rope.compression", text
 
@@ -356,13 +356,12 @@ def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:
         met = {name: share for name, share in actuator.met.items() if share > 0.0}
         reached = [f"its {name} limit is reached {100.0 * share:.2g} % of the time" for name, share in met.items()]
         what = ", ".join(reached) or "it begins with a jump"
-        text = f"{off}; {what}. Give it wider limits, or expect that much heave at the load"
+        text = f"{off}: {what}. Give it wider limits, or expect that much heave at the load"
         yield "heave_compensation.limits", text
     if actuator.sudden:
         text = (
-            f"{off}: its rope rides on a tip that heaves already at t = 0, and after the delay the actuator would have "
-            "to begin with a jump of speed; let the motion of the vessel grow with `ramp`, give no delay, or leave the "
-            "time after t = 0 out of account"
+            f"{off}. The tip heaves already at t = 0. After the delay the actuator would have to begin with a jump of "
+            "speed. Let the motion of the vessel grow with `ramp`, give no delay, or ignore the time just after t = 0"
         )
         yield "heave_compensation.delay", text
 
@@ -410,8 +409,8 @@ def _winches(found: Estimate, actuator: Compensation | None) -> Sentences:
         front = abs(float(supply.speed[0])) * found.impedance
         if front > SUDDEN * found.largest_tension:
             text = (
-                f"jumps to {supply.speed[0]:.3g} m/s at t = 0: a front of {front:.3g} N runs along the rope, v sqrt(EA "
-                "rho); begin at 0 with a ramp, such as {ramp: {to: "
+                f"jumps to {supply.speed[0]:.3g} m/s at t = 0, and a front of {front:.3g} N runs along the rope: v "
+                "sqrt(EA rho). Begin at 0 with a ramp, such as {ramp: {to: "
                 f"{supply.speed[0]:.3g}, over: 1.0}}}}, unless that is what is asked"
             )
             yield where(scene, drum, drum.drive), text
@@ -426,8 +425,8 @@ def _layers(scene: CraneScene, drum: Drum) -> Sentences:
     if drum.layers is not None and drum.rope_on_drum is None:
         full = "" if drum.layers.count is None else ", and it is full as if it had begun empty"
         text = (
-            "without rope_on_drum it is not known which layer the rope leaves from: drum_rotation and winch_torque go "
-            f"by the drum's radius{full}; give rope_on_drum, or remove layers"
+            "without rope_on_drum it is not known which layer the rope leaves from. drum_rotation and winch_torque go "
+            f"by the drum's radius{full}. Give rope_on_drum, or remove layers"
         )
         yield where(scene, drum, "layers"), text
 
@@ -446,8 +445,8 @@ def _empty(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
     if held is not None and most > held:
         k = int(np.argmax(supply.paid_out > held))
         text = (
-            f"{held:.4g} m, and {most:.4g} m are paid out: the run will stop at about t = {supply.time[k]:.3g} s, when "
-            "the drum is empty; give more rope, or pay out less"
+            f"{held:.4g} m, and {most:.4g} m are paid out. The run will stop at about t = {supply.time[k]:.3g} s, when "
+            "the drum is empty. Give more rope, or pay out less"
         )
         yield where(scene, drum, "rope_on_drum"), text
 
@@ -458,8 +457,8 @@ def _full(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
     if capacity is not None and held.max() > capacity:
         k = int(np.argmax(held > capacity))
         text = (
-            f"the layers hold {capacity:.4g} m, and with heave compensation it comes to {float(held.max()):.4g} m: the "
-            f"run will stop at about t = {supply.time[k]:.3g} s, when the drum is full; give it more turns or layers"
+            f"the layers hold {capacity:.4g} m, and with heave compensation it comes to {float(held.max()):.4g} m. The "
+            f"run will stop at about t = {supply.time[k]:.3g} s, when the drum is full. Give it more turns or layers"
         )
         yield where(scene, drum, "layers"), text
 
@@ -473,8 +472,8 @@ def _too_high(found: Estimate) -> Sentences:
         k, drum = int(np.argmax(taken > room)), drums[0]
         who = "reels" if len(drums) == 1 else f"{' and '.join(one.name for one in drums)} together reel"
         text = (
-            f"{who} {float(taken.max()):.4g} m in, and there are {room:.4g} m between the load and what it hangs on: "
-            f"the load comes into the sheave at about t = {time[k]:.3g} s; hoist less, or end earlier"
+            f"{who} {float(taken.max()):.4g} m in, and there are {room:.4g} m between the load and what it hangs on. "
+            f"The load meets the sheave at about t = {time[k]:.3g} s. Hoist less, or end earlier"
         )
         yield where(scene, drum, drum.drive), text
 

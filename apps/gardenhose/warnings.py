@@ -50,16 +50,15 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
         limit = rk4_limit(scene)
         if step > limit.step:
             cause = f"the fastest {limit.motion} motion of an element, eqs 2.137 and 2.151"
-            cure = "take a smaller step, or method: generalized-alpha"
+            cure = "Take a smaller step, or method: generalized-alpha"
             if limit.damping > 1.0:
                 cause = (
                     f"the damping: the fastest {limit.motion} motion of an element is overdamped, c omega / 2 = "
-                    f"{limit.damping:.3g}, and decays faster than it would swing; without damping it would be "
-                    f"{limit.undamped:.2g} s"
+                    f"{limit.damping:.3g}. Without damping the critical step would be {limit.undamped:.2g} s"
                 )
-                cure = "take a smaller step, less damping, or method: generalized-alpha"
+                cure = "Take a smaller step, less damping, or method: generalized-alpha"
             text = f"{step:g} s is longer than RK4's critical step of about {limit.step:.2g} s, set by {cause}"
-            yield "solver.step", f"{text}: the run will become unstable; {cure}"
+            yield "solver.step", f"{text}. The run will become unstable. {cure}"
     u, (critical, frequency) = hose.dimensionless_speed, onset(scene, hose)
     what = "the first natural frequency"
     if critical is not None and frequency and u is not None and u > NEAR_ONSET * critical:
@@ -69,16 +68,16 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
         frequency = first_frequency(scene, hose)
     if frequency and solver.control == "fixed" and step * frequency * STEPS_PER_PERIOD > 1.0:
         text = (
-            f"{step:g} s is long against the period of {what}, about {1.0 / frequency:.2g} s: fewer than "
-            f"{STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take "
+            f"{step:g} s is long against the period of {what}, about {1.0 / frequency:.2g} s. Fewer than "
+            f"{STEPS_PER_PERIOD:.0f} steps a period do not follow the motion. Take "
             f"{1.0 / (2.0 * STEPS_PER_PERIOD * frequency):.1g} s or less"
         )
         yield "solver.step", text
     ratio = scene.output.interval / step
     if solver.control == "fixed" and abs(ratio - round(ratio)) > 1e-6 * ratio:
         text = (
-            f"{scene.output.interval:g} s is not a whole number of steps of {step:g} s: the step taken is "
-            f"{scene.output.interval / math.ceil(ratio):.6g} s; give a multiple of the step"
+            f"{scene.output.interval:g} s is not a whole number of steps of {step:g} s. The step taken is "
+            f"{scene.output.interval / math.ceil(ratio):.6g} s. Give a multiple of the step"
         )
         yield "output.interval", text
 
@@ -100,14 +99,14 @@ def _momentum(scene: HoseScene, speed: np.ndarray) -> Sentences:
     where = _at(scene, i, "axial_stiffness")
     if shares[i] >= 1.0:
         text = (
-            f"the water, up to {fastest:.3g} m/s, is faster than {most:.3g} m/s, at which its momentum M U^2 takes "
-            "away all of EA: no wave runs up the hose, and no axial stiffness is left; give more EA, or a lower speed"
+            f"the water, up to {fastest:.3g} m/s, is faster than {most:.3g} m/s. There its momentum M U^2 equals "
+            "EA. Above it no axial stiffness is left. Give more EA, or a lower speed"
         )
     else:
         text = (
-            f"the momentum of the water, M U^2, is {100.0 * shares[i]:.0f} % of EA at {fastest:.3g} m/s: the hose is "
-            "softer along itself by as much, and stretches by about that where it is bent. See whether EA is what was "
-            f"meant. The axial stiffness is zero at {most:.3g} m/s"
+            f"the momentum of the water, M U^2, is {100.0 * shares[i]:.0f} % of EA at {fastest:.3g} m/s. The axial "
+            "stiffness falls by that share. Where the hose is bent, it stretches by about as much. See whether EA is "
+            f"what was meant. The axial stiffness is zero at {most:.3g} m/s"
         )
     yield where, text
 
@@ -132,9 +131,9 @@ def _waves(scene: HoseScene, fastest: float) -> Sentences:
     i = max(range(len(pieces)), key=lambda i: radians[i] / pieces[i].elements)
     if radians[i] > RADIANS_PER_ELEMENT * pieces[i].elements:
         text = (
-            f"{pieces[i].elements} are coarse at {fastest:.3g} m/s: the flow bends the hose in waves of "
+            f"{pieces[i].elements} are coarse at {fastest:.3g} m/s. The flow bends the hose in waves of "
             f"{2.0 * math.pi * pieces[i].length / radians[i]:.2g} m, {radians[i] / pieces[i].elements:.2g} rad to "
-            f"an element; take {_elements(1.5 * radians[i] / RADIANS_PER_ELEMENT)}"
+            f"an element. Take {_elements(1.5 * radians[i] / RADIANS_PER_ELEMENT)}"
         )
         yield _at(scene, i, "elements"), text
 
@@ -147,8 +146,8 @@ def _mesh(scene: HoseScene, speed: np.ndarray) -> Sentences:
         soft = [i for i, piece in enumerate(pieces) if piece.bending_stiffness == 0.0]
         if soft:
             text = (
-                "is zero, and water flows: nothing stops the shortest waves, which the flow makes grow fastest, so "
-                "that the result depends on the number of elements; give the bending stiffness, however small"
+                "is zero, and water flows. Nothing limits the growth of the shortest waves. The result then depends on "
+                "the number of elements. Give the bending stiffness, however small"
             )
             yield _at(scene, soft[0], "bending_stiffness"), text
             return
@@ -165,8 +164,8 @@ def _mesh(scene: HoseScene, speed: np.ndarray) -> Sentences:
         length = piece.length / piece.elements
         if length > LAYERS_PER_ELEMENT * layer:
             text = (
-                f"an element is {length:.2g} m long, and under its weight the hose bends away from its clamp within "
-                f"{layer:.2g} m; take {_elements(piece.length / layer)}, or a short first segment"
+                f"an element is {length:.2g} m long. Under its weight the hose bends away from its clamp within "
+                f"{layer:.2g} m. Take {_elements(piece.length / layer)}, or a short first segment"
             )
             yield _at(scene, 0, "elements"), text
 
@@ -175,20 +174,20 @@ def _ends(scene: HoseScene, speed: np.ndarray) -> Sentences:
     """What happens at the tip that is not as simple as it looks."""
     hose, water = scene.hose, scene.water
     if hose.end != "free" and hose.tip_mass > 0.0:
-        yield "hose.tip_mass", f"has no effect: the tip is {hose.end}; remove it, or let the end be free"
+        yield "hose.tip_mass", f"has no effect: the tip is {hose.end}. Remove it, or let the end be free"
     if water is None or hose.end != "free":
         return
     slowest = float(speed.min())
     if slowest < 0.0:
         text = (
-            f"goes down to {slowest:.3g} m/s: water is drawn in at the tip, and is taken to enter along the tip's "
-            "tangent with all its momentum. In that theory a cantilever flutters at almost no speed, and in "
-            "experiments it has not (Paidoussis, Fluid-Structure Interactions 1, chapter 4): compare with measurements "
-            "or hold the tip"
+            f"goes down to {slowest:.3g} m/s: water is drawn in at the tip. The model lets it enter along the tip's "
+            "tangent with all its momentum. In that theory a cantilever flutters at almost no speed. In experiments it "
+            "has not (Paidoussis, Fluid-Structure Interactions 1, chapter 4). Compare with measurements, or hold the "
+            "tip"
         )
         yield "water.speed", text
         if water.outlet != 1.0:
-            text = "acts on water that leaves, and some is drawn in: what a nozzle does to that is unknown; set it to 1"
+            text = "acts on water that leaves, and some is drawn in. What a nozzle does there is unknown. Set it to 1"
             yield "water.outlet", text
     if water.outlet < 1.0:
         text = (
@@ -204,12 +203,11 @@ def _rest(scene: HoseScene) -> Sentences:
     if any(_across(vector, direction) > 0.0 for vector in (scene.gravity, scene.disturbance)):
         return
     why = "acts along the hose" if any(scene.gravity) else "is zero"
-    cure = "give `disturbance`, such as a hundredth of a metre a second across the hose"
+    cure = "Give `disturbance`, such as a hundredth of a metre a second across the hose"
     if scene.hose.end != "free":
-        cure = "let a little of gravity act across the hose, such as a thousandth of it"
+        cure = "Let a little of gravity act across the hose, such as a thousandth of it"
     text = (
-        f"gravity {why}, so that the straight hose is in equilibrium, stable or not, and nothing starts it moving "
-        f"sideways; {cure}"
+        f"gravity {why}. The straight hose is in equilibrium, stable or not. Nothing starts it moving sideways. {cure}"
     )
     yield "disturbance" if scene.hose.end == "free" else "gravity", text
 

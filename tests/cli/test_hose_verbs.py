@@ -57,7 +57,7 @@ def test_static_of_a_range_of_speeds_gives_the_claimed_tips_and_a_figure(drawing
 def test_static_prints_a_table_and_takes_speeds_one_by_one(gardenhose):
     code, out, err = gardenhose("static", "hose.yaml", "--speed", "9,-3", "-o", "shapes.svg")
     assert (code, out) == (0, "")
-    assert "0.483430" in err or "0.48343" in err
+    assert "0.48343" in err
     assert "-3" in err and "<svg" in Path("shapes.svg").read_text()
     assert not Path("hose_static.png").exists()
 
@@ -216,7 +216,7 @@ def test_bad_speed_with_json_is_an_object_of_problems(gardenhose):
     code, out, _ = gardenhose("static", "hose.yaml", "--speed", "12:0:3", "--json")
     report = only_object(out)
     assert (code, report["status"]) == (2, "bad input")
-    assert report["problems"][0]["key"] == "--speed" or report["problems"][0]["file"] == "--speed"
+    assert report["problems"][0]["file"] == "--speed"
 
 
 # simulate

@@ -102,7 +102,7 @@ def found_length(of, k):
 
 def test_a_fixed_step_is_held_against_the_bounce_and_a_controlled_one_is_not():
     fixed = {"step": "50 ms", "control": "fixed"}
-    assert "fewer than 10 steps" in only(one_fall(solver=fixed), "solver.step")
+    assert "Fewer than 10 steps" in only(one_fall(solver=fixed), "solver.step")
     assert told(one_fall(solver={"step": "50 ms"}), "solver.step") == []
     assert told(one_fall(solver=fixed | {"step": "10 ms"}), "solver.step") == []
 
@@ -281,7 +281,7 @@ def test_a_strain_at_rest_is_told_from_the_limit_on_that_a_run_is_judged_by(rope
 def test_layers_of_an_unknown_amount_of_rope_are_told_to_count_nothing():
     layers = {"turns": 40, "core_radius": 0.48}
     text = only(one_fall(path=[winch(layers=layers), TIP, HOOK]), "path[0].drum.layers")
-    assert "drum_rotation and winch_torque go by the drum's radius; give rope_on_drum" in text
+    assert "drum_rotation and winch_torque go by the drum's radius. Give rope_on_drum" in text
     assert "as if it had begun empty" in only(layered(), "path[0].drum.layers")
     assert told(one_fall(path=[winch(layers=layers, rope_on_drum="50 m"), TIP, HOOK]), "path[0].drum.layers") == []
 

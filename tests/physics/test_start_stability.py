@@ -5,6 +5,8 @@ import pytest
 from physics.cables.rope_text import GRAVITY, PINNED, chain, model_of, node
 from physics.pipes.hoses import pipe
 from references.cables import catenary
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 from crane.model.build import build as build_crane
 from crane.scene.scene import CraneScene
@@ -69,7 +71,7 @@ def test_a_rope_drawn_far_from_its_shape_hangs_as_a_catenary(drawn, linear):
 
 
 @pytest.mark.parametrize(("share", "negative"), [(0.98, 0), (1.02, 2)])
-def test_a_column_is_stable_up_to_eulers_load(share, negative):
+def test_a_column_is_stable_up_to_eulers_load_and_past_it_bends_as_the_elastica_does(share, negative):
     """Clamped below, free above, P = pi^2 EI / (4 L^2) in both planes; the load stands on a slender rod."""
     height, bending = 2.0, 50.0
     load = share * np.pi**2 * bending / (4.0 * height**2)
@@ -84,8 +86,12 @@ def test_a_column_is_stable_up_to_eulers_load(share, negative):
     assert count_negative(model.system, state).negative == negative
     if negative:
         found = find_stable_equilibrium(model.system, state, model.step_limit)
-        # past Euler's load it bends: the top goes down by more than the rod is pressed together
-        assert found.negative == 0 or found.negative == negative
+        assert found.negative == 0
+        # The elastica with K(m) = pi/2 sqrt(P / P_E): its tip is 2 sqrt(m) L / K off the axis, at L (2 E / K - 1).
+        m = brentq(lambda m: ellipk(m) - 0.5 * np.pi * np.sqrt(share), 0.0, 0.5)
+        x, y, top = state.full_q[7 * 8 : 7 * 8 + 3]
+        assert np.hypot(x, y) == pytest.approx(2.0 * np.sqrt(m) * height / ellipk(m), rel=0.01)
+        assert top == pytest.approx(height * (2.0 * ellipe(m) / ellipk(m) - 1.0), rel=0.001)
 
 
 def test_an_equilibrium_that_stays_unstable_is_refused_by_name(monkeypatch):

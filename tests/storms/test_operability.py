@@ -15,7 +15,7 @@ from crane.operability.allowable import ABOVE, BELOW, FAILED, INSIDE, STOPPED, a
 from crane.operability.conditions import Condition, conditions_of, highest
 from crane.operability.scatter import YEAR, fatigue_over, read_scatter
 from crane.operability.storms import Asked, operability
-from crane.verbs.operability import _asked
+from crane.verbs.operability_options import OperabilityOptions, read_options
 from tautline.scene.errors import SceneError
 from tautline.statistics.gumbel import fit_gumbel
 from tautline.sweeps.execution import Execution
@@ -214,11 +214,11 @@ def test_of_several_limits_the_least_height_governs_and_an_unknown_one_leaves_it
 def test_each_option_of_the_command_line_comes_to_its_own_place(tmp_path):
     diagram = tmp_path / "scatter.csv"
     diagram.write_text("Hs [m],6,8\n1,10,5\n2,3,4\n")
-    made = _asked(
-        gravity=(0.0, 0.0, -9.81),
+    given = OperabilityOptions(
         hs=None, tp=None, heading="0,90", seeds=7, first_seed=3, duration="2h", simulated="30min", lead_in="50 s",
         limit=["max_tension < 60 kN"], percentile="P85", confidence="70 %", scatter=diagram, sn_constant=1e3,
     )  # fmt: skip
+    made = read_options(given, gravity=(0.0, 0.0, -9.81))
     assert list(made.seeds) == list(range(3, 10)) and made.limits == ("max_tension < 60 kN",)
     assert (made.duration, made.simulated, made.lead) == (7200.0, 1800.0, 50.0)
     assert (made.share, made.confidence, made.compared, made.constant) == (0.85, 0.7, "percentile", 1e3)

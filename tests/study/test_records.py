@@ -177,7 +177,7 @@ def texts(figure: Figure):
 def test_a_studys_figure_has_its_labels_a_line_at_real_time_and_a_curve_for_a_method(found, drawn):
     figure = drawn(figures.work_precision, found, saved=True)
     labels = [plot.get_ylabel() for plot in figure.axes]
-    assert labels == ["position error", "force amplitude error"] or labels[2].startswith("phase error")
+    assert labels == ["position error", "force amplitude error"]
     for plot in figure.axes:
         assert plot.get_xlabel() == "real-time factor"
         assert plot.get_xscale() == plot.get_yscale() == "log"
@@ -218,7 +218,7 @@ def test_a_stabilitys_figure_shows_the_eigenvalues_in_the_region_and_what_spring
     assert (region.get_xlabel(), region.get_ylabel()) == ("Re h λ", "Im h λ")
     points = next(line for line in region.lines if line.get_label().startswith("eigenvalues")).get_xydata()
     assert np.sort(points[:, 1]) == pytest.approx([-RK4_LIMIT, RK4_LIMIT], rel=1e-6)
-    assert springs.get_xlabel() == "stiffness of springs [N/m]" or "N/m" in springs.get_xlabel()
+    assert springs.get_xlabel() == "stiffness of springs [N/m]"
     curve = springs.lines[0].get_xydata()
     assert curve[:, 1] == pytest.approx(RK4_LIMIT / np.sqrt(OMEGA**2 + curve[:, 0]), rel=1e-6)
 

@@ -165,17 +165,12 @@ def bending_cycles(
         0, or contacts overlap or are not in the order of the path.
     """
     time, edges = checked(time)[0], _edges(edges)
-    for name, value in (("diameter", diameter), ("resolution", resolution), ("reach", reach)):
-        if value is not None and not (value >= 0.0 and (value > 0.0 or name != "diameter")):
-            raise ArgumentError(f"{name} = {value}: must be above 0" + (" or 0" if name != "diameter" else ""))
+    _check_lengths(diameter, resolution, reach)
     resolution = RESOLUTION * (diameter or 0.0) if resolution is None else resolution
     reach = REACH * (diameter or 0.0) if reach is None else reach
     arcs = [_arc(time, contact) for contact in contacts]
     _in_order(time, contacts, arcs)
-    smooth = [
-        arc._replace(low=without_ripple(arc.low, resolution), high=without_ripple(arc.high, resolution)) for arc in arcs
-    ]
-    smooth = [arc._replace(high=np.maximum(arc.low, arc.high)) for arc in smooth]
+    smooth = [_smooth(arc, resolution) for arc in arcs]
     stairs = [staircase(passages(arc)) for arc in smooth]
     place, total, mean = most_worked_places(stairs, edges)
     by_contact = np.array([0.5 * stair.at(place) for stair in stairs]).reshape(len(contacts), len(place)).T
@@ -201,6 +196,20 @@ def bending_cycles(
         tension=tension,
         ratio=ratio if diameter else None,
     )
+
+
+def _check_lengths(diameter: float | None, resolution: float | None, reach: float | None) -> None:
+    if diameter is not None and not diameter > 0.0:
+        raise ArgumentError(f"diameter = {diameter}: must be above 0")
+    for name, value in (("resolution", resolution), ("reach", reach)):
+        if value is not None and not value >= 0.0:
+            raise ArgumentError(f"{name} = {value}: must be 0 or above")
+
+
+def _smooth(arc: Arc, resolution: float) -> Arc:
+    """An arc whose ends turn to and fro by `resolution`, m, at least; they do not pass each other."""
+    low, high = without_ripple(arc.low, resolution), without_ripple(arc.high, resolution)
+    return arc._replace(low=low, high=np.maximum(low, high))
 
 
 def _edges(edges: np.ndarray) -> np.ndarray:

@@ -156,21 +156,20 @@ def compensate(
     command.look_for_jump(first, delay)
     moved, cause = _Actuator(command, stroke, speed, most).run()
     time, moved, cause = time[: n + 1], moved[:, : n + 1], cause[:n]
-    away = cause >= 0
-    shares = {name: float(np.mean(cause == i)) for i, name in enumerate(("stroke", "speed", "acceleration"))}
     knots, derivatives = with_grace(time, moved)
     k = int(delay / h)
     if k < n and time[k] < delay < time[k + 1] and cause[k] == FREE:
         # The heave is first answered within a step: it begins there, and not before.
         knots, derivatives = np.insert(knots, k + 1, delay), np.insert(derivatives, k + 1, first, axis=1)
+    heaves = ", ".join(f"{x:.6g}" for x in content.size)
     return Compensation(
-        Samples(knots, derivatives[0] - derivatives[0, 0], derivatives[1], derivatives[2], reach=end),
-        Samples(knots, derivatives[0], derivatives[1], derivatives[2], reach=end),
-        float(np.mean(away)),
-        shares,
-        float(np.abs(moved[0] - command.derivatives[0, : n + 1]).max()),
-        bool(command.sudden[:n].any()),
-        f"steps of {h:.9g} s; heave, its speed and acceleration up to {', '.join(f'{x:.6g}' for x in content.size)}",
+        pay_out=Samples(knots, derivatives[0] - derivatives[0, 0], derivatives[1], derivatives[2], reach=end),
+        place=Samples(knots, derivatives[0], derivatives[1], derivatives[2], reach=end),
+        away=float(np.mean(cause >= 0)),
+        met={name: float(np.mean(cause == i)) for i, name in enumerate(("stroke", "speed", "acceleration"))},
+        error=float(np.abs(moved[0] - command.derivatives[0, : n + 1]).max()),
+        sudden=bool(command.sudden[:n].any()),
+        made_with=f"steps of {h:.9g} s; heave, its speed and acceleration up to {heaves}",
     )
 
 

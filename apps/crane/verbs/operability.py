@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from crane.verbs.operability_options import OperabilityOptions, read_options
 from tautline.cli.verbs import Changes, GoOn, Json, Quiet, Scene, Scheduler, Workers
-from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
     from crane.operability.storms import Asked, Found
 
-MOST = 200
-"""Values that one of the lists may have."""
 Heights = Annotated[
     str | None,
     typer.Option("--hs", metavar="FROM:TO:STEP", help="Significant wave heights, m or with a unit; or A,B,C."),
@@ -105,14 +102,13 @@ def operability(
 
     application, found = context.obj.read(scene)
     read = changed(found, changes)
-    asked = _asked(
-        gravity=read.gravity,
+    given = OperabilityOptions(
         hs=hs, tp=tp, heading=heading, seeds=seeds, first_seed=first_seed, duration=duration, simulated=simulated,
         lead_in=lead_in, limit=limit, percentile=percentile, confidence=confidence, scatter=scatter,
         sn_constant=sn_constant,
     )  # fmt: skip
-    whole = asked
-    asked = occurring(asked, read)
+    whole = read_options(given, read.gravity)
+    asked = occurring(whole, read)
     folder = output or Path(f"{scene.stem}-operability")
     told = [] if quiet else application.warnings(read)
 
@@ -126,105 +122,6 @@ def operability(
         execution = Execution(jobs, dask, folder, resume, progress=bar, announce=compiling, begin=begin)
         found = run(application, read, asked, execution if quiet else replace(execution, say=say))
     _report(scene, read, asked, found, folder, as_json, quiet, output is not None)
-
-
-def _asked(
-    *, gravity: Sequence[float],
-    hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
-    simulated: str | None, lead_in: str, limit: Sequence[str] | None, percentile: str, confidence: str,
-    scatter: Path | None, sn_constant: float | None,
-) -> Asked:  # fmt: skip
-    from crane.operability.conditions import conditions_of
-    from crane.operability.scatter import read_scatter
-    from crane.operability.storms import Asked
-    from tautline.cli.options.lists import number
-
-    diagram = None if scatter is None else read_scatter(scatter)
-    heights = _range(hs, "--hs", "m", "0.5:4:0.5", None if diagram is None else diagram.heights.tolist())
-    periods = _range(tp, "--tp", "s", "5:15:1", None if diagram is None else diagram.periods.tolist())
-    headings: list[float | None] = list(_headings(heading)) if heading is not None else [None]
-    length = number(duration, "--duration", "s")
-    compared, share = _compared(percentile)
-    certain = _share(confidence, "--confidence", "90 %")
-    if sn_constant is not None and diagram is None:
-        cause = "is for the fatigue over a scatter diagram, and none is given"
-        raise option_error("--sn-constant", f"{sn_constant:g}", cause, "give --scatter, or leave it out")
-    if sn_constant is not None and not 0.0 < sn_constant < math.inf:
-        cause = "is no constant of an S-N curve: N (S / breaking load)^5 is a number above zero"
-        raise option_error("--sn-constant", f"{sn_constant:g}", cause, "give the one of the rope, such as 1e3")
-    return Asked(
-        conditions=conditions_of(heights, periods, headings, gravity),
-        seeds=range(first_seed, first_seed + seeds),
-        duration=length,
-        simulated=length if simulated is None else number(simulated, "--simulate", "s"),
-        limits=tuple(limit or ()),
-        share=share,
-        confidence=certain,
-        compared=compared,
-        scatter=diagram,
-        constant=sn_constant,
-        lead=number(lead_in, "--lead-in", "s"),
-    )
-
-
-def _range(text: str | None, option: str, unit: str, example: str, other: list[float] | None) -> list[float]:
-    """Increasing values of ``FROM:TO:STEP`` or ``A,B,C``; `other` where nothing is given."""
-    from tautline.cli.options.lists import number, numbers, stepped, three_of
-
-    if text is None:
-        if other is None:
-            raise option_error(option, "", "is missing", f"give {option} {example}")
-        return other
-    if ":" not in text:
-        return sorted(numbers(text, option, unit))
-    first, last, step = (number(word, option, unit) for word in three_of(text, option, f"write {option} {example}"))
-    if last < first:
-        raise option_error(option, text, "goes downwards", f"write {option} {example}")
-    # Without the rounding of sums: 0.30000000000000004 is no height that anybody gave.
-    return [float(f"{value:.12g}") for value in stepped((first, last, step), text, option, MOST, "values")]
-
-
-def _headings(text: str) -> list[float]:
-    """Headings between commas, in degrees where they have no unit, as rad."""
-    from pydantic_core import PydanticCustomError
-
-    from tautline.scene.values.quantity import Quantity
-
-    found = []
-    for word in text.split(","):
-        written = word.strip()
-        try:
-            plain = written.replace(".", "", 1).lstrip("+-").isdigit()
-            found.append(float(Quantity("rad", any_size=True).read(f"{written} deg" if plain else written)))
-        except PydanticCustomError as error:
-            cure = "write such as --heading 0,90,180"
-            raise option_error("--heading", written or text, error.message(), cure) from None
-    return sorted(dict.fromkeys(found))
-
-
-def _compared(text: str) -> tuple[str, float]:
-    """What is compared with limits, and the percentile."""
-    word = text.strip().lower().replace("_", "-").replace(" ", "-")
-    if word in ("most-probable", "mpm"):
-        return "most_probable", 0.9
-    return "percentile", _share(word.removeprefix("p"), "--percentile", "P90", given=text)
-
-
-def _share(text: str, option: str, example: str, given: str | None = None) -> float:
-    """A percentage between 0 and 100, as a share."""
-    word = text.strip()
-    try:
-        value = float(word.removesuffix("%"))
-    except ValueError:
-        value = math.nan
-    if 0.0 < value <= 1.0 and not word.endswith("%"):
-        # Taken as a percentage, 0.9 would give an interval of next to nothing, and the smallest of the largest.
-        raise option_error(
-            option, given or text, f"may mean {100.0 * value:g} % or {value:g} %", f"write such as {example}"
-        )
-    if not 0.0 < value < 100.0:
-        raise option_error(option, given or text, "is no percentage between 0 and 100", f"write such as {example}")
-    return value / 100.0
 
 
 def _introduce(asked: Asked, absent: int) -> None:

@@ -131,10 +131,7 @@ def flutter_figure(
     figure, plots = axes(1, 2, 11.0, 5.4, title, width_ratios=(1.15, 1.0))
     argand, growth = plots[0]
     wide, low, high = _limits_of(modes)
-    argand.set_xlim(-0.03 * wide, 1.08 * wide)
-    argand.set_ylim(low, high)
-    argand.axhspan(low, 0.0, color=SHADE, lw=0, zorder=0)
-    argand.text(0.99, 0.015, "unstable", transform=argand.transAxes, ha="right", fontsize=9, color=QUIET)
+    _shade_unstable(argand, wide, low, high)
     for plot in (argand, growth):
         plot.axhline(0.0, color="black", lw=0.8)
     numbers = _numbers(modes.frequency, modes.outside)
@@ -159,6 +156,14 @@ def flutter_figure(
     # The plane of complex numbers has one unit both ways, in every system.
     argand.set_xlabel(label(argand.get_xlabel(), "rad/s"))
     return figure
+
+
+def _shade_unstable(argand: Axes, wide: float, low: float, high: float) -> None:
+    """Set the limits of an Argand diagram, and shade the half of it in which motions grow."""
+    argand.set_xlim(-0.03 * wide, 1.08 * wide)
+    argand.set_ylim(low, high)
+    argand.axhspan(low, 0.0, color=SHADE, lw=0, zorder=0)
+    argand.text(0.99, 0.015, "unstable", transform=argand.transAxes, ha="right", fontsize=9, color=QUIET)
 
 
 class _Modes(NamedTuple):

@@ -388,10 +388,10 @@ def render(
     """Show a result in space: in a window, or as pictures, a film or a web page."""
     from tautline.cli.commands import render as verb
 
-    asked = {
-        "output": output, "image": image, "movie": movie, "html": html, "view": view, "colour": colour,
-        "radius": radius, "exaggerate": exaggerate, "camera": camera, "size": size, "rate": rate, "speed": speed,
-    }  # fmt: skip
+    asked = verb.RenderOptions(
+        output=output, image=image, movie=movie, html=html, view=view, colour=colour, radius=radius,
+        exaggerate=exaggerate, camera=camera, size=size, rate=rate, speed=speed,
+    )  # fmt: skip
     verb.render(context.obj, result, asked, as_json)
 
 
@@ -449,10 +449,11 @@ def twin(
     """Run a scene beside the machine: sensor data in; estimates, hidden quantities and alarms out."""
     from tautline.cli.commands import twin as verb
 
-    kept = state or resume
-    verb.twin(
-        context.obj, scene, map, source, output, changes, speed, resume, kept, account, serve, as_json, quiet, force
-    )
+    given = verb.TwinOptions(
+        source=source, speed=speed, output=output, resume=resume, state=state or resume, account=account, serve=serve,
+        force=force,
+    )  # fmt: skip
+    verb.twin(context.obj, scene, map, changes, given, as_json, quiet)
 
 
 def record(
@@ -478,10 +479,10 @@ def record(
     from tautline.cli.commands import twin as verb
 
     given = verb.RecordOptions(
-        rate=rate, noise=noise, delay=delay, dropout=dropout, jitter=jitter, gap=gap, fault=fault, seed=seed,
+        end=end, rate=rate, noise=noise, delay=delay, dropout=dropout, jitter=jitter, gap=gap, fault=fault, seed=seed,
         input_noise=input_noise,
     )  # fmt: skip
-    verb.record(context.obj, scene, map, output, changes, end, given, as_json, force)
+    verb.record(context.obj, scene, map, output, changes, given, as_json, force)
 
 
 def sweep(

@@ -66,6 +66,20 @@ def null_motions(
         The node that slides farthest in each independent null motion, ascending; empty for a sound scene. Nodes come
         twice where two motions have the same one.
     """
+    slide = _slides(nodes, tangents, material, fixed)
+    elimination = _Elimination(ALONG)
+    for row in _equations((), couplings, rows):
+        largest = max((abs(factor) for _, factor in row), default=0.0)
+        entries = [(slide[j][0], factor * slide[j][1]) for j, factor in row if j in slide]
+        elimination.add([(i, x) for i, x in entries if abs(x) > ALONG * largest])
+
+    return _farthest({i for i, _ in slide.values()}, elimination)
+
+
+def _slides(
+    nodes: np.ndarray, tangents: np.ndarray, material: np.ndarray, fixed: Collection[int]
+) -> dict[int, tuple[int, float]]:
+    """Degrees of freedom that move where a node slides: the number of the node, and how much by one of its p."""
     # A node that is held along the rope does not slide, whatever else is said of it: most nodes are.
     places = np.column_stack([material, np.asarray(nodes)[:, None] + np.arange(3)]).astype(np.int64)
     factors = np.column_stack([np.ones(len(places)), tangents])
@@ -73,14 +87,11 @@ def null_motions(
     slide: dict[int, tuple[int, float]] = {}
     for i in np.flatnonzero((places[:, 0] >= 0) & ~is_held).tolist():
         slide.update((j, (i, factor)) for j, factor in zip(places[i].tolist(), factors[i].tolist(), strict=True))
+    return slide
 
-    elimination = _Elimination(ALONG)
-    for row in _equations((), couplings, rows):
-        largest = max((abs(factor) for _, factor in row), default=0.0)
-        entries = [(slide[j][0], factor * slide[j][1]) for j, factor in row if j in slide]
-        elimination.add([(i, x) for i, x in entries if abs(x) > ALONG * largest])
 
-    sliding = {i for i, _ in slide.values()}
+def _farthest(sliding: set[int], elimination: _Elimination) -> list[int]:
+    """The node that slides farthest in the motion of each that no equation determines, ascending."""
     farthest = {i: (1.0, i) for i in sliding if not elimination.knows(i)}
     for i in sorted(sliding - farthest.keys()):
         for j, x in elimination.express(i).items():

@@ -55,13 +55,7 @@ def plot(
     folder, stem, ending = _place(output)
     if ending and form and ending != form:
         raise ResultError(output or "", f"ends in .{ending}, but --format says {form}", "leave one of them out")
-    made = not folder.exists()
-    try:
-        folder.mkdir(exist_ok=True)
-    except FileNotFoundError:
-        raise ResultError(folder, f"there is no folder {folder.parent}", "make it, or name another with -o") from None
-    except OSError as error:
-        raise ResultError(folder, f"cannot be made: {error.strerror}", "name another folder with -o") from None
+    made = _make(folder)
     against = {} if vs is None else {"vs": vs}
     try:
         written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
@@ -77,6 +71,20 @@ def plot(
         say(f"wrote {file}", "green")
     if as_json:
         print_json({"status": "done", "figures": [str(file) for file in written], "warnings": warnings})
+
+
+def _make(folder: Path) -> bool:
+    """Make a folder, and tell whether there was none; raises ResultError where it cannot be made."""
+    from tautline.results.errors import ResultError
+
+    made = not folder.exists()
+    try:
+        folder.mkdir(exist_ok=True)
+    except FileNotFoundError:
+        raise ResultError(folder, f"there is no folder {folder.parent}", "make it, or name another with -o") from None
+    except OSError as error:
+        raise ResultError(folder, f"cannot be made: {error.strerror}", "name another folder with -o") from None
+    return made
 
 
 def _place(output: Path | None) -> tuple[Path, str | None, str | None]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,15 +19,42 @@ NO_DISPLAY = (
 )
 
 
-def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: bool) -> None:
-    """Show a result in space: in a window, or as pictures, a film or a web page.
+@dataclass(frozen=True, kw_only=True)
+class RenderOptions:
+    """What the command line gave of how a result is shown, as it is written there; None where not given.
 
-    Parameters
+    Attributes
     ----------
-    asked : dict
-        ``image`` (list of times, ``t=12.5``, ``12.5 s``, ``first`` or ``last``), ``movie``, ``html`` (files),
-        ``output`` of pictures, ``view``, ``colour``, ``radius``, ``exaggerate``, ``camera``, ``size``, ``rate``,
-        ``speed``; None where not given.
+    output : Path or None
+        Where the pictures go: a file or a folder.
+    image : sequence of str or None
+        Times of pictures: ``t=12.5``, ``12.5 s``, ``first`` or ``last``.
+    movie, html : Path or None
+        The film and the web page that are written.
+    view, colour, camera, size : str or None
+        By name; ``size`` in pixels, such as ``1280x720``.
+    radius, exaggerate : float or None
+        Times the true thickness, and times the offset across.
+    rate, speed : float or None
+        Of a film: pictures a second, and simulated over shown time. ``speed`` is a window's too.
+    """
+
+    output: Path | None
+    image: Sequence[str] | None
+    movie: Path | None
+    html: Path | None
+    view: str | None
+    colour: str | None
+    radius: float | None
+    exaggerate: float | None
+    camera: str | None
+    size: str | None
+    rate: float | None
+    speed: float | None
+
+
+def render(catalogue: Catalogue, path: Path, asked: RenderOptions, as_json: bool) -> None:
+    """Show a result in space: in a window, or as pictures, a film or a web page.
 
     Raises
     ------
@@ -37,25 +66,25 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     from tautline.statistics.store import check_whole
 
     result = Result.read(path)
-    if asked["movie"] is not None or asked["html"] is not None:
+    if asked.movie is not None or asked.html is not None:
         check_whole(result, "a film")
-    look = in_units_of(result, look_of(asked["view"], asked["exaggerate"]))
-    for option in ("radius", "speed"):
-        if asked[option] is not None and not asked[option] < LARGEST:
+    look = in_units_of(result, look_of(asked.view, asked.exaggerate))
+    for option, factor in (("--radius", asked.radius), ("--speed", asked.speed)):
+        if factor is not None and not factor < LARGEST:
             cure = f"give a number above 0 and below {LARGEST:,.0f}, such as 2"
-            raise ResultError(f"--{option}", f"{asked[option]:g} is no factor", cure)
+            raise ResultError(option, f"{factor:g} is no factor", cure)
     appearance = appearance_of(catalogue.for_result(result), result, look)
     warnings = say_missing(result)
     written: list[Path] = []
-    if asked["html"] is not None:
+    if asked.html is not None:
         from tautline.results.output_path import check_page
         from tautline.view.web.page import write_page
 
-        written.append(write_page(appearance, check_page(asked["html"]), asked["colour"], asked["radius"]))
-    if asked["movie"] is not None:
-        written.append(_film(appearance, asked))
-    if asked["image"]:
-        written += _pictures(appearance, asked["image"], path, asked)
+        written.append(write_page(appearance, check_page(asked.html), asked.colour, asked.radius))
+    if asked.movie is not None:
+        written.append(_film(appearance, asked.movie, asked))
+    if asked.image:
+        written += _pictures(appearance, asked.image, path, asked)
     if not written:
         from tautline.view.space.graphics import opens_windows
 
@@ -70,11 +99,11 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
         print_json({"status": "done", "files": [str(file) for file in written], "warnings": warnings})
 
 
-def _stage(appearance: Appearance, asked: dict[str, Any], **more: Any) -> Any:
+def _stage(appearance: Appearance, asked: RenderOptions, **more: Any) -> Any:
     from tautline.view.space.stage import Stage
 
-    given: dict[str, Any] = {"size": _size(asked["size"])} | more
-    return Stage(appearance, asked["colour"], asked["radius"], asked["camera"] or "", **given)
+    given: dict[str, Any] = {"size": _size(asked.size)} | more
+    return Stage(appearance, asked.colour, asked.radius, asked.camera or "", **given)
 
 
 def _size(text: str | None) -> tuple[int, int]:
@@ -93,23 +122,23 @@ def _size(text: str | None) -> tuple[int, int]:
     return width, height
 
 
-def _window(appearance: Appearance, asked: dict[str, Any]) -> None:
+def _window(appearance: Appearance, asked: RenderOptions) -> None:
     from tautline.view.space.window import KEYS, Window
 
     say(KEYS)
-    Window(_stage(appearance, asked, window=True), asked["speed"] or 1.0).open()
+    Window(_stage(appearance, asked, window=True), asked.speed or 1.0).open()
 
 
-def _film(appearance: Appearance, asked: dict[str, Any]) -> Path:
+def _film(appearance: Appearance, file: Path, asked: RenderOptions) -> Path:
     from tautline.cli.output.progress import Counter
     from tautline.view.space.film import check_name, cut, film, large
 
-    check_name(asked["movie"])
-    made, size = cut(appearance.time, asked["rate"], asked["speed"]), _size(asked["size"])
+    check_name(file)
+    made, size = cut(appearance.time, asked.rate, asked.speed), _size(asked.size)
     stage = _stage(appearance, asked, size=large(size), smooth=False)
     try:
         with Counter("pictures") as counter:
-            written = film(stage, asked["movie"], made, counter, size)
+            written = film(stage, file, made, counter, size)
     finally:
         stage.close()
     faster = "" if abs(made.speed - 1.0) < 1e-9 else f", {made.speed:.3g} times as fast as life"
@@ -117,11 +146,11 @@ def _film(appearance: Appearance, asked: dict[str, Any]) -> Path:
     return written
 
 
-def _pictures(appearance: Appearance, times: list[str], path: Path, asked: dict[str, Any]) -> list[Path]:
+def _pictures(appearance: Appearance, times: Sequence[str], path: Path, asked: RenderOptions) -> list[Path]:
     from tautline.view.space.still import frame_of, places, still
 
     frames = [frame_of(text, appearance.time) for text in times]
-    files = places(asked["output"], path, appearance.time, frames)
+    files = places(asked.output, path, appearance.time, frames)
     stage = _stage(appearance, asked)
     try:
         return [still(stage, frame, file) for frame, file in zip(frames, files, strict=True)]

@@ -11,7 +11,7 @@ import re
 import shlex
 import time as clock
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +25,9 @@ from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import SceneError, option_error
 
 if TYPE_CHECKING:
+    from tautline.integrators.status import StoppedEarly
     from tautline.twin.map import TwinMap
+    from tautline.twin.record import Sensing
     from tautline.twin.sources.record import Source
     from tautline.twin.twin import Twin
 
@@ -46,17 +48,43 @@ SILENCE = 1.0
 """After how long without records those that wait for others are answered, s."""
 
 
-def twin(
-    catalogue: Catalogue, path: Path, map: Path, source: str, output: Path | None, changes: Sequence[str] | None,
-    speed: float | None, resume: Path | None, state: Path | None, account: Path | None,
-    serve: str | None, as_json: bool, quiet: bool, force: bool = False,
-) -> None:  # fmt: skip
-    """Run a scene beside the machine.
+@dataclass(frozen=True, kw_only=True)
+class TwinOptions:
+    """What the command line gave of a twin: where its data come from, and where what it finds goes.
 
-    Parameters
+    Attributes
     ----------
+    source : str
+        Address of the data, ``-`` for standard input.
+    speed : float or None
+        At which a file is played, times real time; None for as fast as possible.
+    output : Path or None
+        The result; nothing is stored without it.
+    resume : Path or None
+        State to go on from.
+    state, account : Path or None
+        Where the state of the twin and the damage of its rope are kept; None for nowhere.
+    serve : str or None
+        Port of the page, or ``HOST:PORT``.
     force : bool
         Whether an operation that begins anew may replace the result of another one.
+    """
+
+    source: str
+    speed: float | None
+    output: Path | None
+    resume: Path | None
+    state: Path | None
+    account: Path | None
+    serve: str | None
+    force: bool
+
+
+def twin(
+    catalogue: Catalogue, path: Path, map: Path, changes: Sequence[str] | None, given: TwinOptions,
+    as_json: bool, quiet: bool,
+) -> None:  # fmt: skip
+    """Run a scene beside the machine.
 
     Raises
     ------
@@ -72,28 +100,28 @@ def twin(
     from tautline.twin.twin import Twin
 
     scene = changed(catalogue.read(path)[1], changes)
-    read = _read_map(map)
-    if output is not None and resume is None and not force:
-        check_found(output)
+    read, resume = _read_map(map), given.resume
+    if given.output is not None and given.resume is None and not given.force:
+        check_found(given.output)
     silence_library_logs()
     units = {one.column: one.unit for one in read.sensors}
     with (
-        _alone({"--state": state, "--account": account, "-o": output}),
-        closing(open_source(source, list(units), time=read.time, speed=speed, units=units)) as opened,
+        _alone({"--state": given.state, "--account": given.account, "-o": given.output}),
+        closing(open_source(given.source, list(units), time=read.time, speed=given.speed, units=units)) as opened,
     ):
         try:
-            made = Twin(scene, read, live=opened.live, account=account)
+            made = Twin(scene, read, live=opened.live, account=given.account)
             made.readings.rows.factors = opened.factors
-            begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
+            begin = load(made, resume) if resume is not None and (resume.exists() or given.state != resume) else None
             if begin is not None:
                 say(f"going on from {stamp_said(begin)}")
             if made.plan_names.unwatched:
                 say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
             while made.notes:
                 say(made.notes.pop(0), "yellow")
-            page = _page(serve, path, made)
-            series = Series(output, made, begin) if output is not None else None
-            _Loop(made, opened, series, page, state, as_json, quiet).run()
+            page = _page(given.serve, path, made)
+            series = Series(given.output, made, begin) if given.output is not None else None
+            _Loop(made, opened, series, page, given.state, as_json, quiet).run()
         except StoppedEarly as stop:
             say(f"{path}: stopped at {stamp_said(stop.time)}, {stop.part}: {stop.sentence}", "red")
             raise Ended(ExitCode.STOPPED_EARLY) from None
@@ -338,8 +366,9 @@ def _many(count: int, what: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class RecordOptions:
-    """What the command line gave of the sensors of a record, as it is written there."""
+    """What the command line gave of a record and its sensors, as it is written there."""
 
+    end: str | None
     rate: str
     noise: str | None
     delay: str | None
@@ -352,7 +381,7 @@ class RecordOptions:
 
 
 def record(
-    catalogue: Catalogue, path: Path, map: Path, output: Path, changes: Sequence[str] | None, end: str | None,
+    catalogue: Catalogue, path: Path, map: Path, output: Path, changes: Sequence[str] | None,
     given: RecordOptions, as_json: bool, force: bool = False,
 ) -> None:  # fmt: skip
     """Run a scene with sensors, and write what they show.
@@ -367,13 +396,39 @@ def record(
     SceneError, ResultError
         For bad input; nothing is written then.
     """
-    from tautline.integrators.status import StoppedEarly
     from tautline.results.output_path import check_record
-    from tautline.twin.record import Sensing, read_fault, read_gap, read_input_noise
     from tautline.twin.record import record as recorded
 
     scene = changed(catalogue.read(path)[1], changes)
     read = _read_map(map)
+    sensing = _sensing(given)
+    until = _number("--end", given.end, "s", float("nan"))
+    check_record(output, force)
+    rows = recorded(scene, read, sensing, None if until != until else until)
+    first = next(rows, None)
+    if first is None:
+        cause = "no row is left of the record, by --gap and --dropout"
+        raise option_error("-o", str(output), cause, "leave fewer rows out, or give a later --end")
+    units = {one.column: one.unit for one in read.sensors}
+    count, empty, stop = _write_rows(output, units, itertools.chain([first], rows))
+    if stop is not None:
+        say(f"{path}: {stop.line}", "red")
+    for name in empty:
+        cause = "it is no part of the simulation, or a fault takes it away"
+        say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
+    following = typed(catalogue.name, "twin", path, "--map", map) + as_given(changes)
+    following += f" --source {shlex.quote(str(output))}"
+    say(f"wrote {output}: {count} rows. Next: {following}", "green")
+    if as_json:
+        status = "done" if stop is None else stop.status.word
+        print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})
+    if stop is not None:
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def _sensing(given: RecordOptions) -> Sensing:
+    """What the sensors do to what they measure; raises SceneError."""
+    from tautline.twin.record import Sensing, read_fault, read_gap, read_input_noise
 
     sensing = Sensing(
         rate=_number("--rate", given.rate, "Hz", 10.0), noise=_share("--noise", given.noise),
@@ -384,37 +439,41 @@ def record(
     )  # fmt: skip
     if not sensing.rate > 0.0:
         raise option_error("--rate", given.rate, "is no rate", "give rows a second, such as 10 Hz")
-    until = _number("--end", end, "s", float("nan"))
-    check_record(output, force)
-    rows = recorded(scene, read, sensing, None if until != until else until)
-    first = next(rows, None)
-    if first is None:
-        cause = "no row is left of the record, by --gap and --dropout"
-        raise option_error("-o", str(output), cause, "leave fewer rows out, or give a later --end")
-    columns = [one.column for one in read.sensors]
-    units = {one.column: one.unit for one in read.sensors}
-    count, status, empty = 0, "done", set(columns)
+    return sensing
+
+
+def _write_rows(
+    output: Path, units: Mapping[str, str], rows: Iterable[tuple[float, dict[str, float]]]
+) -> tuple[int, list[str], StoppedEarly | None]:
+    """Write a record row by row, as far as the run comes.
+
+    Parameters
+    ----------
+    units : mapping of str to str
+        Of the columns, in their order; empty where a column has none.
+    rows : iterable of (float, dict)
+        Time, s, and a value for each column, NaN where its sensor shows nothing.
+
+    Returns
+    -------
+    int, list of str, StoppedEarly or None
+        Rows that were written, columns without a value in any of them, and why the run stopped early.
+    """
+    from tautline.integrators.status import StoppedEarly
+
+    columns = list(units)
+    count, empty, stop = 0, set(columns), None
     with output.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["time [s]", *(f"{name} [{units[name]}]" if units[name] else name for name in columns)])
         try:
-            for time, values in itertools.chain([first], rows):
+            for time, values in rows:
                 writer.writerow([f"{time:.6f}", *_cells(values, columns)])
                 empty -= {name for name in empty if values[name] == values[name]}
                 count += 1
-        except StoppedEarly as stop:
-            say(f"{path}: {stop.line}", "red")
-            status = stop.status.word
-    for name in (one for one in columns if one in empty):
-        cause = "it is no part of the simulation, or a fault takes it away"
-        say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
-    following = typed(catalogue.name, "twin", path, "--map", map) + as_given(changes)
-    following += f" --source {shlex.quote(str(output))}"
-    say(f"wrote {output}: {count} rows. Next: {following}", "green")
-    if as_json:
-        print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})
-    if status != "done":
-        raise Ended(ExitCode.STOPPED_EARLY)
+        except StoppedEarly as error:
+            stop = error
+    return count, [name for name in columns if name in empty], stop
 
 
 def _number(option: str, text: str | None, unit: str, default: float) -> float:

@@ -9,7 +9,7 @@ still moves, the critical damping of a mode of that frequency, estimated as in a
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import exp, sqrt
 from typing import Any, NamedTuple
 
@@ -71,8 +71,7 @@ def relax(
     state : State
         Where it begins, and where it is left.
     method : NamedTuple
-        Scratch of a method.
-        The method of the run; friction and contacts act as they do in it.
+        Scratch of the method of the run; friction and contacts act as they do in it.
     step : float
         Step, s; an implicit method may take longer ones.
     own : int
@@ -92,32 +91,19 @@ def relax(
         NO_EQUILIBRIUM where the scene does not come to rest, or with the status of a step that failed.
     """
     still = replace(system, functions=_frozen(system))
-    frames = new_frames(1, system.q.size, own)
-    mass = new_matrix(system.size, system.bandwidth, system.border)
-    explicit = stepping_with(method).explicit
-    if explicit:
+    motion = _DampedMotion(
+        still, state, method, step, new_frames(1, system.q.size, own), state.q[system.at_rest].copy(),
+        explicit=stepping_with(method).explicit, h=step,
+    )  # fmt: skip
+    if motion.explicit:
         _check(still, state, step)
+    mass = new_matrix(system.size, system.bandwidth, system.border)
     moves = np.ones(system.size)
     moves[system.algebraic] = 0.0
     last_q, last_a = state.q.copy(), np.zeros(system.size)
-    alpha, h, longest, worst = 0.0, step, np.inf, 0
-    kept = state.q[system.at_rest].copy()
-    # An explicit step is so short that many pass before the damping has to act again.
-    together, times = (BETWEEN, 1) if explicit else (1, BETWEEN)
+    worst = 0
     for round_ in range(1, most // BETWEEN + 1):
-        for _ in range(times):
-            part = np.array([together * h]), np.array([together])
-            status, _, _ = run_steps(method, still, state, *part, 0.0, frames)
-            if status != Status.DONE and h > step:
-                # Too long a step: what it was grown by is taken back.
-                h = longest = max(step, 0.25 * h)
-                continue
-            if status != Status.DONE:
-                name = system.name_of(int(state.counters[WORST]))
-                raise StoppedEarly(Status(status), 0.0, name, "during the relaxation")
-            state.q[system.at_rest] = kept
-            state.v[system.at_rest] = state.a[system.at_rest] = 0.0
-            damp(system.dofs, state, exp(-alpha * together * h))
+        motion.take_steps()
         m = _mass(still, state, mass)
         force = np.abs(m @ (moves * state.a)) * moves / system.scale
         size, worst = float(force.max(initial=0.0)), int(force.argmax()) if force.size else 0
@@ -128,12 +114,68 @@ def relax(
             return Relaxation(BETWEEN * round_, size)
         square = _frequency(m, moves * (state.q - last_q), moves * (last_a - state.a)) if round_ > 1 else 0.0
         if square > 0.0:
-            alpha = 2.0 * sqrt(square)
-            if not explicit:
-                h = min(longest, 2.0 * h, max(step, 2.0 / (STEPS_PER_RADIAN * alpha)))
+            motion.damp_critically(square)
         last_q, last_a = state.q.copy(), state.a.copy()
     detail = f"still moving after {most} steps of dynamic relaxation"
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
+
+
+@dataclass
+class _DampedMotion:
+    """Motion with damping in proportion to mass.
+
+    Attributes
+    ----------
+    system : System
+        With functions of time that stay what they are at t = 0.
+    step : float
+        Step of the run, s: no step is shorter.
+    frames : tuple
+        Of one frame: nothing of the motion is kept.
+    held : array
+        Value of each unknown that is at rest from the start, ``system.at_rest``.
+    h, longest : float
+        Step, s, and the longest that an implicit method may take.
+    alpha : float
+        Damping over mass, 1/s.
+    """
+
+    system: System
+    state: State
+    method: Any
+    step: float
+    frames: Any
+    held: np.ndarray
+    explicit: bool
+    h: float
+    longest: float = np.inf
+    alpha: float = 0.0
+
+    def take_steps(self) -> None:
+        """Take `BETWEEN` steps; raises StoppedEarly for a step that fails and is no longer than the run's."""
+        system, state = self.system, self.state
+        # An explicit step is so short that many pass before the damping has to act again.
+        together, times = (BETWEEN, 1) if self.explicit else (1, BETWEEN)
+        for _ in range(times):
+            part = np.array([together * self.h]), np.array([together])
+            status, _, _ = run_steps(self.method, system, state, *part, 0.0, self.frames)
+            if status != Status.DONE and self.h > self.step:
+                # Too long a step: what it was grown by is taken back.
+                self.h = self.longest = max(self.step, 0.25 * self.h)
+                continue
+            if status != Status.DONE:
+                name = system.name_of(int(state.counters[WORST]))
+                raise StoppedEarly(Status(status), 0.0, name, "during the relaxation")
+            state.q[system.at_rest] = self.held
+            state.v[system.at_rest] = state.a[system.at_rest] = 0.0
+            damp(system.dofs, state, exp(-self.alpha * together * self.h))
+
+    def damp_critically(self, square: float) -> None:
+        """Take the critical damping of a mode, by the square of its frequency, 1/s^2, and a step that follows it."""
+        self.alpha = 2.0 * sqrt(square)
+        if not self.explicit:
+            following = max(self.step, 2.0 / (STEPS_PER_RADIAN * self.alpha))
+            self.h = min(self.longest, 2.0 * self.h, following)
 
 
 def relax_to_stable(system: System, state: State, method: Any, step: float, step_limit: float, own: int = 0) -> Rest:

@@ -7,7 +7,8 @@ import re
 import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -119,13 +120,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         Where the file cannot be written or is there and no FMU of ours, or PythonFMU is missing.
     """
     path = Path(path)
-    if fmi not in PACKAGES:
-        raise SimulationError(f"there is no FMI {fmi}.0", "take 2 or 3")
-    package = PACKAGES[fmi]
-    try:
-        builder = import_module(package).FmuBuilder
-    except ModuleNotFoundError:
-        raise ResultError(path, f"needs {package}, which is not installed", "pip install 'tautline[fmi]'") from None
+    builder = _builder(path, fmi)
     check_unit(path)
     if not outputs:
         raise SimulationError("an FMU without an output says nothing", "give --outputs")
@@ -133,8 +128,8 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     for name in outputs:
         parts_of(sim.outputs.handle(name))
     _refuse_rivals(sim, inputs)
-    named = re.sub(r"\W", "_", path.stem)
-    name = named if named[:1].isalpha() else f"fmu_{named}"
+    name = _model_name(path)
+    needs = NEEDS.format(version=__version__, fmi=fmi, python=".".join(map(str, sys.version_info[:2])))
     with tempfile.TemporaryDirectory() as work:
         folder = Path(work)
         files = _files(sim.scene, folder)
@@ -144,25 +139,48 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
         notes = folder / "documentation"
         notes.mkdir()
-        needs = NEEDS.format(version=__version__, fmi=fmi, python=".".join(map(str, sys.version_info[:2])))
         (notes / "index.txt").write_text(needs, encoding="utf8")
-        known = sys.path.copy()
         try:
             # PythonFMU3 names the file itself, and both leave one behind where they fail.
             made = folder / "made"
             made.mkdir()
-            builder.build_FMU(
-                script, made, [folder / DESCRIPTION, *files], notes, canBeInstantiatedOnlyOncePerProcess=False,
-                needsExecutionTool=True, **STATES[fmi],
-            )  # fmt: skip
+            with _modules_as_before(script.stem):
+                builder.build_FMU(
+                    script, made, [folder / DESCRIPTION, *files], notes, canBeInstantiatedOnlyOncePerProcess=False,
+                    needsExecutionTool=True, **STATES[fmi],
+                )  # fmt: skip
             _put(made / f"{name}.fmu", path)
         except OSError as error:
             raise ResultError(path, f"cannot be written: {error.strerror or error}", "choose another place") from None
-        finally:
-            # PythonFMU leaves the folder of the script among those of modules, and the script among the modules.
-            sys.path[:] = known
-            sys.modules.pop(script.stem, None)
     return [line for line in needs.splitlines()[5:7] if line]
+
+
+def _builder(path: Path, fmi: int) -> Any:
+    """What makes an FMU of a version of the standard; raises SimulationError, or ResultError where it is missing."""
+    if fmi not in PACKAGES:
+        raise SimulationError(f"there is no FMI {fmi}.0", "take 2 or 3")
+    package = PACKAGES[fmi]
+    try:
+        return import_module(package).FmuBuilder
+    except ModuleNotFoundError:
+        raise ResultError(path, f"needs {package}, which is not installed", "pip install 'tautline[fmi]'") from None
+
+
+def _model_name(path: Path) -> str:
+    """The name of a file as one that the standard and Python allow."""
+    named = re.sub(r"\W", "_", path.stem)
+    return named if named[:1].isalpha() else f"fmu_{named}"
+
+
+@contextmanager
+def _modules_as_before(script: str) -> Iterator[None]:
+    """Undo what PythonFMU leaves: the folder of the script among those of modules, the script among the modules."""
+    known = sys.path.copy()
+    try:
+        yield
+    finally:
+        sys.path[:] = known
+        sys.modules.pop(script, None)
 
 
 def _put(made: Path, path: Path) -> None:

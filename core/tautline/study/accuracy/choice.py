@@ -19,6 +19,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -538,41 +539,70 @@ def run_to_accuracy(
         cure = "leave it out, or run a shorter stretch of the scene with output.keep: frames"
         raise option_error("accuracy", f"{asked:g}", "needs every frame, and the scene keeps statistics", cure)
     choice = Choice(asked, float(model.solver.interval), float(model.solver.end), bool(model.system.has_friction))
-    following: tuple[str, float] | None = implicit_like(model.solver.method), _coarsest(scene, choice)
-    to_store = False
-    while following is not None:
-        method, divisor = following
-        step, rehearsed = choice.interval / divisor, choice.rehearsed(method, divisor) and not to_store
-        arranged = application.with_overrides(
-            scene, method=method, step=step, control="fixed", interval=max(step, choice.interval)
-        )
+    search = _Search(application, scene, choice, (implicit_like(model.solver.method), _coarsest(scene, choice)))
+    while search.following is not None:
+        method, divisor = search.following
+        step, rehearsed = choice.interval / divisor, choice.rehearsed(method, divisor) and not search.to_store
+        arranged = search.arranged(method, step)
         if begin is not None:
             begin(method, step, choice.end)
-
-        def judged(result: Result, method: str = method, divisor: float = divisor) -> tuple[dict[str, Any], list[str]]:
-            nonlocal following
-            choice.take(method, divisor, result)
-            if len(choice.made) == ASKED_AFTER and not choice.friction:
-                choice.explicit = _stable(application, scene, choice.interval)
-            following = choice.following()
-            return _told(choice, result)
-
+        judge = partial(search.judge, method, divisor)
         try:
             made = application.build(without_limits(arranged) if rehearsed else arranged)
-            result = simulate(made, None if rehearsed else path, progress, announce=announce, afterwards=judged)
+            result = simulate(made, None if rehearsed else path, progress, announce=announce, afterwards=judge)
         except StoppedEarly as stop:
-            if stop.status == Status.IMBALANCE and following is None:
-                raise
-            stored = stop.result.attributes if stop.result is not None else {}
-            following = choice.fail(method, divisor, stop.sentence, float(stored.get("cpu_time", 0.0)))
-            if following is None:
+            if not search.goes_on_after(stop, method, divisor):
                 raise
             continue
-        if following is None and rehearsed and not to_store:
-            # It is not made more accurate, but has not been stored.
-            following, to_store = (method, max(1.0, divisor)), True
-            choice.forget()
+        if search.following is None and rehearsed:
+            search.repeat_to_store(method, divisor)
     return result
+
+
+@dataclass
+class _Search:
+    """The runs of a scene in their order.
+
+    Attributes
+    ----------
+    following : (str, float) or None
+        Method of the next run and its steps in an interval; None after the last.
+    to_store : bool
+        Whether the next run is the last one made again: what only served to find the next was not stored.
+    """
+
+    application: Any
+    scene: Any
+    choice: Choice
+    following: tuple[str, float] | None
+    to_store: bool = False
+
+    def arranged(self, method: str, step: float) -> Any:
+        """The scene with a method and a fixed step, s."""
+        interval = max(step, self.choice.interval)
+        return self.application.with_overrides(self.scene, method=method, step=step, control="fixed", interval=interval)
+
+    def judge(self, method: str, divisor: float, result: Result) -> tuple[dict[str, Any], list[str]]:
+        """Find what follows a run that came to its end; its attributes and warnings."""
+        choice = self.choice
+        choice.take(method, divisor, result)
+        if len(choice.made) == ASKED_AFTER and not choice.friction:
+            choice.explicit = _stable(self.application, self.scene, choice.interval)
+        self.following = choice.following()
+        return _told(choice, result)
+
+    def goes_on_after(self, stop: StoppedEarly, method: str, divisor: float) -> bool:
+        """Whether another run follows one that stopped early."""
+        if stop.status == Status.IMBALANCE and self.following is None:
+            return False
+        stored = stop.result.attributes if stop.result is not None else {}
+        self.following = self.choice.fail(method, divisor, stop.sentence, float(stored.get("cpu_time", 0.0)))
+        return self.following is not None
+
+    def repeat_to_store(self, method: str, divisor: float) -> None:
+        """Let the last run be made again, and stored: a more accurate one is not made."""
+        self.following, self.to_store = (method, max(1.0, divisor)), True
+        self.choice.forget()
 
 
 def _coarsest(scene: Any, choice: Choice) -> float:

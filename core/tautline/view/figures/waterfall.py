@@ -65,16 +65,7 @@ def waterfall_figure(
     factor, unit = scale([np.minimum(values, largest)], words[1])
     figure, plots = axes(1, 1, 8.6, 4.8, title([result]))
     plot = plots[0, 0]
-    low, high = float(values.min()) / factor, largest / factor
-    size = max(abs(low), abs(high))
-    colours = SHADES
-    if min(-low, high) > SIGNED * size:
-        # White stays at zero, and equal colours mean equal amounts either way.
-        ends = 0.5 + 0.5 * np.array([low, high]) / size
-        colours = BOTH_WAYS.resampled(512)
-        colours = type(BOTH_WAYS).from_list("part", colours(np.linspace(ends[0], ends[1], 256)))
-    if high - low <= 1e-9 * size or size == 0.0:
-        low, high = low - (0.1 * size or 1.0), high + (0.1 * size or 1.0)
+    colours, low, high = _colours_of(float(values.min()) / factor, largest / factor)
     frames = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1]), time[-1:]])
     image = plot.pcolorfast(frames, edges, values.T / factor, cmap=colours, vmin=low, vmax=high)
     plot.grid(False)
@@ -87,3 +78,17 @@ def waterfall_figure(
     bar.set_label(label(text, unit or "–"))
     bar.outline.set_visible(False)
     return figure
+
+
+def _colours_of(low: float, high: float) -> tuple[Any, float, float]:
+    """The colours of values from `low` to `high`, and the range that they cover: a wider one where all are equal."""
+    size = max(abs(low), abs(high))
+    colours = SHADES
+    if min(-low, high) > SIGNED * size:
+        # White stays at zero, and equal colours mean equal amounts either way.
+        ends = 0.5 + 0.5 * np.array([low, high]) / size
+        colours = BOTH_WAYS.resampled(512)
+        colours = type(BOTH_WAYS).from_list("part", colours(np.linspace(ends[0], ends[1], 256)))
+    if high - low <= 1e-9 * size or size == 0.0:
+        low, high = low - (0.1 * size or 1.0), high + (0.1 * size or 1.0)
+    return colours, low, high
