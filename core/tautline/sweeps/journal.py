@@ -19,9 +19,8 @@ from typing import IO, Any
 from tautline.results.disk import Lock
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.tables.finding import Finding
-from tautline.sweeps.cases import UNFINISHED, Row
+from tautline.sweeps.cases import UNFINISHED, Row, program
 from tautline.sweeps.inputs import hash_of
-from tautline.version import __version__
 
 NAME = "journal.ndjson"
 FORMAT = "tautline sweep 1"
@@ -82,7 +81,7 @@ class Journal:
                 raise ResultError(folder, cause, "go on with --resume, or name another folder with -o")
             self.done, self.columns = set(), None
             return
-        _check_version(folder, head.get("version"))
+        _check_program(folder, head.get("version"), head.get("sources"))
         if head.get("sweep") != self.mark:
             self._refuse(folder, head.get("files"))
 
@@ -124,9 +123,9 @@ class Journal:
             _cut(self.path)
         self._file = self._guarded(lambda: self.path.open("ab" if goes_on else "wb", buffering=0))
         if not goes_on:
-            self._write(
-                {"format": FORMAT, "sweep": self.mark, "cases": self.cases, "version": __version__, "files": self.files}
-            )
+            version, sources = program()
+            head = {"format": FORMAT, "sweep": self.mark, "cases": self.cases, "version": version, "sources": sources}
+            self._write(head | {"files": self.files})
             # Else they would stand beside the results of this sweep, as if they were its own.
             self._guarded(lambda: _remove(self.path.parent, self.figures))
             self.figures = []
@@ -189,15 +188,23 @@ class Journal:
         self._lock.give_back()
 
 
-def _check_version(folder: Path, version: Any) -> None:
-    """Raise ResultError for a journal that another version has begun: its rows would stand beside those of this one."""
-    if version == __version__:
+def _check_program(folder: Path, version: Any, sources: Any) -> None:
+    """Raise ResultError for a journal that another program has begun: its rows would stand beside those of this one.
+
+    The number alone does not tell: a version that is worked on keeps it while its sources change.
+    """
+    here, of_here = program()
+    if version == here and sources == of_here:
         return
+    if version == here:
+        cause = f"was begun with Tautline {here} of other sources than those that are here now"
+        cure = "run with the sources that began it, or name another folder with -o"
+        raise ResultError(folder, f"{cause}: one table would hold rows of two programs", cure)
     if isinstance(version, str):
-        cause = f"was begun with Tautline {version}, and this is Tautline {__version__}"
+        cause = f"was begun with Tautline {version}, and this is Tautline {here}"
         cure = f"run with Tautline {version}, or name another folder with -o"
     else:
-        cause = f"was begun with an older Tautline that did not note its version, and this is Tautline {__version__}"
+        cause = f"was begun with an older Tautline that did not note its version, and this is Tautline {here}"
         cure = "run with the Tautline that began it, or name another folder with -o"
     raise ResultError(folder, f"{cause}: one table would hold rows of two versions", cure)
 
