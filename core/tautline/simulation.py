@@ -137,6 +137,7 @@ def simulate(
     look: Look | None = None,
     afterwards: Afterwards | None = None,
     brief: Brief | None = None,
+    begin: Callable[[], Any] | None = None,
 ) -> Result:
     """Run a model and store its frames.
 
@@ -159,6 +160,8 @@ def simulate(
         Called with the result of a run that came to its end, for further attributes of it and further warnings.
     brief : Brief or None
         For one of many runs.
+    begin : callable or None
+        Called when nothing of ``resume`` can be refused any more, before anything is written.
 
     Returns
     -------
@@ -176,7 +179,7 @@ def simulate(
     """
     # One of many runs is the only one of its model.
     with model.system.beginning_anew() if brief is None else nullcontext():
-        return _run(model, path, progress, resume, announce, look, afterwards, brief)
+        return _run(model, path, progress, resume, announce, look, afterwards, brief, begin)
 
 
 def _run(
@@ -188,12 +191,15 @@ def _run(
     look: Look | None,
     afterwards: Afterwards | None,
     brief: Brief | None,
+    begin: Callable[[], Any] | None,
 ) -> Result:
     """Run a model whose groups are as they were built; see `simulate`."""
     attributes = {} if brief is not None else {**model.attributes, "version": __version__}
     make, model = _store_of(model, brief)
     run = Run(model, look, brief)
     earlier = run.resume_from(resume) if resume is not None else None
+    if begin is not None:
+        begin()
     with make(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
         try:
             if brief is None or not brief.compiled:

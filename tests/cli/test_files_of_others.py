@@ -11,6 +11,7 @@ from cli.in_process import commands_of
 
 import tautline
 from crane.application import Crane
+from tautline.simulation import simulate
 
 SCENE = "data/hoist.yaml"
 
@@ -182,3 +183,41 @@ def test_a_dash_is_no_name_of_a_result(here, tmp_path, monkeypatch):
 def test_an_option_says_by_an_example_what_it_takes(here, option, value, example):
     code, _, err = here("simulate", SCENE, option, value)
     assert code == 2 and f"{option} {value}: " in said(err) and example in said(err)
+
+
+@pytest.fixture(scope="module")
+def lifted(tmp_path_factory):
+    path = tmp_path_factory.mktemp("lifted") / "hoist.nc"
+    simulate(Crane().build(tautline.read(SCENE).replace({"solver.end": 0.5})), path)
+    return path
+
+
+def with_hole(lifted, folder, array):
+    """A copy of a result in which an array holds no number in its third frame."""
+    path = folder / "hoist.nc"
+    path.write_bytes(lifted.read_bytes())
+    with h5py.File(path, "r+") as file:
+        file[array][2, ...] = float("nan")
+    return path
+
+
+WORDS = {"plot": (), "render": ("--image", "last"), "export": ("--csv", "--vtk")}
+
+
+@pytest.mark.parametrize("array", ["time", "position", "tension"])
+@pytest.mark.parametrize("verb", WORDS)
+def test_a_result_that_holds_no_number_somewhere_is_shown_without_it_or_refused_with_array_and_time(
+    here, lifted, tmp_path, verb, array
+):
+    path, out = with_hole(lifted, tmp_path, array), tmp_path / ("out.png" if verb == "render" else "out")
+    code, _, err = here(verb, path, *WORDS[verb], "-o", out)
+    assert code in (0, 2) and "fault of the program" not in err
+    where = "frame 3" if array == "time" else "t = 0.1 s"
+    assert f"hoist.nc: '{array}' holds no number (NaN) at {where} first, in 1 of 11 frames" in said(err)
+    if code == 2:
+        assert [one.name for one in tmp_path.iterdir()] == ["hoist.nc"]
+
+
+def test_a_result_that_holds_all_its_numbers_is_shown_without_a_word_of_that(here, lifted, tmp_path):
+    code, _, err = here("plot", lifted, "-o", tmp_path / "out")
+    assert code == 0 and "holds no number" not in err

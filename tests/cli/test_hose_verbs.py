@@ -264,6 +264,7 @@ def test_run_is_not_gone_on_with_under_another_speed(gardenhose):
     code, _, err = gardenhose("simulate", "other.yaml", "--end", "0.1", "-o", "rest.nc", "--resume", "half.nc")
     assert code == 2
     assert "belongs to another scene" in " ".join(err.split())
+    assert "simulating" not in err
 
 
 def test_a_stable_hose_is_called_stable_at_one_speed_and_at_many(gardenhose):
@@ -307,6 +308,10 @@ def test_a_run_that_has_come_to_the_end_is_not_gone_on_with(gardenhose):
         assert (
             code == 2 and "ends at 0.1 s: nothing is left" in " ".join(err.split()) and not Path("second.nc").exists()
         )
+        # Refusals come first: nothing is said to begin that does not.
+        assert "simulating" not in err
+    code, _, err = gardenhose("simulate", "hose.yaml", "--end", "0.12", "-o", "second.nc", "--resume", "first.nc")
+    assert code == 0 and err.count("simulating hose.yaml") == 1
 
 
 def test_a_figure_that_cannot_be_drawn_leaves_no_folder_and_a_picture_no_folder_of_its_name(gardenhose, folder):

@@ -118,3 +118,23 @@ def test_a_stroke_upwards_is_told_without_a_sign_and_one_downwards_as_it_is():
 def test_a_hole_of_a_mixed_number_of_inches_is_that_of_the_decimal_one(tmp_path):
     wide = Drillstring().read(changed(tmp_path, JWELL, ("diameter: 0.2032 m", "diameter: 12 1/4 in")))
     assert wide.well.diameter == pytest.approx(12.25 * 0.0254, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("mass: 5 t", "masss: 5 t", ["bodies[0].masss = 5 t: unknown key; did you mean 'mass'?"]),
+        ("mass: 5 t", "weight: 5 t", ["bodies[0].weight = 5 t: unknown key; did you mean 'mass'?"]),
+        ("name: payload, mass: 5 t", "nam: payload, masss: 5 t", ["did you mean 'name'?", "did you mean 'mass'?"]),
+        ("mass: 5 t", "colour: red", ["bodies[0].colour = red: unknown key; known:", "bodies[0].mass: is missing"]),
+        ("mass: 5 t", "mass: 5 t, masss: 5 t", ["bodies[0].masss = 5 t: unknown key; did you mean 'mass'?"]),
+        (", mass: 5 t", "", ["bodies[0].mass: is missing"]),
+    ],
+)
+def test_a_misspelt_key_is_one_fault_and_no_missing_key_as_well(tmp_path, old, new, told):
+    with pytest.raises(SceneError) as found:
+        Crane().read(changed(tmp_path, HOIST, (old, new)))
+    lines = [str(SceneError([one])) for one in found.value.problems]
+    assert len(lines) == len(told)
+    for part in told:
+        assert any(part in line for line in lines)

@@ -81,9 +81,23 @@ def test_colours_of_a_tornado_tell_smaller_from_larger_than_in_the_scene_and_not
     larger = to_rgba(COLOURS[1])
     assert of[12.0] == of[14.0] == larger
     assert of[9.0] == of[7.0] and of[9.0] not in (larger, to_rgba(COLOURS[0]))
-    assert {text.get_text() for text in plot.texts} == {"slip", "null"}
+    assert {text.get_text() for text in plot.texts} == {"6", "20", "slip", "null"}
     data, cases = made([word("law", "slip", "stick")], Plan(ONE), lambda k: values[k])
     assert _tornado(data, cases, "tension").axes[0].get_legend() is None
+
+
+def test_every_bar_of_a_tornado_has_its_value_with_its_unit_at_its_end_where_two_have_one_colour_too():
+    values = [10.0, 12.0, 14.0, 9.0, 11.0, 8.0]
+    mass = Parameter("mass", "kg", ("6 t", "20 t"), (6000.0, 20000.0), None, 5000.0)
+    angle = Parameter("angle", "rad", ("5 deg", "30 deg"), tuple(np.radians([5.0, 30.0])), None, np.radians(10.0))
+    data, cases = made([mass, angle, word("law", "slip at a long name")], Plan(ONE), lambda k: values[k])
+    (plot,) = laid_out(_tornado(data, cases, "tension")).axes
+    ends = {text.get_text(): text.xy[0] for text in plot.texts}
+    assert ends == {"6000 kg": 12.0, "20000 kg": 14.0, "5 deg": 9.0, "30 deg": 11.0, "slip at a long name": 8.0}
+    assert all(plot.bbox.x0 <= text.get_window_extent().x0 <= plot.bbox.x1 for text in plot.texts)
+    assert all(plot.bbox.x0 <= text.get_window_extent().x1 <= plot.bbox.x1 for text in plot.texts)
+    told = [text.get_text() for text in plot.get_legend().get_texts()]
+    assert told == ["smaller value than in the scene", "larger value than in the scene"]
 
 
 def test_points_are_drawn_over_every_parameter_words_among_them():

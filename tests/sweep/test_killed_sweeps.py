@@ -176,3 +176,43 @@ def test_a_file_that_a_value_names_and_that_has_changed_makes_another_sweep(tmp_
     speed.write_text("t,speed\n0,0\n1,-1.5\n", encoding="utf8")
     with pytest.raises(ResultError, match="another sweep"):
         tautline.sweep(scene, vary, collect=["rise"], jobs=1, folder=out, resume=True)
+
+
+def test_results_of_an_earlier_sweep_do_not_stand_beside_one_that_stopped_and_are_not_lost(tmp_path):
+    out, spread = tmp_path / "out", {MASS: {"uniform": [2000, 5000]}}
+    tautline.sweep(hoist(0.05), spread, {"monte_carlo": {"samples": 3}}, ["rise"], jobs=1, folder=out)
+    (out / "mine.txt").write_text("mine")
+    first = {name: (out / name).read_bytes() for name in ("sweep.nc", "sweep.csv", "percentiles.csv", NAME)}
+
+    def fail(done, every):
+        if done == 4:
+            raise RuntimeError("the machine is lost")
+
+    with pytest.raises(RuntimeError):
+        run(out, progress=fail)
+    assert sorted(one.name for one in out.iterdir() if not one.name.startswith(".")) == ["earlier", NAME, "mine.txt"]
+    assert {one.name: one.read_bytes() for one in (out / "earlier").iterdir()} == first
+    assert len(lines_of(out)) == 4
+    run(out, resume=True)
+    left = [NAME, "mine.txt", "sweep.csv", "sweep.nc"]
+    assert sorted(one.name for one in out.iterdir() if not one.name.startswith(".")) == left
+    assert len(lines_of(out)) == CASES
+
+
+def test_a_sweep_that_is_interrupted_says_where_the_results_of_the_one_before_it_are(tmp_path, capsys, monkeypatch):
+    from tautline.cli.output.progress import Counter
+
+    write_sweep(tmp_path, f"vary: {{'{MASS}': [2 t, 4 t]}}\ncollect: [max_tension]", "50 ms")
+    words = ("sweep", tmp_path / "limits.yaml", "-o", tmp_path / "out", "-j", "1", "--json")
+    assert json.loads(commands_of(Crane(), capsys)(*words)[1])["earlier_results"] is None
+    pictures = {one.name for one in (tmp_path / "out").glob("*.png")}
+
+    def stop(self, done, every):
+        if done == 1:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Counter, "__call__", stop)
+    code, printed, said = commands_of(Crane(), capsys)(*words)
+    assert code == 130 and json.loads(printed)["earlier_results"] == str(tmp_path / "out" / "earlier")
+    assert "results of an earlier sweep are not those of this one" in " ".join(said.split())
+    assert pictures and pictures < {one.name for one in (tmp_path / "out" / "earlier").iterdir()}

@@ -96,3 +96,31 @@ def test_a_sweep_that_another_version_began_is_not_gone_on_with(tmp_path, versio
     with pytest.raises(ResultError, match=said):
         tautline.sweep(hoist(0.05), VARY, collect=["rise"], jobs=1, folder=out, resume=True)
     assert (out / NAME).read_bytes() == before
+
+
+def test_a_sweep_that_was_begun_before_the_sources_changed_is_not_gone_on_with_under_the_same_number(
+    tmp_path, monkeypatch
+):
+    from tautline.sweeps import journal
+
+    out = tmp_path / "out"
+    tautline.sweep(hoist(0.05), VARY, collect=["rise"], jobs=1, folder=out)
+    before = (out / NAME).read_bytes()
+    tautline.sweep(hoist(0.05), VARY, collect=["rise"], jobs=1, folder=out, resume=True)
+    monkeypatch.setattr(journal, "program", lambda: (__version__, "0" * 16), raising=False)
+    with pytest.raises(ResultError, match=r"of other sources than those that are here now.*run with the sources that"):
+        tautline.sweep(hoist(0.05), VARY, collect=["rise"], jobs=1, folder=out, resume=True)
+    assert (out / NAME).read_bytes() == before
+
+
+def test_the_hash_of_all_sources_costs_no_more_than_twenty_milliseconds_of_the_processor():
+    from time import process_time
+
+    from tautline.kernels.machine import sources
+
+    def taken():
+        began = process_time()
+        sources.hash_of_all_sources.__wrapped__()
+        return process_time() - began
+
+    assert min(taken() for _ in range(10)) < 0.02

@@ -22,6 +22,8 @@ from tautline.sweeps.execution import Execution
 PROBE = 3.0
 """Time, s, of a run that tells which figures there are, and their units."""
 TENSION = "tension"
+SHORTEST, LONGEST = 60.0, 30.0 * 86400.0
+"""Durations, s, of operations at sea: a lift off a deck, and a month of work."""
 MOST_SCALED, FEW_PERIODS = 10.0, 100.0
 """Ratio of durations up to which extremes are scaled without a note, and waves that a scaled storm should have."""
 
@@ -108,7 +110,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     collect = list({str(one): one for one in collect}.values())
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
     _check_seas(application, storm, keys, asked)
-    notes = sea_notes(storm.replace(first), keys) + scale_notes(asked) + notes_on(criteria, not storm.output.statistics)
+    notes = sea_notes(storm.replace(first), keys) + duration_notes(asked) + scale_notes(asked)
+    notes += notes_on(criteria, not storm.output.statistics)
     notes += lasting_notes(scene)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
 
@@ -161,6 +164,15 @@ def _check_seas(application: Any, scene: Any, keys: SeaKeys, asked: Asked) -> No
             where = f"sea of Tp {one.period:g} s{heading}"
             problems = [replace(problem, cause=f"{where}: {problem.cause}") for problem in error.problems]
             raise SceneError(problems) from None
+
+
+def duration_notes(asked: Asked) -> list[str]:
+    """Notes on a duration that no operation at sea has: 3 is 3 s, and 3 h is probably meant."""
+    if asked.duration >= SHORTEST:
+        return []
+    typed = f"{asked.duration:g}"
+    hours = f"if {typed} h is meant, write --duration '{typed} h'" if 3600.0 * asked.duration <= LONGEST else "check it"
+    return [f"--duration is {typed} s, and extremes are those of {typed} s. An operation at sea takes longer: {hours}"]
 
 
 def scale_notes(asked: Asked) -> list[str]:

@@ -108,7 +108,13 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
 
 def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
     if text is not None:
-        return parse_range(text, "--weight", "N")
+        from tautline.cli.options.plausible import doubt_of_bare
+        from tautline.cli.output.console import say
+
+        weights = parse_range(text, "--weight", "N")
+        if doubt := doubt_of_bare(text, "--weight", "weight on bit"):
+            say(f"warning: {doubt}", "yellow")
+        return weights
     own = scene.bit.weight or (scene.bit.torque.weight if scene.bit.torque is not None else None)
     if not own:
         raise option_error(

@@ -79,6 +79,7 @@ class Defaults:
         """
         from tautline.scene.content import too_fast
         from tautline.scene.errors import SceneError, SceneWarning
+        from tautline.scene.gaps import gaps_of_records
         from tautline.scene.limits import reversed_limits
         from tautline.scene.unit_slips import slips_of_units
         from tautline.scene.values.printed import in_words
@@ -87,7 +88,7 @@ class Defaults:
         document = self.as_written(scene)[1]
         text = too_fast(scene, scene.solver)
         system = getattr(scene, "units", "si")
-        slips = slips_of_units(*self.as_written(scene))
+        slips = slips_of_units(*self.as_written(scene)) + gaps_of_records(document)
         try:
             found = self.own_warnings(scene) + warnings_of(self.name, scene)
         except SceneError as error:

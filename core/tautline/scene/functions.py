@@ -228,6 +228,13 @@ def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
         raise refusal(words, first.cure, file=first.file, line=first.line) from None
 
 
+def usual_interval(time: np.ndarray, least: int = RECORD) -> float:
+    """The time between the rows (n,) of a record, s: 0 of rows that are none, since most of them are uneven or few."""
+    intervals = np.diff(time)
+    usual = float(np.median(intervals)) if time.size >= least else 0.0
+    return usual if usual > 0.0 and np.mean(np.abs(intervals - usual) < EVEN * usual) >= MOSTLY else 0.0
+
+
 def _without_gaps(
     columns: Columns, place: int, times: Sequence[float], values: Sequence[float], unit: str, gap: Any
 ) -> None:
@@ -237,9 +244,8 @@ def _without_gaps(
     stays between the two rows invents nothing: a hoist that has come to rest has no rows to fill in.
     """
     t, value = np.array(times), np.array(values)
-    intervals = np.diff(t)
-    usual = float(np.median(intervals)) if t.size >= RECORD else 0.0
-    if not usual > 0.0 or np.mean(np.abs(intervals - usual) < EVEN * usual) < MOSTLY:
+    intervals, usual = np.diff(t), usual_interval(t)
+    if not usual:
         return
     try:
         longest = LONGEST_GAP * usual if gap is None else TypeAdapter(Duration).validate_python(gap)

@@ -94,7 +94,8 @@ class Model(pydantic.BaseModel):
         try:
             return handler(data)
         except ValidationError as error:
-            details = [_detail(cls, e, data) for e in error.errors(include_url=False)[:MOST_FAULTS]]
+            found = _told_once(cls, error.errors(include_url=False), data)
+            details = [_detail(cls, e, data) for e in found[:MOST_FAULTS]]
             raise ValidationError.from_exception_data(cls.__name__, details) from None
 
     @classmethod
@@ -124,6 +125,18 @@ def _meant(key: str, known: Sequence[str]) -> str:
     """Which key was probably meant: by another word for the same, or by its letters."""
     other = next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in known), None)
     return nearest(key, known) if other is None else f"did you mean '{other}'?"
+
+
+def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any]:
+    """Errors without those of missing keys that are there and misspelt: these are told as unknown keys."""
+    unknown = [str(e["loc"][0]) for e in errors if len(e["loc"]) == 1 and e["type"] == "extra_forbidden"]
+    meant = {_meant(key, model._keys()) for key in unknown if not _decimal_comma(data, key)[0]}
+
+    def misspelt(error: Any) -> bool:
+        place = error["loc"]
+        return len(place) == 1 and error["type"] == "missing" and f"did you mean '{place[0]}'?" in meant
+
+    return [error for error in errors if not misspelt(error)]
 
 
 def _decimal_comma(data: Any, key: str) -> tuple[str, str]:

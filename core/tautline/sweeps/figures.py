@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.scene.values.printed import shown as printed
 from tautline.sweeps.indices import PARAMETER
 from tautline.sweeps.plans import AS_IN_THE_SCENE, GRID, ONE, Cases, Parameter, word_of
 from tautline.sweeps.table import DATASET, PERCENTILES, TABLE, TIMES, Column, Variables
@@ -41,6 +42,9 @@ DEPTH = "depth"
 HEIGHT, WIDTH = 3.2, 6.4
 NARROW, WIDE = 26, 60
 """Letters in a line of an axis' label: keys are long."""
+
+ROUNDS, GRACE = 8, 0.03
+"""How often an axis is widened for texts in it, which get nearer to its middle with it, and by what share more."""
 
 
 def draw(data: Variables, cases: Cases, folder: Path, ending: str = "png") -> list[Path]:
@@ -246,11 +250,15 @@ def _map(data: Variables, cases: Cases, name: str) -> Any:
 
 @styled
 def _tornado(data: Variables, cases: Cases, name: str) -> Any:
-    """How far each parameter alone moves a number from that of the scene, the largest on top."""
+    """How far each parameter alone moves a number from that of the scene, the largest on top.
+
+    Each bar has its value at its end: two values above that of the scene have one colour.
+    """
     values, text = _scaled(data, name)
     if not np.isfinite(values[0]):
         return None
-    spans = [_Span.of(one, cases, values) for one in cases.parameters]
+    system = str(data.attrs.get("units") or "si")
+    spans = [_Span.of(one, cases, values, system) for one in cases.parameters]
     spans = sorted((span for span in spans if span.moved.size), key=lambda span: span.reach(values[0]))
     if not spans:
         return None
@@ -263,16 +271,15 @@ def _tornado(data: Variables, cases: Cases, name: str) -> Any:
     plot.set_yticks(range(len(spans)), [span.one.key for span in spans])
     plot.grid(axis="y", visible=False)
     plot.set_xlabel(text)
-    if any(span.one.numeric for span in spans):
-        _legend_of_ends(plot, values[0])
-    if not all(span.one.numeric for span in spans):
-        # Words stand beside the ends of their bars.
-        plot.margins(x=0.2)
+    numeric = [span.one for span in spans if span.one.numeric]
+    if numeric:
+        _legend_of_ends(plot, values[0], all(np.isfinite(one.base) for one in numeric))
+    _make_room(figure, plot)
     return figure
 
 
 class _Span(NamedTuple):
-    """What a parameter alone makes of a number: for each of its values the number, the value in SI, and its word."""
+    """What a parameter alone makes of a number: for each value the number, the value in SI, and as it is told."""
 
     one: Parameter
     moved: np.ndarray
@@ -280,12 +287,14 @@ class _Span(NamedTuple):
     words: list[str]
 
     @classmethod
-    def of(cls, one: Parameter, cases: Cases, values: np.ndarray) -> _Span:
+    def of(cls, one: Parameter, cases: Cases, values: np.ndarray, system: str) -> _Span:
         """Of the cases that vary a parameter and have a number, from the smallest value to the largest."""
         own = cases.values[one.key]
         its = [k for k, value in enumerate(own) if value is not AS_IN_THE_SCENE and np.isfinite(values[k])]
         its = sorted(its, key=lambda k: cases.numbers[one.key][k]) if one.numeric else its
-        return cls(one, values[its], cases.numbers[one.key][its], [word_of(own[k]) for k in its])
+        numbers = cases.numbers[one.key][its]
+        words = [printed(float(number), one.unit, system) for number in numbers]
+        return cls(one, values[its], numbers, words if one.numeric else [word_of(own[k]) for k in its])
 
     def reach(self, base: float) -> float:
         """From the smallest number to the largest, that of the scene among them."""
@@ -312,17 +321,32 @@ def _bars(plot: Any, place: int, span: _Span, base: float) -> None:
         for row, k in enumerate(its.tolist()):
             at = place + height * (row - 0.5 * (its.size - 1))
             plot.barh(at, span.moved[k] - base, 0.9 * height, left=base, color=span.colour_of(k))
-            if not span.one.numeric:
-                before = span.moved[k] < base
-                plot.annotate(
-                    shortened(span.words[k], NARROW), (span.moved[k], at), (-4 if before else 4, 0),
-                    textcoords="offset points", ha="right" if before else "left", va="center", fontsize=8,
-                )  # fmt: skip
+            before = span.moved[k] < base
+            plot.annotate(
+                shortened(span.words[k], NARROW), (span.moved[k], at), (-4 if before else 4, 0),
+                textcoords="offset points", ha="right" if before else "left", va="center", fontsize=8,
+            )  # fmt: skip
 
 
-def _legend_of_ends(plot: Any, at: float) -> None:
-    """Say what the colours are, by bars of no length."""
-    for k, text in enumerate(("smaller value", "larger value")):
+def _make_room(figure: Any, plot: Any) -> None:
+    """Widen the axis until the values beside the ends of the bars lie in it: long words among them."""
+    for _ in range(ROUNDS):
+        figure.draw_without_rendering()
+        boxes = [text.get_window_extent() for text in plot.texts]
+        left = max([0.0, *(plot.bbox.x0 - box.x0 for box in boxes)]) / plot.bbox.width
+        right = max([0.0, *(box.x1 - plot.bbox.x1 for box in boxes)]) / plot.bbox.width
+        if not left and not right:
+            return
+        low, high = plot.get_xlim()
+        plot.set_xlim(
+            low - (high - low) * (left + GRACE * (left > 0)), high + (high - low) * (right + GRACE * (right > 0))
+        )
+
+
+def _legend_of_ends(plot: Any, at: float, of_scene: bool) -> None:
+    """Say what the colours are, by bars of no length; whether the scene has all the values that they are beside."""
+    than = " than in the scene" if of_scene else ""
+    for k, text in enumerate((f"smaller value{than}", f"larger value{than}")):
         plot.barh(0, 0.0, left=at, color=COLOURS[k], label=text)
     plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
 

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, fields
+from itertools import count
 from pathlib import Path
 from shlex import quote
 from typing import IO, Any
@@ -19,9 +21,9 @@ from typing import IO, Any
 from tautline.results.disk import Lock
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.tables.finding import Finding
-from tautline.sweeps.cases import UNFINISHED, Row
+from tautline.sweeps.cases import UNFINISHED, Row, program
 from tautline.sweeps.inputs import hash_of
-from tautline.version import __version__
+from tautline.sweeps.table import DATASET, RANKED, TABLE
 
 NAME = "journal.ndjson"
 FORMAT = "tautline sweep 1"
@@ -57,6 +59,9 @@ class Journal:
         self.done: set[int] = set()
         self.columns: dict[str, Finding] | None = None
         self.figures: list[str] = []
+        self.aside: Path | None = None
+        """Folder into which the files of a finished sweep that this one follows were moved; None for no such."""
+        self._moved: list[str] = []
         self._file: IO[bytes] | None = None
         self._forced = 0.0
         self._lock = Lock(self.path)
@@ -72,7 +77,7 @@ class Journal:
         if not os.access(folder if folder.exists() else folder.parent, os.W_OK):
             raise ResultError(folder, "cannot be written to", "name another with -o")
         if not self.path.exists():
-            if folder.is_dir() and any(one.name not in OWN for one in folder.iterdir()):
+            if folder.is_dir() and any(not _is_own(one.name) for one in folder.iterdir()):
                 raise ResultError(folder, "exists and holds other files", "name another folder with -o")
             return
         head = self._read()
@@ -80,9 +85,9 @@ class Journal:
             if len(self.done) < int(head.get("cases", 0)):
                 cause = f"holds {len(self.done)} finished cases of {head.get('cases')}: they would be lost"
                 raise ResultError(folder, cause, "go on with --resume, or name another folder with -o")
-            self.done, self.columns = set(), None
+            self.done, self.columns, self.aside, self._moved = set(), None, None, []
             return
-        _check_version(folder, head.get("version"))
+        _check_program(folder, head.get("version"), head.get("sources"))
         if head.get("sweep") != self.mark:
             self._refuse(folder, head.get("files"))
 
@@ -102,6 +107,8 @@ class Journal:
         for line in _lines(self.path):
             if "format" in line:
                 head = line
+                self._moved = [str(name) for name in line.get("moved") or ()]
+                self.aside = self.path.parent / Path(str(line.get("aside"))).name if self._moved else None
             elif "columns" in line:
                 self.columns = {name: Finding(None, *about) for name, about in line["columns"].items()}
             elif "figures" in line:
@@ -122,14 +129,45 @@ class Journal:
         goes_on = resume and self.path.exists()
         if goes_on:
             _cut(self.path)
+        else:
+            self._guarded(self._set_aside)
         self._file = self._guarded(lambda: self.path.open("ab" if goes_on else "wb", buffering=0))
         if not goes_on:
-            self._write(
-                {"format": FORMAT, "sweep": self.mark, "cases": self.cases, "version": __version__, "files": self.files}
-            )
-            # Else they would stand beside the results of this sweep, as if they were its own.
-            self._guarded(lambda: _remove(self.path.parent, self.figures))
-            self.figures = []
+            version, sources = program()
+            head = {"format": FORMAT, "sweep": self.mark, "cases": self.cases, "version": version, "sources": sources}
+            moved = {"aside": self.aside.name, "moved": self._moved} if self.aside is not None else {}
+            self._write(head | {"files": self.files} | moved)
+
+    def _set_aside(self) -> None:
+        """Move the files of the finished sweep that is there into a folder of their own.
+
+        This sweep may stop early: they would stand beside its journal as if they were its own results.
+        """
+        folder, self.figures, figures = self.path.parent, [], self.figures
+        names = [name for name in (*TABLES, *filter(_is_picture, figures), NAME) if (folder / name).is_file()]
+        if NAME not in names:
+            return
+        self.aside = next(one for one in map(folder.joinpath, _names_aside()) if not one.exists())
+        self.aside.mkdir()
+        for name in names:
+            (folder / name).rename(self.aside / name)
+        self._moved = names
+
+    def replace(self) -> None:
+        """Remove what was set aside: this sweep has come to its end, and takes the place of the other."""
+        if self.aside is None:
+            return
+        aside, moved = self.aside, self._moved
+
+        def remove() -> None:
+            for name in moved:
+                if name in (*TABLES, NAME) or _is_picture(name):
+                    (aside / name).unlink(missing_ok=True)
+            if aside.is_dir() and not any(aside.iterdir()):
+                aside.rmdir()
+
+        self._guarded(remove)
+        self.aside = None
 
     @property
     def begun(self) -> bool:
@@ -189,15 +227,23 @@ class Journal:
         self._lock.give_back()
 
 
-def _check_version(folder: Path, version: Any) -> None:
-    """Raise ResultError for a journal that another version has begun: its rows would stand beside those of this one."""
-    if version == __version__:
+def _check_program(folder: Path, version: Any, sources: Any) -> None:
+    """Raise ResultError for a journal that another program has begun: its rows would stand beside those of this one.
+
+    The number alone does not tell: a version that is worked on keeps it while its sources change.
+    """
+    here, of_here = program()
+    if version == here and sources == of_here:
         return
+    if version == here:
+        cause = f"was begun with Tautline {here} of other sources than those that are here now"
+        cure = "run with the sources that began it, or name another folder with -o"
+        raise ResultError(folder, f"{cause}: one table would hold rows of two programs", cure)
     if isinstance(version, str):
-        cause = f"was begun with Tautline {version}, and this is Tautline {__version__}"
+        cause = f"was begun with Tautline {version}, and this is Tautline {here}"
         cure = f"run with Tautline {version}, or name another folder with -o"
     else:
-        cause = f"was begun with an older Tautline that did not note its version, and this is Tautline {__version__}"
+        cause = f"was begun with an older Tautline that did not note its version, and this is Tautline {here}"
         cure = "run with the Tautline that began it, or name another folder with -o"
     raise ResultError(folder, f"{cause}: one table would hold rows of two versions", cure)
 
@@ -230,11 +276,28 @@ def list_figures(folder: Path, written: Sequence[Path]) -> None:
 
 def _remove(folder: Path, figures: Sequence[str]) -> None:
     """Remove pictures by their names, in the folder itself only."""
-    for name in figures:
-        if Path(name).name == name and Path(name).suffix in PICTURES:
-            (folder / name).unlink(missing_ok=True)
+    for name in filter(_is_picture, figures):
+        (folder / name).unlink(missing_ok=True)
 
 
+def _is_picture(name: str) -> bool:
+    """Whether a name is that of a picture in the folder itself."""
+    return Path(name).name == name and Path(name).suffix in PICTURES
+
+
+def _is_own(name: str) -> bool:
+    """Whether a folder without a journal may hold this: a sweep that was killed as it began leaves it."""
+    return name in OWN or re.fullmatch(rf"{ASIDE}(-\d+)?", name) is not None
+
+
+def _names_aside() -> Iterator[str]:
+    yield ASIDE
+    yield from (f"{ASIDE}-{k}" for k in count(2))
+
+
+TABLES = (DATASET, TABLE, RANKED)
+ASIDE = "earlier"
+"""Folder for the files of a sweep that another one follows."""
 PICTURES = (".png", ".svg", ".pdf")
 ROW = {one.name for one in fields(Row)}
 OWN = (f".{NAME}.lock", NAME)

@@ -66,6 +66,8 @@ class Outcome:
         The sentence to the latter, empty else.
     result, table, percentiles : Path or None
         Files that were written.
+    aside : Path or None
+        Folder of the files of an earlier sweep, whose place this one has not taken: it stopped early, or no case ended.
     """
 
     data: Variables
@@ -81,6 +83,7 @@ class Outcome:
     result: Path | None = None
     table: Path | None = None
     percentiles: Path | None = None
+    aside: Path | None = None
 
     @property
     def ended(self) -> str:
@@ -336,6 +339,8 @@ class _Sweep:
             cure = "run it again, and leave its files alone until it has ended"
         else:
             every += f" before that: they are kept in {self.journal.path.parent}"
+            if self.journal.aside is not None:
+                every += f". Results of the sweep before it are in {self.journal.aside}"
             cure = "put the file back as it was and go on with --resume, or name another folder with -o"
         return InputChanged([replace(one, cause=f"{one.cause}; {every}", cure=cure) for one in error.problems])
 
@@ -432,6 +437,9 @@ class _Sweep:
             outcome.result = write_netcdf(data, self.folder / DATASET)
             outcome.table = write_csv(data, self.cases, self.folder / TABLE)
             outcome.percentiles = write_percentiles(data, self.folder / RANKED)
+            if outcome.done and not interrupted:
+                self.journal.replace()
+            outcome.aside = self.journal.aside
         self._close()
         outcome.wall_time = time.perf_counter() - self.began
         outcome.cpu_time = time.process_time() - self.used + self.elsewhere

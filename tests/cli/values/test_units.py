@@ -199,3 +199,32 @@ def test_tubulars_are_listed_and_those_that_some_words_fit(drillstring):
 def test_words_that_fit_no_tubular_are_bad_input(words, drillstring):
     code, _, err = drillstring("tubulars", *words.split())
     assert code == 2 and words in err and "; " in err and "Traceback" not in err
+
+
+BARE = {
+    "50": "read in N, and 50 N is unusual for a weight on bit. 100 N to 2 MN is plausible. Write the unit: 50 kN",
+    "50:250:50": "--weight 50:250:50: a number without a unit is read in N, and 50 N is unusual",
+    "50 kN,60": "60 N is unusual",
+    "50 kN": "",
+    "50000,100000": "",
+    "10000:50000:50": "",
+    "20 N": "",
+}
+
+
+@pytest.mark.parametrize("text", BARE)
+def test_a_bare_weight_on_bit_that_is_meant_in_another_unit_is_warned_of_and_no_other(text, capsys):
+    from drillstring.verbs.stick_slip import _weights
+
+    assert _weights(None, text)
+    told = " ".join(capsys.readouterr().err.split())
+    assert BARE[text] in told and bool(told) == bool(BARE[text])
+
+
+def test_a_duration_of_seconds_that_was_meant_in_hours_is_noted_with_what_to_write():
+    from crane.operability.storms import Asked, duration_notes
+
+    (note,) = duration_notes(Asked((), (), 3.0, 3.0, ()))
+    assert "--duration is 3 s" in note and note.endswith("write --duration '3 h'")
+    for seconds in (60.0, 1200.0, 10800.0):
+        assert duration_notes(Asked((), (), seconds, seconds, ())) == []

@@ -8,6 +8,7 @@ from tautline.kernels.time_function import sample
 from tautline.scene import unit_slips
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Table
+from tautline.scene.gaps import gaps_of_records
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document
 from tautline.scene.unit_slips import slips_of_units
@@ -159,3 +160,55 @@ def test_of_a_fault_on_many_lines_three_are_told_and_the_others_counted():
     other = Problem("a.csv", 200, "inc", "x", "is not a number", "")
     lines = str(SceneError([*rows, other])).splitlines()
     assert len(lines) == 5 and lines[3] == "... and 118 more like this" and lines[4] == str(other)
+
+
+def gaps(tmp_path, rows, scene=CRANE):
+    """Warnings of a scene whose heave is a table of rows (time, value) in a file."""
+    text = "time [s],value [m]\n" + "".join(f"{t:.6g},{value:.9g}\n" for t, value in rows)
+    document = given(tmp_path, text, scene)
+    CraneScene.read(document)
+    return [str(one) for one in gaps_of_records(document)]
+
+
+def swell(*times):
+    return [(t, 0.5 * np.sin(2.0 * np.pi * t / 9.0)) for t in times]
+
+
+RISES = swell(*(0.5 * k for k in range(33)), *(52.5 + 0.5 * k for k in range(20)))
+"""At rows 0.5 s apart a stretch of 36.5 s is missing: the curve rises from the row before to the row behind."""
+
+
+def test_a_missing_stretch_between_rows_that_a_curve_bridges_is_warned_of_with_file_lines_and_length(tmp_path):
+    (told,) = gaps(tmp_path, RISES)
+    assert told.startswith(
+        "vessel.motion.heave.table.file (line 9): out.csv has no row for 36.5 s, between line 34 (16 s)"
+    )
+    assert "and line 35 (52.5 s). Its rows are 0.5 s apart else." in told and "`gap: 36.5`" in told
+    linear = CRANE.replace("out.csv", "out.csv, interpolation: linear")
+    assert gaps(tmp_path, RISES, linear) == [told]
+    shorter = CRANE.replace("out.csv", "out.csv, interpolation: linear, gap: 30 s")
+    assert gaps(tmp_path, RISES, shorter) == [told]
+
+
+def test_a_missing_stretch_is_among_the_warnings_of_check(tmp_path):
+    from crane.application import Crane
+
+    gaps(tmp_path, RISES)
+    document = Document.parse(CRANE, tmp_path / "scene.yaml")
+    told = [one.text for one in Crane().warnings(CraneScene.read(document))]
+    assert any("has no row for 36.5 s" in text for text in told)
+
+
+WITHOUT_A_WORD = {
+    "a gap that the scene allows": (RISES, CRANE.replace("out.csv", "out.csv, gap: 40 s")),
+    "few rows": (HOLDS["straight"], CRANE),
+    "a ramp of uneven steps": ([(t, 0.1 * t**0.5) for t in (0, 1, 2, 4, 7, 10, 20, *range(30, 400, 37), 900)], CRANE),
+    "equal rows, then a hold": ([(t, min(t, 30) * 0.1) for t in range(31)] + [(900, 3.0), (901, 3.0)], CRANE),
+    "one speed throughout": ([(t, 0.01 * t) for t in (*range(30), 100, 101)], CRANE),
+    "a row or two lost": (swell(*(0.5 * k for k in range(60) if k not in (20, 21))), CRANE),
+}
+
+
+@pytest.mark.parametrize(("rows", "scene"), WITHOUT_A_WORD.values(), ids=WITHOUT_A_WORD)
+def test_rows_that_somebody_wrote_and_rests_and_short_losses_are_read_without_a_word(rows, scene, tmp_path):
+    assert gaps(tmp_path, rows, scene) == []

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from tautline.application.installed import Catalogue
 from tautline.cli.output.console import console, print_json, say, say_missing
+from tautline.cli.output.holes import told_of_holes
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
@@ -60,10 +61,11 @@ def export(
     if csv:
         from tautline.results.tables.table import write_csv
 
-        with _counted("tables") as progress:
+        with told_of_holes([result]), _counted("tables") as progress:
             files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
     if vtk:
-        files += _write_vtk(catalogue, result, base, look, every)
+        with told_of_holes([result]):
+            files += _write_vtk(catalogue, result, base, look, every)
     warnings = say_missing(result)
     _say_files(files)
     if as_json:

@@ -8,6 +8,7 @@ from pathlib import Path
 from tautline.application.installed import Catalogue
 from tautline.application.twins import drawer
 from tautline.cli.output.console import print_json, say, say_missing
+from tautline.cli.output.holes import told_of_holes
 
 FORMATS = ("png", "svg", "pdf")
 PICTURES = ("jpg", "jpeg", "gif", "bmp", "tif", "tiff", "webp", "eps", "ps")
@@ -58,13 +59,19 @@ def plot(
     made = _make(folder)
     against = {} if vs is None else {"vs": vs}
     try:
-        written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
+        with told_of_holes(results):
+            written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
         if not written:
             held = listed([name for name in results[0].variables if name != "time"])
             raise ResultError(paths[0], "holds nothing that the usual figures show", f"name with --what: {held}")
     except ResultError:
-        if made and not any(folder.iterdir()):
-            folder.rmdir()
+        if made:
+            # It was not there before: the figures in it are half of what was asked for.
+            for file in folder.iterdir():
+                if file.suffix[1:] in FORMATS:
+                    file.unlink()
+            if not any(folder.iterdir()):
+                folder.rmdir()
         raise
     warnings = [warning for result in results for warning in say_missing(result)]
     for file in written:

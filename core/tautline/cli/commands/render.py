@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from tautline.application.installed import Catalogue
 from tautline.application.space import LARGEST, appearance_of, in_units_of, look_of
 from tautline.cli.output.console import print_json, say, say_missing
+from tautline.cli.output.holes import told_of_holes
 
 if TYPE_CHECKING:
     from tautline.view.space.appearance import Appearance
@@ -73,8 +74,17 @@ def render(catalogue: Catalogue, path: Path, asked: RenderOptions, as_json: bool
         if factor is not None and not factor < LARGEST:
             cure = f"give a number above 0 and below {LARGEST:,.0f}, such as 2"
             raise ResultError(option, f"{factor:g} is no factor", cure)
-    appearance = appearance_of(catalogue.for_result(result), result, look)
     warnings = say_missing(result)
+    with told_of_holes([result]):
+        written = _shown(appearance_of(catalogue.for_result(result), result, look), path, asked)
+    for file in written:
+        say(f"wrote {file}", "green")
+    if as_json:
+        print_json({"status": "done", "files": [str(file) for file in written], "warnings": warnings})
+
+
+def _shown(appearance: Appearance, path: Path, asked: RenderOptions) -> list[Path]:
+    """Write what is asked for, or open a window; returns the files."""
     written: list[Path] = []
     if asked.html is not None:
         from tautline.results.output_path import check_page
@@ -93,10 +103,7 @@ def render(catalogue: Catalogue, path: Path, asked: RenderOptions, as_json: bool
         else:
             written += _pictures(appearance, ["last"], path, asked)
             say(NO_DISPLAY)
-    for file in written:
-        say(f"wrote {file}", "green")
-    if as_json:
-        print_json({"status": "done", "files": [str(file) for file in written], "warnings": warnings})
+    return written
 
 
 def _stage(appearance: Appearance, asked: RenderOptions, **more: Any) -> Any:

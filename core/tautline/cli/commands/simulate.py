@@ -150,13 +150,16 @@ def simulate(
     if note := room_warning(model, target):
         say(f"warning: {note}", "yellow")
     end = getattr(getattr(model, "solver", None), "end", None)
-    if not quiet:
-        _announce(scene, model, end)
+
+    def begin() -> None:
+        if not quiet:
+            _announce(scene, model, end)
 
     def run(bar: Bar) -> Result:
         if accuracy is not None:
+            begin()
             return _to_accuracy(application, read, accuracy, target, bar, quiet)
-        return _as_it_stands(application, read, model, target, verify, earlier, bar, quiet)
+        return _as_it_stands(application, read, model, target, verify, earlier, bar, quiet, begin)
 
     outcome = _outcome_of(run, end, quiet)
     _finish(catalogue, _report(scene, outcome.result, end, warnings) | outcome.report, outcome.result, as_json, quiet)
@@ -282,14 +285,23 @@ def _to_accuracy(application: Application, scene: Any, asked: float, target: Pat
 
 def _as_it_stands(
     application: Application, scene: Any, model: Any, target: Path, verify: bool | None, earlier: Result | None,
-    bar: Bar, quiet: bool,
+    bar: Bar, quiet: bool, begin: Callable[[], None],
 ) -> Result:  # fmt: skip
-    """The run of a model by its own method and step, and what it says of its error."""
+    """The run of a model by its own method and step, and what it says of its error.
+
+    `begin` is called when nothing can be refused any more.
+    """
     from tautline.simulation import simulate as run_model
 
     others = _other_runs(application, scene, model, verify, earlier, bar, quiet)
     return run_model(
-        model, target, progress=bar, resume=earlier, announce=None if quiet else compiling, afterwards=others
+        model,
+        target,
+        progress=bar,
+        resume=earlier,
+        announce=None if quiet else compiling,
+        afterwards=others,
+        begin=begin,
     )
 
 

@@ -110,6 +110,8 @@ def _report(
                 say(f"wrote {path}", "green")
         for text in undrawn:
             say(f"note: {text}")
+    if outcome.aside is not None:
+        say(f"results of an earlier sweep are not those of this one: they are in {outcome.aside}", "yellow")
     if outcome.interrupted:
         place = () if outcome.result is None else ("-o", outcome.result.parent)
         if outcome.lost:
@@ -128,6 +130,7 @@ def _report(
                 "result": None if outcome.result is None else str(outcome.result),
                 "table": None if outcome.table is None else str(outcome.table),
                 "percentiles": None if outcome.percentiles is None else str(outcome.percentiles),
+                "earlier_results": None if outcome.aside is None else str(outcome.aside),
                 "figures": [str(path) for path in figures],
                 "not_drawn": undrawn,
                 "wall_time": outcome.wall_time,

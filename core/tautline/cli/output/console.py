@@ -39,14 +39,15 @@ def say(text: str, style: str = "") -> None:
 
 
 def say_missing(result: Result) -> list[dict[str, str]]:
-    """Warn of a result that is about to be shown and is not of a whole run; returns the warning for ``--json``."""
+    """Warn of a result that is about to be shown and is not of a whole run, or lacks a number; for ``--json`` too."""
+    from tautline.cli.output.holes import hole_told
     from tautline.results.naming import shortfall
 
-    missing, where = shortfall(result), str(result.path or "result")
-    if not missing:
-        return []
-    say(f"{where}: {missing}", "yellow")
-    return [{"where": where, "text": missing}]
+    where = str(result.path or "result")
+    found = [text for text in (shortfall(result), hole_told(result)) if text]
+    for text in found:
+        say(f"{where}: {text}", "yellow")
+    return [{"where": where, "text": text} for text in found]
 
 
 def finite(value: Any) -> Any:

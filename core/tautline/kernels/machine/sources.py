@@ -137,11 +137,23 @@ def hash_of_all_sources() -> str:
     for package in sorted(_own_packages()):
         spec = util.find_spec(package)
         for root in sorted(spec.submodule_search_locations or ()) if spec else ():
-            for path in sorted(Path(root).rglob("*.py"), key=lambda path: path.relative_to(root).as_posix()):
-                text = path.read_bytes().replace(b"\r\n", b"\n")
-                place = f"{package}/{path.relative_to(root).as_posix()}\0"
-                digest.update(place.encode() + hashlib.sha256(text).digest())
+            for place in sorted(_python_files(root)):
+                with open(f"{root}/{place}", "rb", buffering=0) as file:
+                    text = file.read()
+                if b"\r" in text:
+                    text = text.replace(b"\r\n", b"\n")
+                digest.update(f"{package}/{place}\0{len(text)}\0".encode() + text)
     return digest.hexdigest()[:16]
+
+
+def _python_files(root: str, inner: str = "") -> Iterator[str]:
+    """Places of the Python files below a folder, with slashes; to make paths of them takes half the time."""
+    with os.scandir(os.path.join(root, inner)) as found:
+        for one in found:
+            if one.name.endswith(".py"):
+                yield inner + one.name
+            elif one.is_dir() and one.name != "__pycache__":
+                yield from _python_files(root, f"{inner}{one.name}/")
 
 
 @functools.cache

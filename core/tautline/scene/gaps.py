@@ -1,0 +1,92 @@
+"""Warnings of records with a stretch without rows, over which a table goes on as if nothing had happened there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from tautline.scene.errors import SceneError, SceneWarning
+from tautline.scene.functions import Duration, places, usual_interval
+from tautline.scene.reading.columns import Columns
+from tautline.scene.reading.document import Document, Path_, join_key
+
+RECORDED = 20
+"""Rows at even times from which on a file is a record: what somebody has thought out is shorter."""
+MISSING = 5.0
+"""Usual intervals without a row that are a missing stretch."""
+ROUNDED = 1e-5
+"""Share by which a stretch may be longer: a gap is told in six digits."""
+SAME = 1e-6
+"""Share of the spread of all rows by which one may lie off a straight line that is gone on with."""
+SHOWN = 3
+"""Stretches of one file that are told."""
+
+
+def gaps_of_records(document: Document | None) -> list[SceneWarning]:
+    """Warn of tables from files of even rows in which a stretch many times as long as the usual interval has none.
+
+    A table whose curve swings beyond the two rows is refused before that. Nothing is said of a stretch within the `gap`
+    that the scene states, of rows as uneven as somebody wrote them, and where the value stands, or goes on in a
+    straight line, before it or behind it. Records of a vessel's six motions are refused by their own reader.
+
+    Parameters
+    ----------
+    document : Document or None
+        A file that was read and is valid; None for a scene made in Python.
+    """
+    if document is None:
+        return []
+    return [found for path, table in _tables(document.root, ()) for found in _gaps(document, path, table)]
+
+
+def _tables(value: Any, path: Path_) -> Iterator[tuple[Path_, Mapping[str, Any]]]:
+    """Tables of a scene whose rows stand in a file."""
+    if isinstance(value, Mapping):
+        if path and path[-1] == "table" and isinstance(value.get("file"), str):
+            yield path, value
+        for key, part in value.items():
+            yield from _tables(part, (*path, key))
+    elif isinstance(value, list):
+        for place, part in enumerate(value):
+            yield from _tables(part, (*path, place))
+
+
+def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator[SceneWarning]:
+    try:
+        allowed = None if table.get("gap") is None else TypeAdapter(Duration).validate_python(table["gap"])
+        columns = Columns(document.folder / table["file"])
+        at_time, at_value = places(columns, table.get("column"))
+        time = np.array(columns.values(at_time, "s"))
+        value = columns.numbers(at_value, "value")
+    except (SceneError, ValidationError):
+        return  # a key of this name that holds no table of times
+    usual = usual_interval(time, RECORDED)
+    if not usual:
+        return
+    intervals = np.diff(time)
+    longest = (MISSING * usual if allowed is None else allowed) * (1.0 + ROUNDED)
+    missing = [i for i in np.flatnonzero(intervals > longest).tolist() if _moves(time, value, i)]
+    key = (*path, "file")
+    line = None if document.origin(key) else document.line(key)
+    for told, i in enumerate(missing[:SHOWN], 1):
+        (before, _), (behind, _) = columns.rows[i], columns.rows[i + 1]
+        left = len(missing) - SHOWN if told == SHOWN else 0
+        more = f" There are {left} more of this kind." if left > 0 else ""
+        yield SceneWarning(
+            join_key(key),
+            f"{table['file']} has no row for {intervals[i]:.6g} s, between line {before} ({time[i]:.9g} s) and line "
+            f"{behind} ({time[i + 1]:.9g} s). Its rows are {usual:.6g} s apart else. The motion in between is not "
+            f"known: a curve or a straight line goes from one row to the other. Fill it in, or write "
+            f"`gap: {intervals[i]:.6g}` beside the file if the motion is known to be so.{more}",
+            line,
+        )
+
+
+def _moves(time: np.ndarray, value: np.ndarray, i: int) -> bool:
+    """Whether a value goes another way beside a gap behind row i than over it: a drum at rest may have no rows."""
+    slope = (value[i + 1] - value[i]) / (time[i + 1] - time[i])
+    off = [value[k] - value[i] - slope * (time[k] - time[i]) for k in (i - 1, i + 2) if 0 <= k < time.size]
+    return bool(off) and min(map(abs, off)) > SAME * float(np.ptp(value))
