@@ -26,9 +26,9 @@ import numpy as np
 
 from crane.geometry.line import AXES
 from crane.groups.span import (
+    ELASTIC_FORCE,
     FIRST,
     FIRST_PSI,
-    FORCE,
     LAST,
     LAST_PSI,
     MATERIAL,
@@ -59,7 +59,7 @@ times the coefficient."""
 class Slips(NamedTuple):
     """Contacts (n,) of ``SLIP``.
 
-    ``found`` (spans, 9) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
+    ``found`` (spans, 14) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
     ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turned to heat in the
     last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts``
     (1,) is 0 while an equilibrium is sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the
@@ -158,16 +158,15 @@ def _at_mark(g, row, by_p, before_is_lower, lower, drag, by_one, by_two):
 
         by_p F = lambda_h drag + T_l (lambda_h - lambda_l) - W_h + W_l.
 
-    Its derivatives by the stretches take N for dW/dlambda, without what is viscous in it. In balance they vanish but
-    for the weight of half an element.
+    In balance its derivatives by the stretches vanish but for the weight of half an element and what is viscous.
     """
     high, low = (row.after, row.before) if before_is_lower else (row.before, row.after)
     stretch, short = max(1.0, g.found[high, STRETCH]), max(1.0, g.found[low, STRETCH])
     most = stretch * drag + lower * (stretch - short) - g.found[high, STRAIN_ENERGY] + g.found[low, STRAIN_ENERGY]
     if most * by_p <= 0.0:
         return Limit(0.0, 0.0, 0.0, 0.0, 0.0)
-    by_high = drag + lower - g.found[high, FORCE] if g.found[high, STRETCH] > 1.0 else 0.0
-    by_low = g.found[low, FORCE] - lower if g.found[low, STRETCH] > 1.0 else 0.0
+    by_high = drag + lower - g.found[high, ELASTIC_FORCE] if g.found[high, STRETCH] > 1.0 else 0.0
+    by_low = g.found[low, ELASTIC_FORCE] - lower if g.found[low, STRETCH] > 1.0 else 0.0
     by_one, by_two = stretch * by_one, stretch * by_two
     if before_is_lower:
         by_one, by_high, by_low = by_one + stretch - short, by_low, by_high

@@ -49,26 +49,28 @@ def test_the_ratio_of_tensions_over_a_sheave_is_that_of_its_friction_at_any_stra
 
 
 @pytest.mark.parametrize("of", ["green", "engineering"])
-@pytest.mark.parametrize("law", ["efficiency of a half", "capstan"])
-def test_the_tangent_of_a_slipping_sheave_is_the_derivative_of_its_residual(law, of):
+@pytest.mark.parametrize("law", ["efficiency of a half", "capstan", "bearing"])
+@pytest.mark.parametrize(("damping", "speed"), [(0.0, 0.0), (0.02, 0.0), (0.02, 0.3)])
+def test_the_tangent_of_a_slipping_sheave_is_the_derivative_of_its_residual(law, of, damping, speed):
     # along the rope only: the angle of wrap, on which a capstan's factor depends, stays what it is
-    sim = tautline.Simulation(parsed(slow(law, 0.06, of, elements=1, damping=0.0)))
+    sim = tautline.Simulation(parsed(slow(law, 0.06, of, elements=1, damping=damping)))
     sim.advance_to(10.0)
     equations = sim.equations
     t, q, _ = equations.state()
     assert equations.size == 2, "the rope's material on the sheave, and the load's height"
-    still = np.zeros(2)
+    # without what is viscous in the tension a damped rope has it wrong by 1e-4
+    v, still = np.array([speed, -0.7 * speed]), np.zeros(2)
     mark = next(k for k, name in enumerate(equations.names) if "boom tip" in name)
     for shift in (-0.02, 0.02):
         # far from balance, where the stretches count: more than friction holds on either side
         at = q.copy()
         at[mark] += shift
-        tangent = equations.tangent(t, at, still, still).toarray()
+        tangent = equations.tangent(t, at, v, still).toarray()
         found = np.zeros((2, 2))
         for k in range(2):
             step = np.zeros(2)
             step[k] = 1.0e-6
-            both = [equations.residual(t, at + sign * step, still, still) for sign in (1.0, -1.0)]
+            both = [equations.residual(t, at + sign * step, v, still) for sign in (1.0, -1.0)]
             found[:, k] = (both[0] - both[1]) / 2.0e-6
         assert np.abs(found - tangent).max() < 1.0e-6 * np.abs(found).max()
 
