@@ -463,7 +463,8 @@ class Run:
             self._size_batch(made, checked)
         if stopped:
             worst = int(self.state.counters[WORST])
-            raise StoppedEarly(Status(status), reached, system.name_of(worst))
+            end, part, detail = self.model.end_of(self.state, Status(status), worst)
+            raise StoppedEarly(end, reached, part, detail)
 
     @contextmanager
     def _turn_of_others(self) -> Iterator[None]:

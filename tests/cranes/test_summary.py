@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
 
-from crane.assembly.estimates import static_tension
+from crane.assembly.tension_at_rest import static_tension
 from crane.model.build import build
 from crane.results.angles import hook_span, leads
 from crane.results.course import contacts_of, course_of, laid_out, nodes_of, scene_of

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from of_the_suite import studies
-from physics.lifting.crane_scenes import hoist, stopped
+from physics.lifting.crane_scenes import GRAVITY, hoist, parsed, ran, stopped
 
+import tautline
 from crane.groups.span import MET
 from tautline.integrators.status import Status
 
@@ -39,3 +40,24 @@ def test_slack_rope_at_the_winch_is_not_a_hook_that_was_hoisted_too_far():
     stop = stopped(hoist(elements=30, drive=drive, solver={"end": 3.0}), Status.SLACK_ON_WHEEL)
     assert stop.part.startswith("winch")
     assert "pays out faster than the load can follow" in str(stop) and "hoist" not in str(stop)
+
+
+@pytest.mark.parametrize("speed", [6.0, 12.0])
+@pytest.mark.parametrize("stiffness", [2.0e5, 8.0e7])
+def test_a_load_that_is_thrown_up_to_its_sheave_has_reached_it_however_far_its_rope_stretches(speed, stiffness):
+    """By free flight 6 m/s go 1.8 m up, 1.2 m too little; a rope that is stretched by a quarter throws it on."""
+    scene = hoist(drive={"pay_out": 0.0}, rope={"axial_stiffness": stiffness, "damping": 1.0e-3}, solver={"end": 3.0})
+    scene["bodies"][0] |= {"position": (12.4, 0.0, 27.0), "velocity": [0.0, 0.0, speed]}
+    if speed**2 / (2.0 * GRAVITY) < 3.0 and stiffness > 1.0e6:
+        assert ran(scene).attributes["status"] == "done"
+        return
+    stop = stopped(scene, Status.TWO_BLOCKED)
+    assert stop.part == "boom tip" and left(stop.result) < RADIUS
+    assert 0.0 < float(stop.result["body_velocity"][-1, 0, 2])
+
+
+def test_a_step_that_fails_far_from_a_sheave_is_no_two_blocking():
+    sim = tautline.Simulation(parsed(hoist()))
+    sim.advance_to(0.1)
+    state, model = sim._state, sim.model
+    assert model.end_of(state, Status.NOT_CONVERGED, 0)[0] is Status.NOT_CONVERGED

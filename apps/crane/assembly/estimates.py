@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from crane.assembly.friction import held_stiffness, springs_of
-from crane.assembly.layout import Layout, carries_nothing, lay_out, sags_of
-from crane.assembly.loads import load_of, pull
+from crane.assembly.layout import Layout, lay_out
 from crane.assembly.mesh_damping import HIGHEST, bounce
+from crane.assembly.tension_at_rest import static_tension
 from crane.geometry.reeving import Path
-from crane.scene.scene import CraneScene, Drum, End, Sheave
+from crane.scene.scene import CraneScene, Drum
 from tautline.scene.reading.files import stamps
 
 REAL_LIMIT = 2.785294
@@ -67,48 +67,6 @@ def estimate(scene: CraneScene) -> Estimate:
 def _estimate(scene: CraneScene) -> Estimate:
     layout = lay_out(scene)
     return Estimate(scene, layout, static_tension(scene, layout.path), bounce(scene, layout.path))
-
-
-def static_tension(scene: CraneScene, path: Path) -> np.ndarray | None:
-    """Tensions that hold the loads or, without a load, the rope, (spans, 2) N; None where they are not known.
-
-    Without friction there is one level all along the rope, but for the weight of what hangs below each point.
-    """
-    if carries_nothing(scene):
-        tension = np.array([sag.tension for sag in sags_of(scene, path)])
-        return tension if tension.max() > 0.0 else None
-    g = np.array(scene.gravity, float)
-    size = float(np.linalg.norm(g))
-    if size == 0.0:
-        return None
-    up = -g / size
-    weight = scene.rope.mass_per_length * size * (path.tangents @ up)
-    held, load = [], []
-    for name, force in pull(scene, path).items():
-        body = scene.body(name)
-        fixed = body.spring is not None and any(body.spring.stiffness)
-        if fixed or set(body.guide) == set("xyz"):
-            continue
-        held.append(float(force @ up))
-        load.append(load_of(scene, body) - _of_weight(scene, path, name, weight, up))
-    share = np.array(held)
-    if not (share > 1e-6).any():
-        return None
-    level = float(share @ np.array(load)) / float(share @ share)
-    tension = level + weight
-    return tension if tension.max() > 0.0 else None
-
-
-def _of_weight(scene: CraneScene, path: Path, name: str, weight: np.ndarray, up: np.ndarray) -> float:
-    """Upward force on a body of the part of the tension that is the rope's weight, N."""
-    total = 0.0
-    for i, item in enumerate(scene.path):
-        if isinstance(item, (End, Sheave)) and item.body == name:
-            if i < len(path.spans):
-                total += float(path.spans[i].e @ up) * weight[i, 0]
-            if i > 0:
-                total -= float(path.spans[i - 1].e @ up) * weight[i - 1, 1]
-    return total
 
 
 def rk4_limit(scene: CraneScene, length: float, damping: float) -> float:

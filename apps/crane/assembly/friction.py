@@ -66,7 +66,9 @@ def _of_drum(layout: Layout, i: int, drum: Drum) -> list[Row]:
         always = layout.requests.add(FunctionRequest(Constant(value=1.0)))
         rows.append({**common, "coefficient": drum.friction_torque / drum.radius, "function": always})
     if drum.brake is not None and drum.brake.torque > 0.0:
-        closed = layout.requests.add(FunctionRequest(_closed(drum), key=f"path[{i}].drum.brake", inputs=_brake(drum)))
+        closed = layout.requests.add(
+            FunctionRequest(closure_of(drum), key=f"path[{i}].drum.brake", inputs=_brake(drum))
+        )
         rows.append({**common, "coefficient": drum.brake.torque / drum.radius, "function": closed})
     return rows
 
@@ -87,11 +89,7 @@ def is_held(drum: Drum) -> bool:
     return springs_of(drum) > 0
 
 
-def _brake(drum: Drum) -> tuple[Steering, ...]:
-    return (Steering(f"{drum.name}.brake", "", "how far the brake is closed, from 0 to 1", least=0.0, most=1.0),)
-
-
-def _closed(drum: Drum) -> FunctionOfTime:
+def closure_of(drum: Drum) -> FunctionOfTime:
     """How far a brake is closed, as a function of time."""
     assert drum.brake is not None
     if drum.brake.closed is not None:
@@ -99,6 +97,10 @@ def _closed(drum: Drum) -> FunctionOfTime:
     if drum.brake.until is None:
         return Constant(value=1.0)
     return Ramp.model_validate({"from": 1.0, "to": 0.0, "over": CLOSES, "at": drum.brake.until})
+
+
+def _brake(drum: Drum) -> tuple[Steering, ...]:
+    return (Steering(f"{drum.name}.brake", "", "how far the brake is closed, from 0 to 1", least=0.0, most=1.0),)
 
 
 def couplings_of(rows: list[Row], spans: Spans) -> list[np.ndarray]:

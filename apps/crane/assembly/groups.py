@@ -125,10 +125,10 @@ def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunction
     n = len(contacts)
     ends = np.ascontiguousarray(np.column_stack((spans.rows["a"], spans.rows["b"])))
     none = {"by_s": 0.0, "by_p": 0.0}
+    rows = records_of(SLIP, [none | row for row in contacts])
     return Slips(
-        records_of(SLIP, [none | row for row in contacts]), spans.found, spans.start, ends, np.zeros(n), np.zeros(n),
-        np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(1), np.ones(1), np.zeros(2), np.zeros((n, 2)),
-        functions,
+        rows, spans.found, spans.start, ends, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64),
+        np.zeros(1), np.ones(1), rows["by_p"].copy(), np.zeros(2), np.zeros((n, 2)), functions,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from crane.assembly.loads import pull
+from crane.assembly.tension_at_rest import stays_held
 from crane.geometry.reeving import Path
 from crane.scene.scene import CraneScene, Drum, End, Sheave
 
@@ -36,7 +37,10 @@ def damping_of(scene: CraneScene, path: Path) -> list[float]:
 
 
 def bounce(scene: CraneScene, path: Path) -> float | None:
-    """Frequency with the whole rope as one spring EA / L: omega^2 = EA / L times the sum of pull^2 / mass."""
+    """Frequency with the whole rope as one spring EA / L: omega^2 = EA / L times the sum of pull^2 / mass.
+
+    A drum that its motor turns is a mass too, I / R^2 with the rope on it; one that is held all the time is none.
+    """
     rope, mobility = scene.rope, 0.0
     for name, force in pull(scene, path).items():
         body = scene.body(name)
@@ -47,8 +51,9 @@ def bounce(scene: CraneScene, path: Path) -> float | None:
             if axis not in body.guide and mass > 0.0 and abs(force[c]) > 0.3:
                 mobility += float(force[c]) ** 2 / mass
     for item in scene.path:
-        if isinstance(item, Drum) and not item.prescribed and item.inertia:
-            mobility += item.radius**2 / item.inertia
+        if isinstance(item, Drum) and not item.prescribed and not stays_held(scene, path, item):
+            mass = (item.inertia or 0.0) / item.radius**2 + rope.mass_per_length * (item.rope_on_drum or 0.0)
+            mobility += 1.0 / mass if mass > 0.0 else 0.0
     if mobility == 0.0:
         return None
     return math.sqrt(rope.axial_stiffness / path.length * mobility) / (2.0 * math.pi)

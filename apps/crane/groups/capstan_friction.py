@@ -1,6 +1,8 @@
 """Friction of ropes on sheaves, of sheaves in their bearings, and of brakes: one law that sticks until it slips.
 
-Each has a coordinate u = k_p p + k_s s of material p at a mark and travel s of a rim. It resists u. with a force that
+Each has a coordinate u = k_p p + k_s s of material p at a mark and travel s of a rim. On a rim that moves by itself k_p
+is the stretch of the rope there, the mean of both sides at the end of the last step: the same force F is then T lambda
+- W on p and, but for the step's change of stretch, T_1 - T_2 on the rim. It resists u. with a force that
 grows with u as a stiff spring's does, F = F_n + k (u - u_n), up to a limit F_m, and slips there: return mapping, as in
 plasticity (J. C. Simo and T. J. R. Hughes, Computational Inelasticity, 1998, ch. 1). F_n and u_n are those of the last
 accepted step. A rope that sticks does not creep, and its tangent is that of the spring. The limits:
@@ -24,9 +26,9 @@ import numpy as np
 
 from crane.geometry.line import AXES
 from crane.groups.span import (
+    ELASTIC_FORCE,
     FIRST,
     FIRST_PSI,
-    FORCE,
     LAST,
     LAST_PSI,
     MATERIAL,
@@ -57,11 +59,13 @@ times the coefficient."""
 class Slips(NamedTuple):
     """Contacts (n,) of ``SLIP``.
 
-    ``found`` (spans, 9) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
+    ``found`` (spans, 14) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
     ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turned to heat in the
     last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts``
     (1,) is 0 while an equilibrium is sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the
     first step is accepted: no contact has moved or been loaded before.
+
+    ``by_p`` (n,) is k_p of the step under way: the row's, or the present stretch of rope on a rim that moves.
 
     ``follows`` (2,) is gamma' of an implicit step under way, 0 in any other, and 1 until its prediction is seen, of
     which ``predicted`` (n, 2) keeps u - u_n, m, and u., m/s.
@@ -78,14 +82,16 @@ class Slips(NamedTuple):
     slips: np.ndarray
     acts: np.ndarray
     fresh: np.ndarray
+    by_p: np.ndarray
     follows: np.ndarray
     predicted: np.ndarray
     functions: TimeFunctions
 
 
 @kernel
-def _travel(row, x):
-    u = row.by_p * x[row.p] if row.p != NONE else 0.0
+def _travel(g, i, x):
+    row = g.rows[i]
+    u = g.by_p[i] * x[row.p] if row.p != NONE else 0.0
     return u + row.by_s * x[row.s] if row.s != NONE else u
 
 
@@ -116,15 +122,16 @@ class Limit(NamedTuple):
 
 
 @kernel
-def _limit(g, row, t, force):
+def _limit(g, i, t, force):
     """The limit for a force of this sign."""
+    row, by_p = g.rows[i], g.by_p[i]
     if row.kind == TORQUE:
         share, _, _ = evaluate(g.functions, row.function, t)
         # The drum turns with the rope that comes onto it, by lambda p. / R.
-        stretch = max(1.0, g.found[row.before, STRETCH]) / row.by_p
+        stretch = max(1.0, g.found[row.before, STRETCH]) / by_p
         return Limit(stretch * row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0, 0.0, 0.0)
     # In balance by_p F = T_1 - T_2, but for the stretch.
-    before_is_lower = row.by_p * force < 0.0
+    before_is_lower = by_p * force < 0.0
     lower = g.found[row.before, LAST] if before_is_lower else g.found[row.after, FIRST]
     if row.kind == BEARING:
         size, by_one, by_two = _pin(g, row)
@@ -139,11 +146,11 @@ def _limit(g, row, t, force):
         by_one, by_two = (gain, 0.0) if before_is_lower else (0.0, gain)
     if row.p == NONE:
         return Limit(drag, by_one, by_two, 0.0, 0.0)
-    return _at_mark(g, row, before_is_lower, lower, drag, by_one, by_two)
+    return _at_mark(g, row, by_p, before_is_lower, lower, drag, by_one, by_two)
 
 
 @kernel
-def _at_mark(g, row, before_is_lower, lower, drag, by_one, by_two):
+def _at_mark(g, row, by_p, before_is_lower, lower, drag, by_one, by_two):
     """The limit on p at which the tensions at the mark differ by ``drag``.
 
     The row of p is in balance where by_p F = (T lambda - W)_h - (T lambda - W)_l, h the side of the higher tension and
@@ -151,22 +158,21 @@ def _at_mark(g, row, before_is_lower, lower, drag, by_one, by_two):
 
         by_p F = lambda_h drag + T_l (lambda_h - lambda_l) - W_h + W_l.
 
-    Its derivatives by the stretches take N for dW/dlambda, without what is viscous in it. In balance they vanish but
-    for the weight of half an element.
+    In balance its derivatives by the stretches vanish but for the weight of half an element and what is viscous.
     """
     high, low = (row.after, row.before) if before_is_lower else (row.before, row.after)
     stretch, short = max(1.0, g.found[high, STRETCH]), max(1.0, g.found[low, STRETCH])
     most = stretch * drag + lower * (stretch - short) - g.found[high, STRAIN_ENERGY] + g.found[low, STRAIN_ENERGY]
-    if most * row.by_p <= 0.0:
+    if most * by_p <= 0.0:
         return Limit(0.0, 0.0, 0.0, 0.0, 0.0)
-    by_high = drag + lower - g.found[high, FORCE] if g.found[high, STRETCH] > 1.0 else 0.0
-    by_low = g.found[low, FORCE] - lower if g.found[low, STRETCH] > 1.0 else 0.0
+    by_high = drag + lower - g.found[high, ELASTIC_FORCE] if g.found[high, STRETCH] > 1.0 else 0.0
+    by_low = g.found[low, ELASTIC_FORCE] - lower if g.found[low, STRETCH] > 1.0 else 0.0
     by_one, by_two = stretch * by_one, stretch * by_two
     if before_is_lower:
         by_one, by_high, by_low = by_one + stretch - short, by_low, by_high
     else:
         by_two += stretch - short
-    x = 1.0 / row.by_p
+    x = 1.0 / by_p
     return Limit(x * most, x * by_one, x * by_two, x * by_high, x * by_low)
 
 
@@ -176,8 +182,8 @@ def _see_prediction(g, q, v):
     if g.follows[1] == 1.0:
         g.follows[1] = 0.0
         for i in range(g.rows.size):
-            g.predicted[i, 0] = _travel(g.rows[i], q) - g.travel[i]
-            g.predicted[i, 1] = _travel(g.rows[i], v)
+            g.predicted[i, 0] = _travel(g, i, q) - g.travel[i]
+            g.predicted[i, 1] = _travel(g, i, v)
 
 
 @kernel
@@ -188,10 +194,10 @@ def _way(g, i, q, v):
     a force that no iteration could balance. Its velocity has all digits of what little it does move.
     """
     row = g.rows[i]
-    u = _travel(row, q)
+    u = _travel(g, i, q)
     way = u - g.travel[i]
     if row.kind == TORQUE and g.follows[0] > 0.0:
-        finer = g.predicted[i, 0] + (_travel(row, v) - g.predicted[i, 1]) / g.follows[0]
+        finer = g.predicted[i, 0] + (_travel(g, i, v) - g.predicted[i, 1]) / g.follows[0]
         if abs(finer - way) <= LAST_DIGITS * abs(u):
             return finer
     return way
@@ -202,10 +208,18 @@ def _trial(g, i, t, q, v):
     """Force, the sign of the slip or 0, and the limit."""
     row = g.rows[i]
     force = g.force[i] + row.stiffness * _way(g, i, q, v)
-    limit = _limit(g, row, t, force)
+    limit = _limit(g, i, t, force)
     if abs(force) <= limit.most:
         return force, 0, limit
     return (limit.most, 1, limit) if force > 0.0 else (-limit.most, -1, limit)
+
+
+@kernel
+def _see_stretch(g, i):
+    """Take the present stretch of the rope on a rim that moves by itself for what the next step turns it with."""
+    row = g.rows[i]
+    if row.p != NONE and row.s != NONE:
+        g.by_p[i] = 0.5 * (max(1.0, g.found[row.before, STRETCH]) + max(1.0, g.found[row.after, STRETCH]))
 
 
 @kernel
@@ -214,7 +228,7 @@ def _begin(g, t, h, beta, gamma, q, v, a):
     g.follows[0], g.follows[1] = (gamma, 1.0) if beta > 0.0 and gamma > 0.0 else (0.0, 0.0)
     if g.fresh[0] == 1.0:
         for i in range(g.rows.size):
-            g.travel[i] = _travel(g.rows[i], q)
+            g.travel[i] = _travel(g, i, q)
 
 
 @kernel
@@ -239,25 +253,26 @@ def _residual(g, t, q, v, a, r):
         force *= g.acts[0]
         g.now[i] = force
         if row.p != NONE:
-            r[row.p] += row.by_p * force
+            r[row.p] += g.by_p[i] * force
         if row.s != NONE:
             r[row.s] += row.by_s * force
 
 
 @kernel
-def _add(g, row, matrix, dofs, column, x):
+def _add(g, i, matrix, dofs, column, x):
+    row = g.rows[i]
     if row.p != NONE:
-        add_entry(matrix, dofs, row.p, column, row.by_p * x)
+        add_entry(matrix, dofs, row.p, column, g.by_p[i] * x)
     if row.s != NONE:
         add_entry(matrix, dofs, row.s, column, row.by_s * x)
 
 
 @kernel
-def _add_span(g, row, n, first, matrix, dofs, x, cm, cc, ck):
+def _add_span(g, i, n, first, matrix, dofs, x, cm, cc, ck):
     """Add x times the derivative of the tension at one end of a span."""
-    a, b = g.ends[n, 0], g.ends[n, 1]
+    row, a, b = g.rows[i], g.ends[n, 0], g.ends[n, 1]
     if row.p != NONE:
-        by = x * row.by_p
+        by = x * g.by_p[i]
         add_by_tension(g.found, g.direction, n, a, b, first, row.p, by, cm, cc, ck, matrix, dofs)
     if row.s != NONE:
         by = x * row.by_s
@@ -265,15 +280,15 @@ def _add_span(g, row, n, first, matrix, dofs, x, cm, cc, ck):
 
 
 @kernel
-def _add_by_stretch(g, row, n, q, x, matrix, dofs):
+def _add_by_stretch(g, i, n, q, x, matrix, dofs):
     """Add x times the derivative of the stretch of a span."""
     a, b = g.ends[n, 0], g.ends[n, 1]
     by = x / (q[b + MATERIAL] - q[a + MATERIAL])
     for c in range(AXES):
-        _add(g, row, matrix, dofs, a + c, -by * g.direction[n, c])
-        _add(g, row, matrix, dofs, b + c, by * g.direction[n, c])
-    _add(g, row, matrix, dofs, a + MATERIAL, by * g.found[n, STRETCH])
-    _add(g, row, matrix, dofs, b + MATERIAL, -by * g.found[n, STRETCH])
+        _add(g, i, matrix, dofs, a + c, -by * g.direction[n, c])
+        _add(g, i, matrix, dofs, b + c, by * g.direction[n, c])
+    _add(g, i, matrix, dofs, a + MATERIAL, by * g.found[n, STRETCH])
+    _add(g, i, matrix, dofs, b + MATERIAL, -by * g.found[n, STRETCH])
 
 
 @kernel
@@ -286,18 +301,18 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         if sign == 0:
             x = ck * row.stiffness
             if row.p != NONE:
-                _add(g, row, matrix, dofs, row.p, x * row.by_p)
+                _add(g, i, matrix, dofs, row.p, x * g.by_p[i])
             if row.s != NONE:
-                _add(g, row, matrix, dofs, row.s, x * row.by_s)
+                _add(g, i, matrix, dofs, row.s, x * row.by_s)
         else:
             if limit.by_one != 0.0:
-                _add_span(g, row, row.before, False, matrix, dofs, sign * limit.by_one, cm, cc, ck)
+                _add_span(g, i, row.before, False, matrix, dofs, sign * limit.by_one, cm, cc, ck)
             if limit.by_two != 0.0:
-                _add_span(g, row, row.after, True, matrix, dofs, sign * limit.by_two, cm, cc, ck)
+                _add_span(g, i, row.after, True, matrix, dofs, sign * limit.by_two, cm, cc, ck)
             if limit.by_stretch_one != 0.0:
-                _add_by_stretch(g, row, row.before, q, sign * ck * limit.by_stretch_one, matrix, dofs)
+                _add_by_stretch(g, i, row.before, q, sign * ck * limit.by_stretch_one, matrix, dofs)
             if limit.by_stretch_two != 0.0:
-                _add_by_stretch(g, row, row.after, q, sign * ck * limit.by_stretch_two, matrix, dofs)
+                _add_by_stretch(g, i, row.after, q, sign * ck * limit.by_stretch_two, matrix, dofs)
 
 
 @kernel
@@ -320,12 +335,13 @@ def _commit(g, t, h, q, v, a):
     g.fresh[0] = 0.0
     for i in range(g.rows.size):
         row = g.rows[i]
-        u = _travel(row, q)
+        u = _travel(g, i, q)
         force, sign, _ = _trial(g, i, t, q, v)
         # Of the way that F went, its spring took some; the rest is slip.
         slipped = u - g.travel[i] - (force - g.force[i]) / row.stiffness
         g.power[i] = force * slipped / h if sign != 0 else 0.0
-        g.force[i], g.travel[i], g.now[i] = force, u, force
+        _see_stretch(g, i)
+        g.force[i], g.travel[i], g.now[i] = force, _travel(g, i, q), force
     g.follows[0] = 0.0
 
 

@@ -68,10 +68,10 @@ whether the rope beyond its beginning and its end keeps its stretch, and whether
 BETWEEN = np.dtype([("a", "i8"), ("b", "i8"), ("wheel1", "i8"), ("wheel2", "i8")])
 """Two items between which a span of the path runs: their places, and the wheels there or ``POINT``."""
 FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH = range(6)
-BY_STRETCH, BY_SPEED, INERTIA, STRAIGHT, ON_WHEELS, STRAIN_ENERGY, STRETCH_RATE, SIZE = range(6, 14)
+BY_STRETCH, BY_SPEED, INERTIA, STRAIGHT, ON_WHEELS, STRAIN_ENERGY, STRETCH_RATE, ELASTIC_FORCE, SIZE = range(6, 15)
 """Places in ``found``: N in the middle (N), what is left of the tension at either end beside what turns the rope's
 momentum, T - rhoA u^2 (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m), rhoA L / 6 (kg), l, and
-Lambda - l, or NaN where there is no line (m), W (J/m), and lambda. (1/s)."""
+Lambda - l, or NaN where there is no line (m), W (J/m), lambda. (1/s), and dW/dlambda (N)."""
 MET = 0.05
 """Straight rope between a sheave and what hangs from it, over the radius, below which the two have met."""
 FAR_APART = 2.0
@@ -99,7 +99,7 @@ class Spans(NamedTuple):
     ``items`` (k,) of ``BETWEEN`` are whole spans of the path, each with a wheel at one of its ends at least. ``laid``
     (n + 1,) m is p of the stations where the run begins, from which turns and rope paid out are counted.
 
-    ``found`` (n, 13) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
+    ``found`` (n, 14) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
     ``is_slack`` (n,) whether each is slack, and ``kinks`` (1,) how many have come to be so, or taut again, since
     somebody asked. ``seen`` (2, m) are the positions and velocities of which ``found`` tells, as far as the spans reach
     into the full vectors, and ``brought_in`` (1,) W is what turning wheels put in there: who asks of the same state
@@ -158,6 +158,7 @@ def _find(g, n, q, v):
     g.found[n, BY_SPEED] = number[BY_RATE] / size
     g.found[n, INERTIA] = s.mass * size / 6.0
     g.found[n, STRAIN_ENERGY], g.found[n, STRETCH_RATE] = number[ENERGY], number[LAM_D]
+    g.found[n, ELASTIC_FORCE] = number[ELASTIC]
     _keep_length(g, n)
 
 
@@ -508,11 +509,13 @@ def add_by_tension(found, direction, n, a, b, first, row, x, cm, cc, ck, matrix,
     mass = x * cm * found[n, INERTIA]
     by_a = -by - 2.0 * mass if first else -by + mass
     by_b = by - mass if first else by + 2.0 * mass
+    # Of a longer element a way grows lambda more slowly.
+    slower = x * ck * found[n, BY_SPEED] * found[n, STRETCH_RATE]
     for c in range(AXES):
         add_entry(matrix, dofs, row, a + c, by_a * direction[n, c])
         add_entry(matrix, dofs, row, b + c, by_b * direction[n, c])
-    add_entry(matrix, dofs, row, a + MATERIAL, -by_a * found[n, STRETCH])
-    add_entry(matrix, dofs, row, b + MATERIAL, -by_b * found[n, STRETCH])
+    add_entry(matrix, dofs, row, a + MATERIAL, slower - by_a * found[n, STRETCH])
+    add_entry(matrix, dofs, row, b + MATERIAL, -slower - by_b * found[n, STRETCH])
 
 
 @kernel

@@ -18,6 +18,7 @@ from crane.model.handles import handles
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
 from crane.results.summary import JOINED, NOTHING, OF_PIECES, figure_units, figures_of_turns, headline
+from crane.results.two_blocking import two_blocking
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.limits import with_limits
@@ -80,6 +81,7 @@ def build(scene: CraneScene) -> Model:
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
         handles=lambda: handles(made, stored, places),
+        cause=lambda state, status: two_blocking(system, state, status),
         statistics={
             "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
             "names": OF_PIECES,

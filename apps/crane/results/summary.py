@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from crane.assembly.estimates import static_tension
 from crane.assembly.layout import Layout
+from crane.assembly.tension_at_rest import static_tension
 from crane.results.course import Course, contacts_of, course_of, laid_out
 from crane.results.power import winch_energy
 from crane.rope_life.bending import BendingCycles, bending_cycles

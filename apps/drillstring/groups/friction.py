@@ -166,6 +166,9 @@ def _status_projection(law, i, touch, converged):
             f.status = FORCED
             f.forced += 1
             return 1
+        # What goes on slipping is resisted against the force of the step, and may turn no other way.
+        x, y = f.c * touch.along - f.force_a, f.c * touch.around - f.force_c
+        size = sqrt(x * x + y * y)
     elif size <= f.factor * touch.normal:
         f.status = STICK
         return 0

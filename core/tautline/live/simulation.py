@@ -364,9 +364,9 @@ class Simulation:
                 self._time = float(reached)
                 raise error
         self._stand_at(reached)
-        part = self.model.system.name_of(int(self._state.counters[WORST]))
+        status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
         self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
-        raise StoppedEarly(status, reached, part, "", self._so_far())
+        raise StoppedEarly(status, reached, part, detail, self._so_far())
 
     def _stand_at(self, time: float) -> None:
         """Make the outputs those of the state as it is, at a time that is no end of an advance."""

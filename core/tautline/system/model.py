@@ -102,6 +102,8 @@ class Model:
         Whether one run with longer steps tells how wrong a run is whose steps are controlled by their errors
         (`tautline.study.trials.step_error`). It was measured for the application, and no friction decides what comes
         of the run.
+    cause : callable or None
+        State, status -> status, place and detail by which a run that stopped is told better; None for what it was.
     statistics : mapping
         Fields of `Keep` that are the application's: variables that are watched where the scene names none, and so on.
     """
@@ -130,3 +132,10 @@ class Model:
     statistics: Mapping[str, Any] = field(default_factory=dict)
     on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None = None
     remarks: Callable[[Any], list[str]] | None = None
+    cause: Callable[[Any, Any], tuple[Any, int, str] | None] | None = None
+
+    def end_of(self, state: Any, status: Any, worst: int) -> tuple[Any, str, str]:
+        """Status, part and detail of a run that stopped with a status and an unknown that was worst."""
+        told = None if self.cause is None else self.cause(state, status)
+        end, place, detail = (status, worst, "") if told is None else told
+        return end, self.system.name_of(place), detail

@@ -28,7 +28,7 @@ from tautline.constraints.equations import equations
 from tautline.constraints.multiplier import Multipliers
 from tautline.constraints.penalty import Penalties
 from tautline.elements.nodal.load import Loads
-from tautline.elements.nodal.node import SPRING, Anchors, PointMasses, Springs, TimedForces
+from tautline.elements.nodal.node import SPRING, Anchors, PointMasses, Springs, timed_forces
 from tautline.kernels import groups as over
 from tautline.kernels.jit import entry
 
@@ -359,7 +359,7 @@ def node_groups():
         "masses": PointMasses(PLACE, np.array([2.0, 0.3]), 0.4, np.array([0.0, 1.0, -9.0])),
         "anchors": Anchors(PLACE, np.array([3.0, 5.0]), np.array([0.2, 0.0]), values),
         "springs": Springs(rope.records_of(SPRING, rows), np.zeros((6, 6))),
-        "forces": TimedForces(PLACE, values, np.array([[0.0, 1.0], [-1.0, 0.02]]), np.zeros(2), np.zeros(2)),
+        "forces": timed_forces(PLACE, values, np.array([[0.0, 1.0], [-1.0, 0.02]])),
         "loads": Loads(PLACE, np.array([1.0, -2.0])),
         "penalties": Penalties(table, np.array([20.0, 7.0])),
     }

@@ -60,9 +60,6 @@ def projection(rng):
         rows[name] = size * rng.standard_normal(COUNT)
     rows["seen_a"], rows["seen_c"] = 1e-9 * rng.standard_normal((2, COUNT))
     rows["settled"] = rng.choice([SLIP, STICK], COUNT)
-    # Of one that slides the two take the direction from other forces where rates are known, which is a choice.
-    for name in ("rate_a", "rate_c", "seen_a", "seen_c"):
-        rows[name][rows["settled"] == SLIP] = 0.0
     return Projection(rows)
 
 
@@ -117,3 +114,18 @@ def test_a_law_of_friction_is_the_same_for_four_contacts_as_for_each_alone(law):
         if law == "projection":
             seen |= {(int(a), int(b)) for a, b in zip(one.rows.settled, one.rows.status, strict=True)}
     assert law != "projection" or {(SLIP, SLIP), (STICK, STICK)} <= seen
+
+
+@pytest.mark.parametrize("run", [_alone, _together])
+def test_what_goes_on_sliding_against_its_weight_is_not_taken_to_have_turned_back(run):
+    """Coulomb: friction is against the slip, which is forward in all iterations, though the lump slows down."""
+    normal, factor, mass, weight = 100.0, 0.35, 30.0, 20.0
+    rows = records(COUNT, PROJECTED, static=0.35, kinetic=factor, mass=mass, mass_c=60.0, links=1e4)
+    slowing = -(factor * normal + weight) / mass
+    rows["settled"], rows["force_a"], rows["rate_a"], rows["seen_a"] = SLIP, -factor * normal, slowing, 1.0e-9
+    slips = np.zeros((STEPS, 3, COUNT))
+    slips[:, 0], slips[:, 1] = normal, 1.0e-9
+    forces, statuses = np.zeros((STEPS, 2, COUNT)), np.zeros((STEPS, COUNT), np.int64)
+    run(Projection(rows), slips, np.tile([[slowing], [0.0]], COUNT), forces, statuses)
+    assert not statuses.any() and (rows["status"] == SLIP).all()
+    np.testing.assert_allclose(forces[:, 0], -factor * normal, rtol=1e-12)

@@ -10,6 +10,7 @@ import pytest
 from physics.lifting.crane_scenes import GRAVITY, body, crane, drum, end, parsed, ran, solved
 
 import tautline
+from crane.assembly.estimates import estimate
 
 STIFFNESS, WEIGHT = 8.0e7, 6.5
 RADIUS, LENGTH, MASS = 1.2, 4.0, 20.0e3
@@ -31,9 +32,9 @@ def hanging(drive, mass=MASS, length=LENGTH, order=1, radius=RADIUS, elements=4,
     return crane(path, bodies, rope, mesh={"elements_per_span": elements}, **more)
 
 
-def period(result):
-    """Of the load's bounce, s, from its upward crossings."""
-    time, z = result["time"], result["body_position"][:, 0, 2]
+def period(result, of=None):
+    """Of the load's bounce, s, from the upward crossings of its height, or of another course."""
+    time, z = result["time"], result["body_position"][:, 0, 2] if of is None else of
     z = z - z.mean()
     k = np.flatnonzero((z[:-1] < 0.0) & (z[1:] >= 0.0))
     return np.diff(time[k] - z[k] * (time[k + 1] - time[k]) / (z[k + 1] - z[k])).mean()
@@ -46,6 +47,37 @@ def test_a_load_below_a_held_drum_bounces_on_the_rope_alone(how, solver):
     scene = solved(hanging(HELD[how], interval=2.0e-3), end=1.0, **solver)
     mass, unstretched = MASS + WEIGHT * LENGTH / 3.0, LENGTH / (1.0 + MASS * GRAVITY / STIFFNESS)
     assert period(ran(scene)) == pytest.approx(2.0 * np.pi * np.sqrt(mass * unstretched / STIFFNESS), rel=1.0e-3)
+
+
+BOUNCES = {
+    "held by its brake": (HELD["brake"], 0.0),
+    "held by its friction": (HELD["friction"], 0.0),
+    "free": ({"torque": RADIUS * MASS * GRAVITY, "inertia": 5.0e3}, RADIUS**2 / 5.0e3),
+    "free, with 500 m of rope on it": (
+        {"torque": RADIUS * MASS * GRAVITY, "inertia": 5.0e3, "rope_on_drum": 500.0},
+        1.0 / (5.0e3 / RADIUS**2 + 500.0 * WEIGHT),
+    ),
+    "whose brake opens": ({**HELD["brake"], "brake": {"torque": 2.0e6, "until": 0.5}}, RADIUS**2 / 500.0),
+    "whose brake is too weak": ({**HELD["brake"], "brake": {"torque": 1.0e5}}, RADIUS**2 / 500.0),
+}
+
+
+@pytest.mark.parametrize("how", BOUNCES)
+def test_check_reckons_a_bounce_with_the_mass_of_a_drum_and_its_rope_unless_it_is_held(how):
+    drive, mobility = BOUNCES[how]
+    mass = MASS + WEIGHT * LENGTH / 3.0
+    expected = np.sqrt(STIFFNESS / LENGTH * (1.0 / mass + mobility)) / (2.0 * np.pi)
+    assert estimate(parsed(hanging(drive))).frequency == pytest.approx(expected, rel=1.0e-9)
+
+
+@pytest.mark.parametrize("how", ["held by its brake", "free", "free, with 500 m of rope on it"])
+def test_the_bounce_that_check_reckons_is_that_of_the_run(how):
+    scene = solved(hanging(BOUNCES[how][0], interval=1.0e-3), end=1.0, step=5.0e-4)
+    result = ran(scene)
+    # the load itself goes down with a drum that is free
+    assert period(result, result["tension"][:, 0, 1]) == pytest.approx(
+        1.0 / estimate(parsed(scene)).frequency, rel=5.0e-3
+    )
 
 
 def test_a_load_that_falls_into_a_rope_held_by_a_brake_snaps_as_hard_as_below_a_drum_at_rest():

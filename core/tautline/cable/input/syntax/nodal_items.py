@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 from tautline.cable.input.syntax.entries import Damping, Id, Pair, Stiffness, Thrust, Time, listed
 from tautline.cable.input.syntax.nodal import NodalItem, NodalPart, OnNodes, Place, all_nodes, register_item
 from tautline.scene.refusal import fault
+from tautline.scene.solver import longest_step
 from tautline.scene.values.quantity import quantity
 
 
@@ -72,17 +73,28 @@ class PointForce(OnNodes):
 
 
 def _forces(layout: Any, parts: Sequence[NodalPart]) -> list[Any]:
-    from tautline.elements.nodal.node import TimedForces
+    from tautline.elements.nodal.node import timed_forces
 
     rows = [(layout.start[node], f.model.force, f.model.interval) for f in parts for node in f.nodes]
     places, values, intervals = zip(*rows, strict=True)
-    acts, before = np.zeros(len(rows)), np.zeros(len(rows))
-    return [TimedForces(np.array(places), np.array(values, float), np.array(intervals, float), acts, before)]
+    return [timed_forces(np.array(places), np.array(values, float), np.array(intervals, float))]
 
 
-def _too_late(scene: Any, part: NodalPart) -> Iterator[tuple[Place, str]]:
-    if part.model.interval[0] >= scene.solver.end:
-        yield (*part.place, "timeInterval"), f"begins after the run has ended ({scene.solver.end:g} s)"
+def _untimely(scene: Any, part: NodalPart) -> Iterator[tuple[Place, str]]:
+    """Of a force that begins too late, or is shorter than steps whose length is not known before."""
+    solver, (first, last) = scene.solver, part.model.interval
+    if first >= solver.end:
+        yield (*part.place, "timeInterval"), f"begins after the run has ended ({solver.end:g} s)"
+    longest = longest_step(solver, solver.interval)
+    chosen = not solver.explicit and (solver.control != "fixed" or solver.step == "auto")
+    alpha_m, alpha_f = solver.alphas
+    if chosen and alpha_m != alpha_f and last - first < longest:
+        text = (
+            f"the force lasts {last - first:.3g} s, from {first:g} to {last:g} s. Steps may be as long as "
+            f"{longest:.3g} s, and change their length beside it. Its impulse may then be off by a tenth. Take "
+            f"control: fixed, or time_step: {last - first:.3g} or less"
+        )
+        yield (*part.place, "timeInterval"), text
 
 
 register_item(
@@ -92,7 +104,7 @@ register_item(
         groups=_forces,
         coupled=_alone,
         force=lambda part: float(np.linalg.norm(part.model.force)),
-        warnings=_too_late,
+        warnings=_untimely,
     )
 )
 
