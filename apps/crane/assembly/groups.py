@@ -128,7 +128,7 @@ def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunction
     return Slips(
         records_of(SLIP, [none | row for row in contacts]), spans.found, spans.start, ends, np.zeros(n), np.zeros(n),
         np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(1), np.ones(1), np.zeros(2), np.zeros((n, 2)),
-        functions,
+        np.zeros(n, np.int64), np.zeros(1, np.int64), functions,
     )  # fmt: skip
 
 

@@ -80,6 +80,8 @@ class Slips(NamedTuple):
     fresh: np.ndarray
     follows: np.ndarray
     predicted: np.ndarray
+    slid: np.ndarray
+    held: np.ndarray
     functions: TimeFunctions
 
 
@@ -122,7 +124,10 @@ def _limit(g, row, t, force):
         share, _, _ = evaluate(g.functions, row.function, t)
         # The drum turns with the rope that comes onto it, by lambda p. / R.
         stretch = max(1.0, g.found[row.before, STRETCH]) / row.by_p
-        return Limit(stretch * row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0, 0.0, 0.0)
+        most = row.coefficient * min(1.0, max(0.0, share))
+        # A step converges without this derivative, which is small; what is only looked at has it.
+        by_stretch = most / row.by_p if g.held[0] == 1 and g.found[row.before, STRETCH] > 1.0 else 0.0
+        return Limit(stretch * most, 0.0, 0.0, by_stretch, 0.0)
     # In balance by_p F = T_1 - T_2, but for the stretch.
     before_is_lower = row.by_p * force < 0.0
     lower = g.found[row.before, LAST] if before_is_lower else g.found[row.after, FIRST]
@@ -201,6 +206,9 @@ def _way(g, i, q, v):
 def _trial(g, i, t, q, v):
     """Force, the sign of the slip or 0, and the limit."""
     row = g.rows[i]
+    if g.held[0] == 1 and g.slid[i] != 0:
+        limit = _limit(g, row, t, float(g.slid[i]))
+        return g.slid[i] * limit.most, g.slid[i], limit
     force = g.force[i] + row.stiffness * _way(g, i, q, v)
     limit = _limit(g, row, t, force)
     if abs(force) <= limit.most:
@@ -325,7 +333,7 @@ def _commit(g, t, h, q, v, a):
         # Of the way that F went, its spring took some; the rest is slip.
         slipped = u - g.travel[i] - (force - g.force[i]) / row.stiffness
         g.power[i] = force * slipped / h if sign != 0 else 0.0
-        g.force[i], g.travel[i], g.now[i] = force, u, force
+        g.force[i], g.travel[i], g.now[i], g.slid[i] = force, u, force, sign
     g.follows[0] = 0.0
 
 
@@ -337,8 +345,13 @@ def _record(g, out, at):
         at[0] += 2
 
 
+def _hold(g: Slips) -> None:
+    """Have what slid in the last step slip on."""
+    g.held[0] = 1
+
+
 register(
     Slips, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
-    dissipation=_dissipation, commit=_commit, record=_record,
+    dissipation=_dissipation, commit=_commit, record=_record, hold=_hold,
     feels=lambda slips: bool((slips.rows["kind"] != TORQUE).any()),  # friction goes by the tensions at a sheave
 )  # fmt: skip
