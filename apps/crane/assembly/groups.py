@@ -128,7 +128,8 @@ def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunction
     rows = records_of(SLIP, [none | row for row in contacts])
     return Slips(
         rows, spans.found, spans.start, ends, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64),
-        np.zeros(1), np.ones(1), rows["by_p"].copy(), np.zeros(2), np.zeros((n, 2)), functions,
+        np.zeros(1), np.ones(1), rows["by_p"].copy(), np.zeros(2), np.zeros((n, 2)), np.zeros(n, np.int64),
+        np.zeros(1, np.int64), functions,
     )  # fmt: skip
 
 

@@ -69,6 +69,9 @@ class Slips(NamedTuple):
 
     ``follows`` (2,) is gamma' of an implicit step under way, 0 in any other, and 1 until its prediction is seen, of
     which ``predicted`` (n, 2) keeps u - u_n, m, and u., m/s.
+
+    ``slid`` (n,) is the sign of the slip at the end of the last step, or 0. ``held`` (1,) is 1 where no step is taken
+    and what slid then slips on: in a linear model and in equations.
     """
 
     rows: np.recarray
@@ -85,6 +88,8 @@ class Slips(NamedTuple):
     by_p: np.ndarray
     follows: np.ndarray
     predicted: np.ndarray
+    slid: np.ndarray
+    held: np.ndarray
     functions: TimeFunctions
 
 
@@ -129,7 +134,10 @@ def _limit(g, i, t, force):
         share, _, _ = evaluate(g.functions, row.function, t)
         # The drum turns with the rope that comes onto it, by lambda p. / R.
         stretch = max(1.0, g.found[row.before, STRETCH]) / by_p
-        return Limit(stretch * row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0, 0.0, 0.0)
+        most = row.coefficient * min(1.0, max(0.0, share))
+        # A step converges without this derivative, which is small; what is only looked at has it.
+        by_stretch = most / by_p if g.held[0] == 1 and g.found[row.before, STRETCH] > 1.0 else 0.0
+        return Limit(stretch * most, 0.0, 0.0, by_stretch, 0.0)
     # In balance by_p F = T_1 - T_2, but for the stretch.
     before_is_lower = by_p * force < 0.0
     lower = g.found[row.before, LAST] if before_is_lower else g.found[row.after, FIRST]
@@ -207,6 +215,9 @@ def _way(g, i, q, v):
 def _trial(g, i, t, q, v):
     """Force, the sign of the slip or 0, and the limit."""
     row = g.rows[i]
+    if g.held[0] == 1 and g.slid[i] != 0:
+        limit = _limit(g, i, t, float(g.slid[i]))
+        return g.slid[i] * limit.most, g.slid[i], limit
     force = g.force[i] + row.stiffness * _way(g, i, q, v)
     limit = _limit(g, i, t, force)
     if abs(force) <= limit.most:
@@ -341,7 +352,7 @@ def _commit(g, t, h, q, v, a):
         slipped = u - g.travel[i] - (force - g.force[i]) / row.stiffness
         g.power[i] = force * slipped / h if sign != 0 else 0.0
         _see_stretch(g, i)
-        g.force[i], g.travel[i], g.now[i] = force, _travel(g, i, q), force
+        g.force[i], g.travel[i], g.now[i], g.slid[i] = force, _travel(g, i, q), force, sign
     g.follows[0] = 0.0
 
 
@@ -353,8 +364,13 @@ def _record(g, out, at):
         at[0] += 2
 
 
+def _hold(g: Slips) -> None:
+    """Have what slid in the last step slip on."""
+    g.held[0] = 1
+
+
 register(
     Slips, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
-    dissipation=_dissipation, commit=_commit, record=_record,
+    dissipation=_dissipation, commit=_commit, record=_record, hold=_hold,
     feels=lambda slips: bool((slips.rows["kind"] != TORQUE).any()),  # friction goes by the tensions at a sheave
 )  # fmt: skip

@@ -107,6 +107,10 @@ Keeper = Callable[[Any], str]
 """What says of a group what moves on with a run and is no unknown."""
 MEMORY: dict[type, Keeper] = {}
 """Kinds that may have such a thing."""
+Hold = Callable[[Any], None]
+"""What has a law of a group stay as the last accepted step left it."""
+HOLDS: dict[type, Hold] = {}
+"""Kinds whose law would else begin a step anew wherever it is asked."""
 
 
 class Sum(NamedTuple):
@@ -152,6 +156,7 @@ def register(
     friction: bool = False,
     memory: Keeper | None = None,
     feels: Feels | None = None,
+    hold: Hold | None = None,
     **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
@@ -170,6 +175,9 @@ def register(
     feels : callable or None
         Takes a group, and says whether its forces depend on accelerations otherwise than by its mass, as friction does
         that goes by a force which accelerates something.
+    hold : callable or None
+        Takes a group whose system is only looked at from now on and never stepped, and has what slips slip on and what
+        sticks stick: the law of a step may take what has just slipped for stuck. None where the hooks say that anyway.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -193,6 +201,9 @@ def register(
     ACCELERATION_DEPENDENT.pop(kind, None)
     if feels is not None:
         ACCELERATION_DEPENDENT[kind] = feels
+    HOLDS.pop(kind, None)
+    if hold is not None:
+        HOLDS[kind] = hold
 
 
 def _check_arguments(kind: type, name: str, hook: Kernel) -> None:
@@ -289,6 +300,13 @@ def members_of(groups: tuple[Any, ...]) -> Members:
 def without_friction(groups: tuple[Any, ...]) -> tuple[Any, ...]:
     """The groups whose damping is no friction."""
     return tuple(g for g in groups if type(g) not in FRICTION)
+
+
+def hold_laws(groups: tuple[Any, ...]) -> None:
+    """Have the laws of groups stay as the last accepted step left them; no step may be made with them after that."""
+    for g in groups:
+        if type(g) in HOLDS:
+            HOLDS[type(g)](g)
 
 
 def offers(groups: tuple[Any, ...], hook: str) -> bool:

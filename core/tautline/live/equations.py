@@ -10,6 +10,7 @@ from scipy.sparse.linalg import splu
 from tautline.integrators.equations import SUMS, evaluate_at, evaluate_mass
 from tautline.integrators.state import State
 from tautline.kernels.bound import Lasting
+from tautline.kernels.groups import hold_laws
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
 from tautline.live.errors import SimulationError
 from tautline.system.model import Model
@@ -39,6 +40,7 @@ class Equations:
         system = model.system
         # With what is held where the run has put it: a static start finds how much rope there is.
         self._system, self._state, self._time = system, state, time
+        hold_laws(system.groups)
         # Others ask some thousand times: where the scene stands in memory is told once.
         self._scene, self._lasting = (system.link(SUMS), system.dofs, system.functions, state), Lasting()
         # Groups begin a step there; what acts for a whole step of ours acts at its time alone.

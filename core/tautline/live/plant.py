@@ -25,7 +25,7 @@ from scipy.sparse import csr_array
 from tautline.integrators.equations import SUMS, evaluate_full, settle
 from tautline.integrators.time_loop import record_now
 from tautline.kernels.dofs import HELD, TIED, Dofs
-from tautline.kernels.groups import MEMORY
+from tautline.kernels.groups import MEMORY, hold_laws
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
@@ -124,6 +124,7 @@ class _Linearisation:
         self._refuse_sums()
         self.sim = sim.copy()
         self.system, self.state, self.t = self.sim.model.system, self.sim.parts.state, sim.time
+        hold_laws(self.system.groups)
         self.groups, self.laws = self.system.link(SUMS), self.system.link(("commit",))
         dofs, functions = self.system.dofs, self.system.functions
         held = [int(dofs.held[k]) for k in dofs.driven]
