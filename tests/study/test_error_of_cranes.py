@@ -141,3 +141,25 @@ def test_a_large_error_of_a_crane_is_warned_of_with_what_bounds_its_steps(crane)
     (warning,) = [text for text in only_object(out)["warnings"] if "may be off" in text]
     assert code == 0 and "estimated from a run with steps of 0.00714 s" in warning
     assert "Take a shorter step and an error of each below 3e-05 m, or --verify" in warning
+
+
+def test_a_crane_on_rk4_whose_step_is_chosen_for_stability_states_no_less_than_its_error_unasked():
+    keys = {"solver.method": "rk4", "solver.step": "auto", "solver.rho_inf": None, "solver.end": "0.5 s"}
+    subject = Subject(Crane(), scene_of("hoist", **keys))
+    model, run = subject.model(Setting()), subject.run(Setting())
+    assert runs_for(model) == HALF
+    told = estimate(subject, run.result, parts=HALF)
+    # The other run takes half of the step that was taken, and not half of the longest there may be, which is unstable.
+    assert told.step == pytest.approx(0.5 * run.result.attributes["step"], rel=0.1)
+    exact = subject.run(Setting(step=1e-4))
+    watched = watch(run.result)
+    _, position, force = apart(*at_common_times(watched.of(run.result), watched.of(exact.result)), watched.extent)
+    assert position <= told.position <= 10.0 * position and force <= told.force <= 10.0 * force
+
+
+def test_simulate_prints_the_error_of_a_crane_on_rk4_with_automatic_steps(tmp_path, monkeypatch, capsys):
+    result = tmp_path / "hoist.nc"
+    options = ("--method", "rk4", "--step", "auto", "--end", "0.5", "-o", str(result))
+    code, _, said = command_of(Crane(), monkeypatch, capsys)("simulate", str(DATA / "hoist.yaml"), *options)
+    assert code == 0 and "estimating the error from a run with half the step" in said
+    assert Result.read(result).step_error["position"] > 0.0

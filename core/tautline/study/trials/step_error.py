@@ -124,7 +124,9 @@ def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
     controlled = model.solver.step_error > 0.0
     if asked is None and controlled and model.longer_steps_tell:
         return _near(model)
-    if asked is False or (asked is None and (model.solver.automatic or controlled)):
+    explicit = method_of(model.solver.method).explicit
+    # An explicit method with `step: auto` chooses for stability: its steps say nothing of its error.
+    if asked is False or (asked is None and (controlled or (model.solver.automatic and not explicit))):
         return ()
     if asked is None and not _fixed(model):
         return HALF
@@ -198,6 +200,8 @@ def estimate(
     given = setting or Setting()
     model = subject.model(given)
     own, bound = _step_taken(model), model.solver.step_error or None
+    if model.solver.automatic and method_of(model.solver.method).explicit:
+        own = float(result.attributes.get("step") or own)
     histories, steps, spent = [watched.of(result)], [own], 0.0
     for number, part in enumerate(parts):
         onward = _onward(progress, number * float(result.time[-1]), spent)
