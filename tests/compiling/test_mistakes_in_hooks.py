@@ -10,8 +10,11 @@ import pytest
 from tautline.errors import TautlineError
 from tautline.kernels import groups
 from tautline.kernels.compiling.errors import KernelError
+from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import link, register
 from tautline.kernels.jit import kernel
+from tautline.system.system import Degrees, assemble
+from tautline.system.time_functions import compile_functions
 
 HERE = os.path.abspath(__file__)
 compiled = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is about what is compiled")
@@ -126,3 +129,68 @@ def test_a_hook_may_have_arguments_with_defaults_and_any_number_of_them():
     for hook in (lambda g, t, q, v, a, r, more=0.0: None, lambda g, *more: None):
         register(Push, residual=hook)
         assert groups.KINDS[Push] == {"residual": hook}
+
+
+class Pushes(NamedTuple):
+    """Forces at places."""
+
+    place: np.ndarray
+
+
+@kernel
+def _at(g, i):
+    """What a hook calls."""
+    return g.place[i]
+
+
+@kernel
+def pushing(g, t, q, v, a, r):
+    for i in range(g.place.size):
+        r[_at(g, i)] -= 1.0
+
+
+@kernel
+def stiffening(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    for i in range(g.place.size):
+        add_entry(matrix, dofs, _at(g, i), _at(g, i) + 100, ck)
+
+
+@kernel
+def lying(g, t, q, v, a, r):
+    """It cannot run in Python, and says nothing of places."""
+    raise RuntimeError
+
+
+def assembled(places, **hooks):
+    """Three degrees of freedom, pushed at places."""
+    degrees = Degrees([], np.zeros(0), np.zeros(0))
+    for name in "xyz":
+        degrees.add(name, 0.0)
+    register(Pushes, **hooks)
+    try:
+        group = Pushes(np.array(places))
+        return assemble((group,), degrees, compile_functions([]), np.zeros(3), [np.array([[0, 1, 2]])], [])
+    finally:
+        groups.KINDS.pop(Pushes)
+        groups.CONSTANT_MASS.discard(Pushes)
+        groups._forget(Pushes)
+
+
+@pytest.mark.parametrize("place", [3, 10**9, -1])
+def test_a_place_beyond_the_unknowns_is_told_with_its_element_before_anything_runs(place):
+    # compiled, it wrote into memory of something else and ended the process
+    with pytest.raises(KernelError) as told:
+        assembled([0, 2, place], residual=pushing)
+    assert isinstance(told.value, TautlineError) and told.value.path.startswith(HERE)
+    for words in ("hook 'residual' of kind Pushes", "with i = 2,", f"place {place} of an array of 3", "0 to 2"):
+        assert words in str(told.value)
+
+
+def test_a_place_beyond_the_unknowns_is_told_of_a_tangent_too():
+    with pytest.raises(KernelError, match=r"hook 'tangent' of kind Pushes.*with i = 0,.*place 100 "):
+        assembled([0], residual=pushing, tangent=stiffening)
+
+
+def test_places_that_are_there_and_hooks_that_python_cannot_run_are_not_refused():
+    assert assembled([0, 1, 2], residual=pushing).size == 3
+    assert assembled([0], residual=lying).size == 3

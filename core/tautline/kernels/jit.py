@@ -11,7 +11,9 @@ from __future__ import annotations
 import functools
 import inspect
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 from tautline.kernels.machine.code import ROUTINES, load, name_of, read, write
@@ -20,7 +22,7 @@ from tautline.kernels.machine.settings import UNCOMPILED, UNFUSED
 from tautline.kernels.memory import Form, Known, laid
 from tautline.kernels.numba_registration import compiler, stands_for, taught
 
-__all__ = ["Kernel", "addressed", "entry", "kernel", "stands_for"]
+__all__ = ["Kernel", "addressed", "entry", "in_python", "kernel", "stands_for"]
 
 OPTIONS = {
     "nopython": True,
@@ -40,6 +42,19 @@ no wrappers that unpack Python's objects: what is called by Python takes its arg
 
 
 ROUTINES.append(lambda: compiler().make_ready())
+
+
+_in_python: ContextVar[bool] = ContextVar("in_python", default=False)
+
+
+@contextmanager
+def in_python() -> Iterator[None]:
+    """Let kernels that only kernels call be called by Python, as they were written."""
+    token = _in_python.set(True)
+    try:
+        yield
+    finally:
+        _in_python.reset(token)
 
 
 class Kernel:
@@ -107,6 +122,8 @@ class Kernel:
     def __call__(self, *arguments: Any) -> Any:
         """Run it; a kernel that only kernels call refuses, for it would be compiled for this call alone."""
         if not self._called:
+            if _in_python.get():
+                return self.py_func(*arguments)
             name = self.py_func.__qualname__
             raise TypeError(f"{name} can be called by compiled code only; its .py_func by Python")
         packet = self.packet(arguments)

@@ -13,6 +13,7 @@ import numpy as np
 from tautline.kernels.bound import Lasting
 from tautline.kernels.dofs import Dofs, runs_of
 from tautline.kernels.groups import laid_out, link, without_friction
+from tautline.kernels.machine.sources import comes_with_us
 from tautline.kernels.matrix import Factors, new_factors
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.masters import Masters
@@ -266,6 +267,10 @@ def assemble(
     numbering = _numbering(Structure.of(degrees, stencils, mass_stencils, flowing))
     dofs, free, number, rank = numbering.dofs, numbering.free, numbering.number, numbering.rank
     border, mass_pattern = numbering.border, numbering.mass_pattern
+    if not all(comes_with_us(type(group)) for group in groups):
+        from tautline.system.hook_bounds import check_places
+
+        check_places(groups, dofs, degrees.value.astype(np.float64), _velocity(velocity, degrees))
     return System(
         groups=groups,
         dofs=dofs._replace(offset=degrees.value[dofs.held].astype(np.float64)),
