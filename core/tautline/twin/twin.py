@@ -7,12 +7,13 @@ alarms, the outlook, and what the application knows of the work.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tautline.errors import ArgumentError
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
@@ -125,10 +126,50 @@ class Twin:
 
     # -- data ----------------------------------------------------------------------------------------------------------
 
-    def add(self, time: float, values: Mapping[str, float], arrived: float = 0.0) -> list[dict[str, Any]]:
-        """Take a record of the source, and give the lines of all rows that it completes."""
-        self.readings.rows.add(time, values, arrived)
+    @property
+    def columns(self) -> list[str]:
+        """Columns of the sensors, in the order of the map."""
+        return [one.column for one in self.plan.channels]
+
+    def add(
+        self, time: float, values: Mapping[str, float] | Sequence[float] | np.ndarray, arrived: float = 0.0
+    ) -> list[dict[str, Any]]:
+        """Take a row of data, and give the lines of all rows that it completes.
+
+        Parameters
+        ----------
+        time : float
+            Its stamp, s.
+        values : mapping, or (c,)
+            Readings in the units of the map's columns: by column, or in the order of `columns`. NaN or None, or a
+            column that is not there, is a reading that is missing. Columns that the map does not name do not count.
+        arrived : float
+            When it arrived, by this computer's clock, s.
+
+        Raises
+        ------
+        ArgumentError
+            For a list of another length than `columns`, and for what is no number.
+        """
+        self.readings.rows.add(float(time), self._by_column(values), arrived)
         return self.answers()
+
+    def _by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:
+        """Readings of a row by column."""
+        if not isinstance(values, Mapping):
+            given = list(np.ravel(values))
+            if len(given) != len(self.columns):
+                columns = ", ".join(self.columns)
+                raise ArgumentError(f"a row has {len(given)} readings. The map has {len(self.columns)}: {columns}")
+            values = dict(zip(self.columns, given, strict=True))
+        found = {}
+        for name in self.columns:
+            reading = values.get(name)
+            try:
+                found[name] = np.nan if reading is None else float(reading)
+            except (TypeError, ValueError):
+                raise ArgumentError(f"the reading of {name} is {reading!r}, and that is no number") from None
+        return found
 
     def answers(self, end: bool = False) -> list[dict[str, Any]]:
         """Lines of all rows that are ready; with `end` of all rows that there are."""
