@@ -248,16 +248,19 @@ class Horizon:
         """J' W J and J' W (y - y0 + J theta0) of samples, with the estimate's residuals for the weights."""
         y, y0, J, use = self._stacked(samples)
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
-        sd = self._noise(samples, y0)
+        plain = self._noise(samples, y0)
         # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
-        sd = np.sqrt(sd**2 + np.sum((self.rough * self.linear_deviation) ** 2, axis=-1))
-        scale = sd * np.maximum(1.0, np.sqrt(self.spread))
+        sd = np.sqrt(plain**2 + np.sum((self.rough * self.linear_deviation) ** 2, axis=-1))
+        # Residuals show what scattering derivatives make of them too: it does not count twice. Times each other the two
+        # would let an estimate that is not known keep all samples from telling of it.
+        spread = np.maximum(sd, plain * np.sqrt(np.maximum(1.0, self.spread)))
+        scale = spread
         if alone and len(samples) >= 8:
             # What all samples have in common is no outlier.
             residual = residual - np.median(residual, axis=0)
             scale = np.maximum(scale, np.median(np.abs(residual), axis=0) / 0.6745)
         far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
-        alike = UNSURE * np.maximum(1.0, self.alike) if alone else self.correlation
+        sd, alike = sd if alone else spread, UNSURE * np.maximum(1.0, self.alike)
         weight = np.where(use, 1.0 / (sd**2 * alike), 0.0) / np.maximum(1.0, far) ** 2
         info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
         wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
