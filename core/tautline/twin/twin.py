@@ -313,6 +313,7 @@ class Twin:
         believed = self._compare_units(row.time, y, y0, J, use, tells) & estimate.tame(J)
         use = believed & tells
         residual, residual_sd = horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
+        horizon.miss(row.time, np.where(use & estimate.converged, residual, np.nan), y0)
         if says and row.time >= self.unsettled:
             # By the sensor's own noise: what nothing explains must not pass for noise. Before anything is found, by
             # what may be wrong at the start as well.
@@ -330,19 +331,22 @@ class Twin:
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
-            self.readings.blind,
+            self.readings.blind, self.unsure,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
 
     def _with_noise_of_inputs(self, outputs: dict[str, Any], y0: np.ndarray) -> dict[str, Any]:
-        """Outputs with what noisy inputs add to the deviations of those that are compared."""
+        """Outputs with what residuals show beyond the sensor's noise added to the deviations of those compared."""
         horizon, more = self.estimate.horizon, dict(outputs)
-        sds, self.unsure = horizon.deviations(y0), False
-        for one, sd, shaken in zip(self.plan.measured, sds, horizon.of_inputs(y0), strict=True):
+        sds, self.unsure = horizon.deviations(y0), not self.estimate.known
+        # Means of rows say nothing of what a row of its own is off by.
+        alone = self.operation is None or self.operation.mean == 0.0
+        both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * alone, strict=True)
+        for one, sd, (shaken, missed) in zip(self.plan.measured, sds, both, strict=True):
             value, own = outputs[one.name]
-            more[one.name] = value, np.hypot(own, shaken)
-            self.unsure |= bool(self.readings.shaken and more[one.name][1] > MANY * sd)
+            more[one.name] = value, np.hypot(own, max(shaken, missed))
+            self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
         # Steps of an encoder shake a load as noise does, and show in the residuals alone.
         shaken = self.readings.shaken or bool(np.any(horizon.spread > MANY**2))
         self.unsure |= shaken and not self.estimate.shown

@@ -63,6 +63,8 @@ class Compared:
         Time until which an input did not go as its sensor says, s.
     blind : bool
         Whether an input that the machine's driver moves is not measured.
+    unsure : bool
+        Whether noise of inputs moves a load in the simulation so much that what is computed of it is not known.
     """
 
     time: float
@@ -78,6 +80,7 @@ class Compared:
     judged_from: float = -np.inf
     led_until: float = -np.inf
     blind: bool = False
+    unsure: bool = False
 
     @property
     def foreseen(self) -> Found | None:
@@ -143,7 +146,7 @@ class Watch:
     def _judge_output(self, one: Alarm, row: Compared, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
         computed, ahead = row.outputs.get(one.target), row.foreseen
-        known = computed is not None and row.converged and row.time >= row.judged_from
+        known = computed is not None and row.converged and not row.unsure and row.time >= row.judged_from
         values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
         text, holds = "", bool(now)
