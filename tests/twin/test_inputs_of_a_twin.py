@@ -130,3 +130,37 @@ def shaken(reach, rows=40):
 def test_noise_that_the_map_does_not_state_is_not_taken_for_motion_in_the_first_rows_either(reach):
     # The second difference of three such samples has sqrt(6) times their deviation.
     assert shaken(reach) < 0.5 * 6.0**0.5 * 0.05
+
+
+def winch_at(times, values):
+    """A winch's encoder that is followed from row to row."""
+    track = InputTrack(CHANNEL.model_copy(update={"name": "winch.pay_out", "waves": False}), 0)
+    track.begin(float(values[0]), times[0] - 0.05)
+    rows = [Row(t, np.array([x])) for t, x in zip(times, values, strict=True)]
+    joined_at = []
+    for k, row in enumerate(rows[:-4]):
+        around = slice(max(0, k - 7), k + 5)
+        track.follow(rows[around], values[around], row, 0.15)
+        if track.joining:
+            joined_at.append(row.time)
+    return joined_at
+
+
+@pytest.mark.parametrize("digit", [1e-4, 0.02])
+def test_two_rows_eight_milliseconds_apart_are_no_jump_of_a_winch(digit):
+    true = 0.05 * np.arange(120)
+    # One row is stamped 42 ms too early: it seems to have gone 12 times as fast.
+    stamps = true.copy()
+    stamps[80] -= 0.042
+    values = -np.round(2.0 * true / digit) * digit
+    assert winch_at(stamps, values) == []
+    # Nor does a winch that creeps, of which the last digit turns within the 8 ms.
+    assert winch_at(stamps, -np.round(0.1 * true / digit) * digit) == []
+
+
+def test_an_encoder_that_jumps_within_eight_milliseconds_is_still_seen_to():
+    true = 0.05 * np.arange(120)
+    stamps = true.copy()
+    stamps[80] -= 0.042
+    joined_at = winch_at(stamps, -2.0 * true + 3.0 * (np.arange(120) >= 80))
+    assert joined_at[0] == pytest.approx(stamps[80], abs=1e-9)

@@ -249,3 +249,21 @@ def test_a_reading_that_is_absurd_in_si_is_none():
     rows.scales = np.array([1e3])
     rows.add(0.0, {"x": 1e29})
     assert np.isnan(rows.ready(end=True).values[0]) and rows.counts["with an absurd reading"] == 1
+
+
+def test_a_place_that_counts_from_elsewhere_has_not_leapt_and_one_that_falls_to_zero_and_stands_is_stuck():
+    block = Channel(
+        column="block", name="top.block", is_input=True, unit="m", scale=1.0, zero=0.0, zero_first=True, sd=np.nan,
+        relative=False, low=-np.inf, high=np.inf, waves=False, lost_after=5.0,
+    )  # fmt: skip
+    faults = {}
+    for counted_anew in (True, False):
+        health = Health(block)
+        for k in range(100):
+            health.check(0.1 * k, 28.0 - 0.05 * k + 0.02 * np.sin(0.1 * k))
+        if counted_anew:
+            health.count_anew(-health.last)
+        for k in range(100, 120):
+            health.check(0.1 * k, 0.0)
+        faults[counted_anew] = health.fault
+    assert faults == {True: "", False: "stuck"}

@@ -10,7 +10,7 @@ import numpy as np
 
 from tautline.integrators.time_loop import frames_of
 from tautline.live.errors import SimulationError, unknown
-from tautline.system.handles import Output, Parameter
+from tautline.system.handles import Output, Parameter, element
 
 
 def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
@@ -31,7 +31,7 @@ def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, nam
     """
     frames = frames_of(rows, model.system.q.size)
     vectors = {"q": frames.q, "v": frames.v}
-    wanted = [outputs[name] for name in names]
+    wanted = [outputs.get(name) or element(outputs, name) or outputs[name] for name in names]
     needed = any(one.places is None for one in wanted)
     observed = model.observe(frames) if needed else {}
     found = []
@@ -45,6 +45,8 @@ def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, nam
 
 class Outputs(Mapping[str, Any]):
     """What can be read of a simulation: ``sim.outputs["payload.position"]``, or ``sim["payload.position"]``.
+
+    One number of an array is read by its place: ``sim["payload.position[2]"]``.
 
     Parameters
     ----------
@@ -78,11 +80,14 @@ class Outputs(Mapping[str, Any]):
         return self._outputs
 
     def handle(self, name: str) -> Output:
-        """What is known of an output; raises UnknownName."""
+        """What is known of an output, or of one number of an array, ``name[place]``; raises UnknownName."""
         try:
             return self._outputs[name]
         except (KeyError, TypeError):  # a list is no name either
-            raise unknown("output", name, self._outputs) from None
+            found = element(self._outputs, name) if isinstance(name, str) else None
+            if found is None:
+                raise unknown("output", name, self._outputs) from None
+            return found
 
     def __getitem__(self, name: str) -> Any:
         """A float, or a copy of an array; raises UnknownName."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -74,6 +75,32 @@ class Output:
     def one_by_one(self, frames: Mapping[str, np.ndarray], count: int) -> np.ndarray:
         """Its values in so many frames that were observed together, (count, ...)."""
         return np.array([self.value(OneFrame(frames, k)) for k in range(count)], float)
+
+
+ELEMENT = re.compile(r"(.+)\[(\d+)\]")
+"""A number of an array: ``payload.position[2]``."""
+
+
+def element(outputs: Mapping[str, Output], name: str) -> Output | None:
+    """One number of an output that is a list of numbers, by ``name[place]``; None where there is no such number.
+
+    Parameters
+    ----------
+    outputs : mapping of str to Output
+        By name.
+    name : str
+        Such as ``tip.position[0]``: places count from zero.
+    """
+    found = ELEMENT.fullmatch(name)
+    whole = outputs.get(found[1]) if found else None
+    if found is None or whole is None or len(whole.shape) != 1 or int(found[2]) >= whole.shape[0]:
+        return None
+    place, of, series = int(found[2]), whole.value, whole.series
+    return replace(
+        whole, name=name, shape=(), dims=(), labels=(), value=lambda observed: of(observed)[place],
+        places=None if whole.places is None else (whole.places[0], whole.places[1][place]),
+        series=None if series is None else lambda observed: series(observed)[:, place],
+    )  # fmt: skip
 
 
 class OneFrame(Mapping[str, np.ndarray]):

@@ -13,11 +13,12 @@ CLEAR = 1.0
 
 @dataclass
 class Active:
-    """An alarm, with when its condition was seen last."""
+    """An alarm, with when its condition was seen last, and whether it is known to hold still."""
 
     since: float
     seen: float
     text: str
+    known: bool = True
 
 
 class Alarms:
@@ -27,13 +28,15 @@ class Alarms:
         self.active: dict[str, Active] = {}
         self._begun: dict[str, float] = {}
 
-    def judge(self, name: str, holds: bool, time: float, text: str, lasting: float = 0.0) -> None:
+    def judge(self, name: str, holds: bool, time: float, text: str, lasting: float = 0.0, known: bool = True) -> None:
         """Take notice of a condition at a time.
 
         Parameters
         ----------
         lasting : float
             How long it has to hold, s.
+        known : bool
+            Whether that is known; False of one that was seen, and of which nothing shows now whether it is over.
         """
         if not holds:
             self._begun.pop(name, None)
@@ -43,21 +46,24 @@ class Alarms:
             return
         begun = self._begun.setdefault(name, time)
         if name in self.active:
-            self.active[name].seen, self.active[name].text = time, text
+            self.active[name] = Active(self.active[name].since, time, text, known)
         elif time - begun >= lasting - 1e-9:
-            self.active[name] = Active(time, time, text)
+            self.active[name] = Active(time, time, text, known)
 
     def told(self) -> list[dict[str, Any]]:
         """What stands in a line of the twin."""
-        return [{"name": name, "since": one.since, "text": one.text} for name, one in self.active.items()]
+        return [
+            {"name": name, "since": one.since, "text": one.text, "known": one.known}
+            for name, one in self.active.items()
+        ]
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
-        return {name: [one.since, one.seen, one.text] for name, one in self.active.items()}
+        return {name: [one.since, one.seen, one.text, one.known] for name, one in self.active.items()}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""
-        self.active = {name: Active(float(a), float(b), str(c)) for name, (a, b, c) in memory.items()}
+        self.active = {name: Active(float(a), float(b), str(c), *rest) for name, (a, b, c, *rest) in memory.items()}
 
 
 def beyond(value: float, above: float, below: float) -> bool:

@@ -20,6 +20,7 @@ from tautline.scene.values.printed import quantity as printed
 from tautline.scene.values.printed import significant
 from tautline.scene.values.quantity import Quantity, quantity
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
+from tautline.system.handles import ELEMENT
 
 Seconds = Annotated[float, quantity("s", positive=True)]
 Wait = Annotated[float, quantity("s", nonnegative=True)]
@@ -152,6 +153,17 @@ class Names(pydantic.BaseModel):
     unwatched: tuple[str, ...] = ()
     rivals: dict[str, list[str]] = {}
     judged_by: dict[str, tuple[str, str]] = {}
+
+    def elements(self, read: TwinMap) -> dict[str, str]:
+        """Units of the single numbers of arrays that a map names, such as ``tip.position[0]``, by name."""
+        outputs = [*(one.output for one in read.sensors), *(one.output for one in read.watch), *read.keep]
+        found = {}
+        for name in outputs:
+            parts = ELEMENT.fullmatch(name or "")
+            shape = self.shapes.get(parts[1], ()) if parts else ()
+            if parts and len(shape) == 1 and int(parts[2]) < shape[0]:
+                found[parts[0]] = self.outputs[parts[1]]
+        return found
 
 
 class Channel(pydantic.BaseModel):
@@ -321,6 +333,7 @@ def checked(
         plan_of(read, names_of(Simulation(scene, keep=False)), {}, signals, further)
         raise
     names = names_of(sim)
+    names = names.model_copy(update={"outputs": names.outputs | names.elements(read)})
     values = {name: sim.parameters[name] for name in names.parameters}
     return plan_of(read, names, values, signals, further), names, sim
 
@@ -332,7 +345,7 @@ class _Reader:
         self, read: TwinMap, names: Names, values: dict[str, float], signals: dict[str, str], further: Collection[str]
     ) -> None:
         self.map, self.names, self.values, self.signals, self.further = read, names, values, signals, further
-        self.outputs = names.outputs
+        self.outputs = names.outputs | names.elements(read)
         self.problems: list[Problem] = []
 
     def fault(self, key: tuple[str | int, ...], cause: str, cure: str) -> None:
@@ -417,7 +430,9 @@ class _Reader:
             return None
         unit = known[sensor.name]
         if kind == "output" and self.names.shapes.get(sensor.name, ()):
-            self.fault(("sensors", i, "output"), f"{sensor.name} is an array", "name a quantity that is one number")
+            flat = len(self.names.shapes[sensor.name]) == 1
+            cure = f"name one of its numbers: {sensor.name}[0]" if flat else "name a quantity that is one number"
+            self.fault(("sensors", i, "output"), f"{sensor.name} is an array", cure)
             return None
         factor = self.factor(("sensors", i, "unit"), sensor.unit, unit)
         share = PER_CENT.fullmatch(sensor.sd) if isinstance(sensor.sd, str) and unit else None
@@ -472,7 +487,7 @@ class _Reader:
                 cure = nearest(target, sorted(measured)) if measured else "add a sensor with output:"
                 self.fault((*key, "offset"), f"no sensor measures '{target}'", cure)
                 return None
-            unit, default = self.names.outputs[target], 0.0
+            unit, default = self.outputs[target], 0.0
         start = self.number((*key, "start"), one.start, unit, default)
         sd = self.number((*key, "sd"), one.sd, unit, 1.0)
         low, high = self.bounds((*key, "range"), one.range, unit)

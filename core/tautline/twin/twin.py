@@ -7,12 +7,13 @@ alarms, the outlook, and what the application knows of the work.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tautline.errors import ArgumentError
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
@@ -125,10 +126,50 @@ class Twin:
 
     # -- data ----------------------------------------------------------------------------------------------------------
 
-    def add(self, time: float, values: Mapping[str, float], arrived: float = 0.0) -> list[dict[str, Any]]:
-        """Take a record of the source, and give the lines of all rows that it completes."""
-        self.readings.rows.add(time, values, arrived)
+    @property
+    def columns(self) -> list[str]:
+        """Columns of the sensors, in the order of the map."""
+        return [one.column for one in self.plan.channels]
+
+    def add(
+        self, time: float, values: Mapping[str, float] | Sequence[float] | np.ndarray, arrived: float = 0.0
+    ) -> list[dict[str, Any]]:
+        """Take a row of data, and give the lines of all rows that it completes.
+
+        Parameters
+        ----------
+        time : float
+            Its stamp, s.
+        values : mapping, or (c,)
+            Readings in the units of the map's columns: by column, or in the order of `columns`. NaN or None, or a
+            column that is not there, is a reading that is missing. Columns that the map does not name do not count.
+        arrived : float
+            When it arrived, by this computer's clock, s.
+
+        Raises
+        ------
+        ArgumentError
+            For a list of another length than `columns`, and for what is no number.
+        """
+        self.readings.rows.add(float(time), self._by_column(values), arrived)
         return self.answers()
+
+    def _by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:
+        """Readings of a row by column."""
+        if not isinstance(values, Mapping):
+            given = list(np.ravel(values))
+            if len(given) != len(self.columns):
+                columns = ", ".join(self.columns)
+                raise ArgumentError(f"a row has {len(given)} readings. The map has {len(self.columns)}: {columns}")
+            values = dict(zip(self.columns, given, strict=True))
+        found = {}
+        for name in self.columns:
+            reading = values.get(name)
+            try:
+                found[name] = np.nan if reading is None else float(reading)
+            except (TypeError, ValueError):
+                raise ArgumentError(f"the reading of {name} is {reading!r}, and that is no number") from None
+        return found
 
     def answers(self, end: bool = False) -> list[dict[str, Any]]:
         """Lines of all rows that are ready; with `end` of all rows that there are."""
@@ -272,6 +313,7 @@ class Twin:
         believed = self._compare_units(row.time, y, y0, J, use, tells) & estimate.tame(J)
         use = believed & tells
         residual, residual_sd = horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
+        horizon.miss(row.time, np.where(use & estimate.converged, residual, np.nan), y0)
         if says and row.time >= self.unsettled:
             # By the sensor's own noise: what nothing explains must not pass for noise. Before anything is found, by
             # what may be wrong at the start as well.
@@ -289,19 +331,22 @@ class Twin:
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
-            self.readings.blind,
+            self.readings.blind, self.unsure,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
 
     def _with_noise_of_inputs(self, outputs: dict[str, Any], y0: np.ndarray) -> dict[str, Any]:
-        """Outputs with what noisy inputs add to the deviations of those that are compared."""
+        """Outputs with what residuals show beyond the sensor's noise added to the deviations of those compared."""
         horizon, more = self.estimate.horizon, dict(outputs)
-        sds, self.unsure = horizon.deviations(y0), False
-        for one, sd, shaken in zip(self.plan.measured, sds, horizon.of_inputs(y0), strict=True):
+        sds, self.unsure = horizon.deviations(y0), not self.estimate.known
+        # Means of rows say nothing of what a row of its own is off by.
+        alone = self.operation is None or self.operation.mean == 0.0
+        both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * alone, strict=True)
+        for one, sd, (shaken, missed) in zip(self.plan.measured, sds, both, strict=True):
             value, own = outputs[one.name]
-            more[one.name] = value, np.hypot(own, shaken)
-            self.unsure |= bool(self.readings.shaken and more[one.name][1] > MANY * sd)
+            more[one.name] = value, np.hypot(own, max(shaken, missed))
+            self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
         # Steps of an encoder shake a load as noise does, and show in the residuals alone.
         shaken = self.readings.shaken or bool(np.any(horizon.spread > MANY**2))
         self.unsure |= shaken and not self.estimate.shown

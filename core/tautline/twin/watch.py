@@ -25,7 +25,10 @@ BY_PLACE = ("TWO_BLOCKED", "RUN_OUT", "DRUM_FULL")
 CATCHING_UP = "catching up"
 """Name of the alarm that what is computed is not judged."""
 NOT_AHEAD = "cannot look ahead"
-"""Name of the alarm that the simulation stops on the way ahead, and not because of what the machine does."""
+"""Name of the alarm that nothing is foreseen: the simulation stops on the way ahead, and not because of what the
+machine does, or an input that the driver moves is not measured."""
+UNSEEN = 1.0
+"""For how long an input that the driver moves is not measured before that is told as `NOT_AHEAD`, s."""
 STOPPED = "simulation stopped"
 """Name of the alarm that the simulation was begun again."""
 WHY_OFF = "zero and unit of the sensor, or the scene's weights, are not right, and no estimate makes up for it"
@@ -60,6 +63,8 @@ class Compared:
         Time until which an input did not go as its sensor says, s.
     blind : bool
         Whether an input that the machine's driver moves is not measured.
+    unsure : bool
+        Whether noise of inputs moves a load in the simulation so much that what is computed of it is not known.
     """
 
     time: float
@@ -75,6 +80,7 @@ class Compared:
     judged_from: float = -np.inf
     led_until: float = -np.inf
     blind: bool = False
+    unsure: bool = False
 
     @property
     def foreseen(self) -> Found | None:
@@ -140,7 +146,7 @@ class Watch:
     def _judge_output(self, one: Alarm, row: Compared, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
         computed, ahead = row.outputs.get(one.target), row.foreseen
-        known = computed is not None and row.converged and row.time >= row.judged_from
+        known = computed is not None and row.converged and not row.unsure and row.time >= row.judged_from
         values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
         text, holds = "", bool(now)
@@ -191,17 +197,18 @@ class Watch:
             holds = stopped is not None and stopped[1] == status
             left = max(0.0, ahead.begun + stopped[0] - row.time) if holds and ahead and stopped else 0.0
             what = name.removesuffix(" ahead")
-            text = f"{what} in {left:.1f} s if all goes on as now"
+            text, known = f"{what} in {left:.1f} s if all goes on as now", True
             if not holds and unknown and name in self.alarms.active:
                 # Where nothing shows where the machine goes, a danger that was seen is not over.
-                holds, text = True, f"{what} was foreseen, and an input is not followed now: nothing shows its end"
-            self.alarms.judge(name, holds, row.time, text)
-        blind = stopped is not None and stopped[1] not in TOLD
-        text = ""
-        if stopped is not None and blind:
-            why = stopped[1].lower().replace("_", " ")
+                holds, known = True, False
+                text = f"not known any more: {what} was foreseen, and an input is not followed now"
+            self.alarms.judge(name, holds, row.time, text, known=known)
+        cut = stopped is not None and stopped[1] not in TOLD
+        text, lasting = "an input that the driver moves is not measured: nothing shows where the machine goes", UNSEEN
+        if stopped is not None and cut:
+            why, lasting = stopped[1].lower().replace("_", " "), 0.0
             text = f"the simulation stops {stopped[0]:.2g} s ahead ({why}): what comes after that is not foreseen"
-        self.alarms.judge(NOT_AHEAD, blind, row.time, text)
+        self.alarms.judge(NOT_AHEAD, cut or row.blind, row.time, text, lasting)
 
     def _believes(self, row: Compared, status: str) -> bool:
         """Whether a stop ahead is one of the machine: by its place also while that is caught up with."""

@@ -213,6 +213,7 @@ class _Loop:
         self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
         self.as_json, self.quiet = as_json, quiet
         self.told: dict[str, float] = {}
+        self.known_alarms: set[str] = set()
         self.begin = self.twin.now
         self.before = 0
         self.known = Counter(self.twin.readings.rows.counts)
@@ -288,6 +289,9 @@ class _Loop:
         for name, one in active.items():
             if name not in self.told:
                 say(f"{stamp_said(line['time'])}: ALARM {name}: {one['text']}", "red")
+            elif name in self.known_alarms and not one["known"]:
+                say(f"{stamp_said(line['time'])}: {name} is {one['text']}", "yellow")
+        self.known_alarms = {name for name, one in active.items() if one["known"]}
         for name, since in list(self.told.items()):
             if name not in active:
                 say(f"{stamp_said(line['time'])}: {name} has ended, after {line['time'] - since:.3g} s")

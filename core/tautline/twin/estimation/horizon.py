@@ -51,6 +51,9 @@ SHORT = 1.6
 """By how much the sum of autocorrelations of a window is too small."""
 BENT = 0.5
 """Share of the way from where it was linearised by which an estimate may be wrong."""
+MISSED, MOST_MISSED = 2.0, 100.0
+"""Time over which it is averaged by how much rows miss what is expected of them, s; and standard deviations of the
+sensor that one counts as at most."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
@@ -108,6 +111,8 @@ class Horizon:
         how often that was learned.
     shaken : bool
         Whether inputs are so noisy that the load bounces in the simulation by that.
+    missed : (m,)
+        Mean square by which rows missed lately what was expected of them, in variances of the sensor.
     released : float
         Time at which the prior was released for the last time; minus infinity.
     since, changed : float
@@ -140,6 +145,7 @@ class Horizon:
         self.rough = np.zeros((m, k))
         self.largest = np.zeros(m)
         self.shaken = False
+        self.missed, self._told, self._missed_at = np.zeros(m), np.zeros(m), np.nan
         self.variance = np.zeros(m)
         self.alike, self.learned = np.ones(m), np.zeros(m)
 
@@ -248,16 +254,19 @@ class Horizon:
         """J' W J and J' W (y - y0 + J theta0) of samples, with the estimate's residuals for the weights."""
         y, y0, J, use = self._stacked(samples)
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
-        sd = self._noise(samples, y0)
+        plain = self._noise(samples, y0)
         # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
-        sd = np.sqrt(sd**2 + np.sum((self.rough * self.linear_deviation) ** 2, axis=-1))
-        scale = sd * np.maximum(1.0, np.sqrt(self.spread))
+        sd = np.sqrt(plain**2 + np.sum((self.rough * self.linear_deviation) ** 2, axis=-1))
+        # Residuals show what scattering derivatives make of them too: it does not count twice. Times each other the two
+        # would let an estimate that is not known keep all samples from telling of it.
+        spread = np.maximum(sd, plain * np.sqrt(np.maximum(1.0, self.spread)))
+        scale = spread
         if alone and len(samples) >= 8:
             # What all samples have in common is no outlier.
             residual = residual - np.median(residual, axis=0)
             scale = np.maximum(scale, np.median(np.abs(residual), axis=0) / 0.6745)
         far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
-        alike = UNSURE * np.maximum(1.0, self.alike) if alone else self.correlation
+        sd, alike = sd if alone else spread, UNSURE * np.maximum(1.0, self.alike)
         weight = np.where(use, 1.0 / (sd**2 * alike), 0.0) / np.maximum(1.0, far) ** 2
         info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
         wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
@@ -412,6 +421,26 @@ class Horizon:
     def of_inputs(self, y0: np.ndarray) -> np.ndarray:
         """Standard deviations (m,) of what noisy inputs make of computed values (m,), as residuals show it."""
         return self.deviations(y0) * np.sqrt(np.maximum(self.spread - 1.0, 0.0)) * self.shaken
+
+    def of_rows(self, y0: np.ndarray) -> np.ndarray:
+        """Standard deviations (m,) of what inputs and the model make of computed values (m,), as rows miss them."""
+        return self.deviations(y0) * np.sqrt(np.maximum(self.missed - 1.0, 0.0))
+
+    def miss(self, time: float, residual: np.ndarray, y0: np.ndarray) -> None:
+        """Follow by how much rows miss what is expected of them: residuals (m,), NaN of what is not compared.
+
+        What the best estimate leaves of a whole window is less: it knows of a free motion only afterwards.
+        """
+        passed = min(time - self._missed_at, MISSED) if np.isfinite(self._missed_at) else 0.0
+        self._missed_at = time
+        square = np.minimum(np.abs(residual) / self.deviations(y0), MOST_MISSED) ** 2
+        told = np.isfinite(square)
+        # Rows of the beginning are the mean of themselves: what is not known yet is no zero.
+        keep = np.where(told, np.exp(-passed / MISSED), 1.0)
+        weight = keep * self._told + (1.0 - keep)
+        share = (1.0 - keep) / np.maximum(weight, 1e-12)
+        self.missed += np.where(told, share * (square - self.missed), 0.0)
+        self._told = weight
 
     def own(self, residual_sd: np.ndarray, y0: np.ndarray) -> np.ndarray:
         """Standard deviations of residuals (m,) without what the sensors are believed to be worse than is given."""

@@ -152,11 +152,13 @@ class InputTrack:
         """Samples (n,) that no break parts from an instant; no motion is as fast as a sensor that jumps."""
         keep = np.ones(len(values), bool)
         finite = np.flatnonzero(np.isfinite(values))
-        speeds = np.abs(np.diff(values[finite])) / np.maximum(np.diff(times[finite]), 1e-9)
+        # Rows that come close together: a stamp may be off by as much as they are apart, and a last digit is no speed.
+        passed = np.maximum(np.diff(times[finite]), float(np.median(np.diff(times))) if times.size > 2 else 1e-9)
+        speeds = np.abs(np.diff(values[finite])) / passed
         # Before rows have shown how an input moves it may begin with any usual speed.
         known = len(self._bends) >= ENOUGH and times.size > 1
         floor = min(SPEED, SUDDEN * float(np.median(np.diff(times)))) if known else SPEED
-        spread = NOISE_APART * self.noise / np.maximum(np.diff(times[finite]), 1e-9)
+        spread = NOISE_APART * self.noise / passed
         for i in np.flatnonzero(speeds > JUMP * max(self._seen, floor) + spread):
             cut = times[finite[i + 1]]
             keep &= (times < cut) == (at < cut)

@@ -269,6 +269,7 @@ class Readings:
         self.zeros[i] = self.zeros.get(i, 0.0) - off / track.channel.scale
         for row in self.rows.past:
             row.values[i] += off
+        self.health[i].count_anew(off)
 
 
 def _far_said(channel: Channel, begins: float, start: float) -> str:

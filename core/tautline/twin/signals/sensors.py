@@ -35,6 +35,9 @@ GAP = 4.0
 """Time since the last value, over that before it, that is a gap."""
 ABRUPT = 4.0
 """Change of the step from value to value, over the largest seen, that no motion makes."""
+LEAP = 4.0
+"""Speed from value to value, SI, from which on a place that moves `ABRUPT` times as far as ever has been set by no
+machine. If it stands there, such as at the zero of a wire that has come off, its sensor is stuck."""
 BRAKED = 2.0
 """Change of speed in an interval that a machine stops with, m/s2; between rows that come slowly any may stop."""
 EDGE = 1e-6
@@ -93,6 +96,7 @@ class Health:
         self._changes: deque[float] = deque(maxlen=HISTORY)
         self._same, self._same_from, self._abrupt, self._stopped = 1, np.nan, False, False
         self._last, self._last_at, self._step = np.nan, np.nan, np.nan
+        self._leapt, self._furthest = False, 0.0
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
         self.mean, self.weight = 0.0, 0.0
@@ -215,6 +219,7 @@ class Health:
             self._same += 1
         else:
             step = reading - self._last
+            self._leap(step)
             if np.isfinite(step) and np.isfinite(self._step) and self._same == 1:
                 self._changes.append(abs(step - self._step))
             self._same, self._same_from, self._step = 1, time, step
@@ -228,15 +233,16 @@ class Health:
         self._last, self._last_at, self._largest = reading, time, max(self._largest, abs(reading))
         long = self._same >= SAME and time - self._same_from >= SHORTEST
         # A slack rope, or a string that stands, shows zero for as long as it likes; a depth of the hole is no motion.
-        if not long or reading == 0.0 or not (self.channel.is_input or self.channel.is_output):
+        still = reading == 0.0 and not self._leapt
+        if not long or still or not (self.channel.is_input or self.channel.is_output):
             return reading if self.fault != "clipped" and not self.stands else np.nan
         at_edge = np.isfinite(width) and width > 0.0 and (reading <= low + width or reading >= high - width)
         # A ship never stands still to the last digit.
         ship = self.channel.waves and time - self._same_from >= STILL and np.ptp(self._values) > 0.0
-        if not (at_edge or self._abrupt or ship or self._has_noise()):
+        if not (at_edge or self._abrupt or self._leapt or ship or self._has_noise()):
             return reading
         extreme = reading >= max(self._values) or reading <= min(self._values)
-        cut = extreme and len(self._values) >= ENOUGH and not self._is_set
+        cut = extreme and len(self._values) >= ENOUGH and not self._is_set and not self._leapt
         kind = "clipped" if at_edge or cut else "stuck"
         self._set(kind, f"{self.channel.column} has shown {self.channel.told(reading)} since {self._same_from:.6g} s")
         return np.nan
@@ -259,7 +265,26 @@ class Health:
     @property
     def stands(self) -> bool:
         """Whether a place has stopped as no motion does: it is stuck, or will be seen not to be."""
-        return self.is_place and self._stopped and self._same >= 2 and self._last != 0.0
+        stopped = self._leapt or (self._stopped and self._last != 0.0)
+        return self.is_place and stopped and self._same >= 2
+
+    def count_anew(self, off: float) -> None:
+        """Take notice that places count from elsewhere: so much, SI, is added to all from now on."""
+        self._last += off
+        self._values = deque((one + off for one in self._values), maxlen=HISTORY)
+
+    def _leap(self, step: float) -> None:
+        """Take notice of a step to another value: whether a place has leapt as no machine moves.
+
+        The leap back, from where it stood after one, is none: it is where the machine is.
+        """
+        if not np.isfinite(step):
+            self._leapt = False
+            return
+        far = len(self._changes) >= ENOUGH and abs(step) > max(LEAP * self._passed, ABRUPT * self._furthest)
+        self._leapt = bool(self.is_place and far and not self._leapt)
+        if not far:
+            self._furthest = max(self._furthest, abs(step))
 
     def stops(self, step: float, interval: float) -> bool:
         """Whether a motion that goes so far from value to value, in an interval, s, cannot stop at the next one."""
@@ -347,6 +372,7 @@ class Health:
         return {
             "fault": self.fault, "text": self.text, "seen": self.seen, "values": list(self._values),
             "changes": list(self._changes), "mean": self.mean, "weight": self.weight, "before": self._before,
+            "furthest": self._furthest,
             "off": [self.off, self._off_for, self._off_at], "jumps": [self.jumps, self._jumped, self.jump],
         }  # fmt: skip
 
@@ -356,6 +382,7 @@ class Health:
         self._values.extend(memory["values"])
         self._changes.extend(memory["changes"])
         self.mean, self.weight, self._before = memory["mean"], memory["weight"], memory["before"]
+        self._furthest = float(memory.get("furthest", 0.0))
         self.off, self._off_for, self._off_at = memory["off"]
         self.contradicts = self._off_for >= OFF_TIME
         self.jumps, self._jumped, self.jump = memory.get("jumps", [0, -np.inf, ""])
