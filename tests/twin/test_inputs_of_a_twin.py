@@ -133,17 +133,26 @@ def test_noise_that_the_map_does_not_state_is_not_taken_for_motion_in_the_first_
 
 
 def winch_at(times, values):
-    """A winch's encoder that is followed from row to row."""
+    """Times at which a winch joins its encoder, which is followed from row to row."""
     track = InputTrack(CHANNEL.model_copy(update={"name": "winch.pay_out", "waves": False}), 0)
     track.begin(float(values[0]), times[0] - 0.05)
+    return [row.time for row, _ in follow(track, times, values) if track.joining]
+
+
+def track_of(times, values):
+    """A winch that stands when the first row comes, and its states."""
+    track = InputTrack(CHANNEL.model_copy(update={"name": "winch.pay_out", "waves": False}), 0)
+    track.begin(float(values[0]), times[0])
+    return track, np.array([state for _, state in follow(track, times, values, after_gap=True)])
+
+
+def follow(track, times, values, after_gap=False):
+    """Rows, and the states at them, with four samples after each."""
     rows = [Row(t, np.array([x])) for t, x in zip(times, values, strict=True)]
-    joined_at = []
+    rows[0].after_gap = after_gap
     for k, row in enumerate(rows[:-4]):
         around = slice(max(0, k - 7), k + 5)
-        track.follow(rows[around], values[around], row, 0.15)
-        if track.joining:
-            joined_at.append(row.time)
-    return joined_at
+        yield row, track.follow(rows[around], values[around], row, 3.0 * float(times[1] - times[0])).copy()
 
 
 @pytest.mark.parametrize("digit", [1e-4, 0.02])
@@ -164,3 +173,19 @@ def test_an_encoder_that_jumps_within_eight_milliseconds_is_still_seen_to():
     stamps[80] -= 0.042
     joined_at = winch_at(stamps, -2.0 * true + 3.0 * (np.arange(120) >= 80))
     assert joined_at[0] == pytest.approx(stamps[80], abs=1e-9)
+
+
+@pytest.mark.parametrize(("rate", "speed"), [(20.0, 2.0), (50.0, 1.0), (100.0, 2.0), (1.0, 2.0)])
+def test_a_winch_that_already_runs_at_the_first_row_is_followed_soon_after(rate, speed):
+    times = np.arange(max(80, int(8.0 * rate))) / rate
+    track, states = track_of(times, -speed * times)
+    caught_up = times[: len(states)] > max(4.0, 20.0 / rate)
+    assert states[caught_up, 0] == pytest.approx(-speed * times[: len(states)][caught_up], abs=1e-6)
+    assert track.fastest == pytest.approx(max(1.0, speed), rel=1e-6)
+
+
+def test_an_encoder_that_leaps_on_the_way_of_a_winch_that_ran_at_the_first_row_is_no_motion():
+    times = 0.05 * np.arange(300)
+    track, states = track_of(times, -2.0 * times + 5.0 * (times >= 9.0))
+    assert np.max(np.abs(np.diff(states[:, 0]))) < 0.3
+    assert track.fastest == pytest.approx(2.0, rel=1e-6)

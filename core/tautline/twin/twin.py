@@ -326,7 +326,11 @@ class Twin:
         self.settling.follow(row.time, off, residual_sd, y, estimate.bounce())
         estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))
         estimate.log.rows.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
+        family = estimate.family
         estimate.relinearise()
+        if estimate.family is not family:
+            # Other simulations go on from here, with other values and derivatives.
+            read = dict(zip(self._read, estimate.family.read(self._read), strict=True))
         outputs = self._with_noise_of_inputs(estimate.outputs(read), y0)
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,

@@ -44,6 +44,8 @@ SHAKEN = 0.02
 """Second rate of a noise at the frequency of a bounce from which on it shakes a load, SI."""
 SUDDEN = 10.0
 """Change of speed in the interval of two samples that a machine may begin with, m/s2 (of an angle rad/s2)."""
+LASTING, ALIKE = 4, 1.5
+"""Intervals in a row, and how far their speeds may differ as a factor, from which on a motion is no break."""
 NOISE_APART = 8.0
 """Standard deviations of the noise that two samples may be apart by."""
 
@@ -159,7 +161,12 @@ class InputTrack:
         known = len(self._bends) >= ENOUGH and times.size > 1
         floor = min(SPEED, SUDDEN * float(np.median(np.diff(times)))) if known else SPEED
         spread = NOISE_APART * self.noise / passed
+        lasts = _lasting(np.diff(values[finite]) / passed)
         for i in np.flatnonzero(speeds > JUMP * max(self._seen, floor) + spread):
+            if lasts[i]:
+                # It was on its way before the first row, or while it was being joined.
+                self._seen = max(self._seen, float(speeds[i]))
+                continue
             cut = times[finite[i + 1]]
             keep &= (times < cut) == (at < cut)
             if at == cut:
@@ -220,6 +227,16 @@ class InputTrack:
                 setattr(self, name, deque(value, maxlen=NOISES))
                 continue
             setattr(self, name, np.array(value, float) if isinstance(value, list) else value)
+
+
+def _lasting(speeds: np.ndarray) -> np.ndarray:
+    """Which of the speeds (n,) from sample to sample go on: a sensor that jumps does so once, or back again."""
+    lasts = np.zeros(len(speeds), bool)
+    for i in range(len(speeds) - LASTING + 1):
+        row = speeds[i : i + LASTING]
+        if np.all(row > 0.0) or np.all(row < 0.0):
+            lasts[i : i + LASTING] |= np.max(np.abs(row)) <= ALIKE * np.min(np.abs(row))
+    return lasts
 
 
 def _slope_to(times: np.ndarray, values: np.ndarray, at: float) -> float:
