@@ -360,7 +360,7 @@ class _Linearisation:
         for one in self.outputs:
             if one.places is not None:
                 vector, places = one.places
-                parts.append((dq if vector == "q" else dv)[places])
+                parts.append(np.ravel((dq if vector == "q" else dv)[places]))
             else:
                 parts.append(np.ravel(differences[one.name]))
         return np.concatenate(parts) if parts else np.zeros(0)
