@@ -80,3 +80,22 @@ def test_new_writes_its_template_and_schema_knows_its_keys(capsys):
         run(make_app(Buoys()), ["schema"])
     assert left.value.code == 0
     assert "displaced" in capsys.readouterr().out
+
+
+def test_outputs_of_places_that_have_no_names_have_the_shapes_of_a_frame(tmp_path):
+    sim = tautline.Simulation("scene.yaml")
+    told = sim.outputs.describe()
+    assert told["position"]["shape"] == (1, 3) and told["kinetic_energy"]["shape"] == ()
+    sim.advance_to(0.2)
+    plant = sim.linearise([], ["position", "velocity"])
+    assert plant.outputs[:3] == ("position[0,0]", "position[0,1]", "position[0,2]")
+    assert np.abs(plant.C - np.eye(6)).max() < 1e-9
+
+
+def test_an_fmu_of_places_that_have_no_names_has_their_numbers(tmp_path):
+    pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    command("fmu", "scene.yaml", "--outputs", "position", "-o", "buoy.fmu")
+    told = fmpy.read_model_description("buoy.fmu")
+    outputs = [variable.name for variable in told.modelVariables if variable.causality == "output"]
+    assert outputs == ["position[0,0]", "position[0,1]", "position[0,2]"]

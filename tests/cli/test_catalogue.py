@@ -91,3 +91,31 @@ def test_installed_packages_are_looked_through_once_for_all_groups_and_again_whe
     (about / "entry_points.txt").write_text("[tautline.extensions]\nlate = late\n", encoding="utf8")
     monkeypatch.syspath_prepend(about.parent)
     assert "late" in {point.name for point in entry_points.in_group("tautline.extensions")}
+
+
+def test_an_application_that_lacks_what_every_one_has_is_broken_and_others_take_their_scenes(
+    installed, monkeypatch, tmp_path
+):
+    class Incomplete:
+        pass
+
+    class Confused(FakeApplication):
+        name = "confused"
+
+        def recognises(self, root):
+            return root["kind"] == "confused"
+
+    class Strict(FakeApplication):
+        name = "strict"
+
+        def recognises(self, root):
+            return bool(root) and root["kind"] == "strict"
+
+    points = [Point("buoy", Incomplete), Point("confused", Confused), Point("strict", Strict), Point("other", Other)]
+    monkeypatch.setattr(entry_points, "in_group", lambda group: points)
+    (tmp_path / "scene.yaml").write_text("other: 1\n")
+    assert Installed().for_scene(tmp_path / "scene.yaml").name == "other"
+    assert [one.name for one in Installed().all()] == ["strict", "other"]
+    broken = Installed().broken
+    assert broken.keys() == {"buoy", "confused"}
+    assert "no `recognises`" in broken["buoy"] and "KeyError" in broken["confused"]

@@ -145,6 +145,54 @@ def test_equations_refuse_vectors_of_another_size_and_do_not_touch_the_simulatio
     assert np.array_equal(before.block, sim.save().block)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (lambda one, t, q, v: one.residual("x", q, v, v), "'x' is no time"),
+        (lambda one, t, q, v: one.residual(np.nan, q, v, v), "nan is no time"),
+        (lambda one, t, q, v: one.residual(t, q * np.nan, v, v), "number 0 of a vector is nan"),
+        (lambda one, t, q, v: one.residual(t, q, v, v + np.inf), "is inf, which is not finite"),
+        (lambda one, t, q, v: one.residual(t, q, v + 1j, v), "complex numbers"),
+        (lambda one, t, q, v: one.residual(t, q, ["x"] * q.size, v), "has no numbers"),
+        (lambda one, t, q, v: one.residual(t, q, [[1.0], [1.0, 2.0]], v), "no vector of numbers"),
+        (lambda one, t, q, v: one.acceleration(t, q * np.nan, v), "not finite"),
+        (lambda one, t, q, v: one.mass(q * np.nan), "not finite"),
+        (lambda one, t, q, v: one.mass(q, t="x"), "'x' is no time"),
+        (lambda one, t, q, v: one.tangent(t, q, v, v, ck="x"), "'x' is no factor ck"),
+        (lambda one, t, q, v: one.tangent(t, q, v, v, cm=np.nan), "nan is no factor cm"),
+        (lambda one, t, q, v: one.first_order(0, None), "has no numbers"),
+        (lambda one, t, q, v: one.first_order(0, q), "positions and velocities"),
+        (lambda one, t, q, v: one.first_order_tangent(0, q), "positions and velocities"),
+    ],
+)
+def test_equations_refuse_what_is_no_finite_real_number(wrong, words):
+    equations = tautline.Simulation(HANGING).equations
+    with pytest.raises(SimulationError, match=words):
+        wrong(equations, *equations.state())
+
+
+@pytest.mark.parametrize("names", [(None, ["payload.position"]), (["winch.pay_out_speed"], None), ([3], [])])
+def test_linearise_refuses_what_is_no_name(names):
+    with pytest.raises(SimulationError, match="is no name; give names"):
+        tautline.Simulation(rolling()).linearise(*names)
+
+
+@pytest.mark.parametrize(
+    ("returned", "words"),
+    [
+        ("text", "is str, which is no numbers"),
+        (None, "is NoneType"),
+        ([1j, 0, 0], "complex"),
+        ([[1], [1, 2]], "no vec"),
+    ],
+)
+def test_a_force_that_returns_no_real_numbers_is_refused_in_words(returned, words):
+    sim = tautline.Simulation(rolling())
+    with pytest.raises(SimulationError, match=words):
+        sim.add_force(lambda t, q, v: returned, on="payload.position")
+        sim.advance(0.1)
+
+
 PLACE = np.array([12.4, 0.0, 5.0])
 
 
@@ -230,6 +278,8 @@ def test_what_a_force_raises_comes_out_and_the_simulation_can_be_restored():
         (3.0, None, "neither a function nor a registered group"),
         (spring, [10_000], "degrees of freedom"),
         (spring, "winch.tension", "is not the position of a thing"),
+        (lambda: 0.0, "payload.position", r"takes \(\), and is called with \(t, q, v\)"),
+        (lambda t, q, v, force: 0.0, "payload.position", r"is called with \(t, q, v\)"),
     ],
 )
 def test_what_is_no_force_or_no_place_is_refused(force, on, words):

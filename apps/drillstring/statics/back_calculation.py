@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.helix import LockedUp
+from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import links, own_friction, require_wall
 from drillstring.string.factors import Factors
@@ -63,7 +64,8 @@ class Fit(NamedTuple):
     there are no more loads than factors, infinite where the loads do not tell it. ``residual`` is the root mean square
     of what the loads are off, N; ``pick_up`` and ``slack_off`` are the open hole's factors that fit each alone, NaN
     where there are too few loads. ``cased`` and ``cased_spread`` are None in a hole without casing. ``unexplained`` are
-    the loads that no factor explains.
+    the loads that no factor explains. ``model_error`` is what the model itself may be off by, which residuals do not
+    tell: it moves all loads together, and the factor with them.
     """
 
     friction: float
@@ -75,6 +77,20 @@ class Fit(NamedTuple):
     cased: float | None = None
     cased_spread: float | None = None
     unexplained: tuple[Unexplained, ...] = ()
+    model_error: float = 0.0
+    cased_model_error: float | None = None
+
+    @property
+    def error(self) -> float:
+        """Standard error of the factor with what the model may be off by."""
+        return float(np.hypot(self.spread, self.model_error))
+
+    @property
+    def cased_error(self) -> float | None:
+        """The same of the cased hole's factor; None in a hole without casing."""
+        if self.cased_spread is None or self.cased_model_error is None:
+            return None
+        return float(np.hypot(self.cased_spread, self.cased_model_error))
 
     @property
     def out_of_reach(self) -> bool:
@@ -159,7 +175,9 @@ def fit(
     Where the scene has a casing, its factor and that of the open hole are sought together. The loads are those of the
     statics of the lumped model (statics.py). The spread is the standard error: the square root of the diagonal of
     s^2 (J^T J)^-1 with s^2 the squares of the residuals over n - m, J the derivatives of the n loads with respect to
-    the m factors.
+    the m factors. The model's own error is what half the elements, or the soft string, would change in the factors, the
+    larger of both: the first falls with the number of elements, and what the second leaves is clearance, stretch and
+    stiffness, which a soft string lacks.
 
     Raises
     ------
@@ -169,10 +187,10 @@ def fit(
         Where no equilibrium was found, naming the load.
     """
     require_wall(scene)
-    strings = []
+    strings, count = [], links(scene) if elements is None else elements
     for done, (depth, line) in enumerate(zip(measured.depth, measured.lines, strict=True), 1):
         try:
-            strings.append(Statics(scene, float(depth), links(scene) if elements is None else elements))
+            strings.append(Statics(scene, float(depth), count))
         except SceneError as error:
             found = error.problems[0]
             problem = Problem(str(path or "measured"), int(line), "depth", f"{depth:g} m", found.cause, found.cure)
@@ -194,8 +212,43 @@ def fit(
     n, spread = len(rows), _spread(errors, slopes)
     residual = float(np.sqrt(errors @ errors / n))
     both = (float(factors[1]), float(spread[1])) if shoe > 0.0 else (None, None)
-    alone_and_both = (alone["pick_up"], alone["slack_off"], n, *both)
-    return Fit(float(factors[0]), float(spread[0]), residual, *alone_and_both, _unexplained(rows))
+    off = _model_error(scene, rows, Factors(float(factors[0]), float(factors[-1]), shoe), slopes, count)
+    return Fit(
+        float(factors[0]), float(spread[0]), residual, alone["pick_up"], alone["slack_off"], n, *both,
+        unexplained=_unexplained(rows), model_error=float(off[0]),
+        cased_model_error=float(off[1]) if shoe > 0.0 else None,
+    )  # fmt: skip
+
+
+@one_thread()
+def _model_error(
+    scene: DrillstringScene, rows: list[tuple[Statics, str, float]], factors: Factors, slopes: np.ndarray, count: int
+) -> np.ndarray:
+    """By how much other models would have other factors (m,), the larger: half the elements, and the soft string.
+
+    Where elements cannot be halved, twice the change to twice as many tells the same.
+    """
+    if len(rows) < slopes.shape[1] or not slopes.size:
+        return np.full(2, np.nan)
+    fewer = count // 2
+    # A string has an element for each of its sections at least.
+    other, share = (fewer, 1.0) if fewer >= len(scene.string) else (2 * count, 2.0)
+    others = {string.depth: Statics(scene, string.depth, other) for string, *_ in rows}
+    loads = np.array([_hook_load(row, factors) for row in rows])
+    by_elements = share * (np.array([_hook_load((others[row[0].depth], *row[1:]), factors) for row in rows]) - loads)
+    by_soft = np.array([_soft_hook_load(string, way, factors) for string, way, _ in rows]) - loads
+    # A soft string that locks up has no load to compare with.
+    back = np.linalg.pinv(slopes, rcond=TOLD)
+    changes = [np.abs(back @ np.nan_to_num(each)) for each in (by_elements, by_soft)]
+    found: np.ndarray = np.maximum(*changes)
+    return found
+
+
+def _soft_hook_load(string: Statics, way: str, factors: Factors) -> float:
+    """Hook load of the soft string, N."""
+    return soft_string(
+        string.well, string.tubes, string.weight, factors, way, string.bit_force, string.diameter
+    ).hook_load
 
 
 @one_thread()

@@ -235,7 +235,8 @@ def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: fl
 
 
 def _fit_report(fitted: Fit) -> dict[str, Any]:
-    return fitted._asdict() | {"unexplained": [one._asdict() for one in fitted.unexplained]}
+    more = {"error": fitted.error, "cased_error": fitted.cased_error}
+    return fitted._asdict() | more | {"unexplained": [one._asdict() for one in fitted.unexplained]}
 
 
 def _report_of(case: Case) -> dict[str, Any]:

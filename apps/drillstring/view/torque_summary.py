@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 24
 """Rows of the table; of more, the figure and ``--json`` tell all."""
+WORTH_TELLING = 1.0e-4
+"""Error of a friction factor by the model below which nothing is said of it."""
 IN_FULL = 6
 """Points up to which every number stands beside that of the soft string."""
 WORDS = {
@@ -283,11 +285,28 @@ def fit_in_words(fitted: Fit, system: str = "si") -> str:
         for value, word in ((fitted.pick_up, "pick-up"), (fitted.slack_off, "slack-off"))
     ]
     off = f"the loads are off by {shown(fitted.residual, 'N', system)} rms"
-    if fitted.cased is not None and fitted.cased_spread is not None:
-        cased, opened = _factor(fitted.cased, fitted.cased_spread), _factor(fitted.friction, fitted.spread)
-        return f"friction factors of the {fitted.loads} measured hook loads: cased {cased}, open {opened} ({off})"
-    text = f"friction factor of the {fitted.loads} measured hook loads: {_factor(fitted.friction, fitted.spread)}"
-    return f"{text} ({', '.join(alone)}; {off})"
+    if fitted.cased is not None and fitted.cased_error is not None:
+        cased, opened = _factor(fitted.cased, fitted.cased_error), _factor(fitted.friction, fitted.error)
+        text = f"friction factors of the {fitted.loads} measured hook loads: cased {cased}, open {opened} ({off})"
+    else:
+        text = f"friction factor of the {fitted.loads} measured hook loads: {_factor(fitted.friction, fitted.error)}"
+        text = f"{text} ({', '.join(alone)}; {off})"
+    return text + _of_model(fitted)
+
+
+def _of_model(fitted: Fit) -> str:
+    """What of the error of the factors the model makes, where it is more than what the loads scatter by."""
+    shares = [(fitted.model_error, fitted.spread)]
+    if fitted.cased_model_error is not None and fitted.cased_spread is not None:
+        shares.append((fitted.cased_model_error, fitted.cased_spread))
+    told = [(model, loads) for model, loads in shares if np.isfinite(loads) and model > max(loads, WORTH_TELLING)]
+    if not told:
+        return ""
+    model, loads = max(told)
+    return (
+        f"; of the error, {model:.2g} is that of the model, as half the elements and the soft string tell it, and "
+        f"{loads:.2g} the scatter of the loads: more elements may make the first smaller (--elements)"
+    )
 
 
 def _unexplained(fitted: Fit, system: str) -> str:

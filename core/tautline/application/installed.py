@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 GROUP = "tautline.applications"
 """Entry points of this group name the classes of applications."""
 
+NEEDED = ("name", "title", "recognises", "read", "build", "schema", "templates")
+"""What no application can be without: it is asked of each for every scene, or by `tautline` itself."""
 
 _registered: dict[str, Any] = {}
 
@@ -30,7 +32,7 @@ def register(application: Any) -> Any:
     application : type
         Makes an `Application` when it is called without arguments.
     """
-    _registered[application.name] = application
+    _registered[getattr(application, "name", application.__name__)] = application
     return application
 
 
@@ -83,7 +85,34 @@ def _root(path: Path) -> dict[str, Any]:
 
 def _application_of(root: dict[str, Any]) -> str:
     """Name of the application whose scene a mapping is; empty for none."""
-    return next((one.name for one in Installed().all() if one.recognises(root)), "")
+    return next((one.name for one in Installed().all() if _claims(one, root)), "")
+
+
+def _claims(application: Application, root: dict[str, Any]) -> bool:
+    """Whether an application takes a mapping for its scene; one that fails at it does not: others may."""
+    try:
+        return bool(application.recognises(root))
+    except Exception:
+        return False
+
+
+def _made(make: Callable[[], Any]) -> Application:
+    """An application of an entry point.
+
+    Raises
+    ------
+    TypeError
+        Where it lacks something that every application has.
+    Exception
+        What its code raises.
+    """
+    application = make()
+    lacking = [name for name in NEEDED if not hasattr(type(application), name) and name not in vars(application)]
+    if lacking:
+        raise TypeError(f"it has no {', no '.join(f'`{name}`' for name in lacking)}; see docs/extending.md")
+    application.recognises({})
+    made: Application = application
+    return made
 
 
 def _refuse_no_scene(root: dict[str, Any], name: str) -> None:
@@ -146,6 +175,18 @@ class Single:
         return self.application
 
 
+def _loaded(makers: Iterable[tuple[str, Callable[[], Any]]]) -> tuple[dict[str, Application], dict[str, str]]:
+    """Applications by name, and why some could not be made: a broken one must not keep the others from being used."""
+    found: dict[str, Application] = {}
+    broken: dict[str, str] = {}
+    for name, make in makers:
+        try:
+            found[name] = _made(make)
+        except (Exception, SystemExit) as error:
+            broken[name] = f"{type(error).__name__}: {error}"
+    return found, broken
+
+
 class Installed:
     """All applications that are installed."""
 
@@ -154,24 +195,20 @@ class Installed:
 
     def all(self) -> list[Application]:
         """Load them all; those that cannot be loaded are left out, see `broken`."""
-        own = {name: make() for name, make in _registered.items()}
-        return list((self._loaded[0] | own).values())
+        return list((self._loaded[0] | self._own[0]).values())
 
     @property
     def broken(self) -> dict[str, str]:
-        """Why an application could not be loaded, by name."""
-        return self._loaded[1]
+        """Why an application could not be loaded, or lacks what every application has, by name."""
+        return self._loaded[1] | self._own[1]
 
     @functools.cached_property
     def _loaded(self) -> tuple[dict[str, Application], dict[str, str]]:
-        found: dict[str, Application] = {}
-        broken: dict[str, str] = {}
-        for point in entry_points.in_group(GROUP):
-            try:
-                found[point.name] = point.load()()
-            except (Exception, SystemExit) as error:  # a broken one must not keep the others from being used
-                broken[point.name] = f"{type(error).__name__}: {error}"
-        return found, broken
+        return _loaded((point.name, lambda point=point: point.load()()) for point in entry_points.in_group(GROUP))
+
+    @property
+    def _own(self) -> tuple[dict[str, Application], dict[str, str]]:
+        return _loaded(_registered.items())
 
     def for_scene(self, source: Path | Document) -> Application:
         """Ask each whether the scene is its own."""
@@ -201,7 +238,7 @@ class Installed:
 
     def _recognising(self, root: dict[str, Any], name: str) -> Application:
         for application in self.all():
-            if application.recognises(root):
+            if _claims(application, root):
                 return application
         _refuse_no_scene(root, name)
         known = ", ".join(application.name for application in self.all()) or "none"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -17,11 +16,9 @@ from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import LONGEST, Problem, SceneError
 from tautline.scene.limits import ABOVE, Limit
 from tautline.scene.values.quantity import Quantity
-from tautline.system.handles import Handles, Output, outputs_of
+from tautline.system.handles import PART, Handles, Output, outputs_of
 from tautline.system.model import Model
 
-PART = re.compile(r"(.+)\[(\d+(?:\s*,\s*\d+)*)\]")
-"""One of the numbers of an output: ``payload.position[2]``."""
 COMPONENTS = frozenset({"axis", "side", "part"})
 """Dimensions of components: a bound of all of them together would mean nothing."""
 CLOSE, OFFERED, MOST_LISTED = 0.5, 3, 40

@@ -12,7 +12,7 @@ from tautline.integrators.state import State
 from tautline.kernels.bound import Lasting
 from tautline.kernels.groups import hold_laws
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
-from tautline.live.errors import SimulationError
+from tautline.live.errors import SimulationError, real
 from tautline.system.model import Model
 
 INSTANT = 1.0e-6
@@ -82,18 +82,18 @@ class Equations:
     def mass(self, q: np.ndarray, t: float | None = None) -> Any:
         """Mass matrix (n, n) as `scipy.sparse.csc_array`; rows and columns of multipliers are those of the constraints.
 
-        ``t`` says where what is prescribed stands; by default where the simulation stood.
+        ``t`` says where what is prescribed stands; by default where the simulation stood. Raises as `residual` does.
         """
         (q,) = self._checked(q)
-        time = self._time if t is None else float(t)
+        time = self._time if t is None else _time(t)
         self._lasting.call(evaluate_mass, (*self._scene, self._matrix), time, q)
         return sparse(self._matrix)
 
     def tangent(
         self, t: float, q: np.ndarray, v: np.ndarray, a: np.ndarray, cm: float = 0.0, cc: float = 0.0, ck: float = 1.0
     ) -> Any:
-        """``cm dr/da + cc dr/dv + ck dr/dq`` (n, n) as `scipy.sparse.csc_array`."""
-        self._evaluate(t, q, v, a, float(cm), float(cc), float(ck), self._matrix)
+        """``cm dr/da + cc dr/dv + ck dr/dq`` (n, n) as `scipy.sparse.csc_array`; raises as `residual` does."""
+        self._evaluate(t, q, v, a, _factor(cm, "cm"), _factor(cc, "cc"), _factor(ck, "ck"), self._matrix)
         return sparse(self._matrix)
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -102,7 +102,7 @@ class Equations:
         Raises
         ------
         SimulationError
-            Where the mass matrix is singular, naming the unknown.
+            Where the mass matrix is singular, naming the unknown; and as `residual` does.
         """
         self._evaluate(t, q, v, self._none, 1.0, 0.0, 0.0, self._factors.matrix)
         row = self._lasting.call(factorise_matrix, (self._factors,))
@@ -112,17 +112,17 @@ class Equations:
         return -self._residual
 
     def first_order(self, t: float, y: np.ndarray) -> np.ndarray:
-        """dy/dt of ``y = (q, v)`` (2 n,): what `scipy.integrate.solve_ivp` takes."""
+        """dy/dt of ``y = (q, v)`` (2 n,): what `scipy.integrate.solve_ivp` takes. Raises as `acceleration` does."""
+        q, v = self._halves(y)
         n = self.size
-        q, v = y[:n], y[n:]
         rate = np.concatenate((v, self.acceleration(t, q, v)))
         rate[self.algebraic] = rate[n + self.algebraic] = 0.0
         return rate
 
     def first_order_tangent(self, t: float, y: np.ndarray) -> np.ndarray:
         """d(first_order)/dy (2 n, 2 n), for methods that ask for it: ``(0, 1; -M^-1 K, -M^-1 C)``."""
+        q, v = self._halves(y)
         n = self.size
-        q, v = y[:n], y[n:]
         a = self.acceleration(t, q, v)
         mass = splu(sparse_csc(self.tangent(t, q, v, a, 1.0, 0.0, 0.0)))
         jacobian = np.zeros((2 * n, 2 * n))
@@ -135,16 +135,52 @@ class Equations:
 
     def _evaluate(self, t: float, q: Any, v: Any, a: Any, cm: float, cc: float, ck: float, matrix: Any) -> None:
         q, v, a = self._checked(q, v, a)
-        more = float(t), self._h, q, v, a, cm, cc, ck, self._residual
+        more = _time(t), self._h, q, v, a, cm, cc, ck, self._residual
         self._lasting.call(evaluate_at, (*self._scene, matrix), *more)
 
+    def _halves(self, y: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and velocities of ``y``."""
+        both = _vector(y, 2 * self.size, "positions and velocities", "give the positions, and then the velocities")
+        return both[: self.size], both[self.size :]
+
     def _checked(self, *vectors: Any) -> list[np.ndarray]:
-        found = [np.ascontiguousarray(vector, dtype=float) for vector in vectors]
-        for vector in found:
-            if vector.shape != (self.size,):
-                cause = f"a vector of shape {vector.shape} is given, and there are {self.size} unknowns"
-                raise SimulationError(cause, "give one number for each of `names`")
-        return found
+        return [_vector(vector, self.size, "unknowns", "give one number for each of `names`") for vector in vectors]
+
+
+def _vector(given: Any, size: int, what: str, cure: str) -> np.ndarray:
+    """A vector of so many finite real numbers; raises SimulationError."""
+    try:
+        found = np.asarray(given)
+    except (TypeError, ValueError):  # rows of different lengths
+        raise SimulationError("what is given is no vector of numbers", cure) from None
+    if found.dtype.kind not in "iuf":
+        kind = "complex numbers" if found.dtype.kind == "c" else "no numbers"
+        raise SimulationError(f"the vector that is given has {kind}, and real ones are needed", cure)
+    if found.shape != (size,):
+        raise SimulationError(f"a vector of shape {found.shape} is given, and there are {size} {what}", cure)
+    finite = np.isfinite(found)
+    if not finite.all():
+        place = int(np.argmin(finite))
+        raise SimulationError(
+            f"number {place} of a vector is {found[place]}, which is not finite", "give finite numbers"
+        )
+    return np.ascontiguousarray(found, dtype=float)
+
+
+def _time(given: Any) -> float:
+    """A time, s; raises SimulationError."""
+    return _finite(real(given, "time", "give seconds, a finite number"), "time")
+
+
+def _factor(given: Any, name: str) -> float:
+    """The factor of a part of the tangent; raises SimulationError."""
+    return _finite(real(given, f"factor {name}", "give a finite number"), f"factor {name}")
+
+
+def _finite(number: float, what: str) -> float:
+    if not np.isfinite(number):
+        raise SimulationError(f"{number} is no {what}", "give a finite number")
+    return number
 
 
 def sparse_csc(matrix: Any) -> Any:

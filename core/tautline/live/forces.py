@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import inspect
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -53,16 +54,27 @@ class Force:
             force = np.ctypeslib.as_array(f, (n,))
             try:
                 x, rate = np.ctypeslib.as_array(q, (n,)).copy(), np.ctypeslib.as_array(v, (n,)).copy()
-                found = np.asarray(function(t, x, rate), dtype=float)
-                if found.shape != (n,):
-                    cause = f"the force has the shape {found.shape}, and acts on {n} degrees of freedom"
-                    raise SimulationError(cause, f"return {n} numbers")
-                force[:] = found
+                force[:] = _numbers(function(t, x, rate), n)
             except BaseException as error:  # there is no way for it through compiled code
                 self.failed = self.failed or error
                 force[:] = np.nan
 
         return call
+
+
+def _numbers(given: Any, n: int) -> np.ndarray:
+    """What a function of the user's returned as a vector of forces; raises SimulationError."""
+    cure = f"return {n} numbers"
+    try:
+        found = np.asarray(given)
+    except (TypeError, ValueError):  # rows of different lengths
+        raise SimulationError("the force is no vector of numbers", cure) from None
+    if found.dtype.kind not in "biuf":
+        kind = "complex numbers" if found.dtype.kind == "c" else f"{type(given).__name__}, which is no numbers"
+        raise SimulationError(f"the force is {kind}", cure)
+    if found.shape != (n,):
+        raise SimulationError(f"the force has the shape {found.shape}, and acts on {n} degrees of freedom", cure)
+    return found
 
 
 class Group:
@@ -110,19 +122,34 @@ def _is_compiled(function: Any) -> bool:
     return "numba" in sys.modules and sys.modules["numba"].extending.is_jitted(function)
 
 
+def _check_arguments(function: Any) -> None:
+    """Refuse a function that cannot be called with what a force depends on; raises SimulationError."""
+    wanted = ("t", "q", "v", "force") if _is_compiled(function) else ("t", "q", "v")
+    try:
+        taken = inspect.signature(getattr(function, "py_func", function))
+    except (TypeError, ValueError):  # some of C say nothing of their arguments
+        return
+    try:
+        taken.bind(*wanted)
+    except TypeError:
+        cause = f"the function of the force takes {taken}, and is called with ({', '.join(wanted)})"
+        raise SimulationError(cause, "give it these arguments") from None
+
+
 def force_of(function: Any, places: np.ndarray | None, system: System) -> Force | Group:
     """What adds a function, or a group, to a system.
 
     Raises
     ------
     SimulationError
-        For what is neither a function nor a group, and for places that there are not.
+        For what is neither a function nor a group, a function of other arguments, and places that there are not.
     """
     if type(function) in KINDS:
         return Group(function)
     if not callable(function):
         cause = f"{type(function).__name__} is neither a function nor a registered group"
         raise SimulationError(cause, "give a function of (t, q, v)")
+    _check_arguments(function)
     everywhere = np.arange(system.q.size)
     at = everywhere if places is None else np.asarray(places, dtype=np.int64)
     if at.ndim != 1 or at.size == 0 or at.min() < 0 or at.max() >= system.q.size:

@@ -109,8 +109,17 @@ class _Drive(NamedTuple):
 
 def linearise(sim: Any, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
     """Linearise a simulation about where it stands; see `tautline.Simulation.linearise`."""
-    both = [[names] if isinstance(names, str) else list(names) for names in (inputs, outputs)]
+    both = [_names(names, what) for names, what in ((inputs, "inputs"), (outputs, "outputs"))]
     return _Linearisation(sim, *both).plant()
+
+
+def _names(given: Any, what: str) -> list[str]:
+    """Names as a list; raises SimulationError for what is none."""
+    names = [given] if isinstance(given, str) or not np.iterable(given) else list(given)
+    for name in names:
+        if not isinstance(name, str):
+            raise SimulationError(f"{what}: {name!r} is no name", 'give names, such as ["payload.position"]')
+    return names
 
 
 class _Linearisation:
@@ -360,7 +369,7 @@ class _Linearisation:
         for one in self.outputs:
             if one.places is not None:
                 vector, places = one.places
-                parts.append((dq if vector == "q" else dv)[places])
+                parts.append(np.ravel((dq if vector == "q" else dv)[places]))
             else:
                 parts.append(np.ravel(differences[one.name]))
         return np.concatenate(parts) if parts else np.zeros(0)

@@ -4,13 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from tautline.integrators.time_loop import frames_of
-from tautline.live.errors import SimulationError, unknown
-from tautline.system.handles import Output, Parameter, element
+from tautline.integrators.time_loop import frames_of, new_frames
+from tautline.live.errors import SimulationError, UnknownName, unknown
+from tautline.system.handles import Output, Parameter, output_named
+from tautline.system.model import Model
+
+
+def with_shapes(outputs: dict[str, Output], model: Model) -> dict[str, Output]:
+    """Outputs of a model with the shapes that a frame shows, where its coordinates do not tell them.
+
+    An application need not name the places of its variables: ``coordinates={}``.
+    """
+    if all(all(one.shape) for one in outputs.values()):
+        return outputs
+    frames = new_frames(1, model.system.q.size, model.own)
+    frames.q[:], frames.v[:] = model.system.q, model.system.v
+    with np.errstate(all="ignore"):  # forces and energies of this frame are none
+        seen = model.observe(frames)
+        return {
+            name: one if all(one.shape) else replace(one, shape=np.shape(one.value(seen)))
+            for name, one in outputs.items()
+        }
 
 
 def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
@@ -31,7 +50,7 @@ def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, nam
     """
     frames = frames_of(rows, model.system.q.size)
     vectors = {"q": frames.q, "v": frames.v}
-    wanted = [outputs.get(name) or element(outputs, name) or outputs[name] for name in names]
+    wanted = [output_named(outputs, name) or outputs[name] for name in names]
     needed = any(one.places is None for one in wanted)
     observed = model.observe(frames) if needed else {}
     found = []
@@ -80,21 +99,23 @@ class Outputs(Mapping[str, Any]):
         return self._outputs
 
     def handle(self, name: str) -> Output:
-        """What is known of an output, or of one number of an array, ``name[place]``; raises UnknownName."""
+        """What is known of an output, or of one of its numbers: ``payload.position[2]``; raises UnknownName."""
+        if not isinstance(name, str):  # a list is no name either
+            raise unknown("output", name, self._outputs)
         try:
-            return self._outputs[name]
-        except (KeyError, TypeError):  # a list is no name either
-            found = element(self._outputs, name) if isinstance(name, str) else None
-            if found is None:
-                raise unknown("output", name, self._outputs) from None
-            return found
+            found = output_named(self._outputs, name)
+        except IndexError as error:
+            raise UnknownName(f"there is no output '{name}'", str(error)) from None
+        if found is None:
+            raise unknown("output", name, self._outputs)
+        return found
 
     def __getitem__(self, name: str) -> Any:
         """A float, or a copy of an array; raises UnknownName."""
         output = self.handle(name)
         if output.places is not None:
             vector, places = output.places
-            return self._vectors[vector][places]
+            return self._vectors[vector][places] if places.ndim else float(self._vectors[vector][places])
         value = output.value(self._observe())
         return np.array(value) if np.ndim(value) else float(value)
 

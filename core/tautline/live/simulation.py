@@ -38,7 +38,7 @@ from tautline.live.forces import Force, Group, force_of
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.memory import Memory, State, check
-from tautline.live.readings import Outputs, Parameters
+from tautline.live.readings import Outputs, Parameters, with_shapes
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.result import Result
 from tautline.results.store import Store
@@ -574,7 +574,7 @@ class Simulation:
             found = self.outputs.handle(on).places
             if found is None or found[0] != "q":
                 raise SimulationError(f"{on} is not the position of a thing", "give one, such as payload.position")
-            places = found[1]
+            places = np.atleast_1d(found[1])
         elif on is not None:
             places = np.asarray(on)
         self._add(force_of(force, places, self.model.system))
@@ -645,5 +645,7 @@ def _span_of(keep: Any) -> float:
 def handles_of(model: Model) -> Handles:
     """What can be driven, read and changed of a model: what its application says, or its variables."""
     if model.handles is not None:
-        return model.handles()
-    return Handles(outputs=outputs_of(model.variables, model.coordinates))
+        handles = model.handles()
+    else:
+        handles = Handles(outputs=outputs_of(model.variables, model.coordinates))
+    return replace(handles, outputs=with_shapes(handles.outputs, model))

@@ -11,6 +11,9 @@ import numpy as np
 
 from tautline.system.time_functions import FunctionRequest, Steering, all_requests, reach_of
 
+PART = re.compile(r"(.+)\[(\d+(?:\s*,\s*\d+)*)\]")
+"""One of the numbers of an output: ``payload.position[2]``."""
+
 
 @dataclass(frozen=True)
 class Input:
@@ -39,7 +42,7 @@ class Output:
     name, unit, text : str
         What it is.
     shape : tuple of int
-        Of its value; ``()`` is a number.
+        Of its value; ``()`` is a number. A size of 0 is one that is not known before a frame is seen.
     value : callable
         Variables of one frame, name -> array with time as the leading axis, -> the value.
     places : tuple of str and int array, or None
@@ -72,35 +75,34 @@ class Output:
     judged_by: tuple[str, str] = ("", "")
     labels: tuple[str, ...] = ()
 
+    def number(self, at: tuple[int, ...]) -> Output:
+        """One of its numbers, by its indices, as an output of its own.
+
+        Raises
+        ------
+        IndexError
+            Saying what is wrong with the indices.
+        """
+        if len(at) != len(self.shape):
+            counted = (
+                "is one number" if not self.shape else f"has {len(self.shape)} index" + "es" * (len(self.shape) > 1)
+            )
+            raise IndexError(f"{self.name} {counted}")
+        for k, size in zip(at, self.shape, strict=True):
+            if k >= size:
+                raise IndexError(f"{self.name} has {size} of these: count from 0 to {size - 1}")
+        whole, series, index = self.value, self.series, f"[{','.join(map(str, at))}]"
+        in_each: Any = (slice(None), *at)
+        above, below = (other and other + index for other in self.judged_by)
+        return replace(
+            self, name=self.name + index, shape=(), dims=(), labels=(), value=lambda frame: whole(frame)[at],
+            places=None if self.places is None else (self.places[0], np.asarray(self.places[1][at])),
+            series=None if series is None else lambda frames: series(frames)[in_each], judged_by=(above, below),
+        )  # fmt: skip
+
     def one_by_one(self, frames: Mapping[str, np.ndarray], count: int) -> np.ndarray:
         """Its values in so many frames that were observed together, (count, ...)."""
         return np.array([self.value(OneFrame(frames, k)) for k in range(count)], float)
-
-
-ELEMENT = re.compile(r"(.+)\[(\d+)\]")
-"""A number of an array: ``payload.position[2]``."""
-
-
-def element(outputs: Mapping[str, Output], name: str) -> Output | None:
-    """One number of an output that is a list of numbers, by ``name[place]``; None where there is no such number.
-
-    Parameters
-    ----------
-    outputs : mapping of str to Output
-        By name.
-    name : str
-        Such as ``tip.position[0]``: places count from zero.
-    """
-    found = ELEMENT.fullmatch(name)
-    whole = outputs.get(found[1]) if found else None
-    if found is None or whole is None or len(whole.shape) != 1 or int(found[2]) >= whole.shape[0]:
-        return None
-    place, of, series = int(found[2]), whole.value, whole.series
-    return replace(
-        whole, name=name, shape=(), dims=(), labels=(), value=lambda observed: of(observed)[place],
-        places=None if whole.places is None else (whole.places[0], whole.places[1][place]),
-        series=None if series is None else lambda observed: series(observed)[:, place],
-    )  # fmt: skip
 
 
 class OneFrame(Mapping[str, np.ndarray]):
@@ -178,6 +180,22 @@ class Handles:
     prepared: tuple[Prepared, ...] = ()
 
 
+def output_named(outputs: Mapping[str, Output], name: str) -> Output | None:
+    """An output by its name, or one of its numbers by name and indices; None where there is none.
+
+    Raises
+    ------
+    IndexError
+        For indices that an output does not have.
+    """
+    if name in outputs:
+        return outputs[name]
+    part = PART.fullmatch(name)
+    if part is None or part[1] not in outputs:
+        return None
+    return outputs[part[1]].number(tuple(int(k) for k in part[2].split(",")))
+
+
 def prepared_of(requests: Sequence[FunctionRequest]) -> tuple[Prepared, ...]:
     """Which of the requests, that the scene's functions were compiled from, end with what was prepared."""
     reaches = [(i, request, reach_of(request)) for i, request in enumerate(all_requests(requests))]
@@ -212,6 +230,8 @@ def outputs_of(
         Variable -> what it is of a thing: ``{"body_position": "position"}`` makes ``payload.position``.
     names : mapping
         Names of a dimension's things where they are not its coordinate's values.
+
+    The size of a dimension that no coordinate tells is 0: `tautline.live.readings.with_shapes` looks at a frame.
     """
     sizes = {dim: len(values) for dim, values, *_ in coordinates.values() if isinstance(dim, str)}
     made = {}

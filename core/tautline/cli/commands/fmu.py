@@ -66,10 +66,13 @@ def _has(scene: Any, kind: str, name: str) -> bool:
     """Whether a scene has an input, or an output, of that name."""
     from tautline.errors import TautlineError
     from tautline.live.simulation import handles_of
+    from tautline.system.handles import output_named
 
     application = Installed().of(scene)
     try:
-        found = getattr(handles_of(application.build(application.driven(scene, (name,) * (kind == "inputs")))), kind)
-    except TautlineError:
+        handles = handles_of(application.build(application.driven(scene, (name,) * (kind == "inputs"))))
+        if kind == "outputs":
+            return output_named(handles.outputs, name) is not None
+    except (TautlineError, IndexError):
         return False
-    return name in found or f"{name}[0]" in found
+    return name in handles.inputs or f"{name}[0]" in handles.inputs

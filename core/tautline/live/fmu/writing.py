@@ -126,7 +126,8 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         raise SimulationError("an FMU without an output says nothing", "give --outputs")
     sim = Simulation(scene, inputs=inputs, keep=False)
     for name in outputs:
-        parts_of(sim.outputs.handle(name))
+        if not parts_of(sim.outputs.handle(name)):
+            raise SimulationError(f"the output {name} has no numbers in this scene", "name another")
     _refuse_rivals(sim, inputs)
     name = _model_name(path)
     needs = NEEDS.format(version=__version__, fmi=fmi, python=".".join(map(str, sys.version_info[:2])))

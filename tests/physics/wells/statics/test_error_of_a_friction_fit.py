@@ -1,0 +1,64 @@
+"""The error of a friction factor that is fitted to hook loads, against loads of a soft string of known friction.
+
+The loads were integrated apart from this program, dT/ds by 40 000 steps of the midpoint rule with friction 0.3 along
+the vertical, the arc and the slant of the well below.
+"""
+
+import numpy as np
+import pytest
+import yaml
+
+import tautline
+from drillstring.statics.back_calculation import Measured, fit
+from drillstring.view.torque_summary import fit_in_words
+
+FRICTION, FOOT, KLBF = 0.3, 0.3048, 4448.2216
+WELL = yaml.safe_load("""
+title: A well that builds to 45 degrees
+well:
+  sections:
+    - {hold: 3000 ft}
+    - {build: {rate: 3 deg/100ft, to: 45 deg, azimuth: 30 deg}}
+    - {hold: 4000 ft}
+  diameter: 8.5 in
+  wall: {stiffness: 1.0e+9, damping: 5.0e+6, friction: {static: 0.25, kinetic: 0.25}}
+string:
+  - {name: drill pipe, length: rest, od: 5 in, id: 4.276 in}
+  - {name: BHA, length: 600 ft, od: 6.5 in, id: 2.8125 in}
+material: {youngs_modulus: 30e6 psi, shear_modulus: 11.5e6 psi, density: 7850 kg/m^3}
+mud: {density: 10 ppg, added_mass: 1.0, drag: 1.0, inside: true}
+top: {block: {constant: 0}, rotation: {constant: 0}}
+bit: {on_bottom: false}
+model: {kind: lumped, elements: 100, bending: stiff}
+solver: {method: generalized-alpha, step: 1 ms, end: 1 s}
+output: {interval: 50 ms}
+""")
+LOADS = np.array(
+    [
+        [5000.0, 117.5110, 84.0944],
+        [6000.0, 135.9245, 89.8710],
+        [7000.0, 153.6322, 95.8234],
+        [8000.0, 171.3304, 101.7718],
+    ]
+)
+
+
+def fitted(elements):
+    depth, up, down = LOADS.T
+    measured = Measured(depth * FOOT, up * KLBF, down * KLBF, np.arange(depth.size) + 2)
+    return fit(tautline.read(WELL), measured, elements)
+
+
+def test_the_error_of_a_fitted_factor_covers_that_of_the_model_and_shrinks_with_more_elements():
+    few, many = fitted(50), fitted(200)
+    for one in (few, many):
+        assert abs(one.friction - FRICTION) < 1.2 * one.error, one
+    assert abs(few.friction - FRICTION) > 5.0 * few.spread, "the scatter of the loads does not tell it"
+    assert many.error < 0.7 * few.error
+    assert "is that of the model" in fit_in_words(few)
+
+
+def test_elements_that_cannot_be_halved_are_doubled_to_see_the_error():
+    found = fitted(2)
+    assert np.isfinite(found.model_error) and found.model_error > 0.0
+    assert found.error == pytest.approx(np.hypot(found.spread, found.model_error))
