@@ -14,6 +14,7 @@ import numpy as np
 
 from tautline.twin.map import Channel
 from tautline.twin.signals.smoothing import FIFTH
+from tautline.twin.sources.stamps import stamp_said
 
 SAME = 5
 """Values that are exactly alike from which on a sensor may be stuck."""
@@ -123,7 +124,7 @@ class Health:
         if not np.isfinite(reading):
             since = self.seen if np.isfinite(self.seen) else self.begun
             if time - since >= self.channel.lost_after:
-                self._set("lost", f"no value of {self.channel.column} since {since:.6g} s")
+                self._set("lost", f"no value of {self.channel.column} since {stamp_said(since)}")
             return np.nan
         passed, self.seen = time - self.seen, time
         if passed > GAP * self._passed:
