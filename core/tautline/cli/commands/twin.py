@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import json
 import logging
@@ -201,6 +200,7 @@ class _Loop:
             Where the twin cannot go on; what it has found until then is stored.
         """
         from tautline.integrators.status import Interrupted, StoppedEarly
+        from tautline.twin.sources.record import SourceFault
 
         status = "done"
         heard = clock.monotonic()
@@ -222,6 +222,9 @@ class _Loop:
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
+        except SourceFault as fault:
+            say(str(fault), "red")
+            status = "source failed"
         except StoppedEarly as stop:
             if self.series is not None:
                 self.series.finish(stop.status.word)
@@ -230,8 +233,13 @@ class _Loop:
 
     def _pass_on(self) -> None:
         """Print what the source has to say, such as that nobody answers."""
+        from tautline.twin.sources.connection import Notice
+
         while self.source.notes:
-            say(self.source.notes.pop(0), "yellow")
+            note = self.source.notes.pop(0)
+            say(note, "yellow")
+            if self.as_json and isinstance(note, Notice):
+                print_text(json.dumps({"connection": note.status, "text": str(note)}) + "\n")
 
     def _give(self, lines: Sequence[dict[str, Any]]) -> None:
         for line in lines:
@@ -287,6 +295,8 @@ class _Loop:
         self._summarise()
         if status == "interrupted":
             raise Ended(ExitCode.INTERRUPTED)
+        if status != "done":
+            raise Ended(ExitCode.STOPPED_EARLY)
         if self.last is None and not self.before:
             raise Ended(ExitCode.STOPPED_EARLY)
 
@@ -367,8 +377,10 @@ def record(
     SceneError, ResultError
         For bad input; nothing is written then.
     """
-    from tautline.integrators.status import StoppedEarly
+    from tautline.integrators.status import Interrupted, StoppedEarly
+    from tautline.results.errors import WriteError
     from tautline.results.output_path import check_record
+    from tautline.results.tables.lines import WholeLines
     from tautline.twin.record import Sensing, read_fault, read_gap, read_input_noise
     from tautline.twin.record import record as recorded
 
@@ -387,34 +399,48 @@ def record(
     until = _number("--end", end, "s", float("nan"))
     check_record(output, force)
     rows = recorded(scene, read, sensing, None if until != until else until)
-    first = next(rows, None)
+    try:
+        first = next(rows, None)
+    except Interrupted:
+        raise KeyboardInterrupt from None  # before there was a row
     if first is None:
         cause = "no row is left of the record, by --gap and --dropout"
         raise option_error("-o", str(output), cause, "leave fewer rows out, or give a later --end")
     columns = [one.column for one in read.sensors]
     units = {one.column: one.unit for one in read.sensors}
     count, status, empty = 0, "done", set(columns)
-    with output.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["time [s]", *(f"{name} [{units[name]}]" if units[name] else name for name in columns)])
+    heads = ["time [s]", *(f"{name} [{units[name]}]" if units[name] else name for name in columns)]
+    with WholeLines(output) as lines:
         try:
+            lines.write(heads)
             for time, values in itertools.chain([first], rows):
-                writer.writerow([f"{time:.6f}", *_cells(values, columns)])
+                lines.write([f"{time:.6f}", *_cells(values, columns)])
                 empty -= {name for name in empty if values[name] == values[name]}
                 count += 1
         except StoppedEarly as stop:
             say(f"{path}: {stop.line}", "red")
             status = stop.status.word
+        except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
+            status = "interrupted"
+        except WriteError as error:
+            say(f"{error.path}: {error.cause}; {error.cure}", "red")
+            status = "could not be written"
+        if count:
+            lines.keep()
+    if not count:
+        say(f"nothing of the record is kept: {output} is as it was", "yellow")
+        raise Ended(ExitCode.INTERRUPTED if status == "interrupted" else ExitCode.STOPPED_EARLY)
     for name in (one for one in columns if one in empty):
         cause = "it is no part of the simulation, or a fault takes it away"
         say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
     following = typed(catalogue.name, "twin", path, "--map", map) + as_given(changes)
     following += f" --source {shlex.quote(str(output))}"
-    say(f"wrote {output}: {count} rows. Next: {following}", "green")
+    kept = "" if status == "done" else ", what there was until then"
+    say(f"wrote {output}: {count} rows{kept}. Next: {following}", "green")
     if as_json:
         print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})
     if status != "done":
-        raise Ended(ExitCode.STOPPED_EARLY)
+        raise Ended(ExitCode.INTERRUPTED if status == "interrupted" else ExitCode.STOPPED_EARLY)
 
 
 def _number(option: str, text: str | None, unit: str, default: float) -> float:
