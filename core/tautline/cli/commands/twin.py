@@ -64,9 +64,9 @@ def twin(
     """
     from tautline.integrators.status import Interrupted, StoppedEarly
     from tautline.results.output_path import check_found
+    from tautline.scene.values.moments import stamp_said
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
-    from tautline.twin.sources.stamps import stamp_said
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
@@ -258,7 +258,7 @@ class _Loop:
 
     def _tell(self, line: dict[str, Any]) -> None:
         """Print alarms as they begin and end."""
-        from tautline.twin.sources.stamps import stamp_said
+        from tautline.scene.values.moments import stamp_said
 
         for note in [*self.twin.notes, *self.twin.readings.rows.notes]:
             say(note, "yellow")
@@ -327,7 +327,7 @@ class _Loop:
 
     def _say_why_nothing(self) -> None:
         """Say what was wrong with the rows where none of them could be used."""
-        from tautline.twin.sources.stamps import stamp_said
+        from tautline.scene.values.moments import stamp_said
 
         counted = self.twin.readings.rows.counts - self.known
         causes = [f"{_many(count, 'row')} {SAID.get(kind, kind)}" for kind, count in sorted(counted.items())]

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from tautline.scene.values.moments import stamp_said
 from tautline.twin.map import Channel
 from tautline.twin.signals.smoothing import FIFTH
-from tautline.twin.sources.stamps import stamp_said
 
 SAME = 5
 """Values that are exactly alike from which on a sensor may be stuck."""

@@ -8,14 +8,11 @@ from datetime import UTC, datetime
 from typing import Any
 
 from tautline.scene.reading.columns import HEADER
+from tautline.scene.values.moments import UNIX
 from tautline.scene.values.units import UnknownUnit, read_unit
 
 NAMES = ("time", "t", "timestamp", "stamp")
 """Columns of the stamp, where none is named."""
-UNIX = (1.0e8, 1.0e11)
-"""Stamps between these are seconds since 1970, s: no machine counts three years of its own."""
-
-
 FINER = ((1e14, "ms", "milliseconds"), (1e17, "us", "microseconds"), (math.inf, "ns", "nanoseconds"))
 """Units of stamps since 1970 that are no seconds: below which number a stamp is likely in each."""
 
@@ -68,14 +65,6 @@ class Stamps:
                 f'If they are {said}, write `time: "{name} [{unit}]"` in the map'
             )
         return found
-
-
-def stamp_said(time: float) -> str:
-    """A stamp, s, as people read it: seconds, or the time of day in UTC where it is a Unix time."""
-    if not UNIX[0] <= time < UNIX[1]:
-        return f"{time:.1f} s"
-    tenths = round(10.0 * time)
-    return f"{datetime.fromtimestamp(tenths // 10, UTC):%Y-%m-%d %H:%M:%S}.{tenths % 10} UTC"
 
 
 def number_of(value: Any) -> float:
