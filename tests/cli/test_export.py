@@ -134,3 +134,26 @@ def test_standard_output_is_no_name_of_files(span):
     with pytest.raises(ResultError, match="- is no name of files"):
         export(CATALOGUE, span, Path("-"), False, True, (), Look(), False)
     assert files_of(span.parent) == {"span.1.nc"}
+
+
+def test_tables_take_their_names_when_all_of_them_are_whole(span, monkeypatch):
+    from tautline.results.tables import table
+
+    export(CATALOGUE, span, None, False, True, (), Look(), False)
+    before = {file: (span.parent / file).read_bytes() for file in files_of(span.parent)}
+    for file in before:
+        if file.endswith(".csv"):
+            (span.parent / file).write_bytes(before[file] + before[file].splitlines(keepends=True)[-1])
+    earlier = {file: (span.parent / file).read_bytes() for file in before}
+    opened, write = table._open, []
+
+    def full(file, waiting):
+        write.append(file)
+        if len(write) == 3:
+            raise ResultError(file, "cannot be written: No space left on device")
+        opened(file, waiting)
+
+    monkeypatch.setattr(table, "_open", full)
+    with pytest.raises(ResultError, match="No space"):
+        export(CATALOGUE, span, None, False, True, (), Look(), False)
+    assert {file: (span.parent / file).read_bytes() for file in files_of(span.parent)} == earlier
