@@ -157,3 +157,12 @@ def test_tables_take_their_names_when_all_of_them_are_whole(span, monkeypatch):
     with pytest.raises(ResultError, match="No space"):
         export(CATALOGUE, span, None, False, True, (), Look(), False)
     assert {file: (span.parent / file).read_bytes() for file in files_of(span.parent)} == earlier
+
+
+def test_many_files_are_told_before_they_are_written_with_the_option_that_makes_them_fewer(span, capsys, monkeypatch):
+    from tautline.cli.commands import export as verb
+
+    monkeypatch.setattr(verb, "MANY", 2)
+    export(CATALOGUE, span, None, True, False, (), Look(), False)
+    told = capsys.readouterr()
+    assert "files will be written. --every 2 writes about 2" in " ".join((told.out + told.err).split())

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from tautline.view.space.appearance import Look
 
 Progress = Callable[[int, int], None]
+MANY = 5000
+"""Files for ParaView from which on their number is told before they are written."""
 ENDINGS = (".pvd", ".csv")
 
 
@@ -88,7 +90,12 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, eve
     seen = seen if every == 1 else seen.thinned(every)
     try:
         from tautline.view.files.paraview import write_paraview
+        from tautline.view.files.parts import parts_of
 
+        count = sum(len(seen.time) if part.moves else 1 for part in parts_of(seen))
+        if count > MANY:
+            fewer = every * -(-count // MANY)
+            say(f"up to {count} files will be written. --every {fewer} writes about {MANY}", "yellow")
         with _counted("frames") as progress:
             files = write_paraview(seen, result, base.with_name(f"{base.name}.pvd"), progress)
         return files, "; ".join(f"{text} {factor:.6g} times as large" for text, factor in seen.enlarged)
