@@ -93,3 +93,76 @@ def test_an_application_without_an_appearance_is_told_so(span):
 
     with pytest.raises(ResultError, match=r"results of cable have no appearance.*--csv"):
         export(Single(Bare()), span, None, True, False, (), Look(), False)
+
+
+@pytest.mark.parametrize(("asked", "factor"), [(None, 1.0), (50.0, 50.0)])
+def test_paraview_gets_places_and_radii_that_are_true_unless_a_factor_is_asked_for(
+    span, capsys, monkeypatch, asked, factor
+):
+    from dataclasses import replace
+
+    from tautline.application import space
+
+    seen, of = [], space.appearance_of
+
+    def looked(application, result, look):
+        seen.append(look.exaggerate)
+        larger = (("across the hole", look.exaggerate or 190.0),) if look.exaggerate != 1.0 else ()
+        return replace(of(application, result, Look()), enlarged=larger)
+
+    monkeypatch.setattr(space, "appearance_of", looked)
+    export(CATALOGUE, span, None, True, False, (), Look(exaggerate=asked), False)
+    assert seen == [factor]
+    written = "".join(file.read_bytes().decode("latin1") for file in span.parent.rglob("*.vtp"))
+    told = capsys.readouterr()
+    assert ("In it: across the hole 50 times as large" in " ".join((told.out + told.err).split())) == (factor != 1.0)
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+    notes = []
+    for file in sorted(span.parent.rglob("*_0000.vtp")):
+        reader = vtkXMLPolyDataReader()
+        reader.SetFileName(str(file))
+        reader.Update()
+        array = reader.GetOutput().GetFieldData().GetAbstractArray("notes")
+        notes += [array.GetValue(i) for i in range(array.GetNumberOfValues())] if array else []
+    assert any("drawn 50 times as large" in note for note in notes) == (factor != 1.0) and written
+
+
+def test_standard_output_is_no_name_of_files(span):
+    from pathlib import Path
+
+    with pytest.raises(ResultError, match="- is no name of files"):
+        export(CATALOGUE, span, Path("-"), False, True, (), Look(), False)
+    assert files_of(span.parent) == {"span.1.nc"}
+
+
+def test_tables_take_their_names_when_all_of_them_are_whole(span, monkeypatch):
+    from tautline.results.tables import table
+
+    export(CATALOGUE, span, None, False, True, (), Look(), False)
+    before = {file: (span.parent / file).read_bytes() for file in files_of(span.parent)}
+    for file in before:
+        if file.endswith(".csv"):
+            (span.parent / file).write_bytes(before[file] + before[file].splitlines(keepends=True)[-1])
+    earlier = {file: (span.parent / file).read_bytes() for file in before}
+    opened, write = table._open, []
+
+    def full(file, waiting):
+        write.append(file)
+        if len(write) == 3:
+            raise ResultError(file, "cannot be written: No space left on device")
+        opened(file, waiting)
+
+    monkeypatch.setattr(table, "_open", full)
+    with pytest.raises(ResultError, match="No space"):
+        export(CATALOGUE, span, None, False, True, (), Look(), False)
+    assert {file: (span.parent / file).read_bytes() for file in files_of(span.parent)} == earlier
+
+
+def test_many_files_are_told_before_they_are_written_with_the_option_that_makes_them_fewer(span, capsys, monkeypatch):
+    from tautline.cli.commands import export as verb
+
+    monkeypatch.setattr(verb, "MANY", 2)
+    export(CATALOGUE, span, None, True, False, (), Look(), False)
+    told = capsys.readouterr()
+    assert "files will be written. --every 2 writes about 2" in " ".join((told.out + told.err).split())

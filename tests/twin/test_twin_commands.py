@@ -451,3 +451,22 @@ def test_a_reading_that_no_sensor_shows_is_none_and_the_twin_goes_on(rehearsal, 
         told[name] = tautline.Result.read(tmp_path / f"{name}.nc")
     for name in ("estimate payload.mass", "input winch.pay_out", "winch.tension", "payload.position"):
         assert np.array_equal(told["absurd"][name], told["missing"][name], equal_nan=True), name
+
+
+def test_ctrl_c_within_a_step_of_a_record_keeps_its_whole_rows_and_ends_as_interrupted(rehearsal, here, monkeypatch):
+    from tautline.integrators.status import Interrupted
+    from tautline.twin import record as recording
+
+    rows = recording.record
+
+    def heard(*given):
+        for k, row in enumerate(rows(*given)):
+            if k == 10:
+                raise Interrupted(1.0)
+            yield row
+
+    monkeypatch.setattr(recording, "record", heard)
+    where = rehearsal / "stopped.csv"
+    code, _, told = here("record", SCENE, "--map", rehearsal / "map.yaml", "-o", where, "--end", "4 s")
+    assert code == 130 and "10 rows, what there was until then" in " ".join(told.split())
+    assert len(where.read_text().splitlines()) == 11

@@ -7,8 +7,8 @@ import pytest
 from cli.in_process import commands_of
 
 from crane.application import Crane
+from tautline.scene.values.moments import stamp_said
 from tautline.twin.sources.record import Record
-from tautline.twin.sources.stamps import stamp_said
 
 MAP = """
 sensors:

@@ -327,3 +327,19 @@ def test_what_cannot_be_shown_is_refused_with_a_cure(tmp_path):
     with pytest.raises(ResultError, match=r"missing.no\.html: it cannot be written"):
         write_page(bent_rope(), tmp_path / "missing" / "no.html")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_page_that_finds_no_room_leaves_the_earlier_one_whole(tmp_path, monkeypatch):
+    path = tmp_path / "rope.html"
+    path.write_text("the earlier page")
+
+    def half(self, text, **_):
+        with self.open("w") as file:
+            file.write(text[:100])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", half)
+    with pytest.raises(ResultError, match="No space left on device; name another with --html, or make room"):
+        write_page(bent_rope(), path)
+    assert path.read_text() == "the earlier page"
+    assert [one.name for one in tmp_path.iterdir()] == ["rope.html"]

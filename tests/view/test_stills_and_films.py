@@ -148,3 +148,11 @@ def test_a_name_without_an_ending_is_taken_for_a_folder_that_is_not_there(tmp_pa
         places(wanted, Path("run.nc"), np.array([0.0, 1.0]), [1])
     wanted.mkdir()
     assert places(wanted, Path("run.nc"), np.array([0.0, 1.0]), [1]) == [wanted / "run_1s.png"]
+
+
+def test_a_film_that_finds_no_room_is_told_by_its_own_name(tmp_path):
+    from tautline.view.space.film import _unwritten
+
+    said = f"Error writing trailer of {tmp_path}/.a.part.mp4: No space left on device"
+    told = str(_unwritten(tmp_path / "a.mp4", said))
+    assert ".part" not in told and "a.mp4: No space left on device" in told

@@ -20,7 +20,7 @@ from tautline.scene.values.printed import quantity as printed
 from tautline.scene.values.printed import significant
 from tautline.scene.values.quantity import Quantity, quantity
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
-from tautline.system.handles import ELEMENT
+from tautline.system.handles import PART
 
 Seconds = Annotated[float, quantity("s", positive=True)]
 Wait = Annotated[float, quantity("s", nonnegative=True)]
@@ -159,9 +159,10 @@ class Names(pydantic.BaseModel):
         outputs = [*(one.output for one in read.sensors), *(one.output for one in read.watch), *read.keep]
         found = {}
         for name in outputs:
-            parts = ELEMENT.fullmatch(name or "")
+            parts = PART.fullmatch(name or "")
             shape = self.shapes.get(parts[1], ()) if parts else ()
-            if parts and len(shape) == 1 and int(parts[2]) < shape[0]:
+            at = [int(place) for place in parts[2].split(",")] if parts else []
+            if parts and len(at) == len(shape) and all(place < size for place, size in zip(at, shape, strict=True)):
                 found[parts[0]] = self.outputs[parts[1]]
         return found
 
@@ -430,8 +431,8 @@ class _Reader:
             return None
         unit = known[sensor.name]
         if kind == "output" and self.names.shapes.get(sensor.name, ()):
-            flat = len(self.names.shapes[sensor.name]) == 1
-            cure = f"name one of its numbers: {sensor.name}[0]" if flat else "name a quantity that is one number"
+            first = ",".join("0" for _ in self.names.shapes[sensor.name])
+            cure = f"name one of its numbers: {sensor.name}[{first}]"
             self.fault(("sensors", i, "output"), f"{sensor.name} is an array", cure)
             return None
         factor = self.factor(("sensors", i, "unit"), sensor.unit, unit)

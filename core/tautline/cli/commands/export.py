@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from tautline.view.space.appearance import Look
 
 Progress = Callable[[int, int], None]
+MANY = 5000
+"""Files for ParaView from which on their number is told before they are written."""
 ENDINGS = (".pvd", ".csv")
 
 
@@ -58,6 +61,7 @@ def export(
     result = Result.read(path)
     base = _base(path, output)
     files: list[Path] = []
+    larger = ""
     if csv:
         from tautline.results.tables.table import write_csv
 
@@ -65,14 +69,16 @@ def export(
             files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
     if vtk:
         with told_of_holes([result]):
-            files += _write_vtk(catalogue, result, base, look, every)
+            made, larger = _write_vtk(catalogue, result, base, look, every)
+        files += made
     warnings = say_missing(result)
-    _say_files(files)
+    _say_files(files, larger)
     if as_json:
         print_json({"status": "done", "files": [str(file) for file in files], "warnings": warnings})
 
 
-def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, every: int) -> list[Path]:
+def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, every: int) -> tuple[list[Path], str]:
+    """Write ParaView's files; gives them, and what is larger in them than it is."""
     from tautline.application.space import appearance_of
     from tautline.results.errors import ResultError
 
@@ -80,13 +86,21 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, eve
     if getattr(application, "appearance", None) is None:
         cause = f"results of {application.name} have no appearance in space"
         raise ResultError("--vtk", cause, "leave it out, and take --csv")
+    # Places and radii in a file are measured there: true, unless a factor was asked for.
+    look = look if look.exaggerate is not None else replace(look, exaggerate=1.0)
     seen = appearance_of(application, result, look)
     seen = seen if every == 1 else seen.thinned(every)
     try:
         from tautline.view.files.paraview import write_paraview
+        from tautline.view.files.parts import parts_of
 
+        count = sum(len(seen.time) if part.moves else 1 for part in parts_of(seen))
+        if count > MANY:
+            fewer = every * -(-count // MANY)
+            say(f"up to {count} files will be written. --every {fewer} writes about {MANY}", "yellow")
         with _counted("frames") as progress:
-            return write_paraview(seen, result, base.with_name(f"{base.name}.pvd"), progress)
+            files = write_paraview(seen, result, base.with_name(f"{base.name}.pvd"), progress)
+        return files, "; ".join(f"{text} {factor:.6g} times as large" for text, factor in seen.enlarged)
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in ("vtk", "vtkmodules"):
             raise
@@ -97,6 +111,11 @@ def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look:
     """Refuse options that leave nothing to do, or that nothing asked for heeds."""
     from tautline.results.errors import ResultError
     from tautline.results.output_path import OTHER_KINDS
+
+    if str(output) == "-":
+        raise ResultError(
+            "-o", "- is no name of files, and they do not go to standard output", "name a file or a folder"
+        )
 
     if not (vtk or csv):
         cause = "nothing is asked for"
@@ -141,10 +160,11 @@ def _counted(what: str) -> Iterator[Progress | None]:
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
-def _say_files(files: list[Path]) -> None:
+def _say_files(files: list[Path], larger: str) -> None:
     for file in files:
         if file.suffix == ".vtp":
             continue
         frames = [one for one in files if one.suffix == ".vtp"] if file.suffix == ".pvd" else []
         more = f" and {len(frames)} files in {frames[0].parent}; open it in ParaView" if frames else ""
+        more += f". In it: {larger}" if frames and larger else ""
         say(f"wrote {file}{more}", "green")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import json
 import logging
@@ -15,7 +14,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.options.changes import as_given, changed
@@ -25,7 +24,6 @@ from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import SceneError, option_error
 
 if TYPE_CHECKING:
-    from tautline.integrators.status import StoppedEarly
     from tautline.twin.map import TwinMap
     from tautline.twin.record import Sensing
     from tautline.twin.sources.record import Source
@@ -93,9 +91,9 @@ def twin(
     """
     from tautline.integrators.status import Interrupted, StoppedEarly
     from tautline.results.output_path import check_found
+    from tautline.scene.values.moments import stamp_said
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
-    from tautline.twin.sources.stamps import stamp_said
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
@@ -230,6 +228,7 @@ class _Loop:
             Where the twin cannot go on; what it has found until then is stored.
         """
         from tautline.integrators.status import Interrupted, StoppedEarly
+        from tautline.twin.sources.record import SourceFault
 
         status = "done"
         heard = clock.monotonic()
@@ -251,6 +250,9 @@ class _Loop:
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
+        except SourceFault as fault:
+            say(str(fault), "red")
+            status = "source failed"
         except StoppedEarly as stop:
             if self.series is not None:
                 self.series.finish(stop.status.word)
@@ -259,8 +261,13 @@ class _Loop:
 
     def _pass_on(self) -> None:
         """Print what the source has to say, such as that nobody answers."""
+        from tautline.twin.sources.connection import Notice
+
         while self.source.notes:
-            say(self.source.notes.pop(0), "yellow")
+            note = self.source.notes.pop(0)
+            say(note, "yellow")
+            if self.as_json and isinstance(note, Notice):
+                print_text(json.dumps({"connection": note.status, "text": str(note)}) + "\n")
 
     def _give(self, lines: Sequence[dict[str, Any]]) -> None:
         for line in lines:
@@ -279,7 +286,7 @@ class _Loop:
 
     def _tell(self, line: dict[str, Any]) -> None:
         """Print alarms as they begin and end."""
-        from tautline.twin.sources.stamps import stamp_said
+        from tautline.scene.values.moments import stamp_said
 
         for note in [*self.twin.notes, *self.twin.readings.rows.notes]:
             say(note, "yellow")
@@ -319,6 +326,8 @@ class _Loop:
         self._summarise()
         if status == "interrupted":
             raise Ended(ExitCode.INTERRUPTED)
+        if status != "done":
+            raise Ended(ExitCode.STOPPED_EARLY)
         if self.last is None and not self.before:
             raise Ended(ExitCode.STOPPED_EARLY)
 
@@ -349,7 +358,7 @@ class _Loop:
 
     def _say_why_nothing(self) -> None:
         """Say what was wrong with the rows where none of them could be used."""
-        from tautline.twin.sources.stamps import stamp_said
+        from tautline.scene.values.moments import stamp_said
 
         counted = self.twin.readings.rows.counts - self.known
         causes = [f"{_many(count, 'row')} {SAID.get(kind, kind)}" for kind, count in sorted(counted.items())]
@@ -400,6 +409,7 @@ def record(
     SceneError, ResultError
         For bad input; nothing is written then.
     """
+    from tautline.integrators.status import Interrupted
     from tautline.results.output_path import check_record
     from tautline.twin.record import record as recorded
 
@@ -409,25 +419,30 @@ def record(
     until = _number("--end", given.end, "s", float("nan"))
     check_record(output, force)
     rows = recorded(scene, read, sensing, None if until != until else until)
-    first = next(rows, None)
+    try:
+        first = next(rows, None)
+    except Interrupted:
+        raise KeyboardInterrupt from None  # before there was a row
     if first is None:
         cause = "no row is left of the record, by --gap and --dropout"
         raise option_error("-o", str(output), cause, "leave fewer rows out, or give a later --end")
     units = {one.column: one.unit for one in read.sensors}
-    count, empty, stop = _write_rows(output, units, itertools.chain([first], rows))
-    if stop is not None:
-        say(f"{path}: {stop.line}", "red")
-    for name in empty:
+    written = _write_rows(path, output, units, itertools.chain([first], rows))
+    unfinished = ExitCode.INTERRUPTED if written.status == "interrupted" else ExitCode.STOPPED_EARLY
+    if not written.rows:
+        say(f"nothing of the record is kept: {output} is as it was", "yellow")
+        raise Ended(unfinished)
+    for name in written.empty:
         cause = "it is no part of the simulation, or a fault takes it away"
         say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
     following = typed(catalogue.name, "twin", path, "--map", map) + as_given(changes)
     following += f" --source {shlex.quote(str(output))}"
-    say(f"wrote {output}: {count} rows. Next: {following}", "green")
+    kept = "" if written.status == "done" else ", what there was until then"
+    say(f"wrote {output}: {written.rows} rows{kept}. Next: {following}", "green")
     if as_json:
-        status = "done" if stop is None else stop.status.word
-        print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})
-    if stop is not None:
-        raise Ended(ExitCode.STOPPED_EARLY)
+        print_json({"status": written.status, "scene": str(path), "record": str(output), "rows": written.rows})
+    if written.status != "done":
+        raise Ended(unfinished)
 
 
 def _sensing(given: RecordOptions) -> Sensing:
@@ -446,38 +461,52 @@ def _sensing(given: RecordOptions) -> Sensing:
     return sensing
 
 
+class Written(NamedTuple):
+    """How far a record was written: its rows, columns without a value in any of them, and how its run ended."""
+
+    rows: int
+    empty: list[str]
+    status: str
+
+
 def _write_rows(
-    output: Path, units: Mapping[str, str], rows: Iterable[tuple[float, dict[str, float]]]
-) -> tuple[int, list[str], StoppedEarly | None]:
-    """Write a record row by row, as far as the run comes.
+    scene: Path, output: Path, units: Mapping[str, str], rows: Iterable[tuple[float, dict[str, float]]]
+) -> Written:
+    """Write a record row by row, as far as the run comes and there is room; says why where that is not to its end.
 
     Parameters
     ----------
+    scene : Path
+        Whose run it is.
     units : mapping of str to str
         Of the columns, in their order; empty where a column has none.
     rows : iterable of (float, dict)
         Time, s, and a value for each column, NaN where its sensor shows nothing.
-
-    Returns
-    -------
-    int, list of str, StoppedEarly or None
-        Rows that were written, columns without a value in any of them, and why the run stopped early.
     """
-    from tautline.integrators.status import StoppedEarly
+    from tautline.integrators.status import Interrupted, StoppedEarly
+    from tautline.results.errors import WriteError
+    from tautline.results.tables.lines import WholeLines
 
     columns = list(units)
-    count, empty, stop = 0, set(columns), None
-    with output.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["time [s]", *(f"{name} [{units[name]}]" if units[name] else name for name in columns)])
+    count, empty, status = 0, set(columns), "done"
+    with WholeLines(output) as lines:
         try:
+            lines.write(["time [s]", *(f"{name} [{units[name]}]" if units[name] else name for name in columns)])
             for time, values in rows:
-                writer.writerow([f"{time:.6f}", *_cells(values, columns)])
+                lines.write([f"{time:.6f}", *_cells(values, columns)])
                 empty -= {name for name in empty if values[name] == values[name]}
                 count += 1
-        except StoppedEarly as error:
-            stop = error
-    return count, [name for name in columns if name in empty], stop
+        except StoppedEarly as stop:
+            say(f"{scene}: {stop.line}", "red")
+            status = stop.status.word
+        except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
+            status = "interrupted"
+        except WriteError as error:
+            say(f"{error.path}: {error.cause}; {error.cure}", "red")
+            status = "could not be written"
+        if count:
+            lines.keep()
+    return Written(count, [name for name in columns if name in empty], status)
 
 
 def _number(option: str, text: str | None, unit: str, default: float) -> float:

@@ -17,6 +17,7 @@ from tautline.results.output_path import check_folder
 from tautline.results.result import Result
 from tautline.results.variable import Variable
 
+CURE = "name another file with -o, or make room"
 ROWS = 1000
 """That are made into text at a time."""
 
@@ -61,17 +62,24 @@ def write_csv(
     ------
     ResultError
         For a name that the result does not have, a missing folder, a file that is there and no table of such a result,
-        or one that cannot be written; every table is then whole or as it was before.
+        or one that cannot be written; every table is then as it was before.
     """
     path = Path(path)
     path = path if path.suffix.lower() == ".csv" else path.with_name(path.name + ".csv")
     check_folder(path)
     tables = _tables(_chosen(result, what), path)
     _check_replaceable(result, tables, path)
-    for number, table in enumerate(tables, start=1):
-        _write(result, table)
-        if progress is not None:
-            progress(number, len(tables))
+    beside = {table.file: table.file.with_name(f".{table.file.name}.{uuid4().hex[:8]}.part") for table in tables}
+    try:
+        for number, table in enumerate(tables, start=1):
+            _write(result, table, beside[table.file])
+            if progress is not None:
+                progress(number, len(tables))
+        for file, waiting in beside.items():  # all are on the disk: from here on they only take their names
+            _take_name(waiting, file)
+    finally:
+        for waiting in beside.values():
+            waiting.unlink(missing_ok=True)
     return [table.file for table in tables]
 
 
@@ -142,27 +150,28 @@ def _columns(result: Result, table: _Table) -> tuple[list[str], list[np.ndarray]
     ], arrays
 
 
-def _write(result: Result, table: _Table) -> None:
-    """Write a table under another name, and give it its own when it is whole."""
+def _write(result: Result, table: _Table, waiting: Path) -> None:
+    """Write a table under another name, until all of them are whole."""
     header, arrays = _columns(result, table)
     count = len(arrays[0]) if table.rows else 1
     blocks = [array.reshape(count, -1) for array in arrays]
-    waiting = table.file.with_name(f".{table.file.name}.{uuid4().hex[:8]}.part")
     _open(table.file, waiting)
     try:
-        try:
-            with waiting.open("w", encoding="utf8", newline="") as file:
-                writer = csv.writer(file, lineterminator="\n")
-                writer.writerow(header)
-                for i in range(0, count, ROWS):
-                    parts = [block[i : i + ROWS].tolist() for block in blocks]
-                    writer.writerows([x for part in row for x in part] for row in zip(*parts, strict=True))
-            os.replace(waiting, table.file)
-        finally:
-            waiting.unlink(missing_ok=True)
+        with waiting.open("w", encoding="utf8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(header)
+            for i in range(0, count, ROWS):
+                parts = [block[i : i + ROWS].tolist() for block in blocks]
+                writer.writerows([x for part in row for x in part] for row in zip(*parts, strict=True))
     except OSError as error:
-        cure = "name another file with -o, or make room"
-        raise WriteError(table.file, f"cannot be written: {error.strerror or error}", cure) from None
+        raise WriteError(table.file, f"cannot be written: {error.strerror or error}", CURE) from None
+
+
+def _take_name(waiting: Path, file: Path) -> None:
+    try:
+        os.replace(waiting, file)
+    except OSError as error:
+        raise WriteError(file, f"cannot be written: {error.strerror or error}", CURE) from None
 
 
 def _open(file: Path, waiting: Path) -> None:

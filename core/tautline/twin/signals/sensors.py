@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.scene.values.moments import stamp_said
 from tautline.twin.map import Channel
 from tautline.twin.signals.smoothing import FIFTH
 
@@ -127,7 +128,7 @@ class Health:
         if not np.isfinite(reading):
             since = self.seen if np.isfinite(self.seen) else self.begun
             if time - since >= self.channel.lost_after:
-                self._set("lost", f"no value of {self.channel.column} since {since:.6g} s")
+                self._set("lost", f"no value of {self.channel.column} since {stamp_said(since)}")
             return np.nan
         passed, self.seen = time - self.seen, time
         if passed > GAP * self._passed:

@@ -16,6 +16,18 @@ PATIENCE = 5.0
 REFUSED = "the connection is refused"
 
 
+class Notice(str):
+    """A sentence on a connection, and in a word how it is: ``connected`` or ``lost``."""
+
+    status: str
+
+    def __new__(cls, text: str, status: str) -> Notice:
+        """The sentence, with its word."""
+        made = super().__new__(cls, text)
+        made.status = status
+        return made
+
+
 class Connection:
     """Tells once that an address is waited for, once that it answers, and once that the connection was lost.
 
@@ -48,7 +60,7 @@ class Connection:
     def made(self) -> None:
         """Take notice that the other side has answered."""
         if not self._there:
-            self._notes.append(f"connected to {self._name}")
+            self._notes.append(Notice(f"connected to {self._name}", "connected"))
         self._there = self._was_there = True
         self._told.clear()
 
@@ -56,9 +68,8 @@ class Connection:
         """Take notice that the connection is no more; nothing is told where there was none."""
         if self._there:
             because = f": {cause}" if cause else ""
-            self._notes.append(
-                f"the connection to {self._name} was lost{because}; tautline tries again until it is back"
-            )
+            text = f"the connection to {self._name} was lost{because}; tautline tries again until it is back"
+            self._notes.append(Notice(text, "lost"))
         self._there = False
 
     def watch(self) -> None:

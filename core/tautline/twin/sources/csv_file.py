@@ -65,7 +65,7 @@ class CsvFile:
         except SceneError:
             self._file.close()
             raise
-        self.notes += self._header.notes
+        self.notes = self._header.notes  # it will have more to say of stamps
         self.factors = self._header.factors
         self.units = dict(zip(self._header.names, self._header.units, strict=True))
         self._next = self._read()

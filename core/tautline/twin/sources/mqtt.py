@@ -14,8 +14,8 @@ from urllib.parse import unquote
 from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
 from tautline.twin.sources.connection import Connection, cause_of
-from tautline.twin.sources.record import Record
-from tautline.twin.sources.stamps import number_of, stamp_column, stamp_of
+from tautline.twin.sources.record import Record, SourceFault
+from tautline.twin.sources.stamps import Stamps, number_of
 
 MOST = 10_000
 """Records that may wait; beyond, the oldest is dropped."""
@@ -64,7 +64,9 @@ class Mqtt:
         self.factors: dict[str, float] = {}
         self.notes: list[str] = []
         self._connection = Connection(address, self.notes)
-        self._columns, self._time, self._topic = list(columns), time, topic
+        self._columns, self._topic = list(columns), topic
+        self._stamps = Stamps(time, self.notes)
+        self._fault: BaseException | None = None
         self._queue: queue.Queue[Record] = queue.Queue(MOST)
         self._client = paho.Client(paho.CallbackAPIVersion.VERSION2)
         if parts.username:
@@ -96,7 +98,11 @@ class Mqtt:
             self._connection.lost("" if str(reason) == UNSPECIFIED else str(reason).lower())
 
     def _take(self, client: Any, data: Any, message: Any) -> None:
-        record = self._read(message.topic, message.payload)
+        try:
+            record = self._read(message.topic, message.payload)
+        except Exception as fault:  # told by `poll`: the thread of paho would die of it in silence
+            self._fault = fault
+            return
         if record is None:
             self.refused += 1
             return
@@ -115,14 +121,14 @@ class Mqtt:
         """A record out of a message; None for what is none."""
         try:
             found: Any = json.loads(payload)
-        except ValueError:
+        except (ValueError, RecursionError):  # the second for brackets in brackets without end
             return None
         column = topic.rpartition("/")[2]
         values = dict.fromkeys(self._columns, math.nan)
         stamp: Any = None
         if isinstance(found, dict):
-            key = stamp_column([str(name) for name in found], self._time)
-            stamp = stamp_of(found[key]) if key is not None else None
+            key = self._stamps.column([str(name) for name in found])
+            stamp = self._stamps.read(key, found[key]) if key is not None else None
             if column in values and "value" in found:
                 values[column] = number_of(found["value"])
             values |= {name: number_of(found[name]) for name in self._columns if name in found}
@@ -133,7 +139,16 @@ class Mqtt:
         return Record(clock.time() if stamp is None else stamp, values, clock.monotonic())
 
     def poll(self, timeout: float) -> Record | None:
-        """The next record; None where none came within so many seconds."""
+        """The next record; None where none came within so many seconds.
+
+        Raises
+        ------
+        SourceFault
+            Where reading a message has failed by a fault of the program.
+        """
+        if self._fault is not None:
+            self.ended = True
+            raise SourceFault(self.name, self._fault)
         self._connection.watch()
         try:
             return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()

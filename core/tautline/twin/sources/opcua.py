@@ -7,6 +7,7 @@ import math
 import queue
 import threading
 import time as clock
+from collections import deque
 from collections.abc import Sequence
 from datetime import UTC
 from typing import Any
@@ -14,7 +15,8 @@ from typing import Any
 from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
 from tautline.twin.sources.connection import Connection, cause_of
-from tautline.twin.sources.record import Record
+from tautline.twin.sources.holding import Change, Holding
+from tautline.twin.sources.record import Record, SourceFault
 from tautline.twin.sources.stamps import number_of
 
 MOST = 100_000
@@ -27,8 +29,14 @@ GATHER = 0.02
 """How long the rest of a record is waited for, s."""
 DELAYS = (0.5, 15.0)
 """Shortest and longest time between attempts to connect again, s."""
-WATCHED = 1.0
+KEEPALIVES = 5
+"""Periods after which a server that has nothing to send is to say that it is alive."""
+LIFETIME = 10_000
+"""Periods after which a server may give up a client that asks for nothing."""
+WATCHED = 0.1
 """How often the connection is looked at, s."""
+DEAF = 60.0
+"""How long a server may say nothing at all before it is connected to anew, s."""
 DEEPEST, LARGEST = 8, 5000
 """Levels and nodes that are searched for a name."""
 
@@ -66,14 +74,20 @@ class OpcUa:
         self._connection = Connection(address, self.notes)
         self._address = address if parts.port else parts._replace(netloc=f"{parts.netloc}:{PORT}").geturl()
         self._columns = list(columns)
-        self._queue: queue.Queue[tuple[float, str, float, float]] = queue.Queue(MOST)
-        self._next: tuple[float, str, float, float] | None = None
+        self._queue: queue.Queue[Change | float | None] = queue.Queue(MOST)
+        self._next: Change | float | None = None
+        self._holding = Holding(columns, 1e-3 * PERIOD)
+        self._made: deque[Record] = deque()
+        self._fault: BaseException | None = None
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._listen, daemon=True, name="tautline OPC UA")
         self._thread.start()
 
     def _listen(self) -> None:
-        asyncio.run(self._connect_again_and_again())
+        try:
+            asyncio.run(self._connect_again_and_again())
+        except BaseException as fault:  # told by `poll`: a thread that died in silence would be waited for without end
+            self._fault = fault
 
     async def _connect_again_and_again(self) -> None:
         delay = DELAYS[0]
@@ -86,6 +100,7 @@ class OpcUa:
                     self._connection.lost("" if isinstance(error, OSError) else cause_of(error))
                 else:
                     self._connection.failed(cause_of(error), answered=not isinstance(error, OSError))
+            self._put(None)
             if self._followed:
                 delay = DELAYS[0]
             await asyncio.sleep(0.0 if self._closing.is_set() else delay)
@@ -93,20 +108,31 @@ class OpcUa:
 
     async def _follow(self) -> None:
         """Follow the variables until the connection is lost."""
-        from asyncua import Client
+        from asyncua import Client, ua
 
+        asked = ua.CreateSubscriptionParameters(
+            RequestedPublishingInterval=PERIOD, RequestedLifetimeCount=LIFETIME, RequestedMaxKeepAliveCount=KEEPALIVES,
+            MaxNotificationsPerPublish=LIFETIME, PublishingEnabled=True, Priority=0,
+        )  # fmt: skip
         async with Client(self._address, timeout=4.0) as client:
             nodes = await self._find(client)
             handler = _Handler(self, {str(node.nodeid): name for name, node in nodes.items()})
-            subscription = await client.create_subscription(PERIOD, handler)
-            followed = await subscription.subscribe_data_change(list(nodes.values())) if nodes else []
-            refused = {name for name, one in zip(nodes, followed, strict=True) if not isinstance(one, int)}
+            subscription = await client.create_subscription(asked, handler)
+            refused = await _subscribe(subscription, nodes)
             self._connection.made()
             self._followed = True
             self._tell_missing(set(self._columns) - set(nodes) | refused)
+            told = 0.0
             while not self._closing.is_set():
-                await asyncio.sleep(min(WATCHED, 0.1 if self._closing.is_set() else WATCHED))
+                await asyncio.sleep(WATCHED)
                 await client.check_connection()
+                alive = await _alive(client, subscription)
+                if clock.monotonic() - alive > DEAF:
+                    raise TimeoutError
+                await asyncio.sleep(0.0)  # what came with this sign of life is taken before it
+                if alive > told:
+                    told = alive
+                    self._put(alive)
 
     def _tell_missing(self, names: set[str]) -> None:
         """Say which variables there are none of; again only where it is others."""
@@ -137,35 +163,64 @@ class OpcUa:
         return found
 
     def poll(self, timeout: float) -> Record | None:
-        """The next record: the changes of one stamp."""
+        """The next record: the changes of one stamp, and what still holds.
+
+        Raises
+        ------
+        SourceFault
+            Where the thread that follows the server has died.
+        """
+        if self._fault is not None:
+            self.ended = True
+            raise SourceFault(self.name, self._fault)
         self._connection.watch()
+        if self._made:
+            return self._made.popleft()
         first = self._take(timeout)
+        if isinstance(first, float):
+            self._made.extend(self._holding.until(first))
+            return self._made.popleft() if self._made else None
         if first is None:
             return None
-        values = dict.fromkeys(self._columns, math.nan)
-        values[first[1]] = first[2]
-        while (more := self._take(GATHER)) is not None:
-            if abs(more[0] - first[0]) > TOGETHER or not math.isnan(values[more[1]]):
-                self._next = more
+        together = {first.column: first}
+        more: Change | float | None
+        while isinstance(more := self._take(GATHER), Change):
+            near = (first.first and more.first) or abs(more.time - first.time) <= TOGETHER
+            if not near or more.column in together:
                 break
-            values[more[1]] = more[2]
-        return Record(first[0], values, first[3])
+            together[more.column] = more
+        self._next = more
+        self._made.extend(self._holding.records(list(together.values())))
+        return self._made.popleft() if self._made else None
 
-    def take_change(self, time: float, column: str, value: float) -> None:
+    def take_change(self, change: Change) -> None:
         """Put a change into the queue; one that finds no room is counted."""
+        self._put(change)
+
+    def tell_status(self, column: str, status: str, used: bool) -> None:
+        """Say that the server calls a reading of a variable no good."""
+        then = "its readings are used" if used else "its readings count as missing"
+        self.notes.append(f"the server gives {column} the status {status}: {then}")
+
+    def _put(self, what: Change | float | None) -> None:
         try:
-            self._queue.put_nowait((time, column, value, clock.monotonic()))
+            self._queue.put_nowait(what)
         except queue.Full:
             self.dropped += 1
 
-    def _take(self, timeout: float) -> tuple[float, str, float, float] | None:
+    def _take(self, timeout: float) -> Change | float | None:
+        """A change, or when the server was alive last, s; None where there is neither."""
         if self._next is not None:
-            found, self._next = self._next, None
-            return found
+            kept, self._next = self._next, None
+            return kept
+        found: Change | float | None
         try:
-            return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
+            found = self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:
             return None
+        if found is None:
+            self._holding.forget()
+        return found
 
     def close(self) -> None:
         """Let go of the server."""
@@ -184,14 +239,68 @@ def _node(client: Any, text: str) -> Any:
         return None
 
 
+async def _subscribe(subscription: Any, nodes: dict[str, Any]) -> set[str]:
+    """Ask for every new status, value and stamp; gives the names of variables that the server does not send."""
+    from asyncua import ua
+
+    refused = set(nodes)
+    # A machine that stands still sends new stamps only. A server that does not know this filter is asked without.
+    handle = 0
+    for trigger in (ua.DataChangeTrigger.StatusValueTimestamp, None):
+        names, requests = sorted(refused), []
+        for name in names:
+            handle += 1
+            wanted = ua.MonitoringParameters(ClientHandle=handle, SamplingInterval=PERIOD, QueueSize=0)
+            if trigger is not None:
+                wanted.Filter = ua.DataChangeFilter(Trigger=trigger)
+            item = ua.ReadValueId(NodeId=nodes[name].nodeid, AttributeId=ua.AttributeIds.Value)
+            requests.append(ua.MonitoredItemCreateRequest(item, ua.MonitoringMode.Reporting, wanted))
+        followed = await subscription.create_monitored_items(requests) if requests else []
+        refused = {name for name, one in zip(names, followed, strict=True) if not isinstance(one, int)}
+    return refused
+
+
+async def _alive(client: Any, subscription: Any) -> float:
+    """When the server last said that it is alive, by ``time.monotonic()``, s."""
+    if hasattr(subscription, "last_publish_at"):
+        return float(subscription.last_publish_at or clock.monotonic())
+    now = clock.monotonic()  # asyncua before 2.0 does not tell: then the server is asked
+    await client.nodes.server_state.read_value()
+    return now
+
+
+NO_READING = (0x408F0000, 0x40900000, 0x40910000, 0x40920000)
+"""Uncertain statuses of what is not measured: last usable value with and without a connection, substitute, initial."""
+
+
 class _Handler:
     """What the client calls with every change."""
 
     def __init__(self, source: OpcUa, names: dict[str, str]) -> None:
         self._source, self._names = source, names
+        self._known: set[str] = set()
+        self._status: dict[str, int] = {}
 
     def datachange_notification(self, node: Any, value: Any, data: Any) -> None:
-        """Take a change; its stamp is that of the source."""
-        stamp = data.monitored_item.Value.SourceTimestamp
-        time = clock.time() if stamp is None else stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp()
-        self._source.take_change(time, self._names[str(node.nodeid)], number_of(value))
+        """Take a change; its stamp is that of the source, or of the server where the source gives none."""
+        sent, column = data.monitored_item.Value, self._names[str(node.nodeid)]
+        time = _seconds(sent.SourceTimestamp, _seconds(sent.ServerTimestamp, clock.time()))
+        first = column not in self._known
+        self._known.add(column)
+        reading = number_of(value) if self._usable(column, sent.StatusCode) else math.nan
+        self._source.take_change(Change(time, column, reading, clock.monotonic(), first))
+
+    def _usable(self, column: str, status: Any) -> bool:
+        """Whether a reading counts by its status: good, or uncertain and measured. Another status is told once."""
+        code = 0 if status is None else int(status.value) & 0xFFFF0000
+        good, uncertain = code >> 30 == 0, code >> 30 == 1
+        usable = good or (uncertain and code not in NO_READING)
+        if code != self._status.get(column, 0) and not good:
+            self._source.tell_status(column, str(status.name), usable)
+        self._status[column] = 0 if good else code
+        return usable
+
+
+def _seconds(stamp: Any, otherwise: float) -> float:
+    """A stamp of OPC UA in seconds since 1970; UTC, which it has no zone for."""
+    return otherwise if stamp is None else float(stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp())

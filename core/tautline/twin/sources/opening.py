@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -26,7 +27,7 @@ def open_source(
     columns : sequence of str
         Those that are wanted.
     time : str
-        The column of the stamp; empty for the usual names.
+        The column of the stamp, with its unit where that is not seconds, ``time [ms]``; empty for the usual names.
     speed : float or None
         Of the replay of a file, times real time; None for as fast as possible.
     units : mapping, optional
@@ -41,6 +42,8 @@ def open_source(
     if address == "-":
         from tautline.twin.sources.stream import Stream
 
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")  # a byte that is no letter spoils its line, and not the stream
         return Stream(sys.stdin, columns, time, units=units)
     if address.startswith(("mqtt://", "mqtts://")):
         from tautline.twin.sources.mqtt import Mqtt

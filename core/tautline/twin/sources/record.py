@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+from tautline.errors import TautlineError
+
 
 @dataclass(frozen=True, slots=True)
 class Record:
@@ -24,6 +26,14 @@ class Record:
     time: float
     values: Mapping[str, float]
     arrived: float
+
+
+class SourceFault(TautlineError):
+    """What reads a source has stopped by a fault of the program: no record comes any more."""
+
+    def __init__(self, name: str, fault: BaseException) -> None:
+        said = " ".join(str(fault).split())[:200]
+        super().__init__(f"{name}: reading has stopped by a fault of the program ({type(fault).__name__}: {said})")
 
 
 class Source(Protocol):

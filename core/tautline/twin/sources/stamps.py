@@ -8,35 +8,63 @@ from datetime import UTC, datetime
 from typing import Any
 
 from tautline.scene.reading.columns import HEADER
+from tautline.scene.values.moments import UNIX
 from tautline.scene.values.units import UnknownUnit, read_unit
 
 NAMES = ("time", "t", "timestamp", "stamp")
 """Columns of the stamp, where none is named."""
-UNIX = (1.0e8, 1.0e11)
-"""Stamps between these are seconds since 1970, s: no machine counts three years of its own."""
+FINER = ((1e14, "ms", "milliseconds"), (1e17, "us", "microseconds"), (math.inf, "ns", "nanoseconds"))
+"""Units of stamps since 1970 that are no seconds: below which number a stamp is likely in each."""
 
 
 def stamp_of(value: Any, factor: float = 1.0) -> float:
     """A stamp in seconds: a number times its unit, or ISO 8601 (UTC where it names no zone); NaN for anything else.
 
-    A number may have a comma in place of its point, as readings may.
+    A number may have a comma in place of its point, as readings may. One beyond `UNIX` is none: it would lie thousands
+    of years ahead, and is one of milliseconds.
     """
     number = number_of(value)
     if not math.isnan(number) or not isinstance(value, str):
-        return number * factor
+        return number * factor if abs(number * factor) < UNIX[1] else math.nan
     try:
         moment = datetime.fromisoformat(value.strip())
-    except ValueError:
+        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+    except (ValueError, OverflowError):
         return math.nan
-    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
 
 
-def stamp_said(time: float) -> str:
-    """A stamp, s, as people read it: seconds, or the time of day in UTC where it is a Unix time."""
-    if not UNIX[0] <= time < UNIX[1]:
-        return f"{time:.1f} s"
-    tenths = round(10.0 * time)
-    return f"{datetime.fromtimestamp(tenths // 10, UTC):%Y-%m-%d %H:%M:%S}.{tenths % 10} UTC"
+class Stamps:
+    """Reads stamps, and says once where they are in a unit that nobody has named.
+
+    Parameters
+    ----------
+    asked : str
+        The column of the stamp in the map, with its unit where it has one, ``time [ms]``; empty for the usual names.
+    notes : list of str
+        Where the sentence goes.
+    """
+
+    def __init__(self, asked: str, notes: list[str]) -> None:
+        names, units = heads([asked])
+        self.asked, self.unit, self._bare, self._notes, self._told = asked, units[0], names[0], notes, False
+
+    def column(self, names: Sequence[str]) -> str | None:
+        """The name of the stamp among names; None where it is not there."""
+        return stamp_column(names, self.asked) or (stamp_column(names, self._bare) if self._bare else None)
+
+    def read(self, name: str, value: Any, factor: float | None = None) -> float:
+        """A stamp, s; NaN for what is none. `factor` is that of a header's unit."""
+        factor = seconds_in(self.unit) if factor is None else factor
+        found = stamp_of(value, factor)
+        number = number_of(value)
+        if math.isnan(found) and not self._told and factor == 1.0 and UNIX[1] <= number < math.inf:
+            _, unit, said = next(one for one in FINER if number < one[0])
+            self._told = True
+            self._notes.append(
+                f"stamps such as {number:.0f} are no seconds: rows with them are left out. "
+                f'If they are {said}, write `time: "{name} [{unit}]"` in the map'
+            )
+        return found
 
 
 def number_of(value: Any) -> float:
@@ -44,7 +72,10 @@ def number_of(value: Any) -> float:
     if isinstance(value, bool) or value is None:
         return math.nan
     if isinstance(value, (int, float)):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:  # a whole number of hundreds of digits
+            return math.nan
     text = str(value).strip()
     try:
         return float(text)

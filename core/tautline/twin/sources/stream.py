@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from typing import IO, Any
 
 from tautline.scene.errors import SceneError
-from tautline.twin.sources.record import Record
-from tautline.twin.sources.stamps import number_of, stamp_column, stamp_of
+from tautline.twin.sources.record import Record, SourceFault
+from tautline.twin.sources.stamps import Stamps, number_of
 from tautline.twin.sources.table import Header
 
 MOST = 100_000
@@ -40,9 +40,10 @@ class Stream:
         self.dropped, self.notes = 0, list[str]()
         self.factors: dict[str, float] = {}
         self._file, self._columns, self._time, self._units = file, list(columns), time, units
-        self._queue: queue.Queue[Record | SceneError | None] = queue.Queue(MOST)
+        self._queue: queue.Queue[Record | SceneError | SourceFault | None] = queue.Queue(MOST)
         self._header: Header | None = None
         self._objects = False
+        self._stamps = Stamps(time, self.notes)
         threading.Thread(target=self._listen, daemon=True, name="tautline source").start()
 
     def _listen(self) -> None:
@@ -54,16 +55,19 @@ class Stream:
             self._queue.put(error)
         except ValueError:  # the file was closed
             pass
-        self._queue.put(None)
+        except BaseException as fault:  # told by `poll`: a thread that died in silence would be waited for without end
+            self._queue.put(SourceFault(self.name, fault))
+        finally:
+            self._queue.put(None)
 
     def _take(self, line: str) -> None:
         row: tuple[float, Mapping[str, float]] | None
         if line.lstrip().startswith("{") or self._objects:
             self._objects = True
-            row = read_object(line, self._columns, self._time)
+            row = read_object(line, self._columns, self._stamps)
         elif self._header is None:
             self._header = Header(line, self._columns, self._time, self.name, self._units)
-            self.notes += self._header.notes
+            self.notes = self._header.notes  # it will have more to say of stamps
             self.factors |= self._header.factors
             return
         else:
@@ -74,14 +78,14 @@ class Stream:
         self._queue.put(Record(row[0], row[1], clock.monotonic()))
 
     def poll(self, timeout: float) -> Record | None:
-        """The next record; raises SceneError for a header without the columns."""
+        """The next record; raises SceneError for a header without the columns, SourceFault where reading has died."""
         if self.ended:
             return None
         try:
             found = self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:
             return None
-        if isinstance(found, SceneError):
+        if isinstance(found, (SceneError, SourceFault)):
             self.ended = True
             raise found
         self.ended = found is None
@@ -91,14 +95,14 @@ class Stream:
         """Nothing: the thread ends with the process, or with the stream."""
 
 
-def read_object(line: str, columns: Sequence[str], time: str) -> tuple[float, dict[str, float]] | None:
+def read_object(line: str, columns: Sequence[str], stamps: Stamps) -> tuple[float, dict[str, float]] | None:
     """Stamp and values of a JSON object; None for what is none."""
     try:
         found: Any = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):  # the second for brackets in brackets without end
         return None
     if not isinstance(found, dict):
         return None
-    stamp = stamp_column([str(key) for key in found], time)
+    stamp = stamps.column([str(key) for key in found])
     values = {name: number_of(found.get(name)) for name in columns}
-    return stamp_of(found[stamp]) if stamp is not None else float("nan"), values
+    return stamps.read(stamp, found[stamp]) if stamp is not None else float("nan"), values

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import OtherQuantity, factor_between
-from tautline.twin.sources.stamps import heads, number_of, seconds_in, stamp_column, stamp_of
+from tautline.twin.sources.stamps import Stamps, heads, number_of, seconds_in
 
 SEPARATORS = ";\t,"
 
@@ -49,7 +49,9 @@ class Header:
             titles.pop()
         self.names, self.units = heads(titles)
         self.width = self._before = len(titles)
-        stamp = stamp_column(self.names, time) or stamp_column(titles, time)
+        self.notes: list[str] = []
+        self._stamps = Stamps(time, self.notes)
+        stamp = self._stamps.column(self.names) or self._stamps.column(titles)
         problems = []
         if stamp is None:
             cause = f"there is no column '{time}'" if time else "there is no column of time"
@@ -57,7 +59,6 @@ class Header:
             problems.append(Problem(where, 1, "", None, cause, cure))
         self.places: dict[str, int] = {}
         self.factors: dict[str, float] = {}
-        self.notes: list[str] = []
         for column in columns:
             place = next((i for i, one in enumerate(titles) if column in (one, self.names[i])), None)
             if place is None:
@@ -77,7 +78,7 @@ class Header:
         if problems:
             raise SceneError(problems)
         self.stamp = next(i for i, one in enumerate(titles) if stamp in (one, self.names[i]))
-        self.factor = seconds_in(self.units[self.stamp])
+        self.factor = seconds_in(self.units[self.stamp] or self._stamps.unit)
 
     def _factor(self, column: str, header: str, asked: str | None) -> float:
         """What readings of a column are multiplied by; 1 where the header or nobody gives a unit."""
@@ -93,7 +94,10 @@ class Header:
 
     def cells(self, line: str) -> list[str]:
         """Cells of a line, without spaces around them."""
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator), [])]
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator), [])]
+        except csv.Error:  # a cell of more than 100,000 letters
+            return []
 
     def read(self, line: str) -> tuple[float, Mapping[str, float]] | None:
         """Stamp and values of a line; None for a line that has too few cells.
@@ -112,4 +116,4 @@ class Header:
             name: self.factors[name] * number_of(cells[place]) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
-        return stamp_of(cells[self.stamp], self.factor), values
+        return self._stamps.read(self.names[self.stamp] or "time", cells[self.stamp], self.factor), values

@@ -133,7 +133,7 @@ def _write_frames(
                         add_array(data.GetFieldData(), name, np.array([values[source[frame]]], dtype=float))
                 if frame == 0 and (part is host or (host is None and i == 0)):
                     add_texts(data, "title", [appearance.title])
-                    add_texts(data, "notes", appearance.notes)
+                    add_texts(data, "notes", appearance.remarks)
                 files[i].append(f"{stem}_{frame:0{digits}d}.vtp" if part.moves else f"{stem}.vtp")
                 write(data, folder / files[i][-1])
             if progress is not None:

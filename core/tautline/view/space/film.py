@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -111,7 +112,7 @@ def film(
     part = path.with_name(f".{path.stem}.part.{ending}")
     width, height = stage.plotter.window_size
     try:
-        with _ffmpeg(part, ending, (width, height), size or (width, height), made.rate) as pipe:
+        with _ffmpeg(path, part, ending, (width, height), size or (width, height), made.rate) as pipe:
             for number, frame in enumerate(made.frames):
                 stage.show(int(frame))
                 pipe.write(stage.picture())
@@ -135,8 +136,8 @@ def check_name(path: Path) -> str:
 
 
 @contextlib.contextmanager
-def _ffmpeg(path: Path, ending: str, given: tuple[int, int], size: tuple[int, int], rate: float) -> Any:
-    """A pipe that takes raw pictures."""
+def _ffmpeg(path: Path, part: Path, ending: str, given: tuple[int, int], size: tuple[int, int], rate: float) -> Any:
+    """A pipe that takes raw pictures for a film, which is written as `part`; messages name `path`."""
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
 
@@ -150,7 +151,7 @@ def _ffmpeg(path: Path, ending: str, given: tuple[int, int], size: tuple[int, in
     command = [
         program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{given[0]}x{given[1]}",
         "-r", f"{rate:.6g}", "-i", "-", "-an", *(["-vf", ",".join(filters)] if filters else []), *WRITERS[ending],
-        str(path),
+        str(part),
     ]  # fmt: skip
     run = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
     assert run.stdin is not None and run.stderr is not None
@@ -172,4 +173,5 @@ def _ffmpeg(path: Path, ending: str, given: tuple[int, int], size: tuple[int, in
 
 def _unwritten(path: Path, said: str) -> ResultError:
     cause = said.splitlines()[-1] if said else "ffmpeg stopped"
+    cause = re.sub(r"\S*\.part\.\w+", path.name, cause)  # the name under which it waits is nobody's business
     return ResultError(path, f"cannot be written: {cause}", "name another with -o or --movie, or make room")

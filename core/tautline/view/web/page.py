@@ -6,12 +6,14 @@ import base64
 import hashlib
 import html
 import json
+import os
 import re
 import zlib
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 
@@ -173,11 +175,19 @@ def write_page(
     kept = thinned(appearance, frames)
     pack = Pack(kept)
     scene = describe(appearance, pack, colour, radius)
+    path = Path(path)
+    beside = path.with_name(f".{path.name}.{uuid4().hex[:8]}.part")
     try:
-        Path(path).write_text(assembled(appearance.title, scene, pack.text()), encoding="utf-8", newline="\n")
+        try:
+            beside.write_text(assembled(appearance.title, scene, pack.text()), encoding="utf-8", newline="\n")
+            os.replace(beside, path)
+        finally:
+            beside.unlink(missing_ok=True)
     except OSError as error:
-        raise ResultError(path, f"it cannot be written: {error.strerror}") from error
-    return Path(path)
+        raise ResultError(
+            path, f"cannot be written: {error.strerror}", "name another with --html, or make room"
+        ) from None
+    return path
 
 
 def thinned(appearance: Appearance, most: int) -> np.ndarray:
