@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -87,7 +87,8 @@ def flutter(
     figure = figure_place(output, f"{scene.stem}_flutter")
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found, hose.units)
-    told = _of_mesh(hose, found, speeds)
+    told = [*_of_mesh(hose, found, speeds), *_between(found, speeds, hose.units)]
+    _say_warnings(told)
     _draw_stability(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -104,6 +105,8 @@ def flutter(
                 "kind": first.kind if first else None,
                 "critical": [one._asdict() for one in found.critical],
                 "stable_from": found.stable_from,
+                "windows": [{"from": one.begin, "to": one.end} for one in found.windows],
+                "resolution": found.resolution,
                 "direction": _way(found),
                 "warnings": [{"where": one.where, "text": one.text} for one in told],
                 "speed": found.speed,
@@ -245,6 +248,27 @@ def _print_stability(found: Stability, system: str) -> None:
         say("negative speeds: the water flows from the tip to the root")
     for critical in found.critical[len(at_once) :]:
         say(f"the hose {words_of(critical, system)}", "green")
+    if _has_windows(found):
+        for line in _told_windows(found, told):
+            say(line, "yellow")
+
+
+def _has_windows(found: Stability) -> bool:
+    """Whether a hose that has become unstable is stable once more at a higher speed."""
+    slowest = float(min(found.speed, key=abs))
+    return any(one.end is not None and one.begin != slowest for one in found.windows) or len(found.windows) > 2
+
+
+def _told_windows(found: Stability, told: Callable[..., str]) -> list[str]:
+    """Sentences: between which speeds a hose is unstable, and how narrow a window may be missed."""
+    parts = [
+        f"from {told(one.begin, 6)}" + (f" to {told(one.end, 6)}" if one.end is not None else " on")
+        for one in found.windows
+    ]
+    lines = [f"it is unstable in windows of speed: {', '.join(parts)}. Between the windows it is stable"]
+    if found.resolution is not None:
+        lines.append(f"a window narrower than {told(found.resolution, 2)} may be missed")
+    return lines
 
 
 def _way(found: Stability) -> str:
@@ -256,14 +280,39 @@ def _way(found: Stability) -> str:
 def _of_mesh(hose: HoseScene, found: Stability, speeds: list[float] | None) -> list[SceneWarning]:
     """Say where elements are coarse for the speed that was found, or for the fastest that was asked for."""
     from gardenhose.warnings import mesh_at
-    from tautline.cli.output.console import say
 
     # Speeds that were not asked for go past the first instability: only where there is none do they count.
     looked_at = speeds if speeds is not None else [] if found.critical else found.speed.tolist()
-    told = mesh_at(hose, [*(one.speed for one in found.critical), *looked_at])
+    return mesh_at(hose, [*(one.speed for one in found.critical), *looked_at])
+
+
+def _between(found: Stability, speeds: list[float] | None, system: str) -> list[SceneWarning]:
+    """Say which windows of instability lie between speeds that were asked for, where no motion grows at these."""
+    from tautline.scene.errors import SceneWarning
+    from tautline.scene.values.printed import shown
+
+    hidden = [
+        one
+        for one in found.windows
+        if speeds is not None
+        and one.end is not None
+        and not any(min(one) <= speed <= max(one) for speed in found.speed)
+    ]
+    return [
+        SceneWarning(
+            "--speed",
+            f"the hose is unstable from {shown(one.begin, 'm/s', system, 6)} to {shown(one.end, 'm/s', system, 6)}. "
+            "None of the speeds given lies there; take a smaller step",
+        )
+        for one in hidden
+    ]
+
+
+def _say_warnings(told: list[SceneWarning]) -> None:
+    from tautline.cli.output.console import say
+
     for one in told:
         say(f"warning: {one.where}: {one.text}", "yellow")
-    return told
 
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:

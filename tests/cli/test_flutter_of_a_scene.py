@@ -62,3 +62,39 @@ def test_flutter_does_not_warn_of_elements_for_speeds_below_two_radians_of_a_wav
     # sqrt(M / EJ) U L / 3 = 1.8 rad at 10 m/s
     _, out, _ = gardenhose("flutter", "hose.yaml", "--set", "hose.elements=3", "--speed", "0,5,10", "--json")
     assert only_object(out)["warnings"] == []
+
+
+PLAIN = """\
+hose: {length: 1, elements: 12, axial_stiffness: 1.0e6, bending_stiffness: 1, mass_per_length: 0.7028}
+water: {mass_per_length: 0.2972, speed: 1}
+gravity: 0
+solver: {step: 1 ms, end: 1 s}
+output: {interval: 5 ms}
+"""
+"""Gregory and Paidoussis' cantilever where its boundary folds back: unstable from 13.76 to 13.91 m/s, on this mesh."""
+
+
+def test_flutter_tells_the_windows_in_which_a_hose_is_unstable_and_how_narrow_one_may_be_missed(gardenhose):
+    Path("plain.yaml").write_text(PLAIN, encoding="utf8")
+    code, out, err = gardenhose("flutter", "plain.yaml", "--json")
+    report, said = only_object(out), " ".join(err.split())
+    first, last = report["windows"]
+    assert code == 0 and first["from"] == report["critical_speed"] and last["to"] is None
+    assert 13.7 < first["from"] < first["to"] < 14.0 < last["from"] < 15.2
+    assert f"unstable in windows of speed: from {first['from']:.6g} m/s to {first['to']:.6g} m/s" in said
+    assert f"a window narrower than {report['resolution']:.2g} m/s may be missed" in said
+
+
+def test_flutter_warns_of_a_window_between_the_speeds_that_are_given(gardenhose):
+    Path("plain.yaml").write_text(PLAIN, encoding="utf8")
+    code, out, err = gardenhose("flutter", "plain.yaml", "--speed", "13:15:1", "--json")
+    report, said = only_object(out), " ".join(err.split())
+    (told,) = (one for one in report["warnings"] if one["where"] == "--speed")
+    assert code == 0 and report["unstable"] == [False] * 3 and len(report["windows"]) == 1
+    assert "None of the speeds given lies there" in told["text"] and told["text"] in said
+
+
+def test_flutter_of_a_hose_that_becomes_unstable_once_speaks_of_no_windows(gardenhose):
+    code, out, err = gardenhose("flutter", "hose.yaml", "--json")
+    (window,) = only_object(out)["windows"]
+    assert code == 0 and window["to"] is None and "window" not in err
