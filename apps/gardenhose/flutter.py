@@ -104,6 +104,11 @@ class Stability(NamedTuple):
     windows: Sequence[Window] = ()
     resolution: float | None = None
 
+    @property
+    def unstable_at(self) -> Literal["none", "part", "all"]:
+        """At which of the speeds looked at the hose is unstable: at none, at part of them, or at all."""
+        return "all" if self.grows.all() else "part" if self.grows.any() else "none"
+
 
 def normal_of(scene: HoseScene) -> np.ndarray | None:
     """Unit normal of the plane of direction and gravity; None where these are parallel, or there is no gravity."""

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
 
+import tautline
 from gardenhose.application import Gardenhose
 
 SCENE = """\
@@ -98,3 +99,47 @@ def test_flutter_of_a_hose_that_becomes_unstable_once_speaks_of_no_windows(garde
     code, out, err = gardenhose("flutter", "hose.yaml", "--json")
     (window,) = only_object(out)["windows"]
     assert code == 0 and window["to"] is None and "window" not in err
+
+
+@pytest.mark.parametrize(
+    ("speeds", "extent"), [("16.5:18:0.5", "all"), ("1:3:1", "none"), ("15:17:1", "part")], ids=["all", "none", "part"]
+)
+def test_flutter_says_whether_a_hose_is_unstable_at_none_part_or_all_of_the_speeds(gardenhose, speeds, extent):
+    code, out, err = gardenhose("flutter", "hose.yaml", "--speed", speeds, "--json")
+    assert code == 0 and only_object(out)["unstable_at"] == extent
+    # above the onset: it lies below, and there is a way to it
+    below = "the critical speed lies below 16.5 m/s. Leave out --speed to search from 0, or give lower speeds"
+    assert (below in " ".join(err.split())) == (extent == "all")
+
+
+def test_a_sweep_tells_a_hose_that_is_stable_at_every_speed_from_one_that_is_unstable_at_all(gardenhose):
+    scene = tautline.read("hose.yaml")
+    vary = {"hose.length": [0.5, 4.0]}
+    data = tautline.sweep(
+        scene, vary, collect=["unstable_at", "critical_speed"], verb="flutter", options={"speed": "6:8:1"}, jobs=1
+    )
+    assert data["unstable_at"].values.tolist() == ["none", "all"]
+
+
+def test_static_says_that_it_does_not_judge_the_stability_of_a_hose_with_a_free_end(gardenhose):
+    code, out, err = gardenhose("static", "hose.yaml", "--speed", "0,17", "--json")
+    (told,) = only_object(out)["warnings"]
+    assert code == 0 and told["where"] == "hose.end" and "not judged" in told["text"]
+    assert "gardenhose flutter" in " ".join(err.split())
+    for more in (("--speed", "0"), ("--set", "hose.end=pinned", "--speed", "0,2")):
+        _, out, _ = gardenhose("static", "hose.yaml", *more, "--json")
+        assert only_object(out)["warnings"] == []
+
+
+@pytest.mark.parametrize("verb", ["static", "flutter"])
+def test_static_and_flutter_say_where_the_waters_momentum_takes_all_of_the_axial_stiffness(gardenhose, verb):
+    # M U^2 = 0.3 10^2 = 30 N, of EA = 20 N
+    code, out, err = gardenhose(verb, "hose.yaml", "--set", "hose.axial_stiffness=20", "--speed", "0,10", "--json")
+    told = {one["where"]: one["text"] for one in only_object(out)["warnings"]}
+    assert code == 0 and "all of EA" in told["hose.axial_stiffness"]
+    assert "all of EA" in " ".join(err.split())
+
+
+def test_static_says_where_elements_are_coarse_for_the_flows_waves(gardenhose):
+    _, out, _ = gardenhose("static", "hose.yaml", "--set", "hose.elements=3", "--speed", "0,14", "--json")
+    assert "coarse" in {one["where"]: one["text"] for one in only_object(out)["warnings"]}["hose.elements"]

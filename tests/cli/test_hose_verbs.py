@@ -110,6 +110,7 @@ FLUTTER_KEYS |= {
     "warnings",
     "windows",
     "resolution",
+    "unstable_at",
 }
 
 
