@@ -7,7 +7,7 @@ reference has polynomials and no elements (`references.hose.Pipe`), and looks at
 import numpy as np
 import pytest
 from of_the_suite import studies
-from physics.pipes.hoses import scene
+from physics.pipes.hoses import run, scene
 from references import hose as reference
 from scipy.optimize import brentq, minimize_scalar
 
@@ -122,3 +122,23 @@ def test_an_undamped_pipe_held_at_both_ends_has_no_windows_by_rounding():
     found = stability(held)
     assert found.windows[0].begin == found.critical[0].speed
     assert found.windows[0].begin * np.sqrt(0.2) == pytest.approx(2.0 * np.pi, rel=6e-4)
+
+
+def test_a_run_of_a_pipe_with_a_mass_at_its_tip_grows_at_the_rate_of_its_eigenvalue():
+    # The other motions decay within 6 s, before that the tip's peaks fall. Measured 0.02013 for 0.02008, at 4.6 m/s.
+    speed, mass = 4.6, 0.5
+    made = cantilever(0.3, 12, mu=mass, along=1e5)
+    solver = {"rho_inf": 1.0, "step": 5e-4, "end": 18.0, "tolerance": 1e-8}
+    made = made.replace({"water.speed": speed, "disturbance": [1e-5, 0, 0], "output.interval": 4e-3})
+    result = run(made.replace({f"solver.{key}": value for key, value in solver.items()}))
+    values = GALERKIN.eigenvalues(speed * np.sqrt(0.3), 0.3, mu=mass)[: GALERKIN.modes]
+    exact = values[values.real.argmax()]
+    time, tip = np.asarray(result["time"]), np.asarray(result["tip"])[:, 0]
+    times, sizes = [], []
+    for part in np.array_split(np.flatnonzero(time > 6.0), 8):
+        t = time[part] - time[part[0]]
+        wave = np.exp(exact * t)
+        share, *_ = np.linalg.lstsq(np.stack([wave.real, wave.imag, np.ones_like(t), t], 1), tip[part])
+        times.append(time[part[0]])
+        sizes.append(np.hypot(*share[:2]))
+    assert np.polyfit(times, np.log(sizes), 1)[0] == pytest.approx(exact.real, rel=0.02)
