@@ -2,11 +2,16 @@
 
 Small motions exp(lambda t) about the static shape: the hose flutters where a complex pair crosses to growth, and
 diverges where a real one does. The motion is in the plane of the static shape (of direction and gravity) or out of it.
+
+Over the mass ratio the boundary folds back (R. W. Gregory and M. P. Paidoussis, Proc. R. Soc. A 293, 1966): a hose may
+be unstable in a window of speeds, stable once more, and unstable for good much later. Between the speeds at which
+eigenvalues are computed such windows are looked for with the hose's motions in few shapes (`gardenhose.reduced`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -14,6 +19,7 @@ from scipy.optimize import brentq, linear_sum_assignment
 
 from gardenhose.estimates import average, onset
 from gardenhose.estimates import speeds as speeds_of
+from gardenhose.reduced import Reduced, peaks
 from gardenhose.scene import HoseScene
 from gardenhose.static import Form, form
 from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
@@ -41,6 +47,14 @@ TRIALS = 10
 """Speeds up to the estimated critical one at which it is looked for."""
 FARTHEST = 4.0
 """Multiple of the estimated critical speed up to which one is looked for."""
+SCANNED, MOST_SCANNED = 200, 1500
+"""Speeds up to the estimated critical one, and at most, at which windows are looked for with motions in few shapes."""
+APART, MOST_BETWEEN = 6, 12
+"""Speeds up to the estimated critical one whose shapes do for all between, and how many are added to those given."""
+ABOUT = 1.0e-6
+"""How near the speed at which growth begins is to where it does in few shapes, relative."""
+NEWTON = 1.0e-4
+"""Step from there, relative, whose square is no more than that of a speed which is only told."""
 
 SPRINGS = ("penalty", "augmented")
 """Couplings that tie hose and water by springs, alone or beside multipliers."""
@@ -57,6 +71,17 @@ class Critical(NamedTuple):
     kind: Literal["flutter", "divergence"]
 
 
+class Window(NamedTuple):
+    """Speeds, m/s, between which a hose is unstable, the slower first.
+
+    It begins at the slowest speed looked at where the hose is unstable there, and has no end where it is at the
+    fastest.
+    """
+
+    begin: float
+    end: float | None
+
+
 class Stability(NamedTuple):
     """Eigenvalues against speed.
 
@@ -65,7 +90,9 @@ class Stability(NamedTuple):
     ``out_of_plane`` (k, m) the share of the motion that is; ``grows`` (k,) whether any motion does, by more than what
     may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once, and once more where it is
     unstable without flow; ``stable_from`` the speed, m/s, from which nothing grows that does at the slowest one, None
-    where nothing does there or it never ceases.
+    where nothing does there or it never ceases. ``windows`` between which speeds the hose is unstable, whatever the
+    plane, the slowest first. ``resolution`` m/s is how far apart the speeds are at which windows were looked for: a
+    growth rate that rises above zero and falls again within less may be missed; None where one speed was looked at.
     """
 
     speed: np.ndarray
@@ -74,6 +101,13 @@ class Stability(NamedTuple):
     grows: np.ndarray
     critical: list[Critical]
     stable_from: float | None = None
+    windows: Sequence[Window] = ()
+    resolution: float | None = None
+
+    @property
+    def unstable_at(self) -> Literal["none", "part", "all"]:
+        """At which of the speeds looked at the hose is unstable: at none, at part of them, or at all."""
+        return "all" if self.grows.all() else "part" if self.grows.any() else "none"
 
 
 def normal_of(scene: HoseScene) -> np.ndarray | None:
@@ -86,8 +120,8 @@ def normal_of(scene: HoseScene) -> np.ndarray | None:
 class _Linear:
     """A scene's eigenvalues at any speed, each static shape sought from the nearest one known."""
 
-    def __init__(self, scene: HoseScene) -> None:
-        self.scene, self.normal = _tied(scene), normal_of(scene)
+    def __init__(self, scene: HoseScene, always: bool = False) -> None:
+        self.scene, self.normal = _tied(scene, always), normal_of(scene)
         self.known: dict[float, Form] = {}
         self.solved: dict[float, tuple[Vibrations, np.ndarray]] = {}
 
@@ -140,13 +174,14 @@ def _of_one_plane(motions: Vibrations) -> Vibrations:
     return Vibrations(value[kept], motions.shape[:, kept], motions.rounding[kept])
 
 
-def _tied(scene: HoseScene) -> HoseScene:
+def _tied(scene: HoseScene, always: bool = False) -> HoseScene:
     """The scene with hose and water tied without springs, on which entering water excites a fast mode of its own.
 
     Springs that support multipliers are so stiff that bending would be lost in the rounding of eigenvalues. A hose of
-    many elements has no multipliers either: of its motions only the slowest are sought.
+    many elements has no multipliers either: of its motions only the slowest are sought. Nor has one that ``always`` has
+    none.
     """
-    long = DOFS * scene.hose.element_count > DENSE
+    long = always or DOFS * scene.hose.element_count > DENSE
     if scene.document is None or scene.coupling == "linear" or (scene.coupling not in SPRINGS and not long):
         return scene
     values = {("coupling",): ("linear", "coupling"), ("stiffness",): (None, "stiffness")}
@@ -180,29 +215,141 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
         raise SceneError([scene.problem("water", "is missing: nothing can flow", cure)])
     linear = _Linear(scene)
     grid = np.unique(np.array(speeds, float)) if speeds is not None else _range(linear)
+    planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
+    scans = _scans(linear, grid, planes)
+    tried = {plane: _with_witnesses(linear, grid, plane, scan) for plane, scan in scans.items()}
+    if speeds is None:
+        grid = np.unique(np.concatenate(list(tried.values())))
     rows = [linear.at(float(speed)) for speed in grid]
     # Modes are told apart where the flow is slowest.
     backwards = abs(grid[0]) > abs(grid[-1])
     values, shares = _follow(rows[::-1] if backwards else rows, modes)
     values, shares = (values[::-1], shares[::-1]) if backwards else (values, shares)
-    planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
-    found = [critical for plane in planes for critical in _crossings(linear, grid, plane)[:1]]
+    begin = {plane: _passages(linear, tried[plane], plane, True, scans[plane]) for plane in planes}
+    end = {plane: _passages(linear, tried[plane], plane, False, scans[plane]) for plane in planes}
+    found = [_locate(linear, *one[:2], plane, scans[plane]) for plane in planes for one in begin[plane][:1]]
+    for one in found:
+        begin[one.plane][0] = begin[one.plane][0]._replace(speed=one.speed)
     if 0.0 in grid:
         found += [_kind(linear, 0.0, plane) for plane in planes if _grows(linear, 0.0, plane)]
     grows = np.array([_grows(linear, speed, "any") for speed in grid])
     critical = sorted(found, key=lambda one: abs(one.speed))
-    return Stability(grid, values, shares, grows, critical, _stable_from(linear, grid, grows))
+    windows = _joined(
+        one for plane in planes for one in _windows(linear, tried[plane], plane, begin[plane], end[plane])
+    )
+    speeds_apart = _apart(scans)
+    return Stability(grid, values, shares, grows, critical, _stable_from(grid, windows), windows, speeds_apart)
 
 
-def _stable_from(linear: _Linear, grid: np.ndarray, grows: np.ndarray) -> float | None:
+class _Scan(NamedTuple):
+    """A hose's motions of a plane in few shapes, and the rising speeds (k,), m/s, at which they are looked at."""
+
+    reduced: Reduced
+    speed: np.ndarray
+
+
+def _scans(linear: _Linear, grid: np.ndarray, planes: Sequence[Plane]) -> dict[Plane, _Scan | None]:
+    """What tells where to look between speeds, for each plane; nothing where there is but one speed."""
+    if grid.size < 2:
+        return dict.fromkeys(planes)
+    if linear.scene.coupling != "linear":
+        # Multipliers change no motion: those that hose and water share tell as much.
+        linear = _Linear(linear.scene, always=True)
+    guess = abs(_guess(linear.scene))
+    nodes = _filled(grid, max(guess / APART, float(grid[-1] - grid[0]) / MOST_BETWEEN))
+    step = max(guess / SCANNED, float(grid[-1] - grid[0]) / MOST_SCANNED)
+    rows = [linear.at(float(speed)) for speed in nodes]
+    forms = [linear.known[float(speed)] for speed in nodes]
+    direction, made = np.array(linear.scene.hose.unit_direction), {}
+    for plane in planes:
+        motions, share = [one for one, _ in rows], [one for _, one in rows]
+        reduced = Reduced(forms, motions, share, linear.normal, direction, plane == "out", STILL)
+        made[plane] = _Scan(reduced, _filled(nodes, step))
+    return made
+
+
+def _apart(scans: dict[Plane, _Scan | None]) -> float | None:
+    """How far apart the speeds of scans are, m/s."""
+    return max((float(np.diff(scan.speed).max()) for scan in scans.values() if scan is not None), default=None)
+
+
+def _filled(speeds: np.ndarray, gap: float) -> np.ndarray:
+    """Rising speeds, and between each two as many more as leave no gap wider than one given."""
+    parts = [
+        left + (right - left) * np.arange(n) / n
+        for left, right in pairwise(speeds)
+        for n in [max(1, int(np.ceil((right - left) / gap * (1.0 - 1e-9))))]
+    ]
+    return np.concatenate([*parts, speeds[-1:]])
+
+
+def _with_witnesses(linear: _Linear, grid: np.ndarray, plane: Plane, scan: _Scan | None) -> np.ndarray:
+    """Speeds, and among them one of each window of growth, and of decay, that lies between them."""
+    if scan is None:
+        return grid
+    values = scan.reduced.at(scan.speed)
+    found = peaks(scan.reduced, scan.speed, values)
+    speed = np.concatenate([scan.speed, [one.speed for one in found]])
+    growth = np.concatenate([scan.reduced.growths(values), [one.growth for one in found]])
+    order = np.argsort(speed, kind="stable")
+    speed, growth = speed[order], growth[order]
+    grows = growth > 0.0
+    known = np.array([_grows(linear, one, plane) for one in grid])
+    more = []
+    for run in np.split(np.arange(speed.size), np.flatnonzero(np.diff(grows)) + 1):
+        inside = (grid >= speed[run[0]]) & (grid <= speed[run[-1]])
+        if not (known[inside] == grows[run[0]]).any():
+            farthest = np.argmax(growth[run]) if grows[run[0]] else np.argmin(growth[run])
+            more.append(float(speed[run[farthest]]))
+    # What nearly grows in few shapes may grow.
+    more += [one.speed for one in found if one.growth <= 0.0]
+    return np.unique(np.concatenate([grid, more]))
+
+
+def _windows(
+    linear: _Linear, speeds: np.ndarray, plane: Plane, begin: list[_Passage], end: list[_Passage]
+) -> list[Window]:
+    """Between which speeds motions of a plane grow, by where they begin to and cease to, to either side."""
+    made = []
+    for way in (1.0, -1.0):
+        side = np.sort(way * speeds[way * speeds >= 0.0])
+        if not side.size or (way < 0.0 and side[-1] == 0.0):
+            continue
+        first = [way * float(side[0])] if _grows(linear, way * float(side[0]), plane) else []
+        begins = first + [one.speed for one in begin if way * one.speed > side[0]]
+        ends: list[float | None] = [one.speed for one in end if way * one.speed > side[0]]
+        made += [Window(*pair) for pair in zip(begins, [*ends, None], strict=False)]
+    return made
+
+
+def _joined(windows: Iterable[Window]) -> list[Window]:
+    """Windows of several planes as those of the hose, the slowest first."""
+    made: list[Window] = []
+    for one in sorted(windows, key=lambda window: abs(window.begin)):
+        last = next((k for k, other in enumerate(made) if _meet(other, one)), None)
+        if last is None:
+            made.append(one)
+        else:
+            ends = [made[last].end, one.end]
+            known = [end for end in ends if end is not None]
+            made[last] = Window(made[last].begin, max(known, key=abs) if len(known) == len(ends) else None)
+    return made
+
+
+def _meet(slower: Window, faster: Window) -> bool:
+    """Whether a window begins within one that begins no later."""
+    same = slower.begin * faster.begin > 0.0 or slower.begin == faster.begin or slower.begin == 0.0
+    if slower.end is not None:
+        same = same and slower.end * faster.begin >= 0.0
+    return same and (slower.end is None or abs(faster.begin) <= abs(slower.end))
+
+
+def _stable_from(grid: np.ndarray, windows: Sequence[Window]) -> float | None:
     """Speed from which nothing grows that does at the slowest one of a range."""
-    if not grows[np.argmin(np.abs(grid))]:
-        return None
-    way = -1.0 if grid[-1] <= 0.0 else 1.0
-    grid, grows = (grid[::-1], grows[::-1]) if way < 0.0 else (grid, grows)
-    for left, right, before, after in zip(grid[:-1], grid[1:], grows[:-1], grows[1:], strict=True):
-        if before and not after and way * right > 0.0:
-            return _locate(linear, float(left), float(right), "any").speed
+    slowest, way = float(grid[np.argmin(np.abs(grid))]), -1.0 if grid[-1] <= 0.0 else 1.0
+    for window in windows:
+        if window.begin == slowest and window.end is not None and way * window.end > 0.0:
+            return window.end
     return None
 
 
@@ -268,24 +415,76 @@ def _guess(scene: HoseScene) -> float:
 
 def _crossings(linear: _Linear, grid: np.ndarray, plane: Plane, ceasing: bool = False) -> list[Critical]:
     """Where motions begin to grow, or cease to, as the water goes faster, to either side, the slowest first."""
-    found = []
-    grows = [_grows(linear, speed, plane) for speed in grid]
-    for left, right, before, after in zip(grid[:-1], grid[1:], grows[:-1], grows[1:], strict=True):
-        faster = abs(right) > abs(left)
-        if before != after and ceasing == (after != faster):
-            found.append(_locate(linear, float(left), float(right), plane))
+    found = [_locate(linear, *pair, plane) for pair in _passed(linear, grid, plane, not ceasing)]
     return sorted(found, key=lambda one: abs(one.speed))
+
+
+def _passed(linear: _Linear, grid: np.ndarray, plane: Plane, begins: bool) -> list[tuple[float, float]]:
+    """Neighbours among speeds between which motions begin to grow as the water goes faster, or cease to."""
+    grows = [_grows(linear, speed, plane) for speed in grid]
+    return [
+        (float(left), float(right))
+        for (left, right), (before, after) in zip(pairwise(grid), pairwise(grows), strict=True)
+        if before != after and begins == (after == (abs(right) > abs(left)))
+    ]
+
+
+class _Passage(NamedTuple):
+    """Two speeds between which motions begin to grow or cease to, and that at which they do, m/s."""
+
+    left: float
+    right: float
+    speed: float
+
+
+def _passages(linear: _Linear, grid: np.ndarray, plane: Plane, begins: bool, scan: _Scan | None) -> list[_Passage]:
+    """Where motions begin to grow or cease to by one step of Newton's from where they do in few shapes."""
+    pairs = _passed(linear, grid, plane, begins)
+    found = [_Passage(*pair, _stepped(linear, *pair, plane, scan)) for pair in pairs]
+    return sorted(found, key=lambda one: abs(one.speed))
+
+
+def _stepped(linear: _Linear, left: float, right: float, plane: Plane, scan: _Scan | None) -> float:
+    size = max(abs(left), abs(right))
+    if scan is not None and scan.reduced.growth(left) * scan.reduced.growth(right) < 0.0:
+        near = _near(scan, left, right)
+        far = ABOUT * size
+        slope = (scan.reduced.growth(near + far) - scan.reduced.growth(near - far)) / (2.0 * far)
+        step = linear.growth(near, plane)[0] / slope if slope else np.inf
+        if abs(step) < NEWTON * size and left < near - step < right:
+            return near - step
+    return _locate(linear, left, right, plane, scan).speed
+
+
+def _near(scan: _Scan, left: float, right: float) -> float:
+    """Where growth begins or ceases in few shapes."""
+    size = max(abs(left), abs(right))
+    return float(brentq(scan.reduced.growth, left, right, xtol=PRECISION * size, rtol=1e-12))
 
 
 def _grows(linear: _Linear, speed: float, plane: Plane) -> bool:
     return linear.growth(float(speed), plane)[0] > 0.0
 
 
-def _locate(linear: _Linear, left: float, right: float, plane: Plane) -> Critical:
+def _locate(linear: _Linear, left: float, right: float, plane: Plane, scan: _Scan | None = None) -> Critical:
     """Critical speed between one at which nothing grows and one at which something does."""
     size = max(abs(left), abs(right))
+    left, right = _narrowed(linear, left, right, plane, scan)
     speed = float(brentq(lambda u: linear.growth(u, plane)[0], left, right, xtol=PRECISION * size, rtol=1e-12))
     return _kind(linear, speed, plane)
+
+
+def _narrowed(linear: _Linear, left: float, right: float, plane: Plane, scan: _Scan | None) -> tuple[float, float]:
+    """The speeds to either side of where growth begins or ceases in few shapes, if it does so between them."""
+    if scan is None or scan.reduced.growth(left) * scan.reduced.growth(right) > 0.0:
+        return left, right
+    size = max(abs(left), abs(right))
+    near = _near(scan, left, right)
+    grows = _grows(linear, left, plane)
+    for speed in (near - ABOUT * size, near + ABOUT * size):
+        if left < speed < right:
+            left, right = (speed, right) if _grows(linear, speed, plane) == grows else (left, speed)
+    return left, right
 
 
 def _kind(linear: _Linear, speed: float, plane: Plane) -> Critical:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -36,6 +36,7 @@ FlutterSpeeds = Annotated[
         help=f"{SPEEDS_HELP} [dim]\\[default: past the first instability][/]",
     ),
 ]
+NEGATIVE_PIVOTS = "negative pivots of the tangent: 0 is stable, none where it is not judged"
 USUAL_MODES, MOST_MODES = 8, 100
 Modes = Annotated[int, typer.Option("--modes", min=1, max=MOST_MODES, help="Modes to follow.")]
 
@@ -59,6 +60,8 @@ def static(
     negative = [one.negative for one in found]
     _print_forms(found, hose.units)
     _warn_of_unstable(found, negative, hose.units)
+    told = _of_shapes(hose, speeds, negative)
+    _say_warnings(told)
     _draw_forms(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -66,7 +69,11 @@ def static(
         tips = [one.tip for one in found]
         pivots = [None if count < 0 else count for count in negative]
         report = {"scene": str(scene), "status": "done", "figure": str(figure)}
-        print_json(report | {"speed": [one.speed for one in found], "tip": tips, "negative_pivots": pivots})
+        print_json(
+            report
+            | {"speed": [one.speed for one in found], "tip": tips, "negative_pivots": pivots}
+            | {"warnings": [{"where": one.where, "text": one.text} for one in told]}
+        )
 
 
 def flutter(
@@ -87,7 +94,8 @@ def flutter(
     figure = figure_place(output, f"{scene.stem}_flutter")
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found, hose.units)
-    told = _of_mesh(hose, found, speeds)
+    told = [*_of_speeds(hose, found, speeds), *_between(found, speeds, hose.units)]
+    _say_warnings(told)
     _draw_stability(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -104,12 +112,15 @@ def flutter(
                 "kind": first.kind if first else None,
                 "critical": [one._asdict() for one in found.critical],
                 "stable_from": found.stable_from,
+                "windows": [{"from": one.begin, "to": one.end} for one in found.windows],
+                "resolution": found.resolution,
                 "direction": _way(found),
                 "warnings": [{"where": one.where, "text": one.text} for one in told],
                 "speed": found.speed,
                 "eigenvalues": [[[x.real, x.imag] for x in row] for row in found.eigenvalues.tolist()],
                 "out_of_plane": found.out_of_plane,
                 "unstable": found.grows.tolist(),
+                "unstable_at": found.unstable_at,
             }
         )
 
@@ -196,6 +207,21 @@ def _warn_of_unstable(found: list[Form], negative: list[int], system: str) -> No
             say(text, "yellow")
 
 
+def _of_shapes(hose: HoseScene, speeds: list[float], negative: list[int]) -> list[SceneWarning]:
+    """Say of shapes at rest where the water is too fast for the hose or its elements, and what is not judged."""
+    from gardenhose.warnings import mesh_at, momentum_at
+    from tautline.scene.errors import SceneWarning
+
+    told = [*momentum_at(hose, speeds), *mesh_at(hose, speeds)]
+    if hose.hose.end == "free" and any(count < 0 and speed for count, speed in zip(negative, speeds, strict=True)):
+        text = (
+            "whether the shapes are stable is not judged: water flows from a free end, and the hose may flutter about "
+            "a shape at rest; `gardenhose flutter` finds the speed from which it does"
+        )
+        told.append(SceneWarning("hose.end", text))
+    return told
+
+
 def _draw_forms(hose: HoseScene, found: list[Form], path: Path) -> None:
     import numpy as np
 
@@ -225,11 +251,12 @@ def _print_stability(found: Stability, system: str) -> None:
         return shown(float(speed), "m/s", system, digits)
 
     if not found.critical and found.stable_from is None:
-        what = "unstable" if found.grows.all() else "stable" if not found.grows.any() else "unstable in part"
+        what = {"all": "unstable", "none": "stable", "part": "unstable in part"}[found.unstable_at]
         what = what if found.eigenvalues.size else "nothing can move"
         first, last = found.speed[0], found.speed[-1]
         range_of = f"{what} from {first:g} to {last:g} m/s"
         say(f"{what} at {told(first)}" if first == last else in_words(range_of, system), "yellow")
+        _hint_below(found, told)
         return
     slowest = float(min(found.speed, key=abs))
     at_once = [one for one in found.critical if one.speed == slowest]
@@ -238,6 +265,8 @@ def _print_stability(found: Stability, system: str) -> None:
     if found.stable_from is not None:
         begin = "it" if at_once else f"the hose is unstable at {told(slowest)}; it"
         say(f"{begin} is stable from {told(found.stable_from, 6)}", "green")
+        if not at_once:
+            _hint_below(found, told)
     elif at_once:
         fastest = float(max(found.speed, key=abs))
         say(f"it is stable at none of the speeds looked at, up to {told(fastest)}", "yellow")
@@ -245,6 +274,40 @@ def _print_stability(found: Stability, system: str) -> None:
         say("negative speeds: the water flows from the tip to the root")
     for critical in found.critical[len(at_once) :]:
         say(f"the hose {words_of(critical, system)}", "green")
+    if _has_windows(found):
+        for line in _told_windows(found, told):
+            say(line, "yellow")
+
+
+def _hint_below(found: Stability, told: Callable[..., str]) -> None:
+    """Say how to find a critical speed that lies below all speeds looked at."""
+    from tautline.cli.output.console import say
+
+    speed, grows = min(zip(found.speed.tolist(), found.grows.tolist(), strict=True), key=lambda pair: abs(pair[0]))
+    if grows and speed != 0.0:
+        say(
+            f"the critical speed lies below {told(abs(speed))}. Leave out --speed to search from 0, or give lower "
+            "speeds",
+            "yellow",
+        )
+
+
+def _has_windows(found: Stability) -> bool:
+    """Whether a hose that has become unstable is stable once more at a higher speed."""
+    slowest = float(min(found.speed, key=abs))
+    return any(one.end is not None and one.begin != slowest for one in found.windows) or len(found.windows) > 2
+
+
+def _told_windows(found: Stability, told: Callable[..., str]) -> list[str]:
+    """Sentences: between which speeds a hose is unstable, and how narrow a window may be missed."""
+    parts = [
+        f"from {told(one.begin, 6)}" + (f" to {told(one.end, 6)}" if one.end is not None else " on")
+        for one in found.windows
+    ]
+    lines = [f"it is unstable in windows of speed: {', '.join(parts)}. Between the windows it is stable"]
+    if found.resolution is not None:
+        lines.append(f"a window narrower than {told(found.resolution, 2)} may be missed")
+    return lines
 
 
 def _way(found: Stability) -> str:
@@ -253,17 +316,43 @@ def _way(found: Stability) -> str:
     return "tip to root" if last <= 0.0 and first < 0.0 else "root to tip" if first >= 0.0 else "both"
 
 
-def _of_mesh(hose: HoseScene, found: Stability, speeds: list[float] | None) -> list[SceneWarning]:
-    """Say where elements are coarse for the speed that was found, or for the fastest that was asked for."""
-    from gardenhose.warnings import mesh_at
-    from tautline.cli.output.console import say
+def _of_speeds(hose: HoseScene, found: Stability, speeds: list[float] | None) -> list[SceneWarning]:
+    """Say where elements or stiffness are little for the speed that was found, or for the fastest asked for."""
+    from gardenhose.warnings import mesh_at, momentum_at
 
     # Speeds that were not asked for go past the first instability: only where there is none do they count.
     looked_at = speeds if speeds is not None else [] if found.critical else found.speed.tolist()
-    told = mesh_at(hose, [*(one.speed for one in found.critical), *looked_at])
+    all_of_them = [*(one.speed for one in found.critical), *looked_at]
+    return [*momentum_at(hose, all_of_them), *mesh_at(hose, all_of_them)]
+
+
+def _between(found: Stability, speeds: list[float] | None, system: str) -> list[SceneWarning]:
+    """Say which windows of instability lie between speeds that were asked for, where no motion grows at these."""
+    from tautline.scene.errors import SceneWarning
+    from tautline.scene.values.printed import shown
+
+    hidden = [
+        one
+        for one in found.windows
+        if speeds is not None
+        and one.end is not None
+        and not any(min(one) <= speed <= max(one) for speed in found.speed)
+    ]
+    return [
+        SceneWarning(
+            "--speed",
+            f"the hose is unstable from {shown(one.begin, 'm/s', system, 6)} to {shown(one.end, 'm/s', system, 6)}. "
+            "None of the speeds given lies there; take a smaller step",
+        )
+        for one in hidden
+    ]
+
+
+def _say_warnings(told: list[SceneWarning]) -> None:
+    from tautline.cli.output.console import say
+
     for one in told:
         say(f"warning: {one.where}: {one.text}", "yellow")
-    return told
 
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
@@ -292,7 +381,7 @@ def static_findings(scene: HoseScene, speeds: list[float]) -> dict[str, Finding]
         for k, axis in enumerate("xyz")
     }
     negative = [None if one.negative < 0 else float(one.negative) for one in found]
-    made["negative_pivots"] = Finding(negative, "", "negative pivots of the tangent: 0 is stable", "speed")
+    made["negative_pivots"] = Finding(negative, "", NEGATIVE_PIVOTS, "speed")
     return made | {"speed": Finding([float(speed) for speed in speeds], "m/s", "flow speed", "speed")}
 
 
@@ -306,15 +395,21 @@ def read_flutter(scene: HoseScene, options: Mapping[str, Any]) -> tuple[list[flo
 
 
 def flutter_findings(scene: HoseScene, asked: tuple[list[float] | None, int]) -> dict[str, Finding]:
-    """Critical speed and frequency; None where the hose is stable."""
+    """Critical speed and frequency, and whether the hose is unstable at none, part or all of the speeds looked at.
+
+    The first two are None where it is stable, and where it is unstable at all speeds, the slowest of which is not 0.
+    """
     from gardenhose.flutter import stability
     from tautline.results.tables.finding import Finding
 
-    critical = stability(scene, *asked).critical
-    first = critical[0] if critical else None
+    searched_for = stability(scene, *asked)
+    first = searched_for.critical[0] if searched_for.critical else None
     return {
         "critical_speed": Finding(first and first.speed, "m/s", "critical flow speed"),
         "critical_frequency": Finding(first and first.frequency, "Hz", "frequency at the critical speed"),
         "kind": Finding(first and first.kind, "", "flutter or divergence"),
         "plane": Finding(first and first.plane, "", "plane of the motion"),
+        "unstable_at": Finding(
+            searched_for.unstable_at, "", "at which of the speeds looked at the hose is unstable: none, part, all"
+        ),
     }

@@ -122,6 +122,13 @@ def mesh_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarning]:
     return [SceneWarning(where, text) for where, text in _waves(scene, fastest)] if fastest > 0.0 else []
 
 
+def momentum_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarning]:
+    """Warnings of water whose momentum is large against the axial stiffness at the fastest of some speeds, m/s."""
+    if scene.water is None or not any(speeds):
+        return []
+    return [SceneWarning(where, text) for where, text in _momentum(scene, np.array(speeds, float))]
+
+
 def _waves(scene: HoseScene, fastest: float) -> Sentences:
     """Elements too long for the waves in which the flow bends the hose."""
     pieces = scene.hose.pieces

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
 
+import tautline
 from gardenhose.application import Gardenhose
 
 SCENE = """\
@@ -62,3 +63,83 @@ def test_flutter_does_not_warn_of_elements_for_speeds_below_two_radians_of_a_wav
     # sqrt(M / EJ) U L / 3 = 1.8 rad at 10 m/s
     _, out, _ = gardenhose("flutter", "hose.yaml", "--set", "hose.elements=3", "--speed", "0,5,10", "--json")
     assert only_object(out)["warnings"] == []
+
+
+PLAIN = """\
+hose: {length: 1, elements: 12, axial_stiffness: 1.0e6, bending_stiffness: 1, mass_per_length: 0.7028}
+water: {mass_per_length: 0.2972, speed: 1}
+gravity: 0
+solver: {step: 1 ms, end: 1 s}
+output: {interval: 5 ms}
+"""
+"""Gregory and Paidoussis' cantilever where its boundary folds back: unstable from 13.76 to 13.91 m/s, on this mesh."""
+
+
+def test_flutter_tells_the_windows_in_which_a_hose_is_unstable_and_how_narrow_one_may_be_missed(gardenhose):
+    Path("plain.yaml").write_text(PLAIN, encoding="utf8")
+    code, out, err = gardenhose("flutter", "plain.yaml", "--json")
+    report, said = only_object(out), " ".join(err.split())
+    first, last = report["windows"]
+    assert code == 0 and first["from"] == report["critical_speed"] and last["to"] is None
+    assert 13.7 < first["from"] < first["to"] < 14.0 < last["from"] < 15.2
+    assert f"unstable in windows of speed: from {first['from']:.6g} m/s to {first['to']:.6g} m/s" in said
+    assert f"a window narrower than {report['resolution']:.2g} m/s may be missed" in said
+
+
+def test_flutter_warns_of_a_window_between_the_speeds_that_are_given(gardenhose):
+    Path("plain.yaml").write_text(PLAIN, encoding="utf8")
+    code, out, err = gardenhose("flutter", "plain.yaml", "--speed", "13:15:1", "--json")
+    report, said = only_object(out), " ".join(err.split())
+    (told,) = (one for one in report["warnings"] if one["where"] == "--speed")
+    assert code == 0 and report["unstable"] == [False] * 3 and len(report["windows"]) == 1
+    assert "None of the speeds given lies there" in told["text"] and told["text"] in said
+
+
+def test_flutter_of_a_hose_that_becomes_unstable_once_speaks_of_no_windows(gardenhose):
+    code, out, err = gardenhose("flutter", "hose.yaml", "--json")
+    (window,) = only_object(out)["windows"]
+    assert code == 0 and window["to"] is None and "window" not in err
+
+
+@pytest.mark.parametrize(
+    ("speeds", "extent"), [("16.5:18:0.5", "all"), ("1:3:1", "none"), ("15:17:1", "part")], ids=["all", "none", "part"]
+)
+def test_flutter_says_whether_a_hose_is_unstable_at_none_part_or_all_of_the_speeds(gardenhose, speeds, extent):
+    code, out, err = gardenhose("flutter", "hose.yaml", "--speed", speeds, "--json")
+    assert code == 0 and only_object(out)["unstable_at"] == extent
+    # above the onset: it lies below, and there is a way to it
+    below = "the critical speed lies below 16.5 m/s. Leave out --speed to search from 0, or give lower speeds"
+    assert (below in " ".join(err.split())) == (extent == "all")
+
+
+def test_a_sweep_tells_a_hose_that_is_stable_at_every_speed_from_one_that_is_unstable_at_all(gardenhose):
+    scene = tautline.read("hose.yaml")
+    vary = {"hose.length": [0.5, 4.0]}
+    data = tautline.sweep(
+        scene, vary, collect=["unstable_at", "critical_speed"], verb="flutter", options={"speed": "6:8:1"}, jobs=1
+    )
+    assert data["unstable_at"].values.tolist() == ["none", "all"]
+
+
+def test_static_says_that_it_does_not_judge_the_stability_of_a_hose_with_a_free_end(gardenhose):
+    code, out, err = gardenhose("static", "hose.yaml", "--speed", "0,17", "--json")
+    (told,) = only_object(out)["warnings"]
+    assert code == 0 and told["where"] == "hose.end" and "not judged" in told["text"]
+    assert "gardenhose flutter" in " ".join(err.split())
+    for more in (("--speed", "0"), ("--set", "hose.end=pinned", "--speed", "0,2")):
+        _, out, _ = gardenhose("static", "hose.yaml", *more, "--json")
+        assert only_object(out)["warnings"] == []
+
+
+@pytest.mark.parametrize("verb", ["static", "flutter"])
+def test_static_and_flutter_say_where_the_waters_momentum_takes_all_of_the_axial_stiffness(gardenhose, verb):
+    # M U^2 = 0.3 10^2 = 30 N, of EA = 20 N
+    code, out, err = gardenhose(verb, "hose.yaml", "--set", "hose.axial_stiffness=20", "--speed", "0,10", "--json")
+    told = {one["where"]: one["text"] for one in only_object(out)["warnings"]}
+    assert code == 0 and "all of EA" in told["hose.axial_stiffness"]
+    assert "all of EA" in " ".join(err.split())
+
+
+def test_static_says_where_elements_are_coarse_for_the_flows_waves(gardenhose):
+    _, out, _ = gardenhose("static", "hose.yaml", "--set", "hose.elements=3", "--speed", "0,14", "--json")
+    assert "coarse" in {one["where"]: one["text"] for one in only_object(out)["warnings"]}["hose.elements"]

@@ -101,7 +101,17 @@ FLUTTER_KEYS = {
     "critical",
     "unstable",
 }
-FLUTTER_KEYS |= {"speed", "eigenvalues", "out_of_plane", "stable_from", "direction", "warnings"}
+FLUTTER_KEYS |= {
+    "speed",
+    "eigenvalues",
+    "out_of_plane",
+    "stable_from",
+    "direction",
+    "warnings",
+    "windows",
+    "resolution",
+    "unstable_at",
+}
 
 
 def test_flutter_gives_critical_speed_and_frequency_of_either_plane_and_a_figure(drawing):
