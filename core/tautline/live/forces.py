@@ -41,6 +41,11 @@ class Force:
         vectors = [np.zeros(n) for _ in range(4)]
         self.group = OutsideForces(places, np.array([address]), known, *vectors)
 
+    @property
+    def name(self) -> str:
+        """What a result calls it."""
+        return str(getattr(self._function, "__name__", type(self._function).__name__))
+
     def copy(self) -> Force:
         """The same force for another simulation, with scratch of its own: both may run at the same time."""
         code = self._code if _is_compiled(self._function) else None
@@ -70,6 +75,11 @@ class Group:
 
     def __init__(self, group: Any) -> None:
         self.group, self.failed = group, None
+
+    @property
+    def name(self) -> str:
+        """What a result calls it."""
+        return type(self.group).__name__
 
     def copy(self) -> Group:
         """The same group for another simulation, with arrays of its own."""

@@ -99,6 +99,11 @@ class Inputs(Mapping[str, Any]):
         row[STATE] = GIVEN
         self._active.add(k)
 
+    @property
+    def driven(self) -> list[str]:
+        """Names of inputs that a value was given to."""
+        return [name for name, state in zip(self._inputs, self.memory[:, STATE], strict=True) if state != AS_WRITTEN]
+
     def rivals(self, name: str) -> list[str]:
         """Names of other inputs that drive the same, as a winch's speed and its place do; raises UnknownName."""
         names = list(self._inputs)
@@ -115,7 +120,9 @@ class Inputs(Mapping[str, Any]):
                 raise SimulationError(cause, cure if self._list[place].steering.order == 0 else "give one of them")
         for other in self._rivals[k]:
             # It would come to rest where it was to go. What it knows of its last advance is old when it is next given.
-            self.memory[other, SLOPE], self.memory[other, STATE] = np.nan, AT_REST
+            self.memory[other, SLOPE] = np.nan
+            if self.memory[other, STATE] != AS_WRITTEN:
+                self.memory[other, STATE] = AT_REST
             self._active.discard(other)
 
     def checked(self, name: str, value: Any) -> None:

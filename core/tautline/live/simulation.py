@@ -41,6 +41,7 @@ from tautline.live.memory import Memory, State, check
 from tautline.live.readings import Outputs, Parameters
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.result import Result
+from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
 from tautline.results.store import Store
 from tautline.scene.methods import explicit_like, method_of
 from tautline.simulation import FAR, FRAMES_SAFE, FRAMES_UNCHECKED, SAFE, Run
@@ -167,6 +168,7 @@ class Simulation:
         self._forces: list[Force | Group] = []
         self._begun = False
         self._changed: set[str] = set()
+        self._given: set[str] = set()
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
         self._kept = Kept(self._frames.rows.shape[1], span)
@@ -397,9 +399,8 @@ class Simulation:
         return self._observed
 
     def _parameter_change(self, name: str) -> AbstractContextManager[None]:
-        """While a parameter changes; after the start its name is kept, for what the result says by the start."""
-        if self._begun:
-            self._changed.add(name)
+        """While a parameter changes; its name is kept, for what the result says of the scene and by the start."""
+        (self._changed if self._begun else self._given).add(name)
         return self._parameter_changes()
 
     @contextmanager
@@ -443,17 +444,12 @@ class Simulation:
             cure = "advance it to a frame: those that were kept are later than the state that was restored"
             raise SimulationError("no frame was kept", cure if self._keep else "make the simulation with keep=True")
         model = self.model
-        about = {**model.attributes, "version": __version__}
-        if self._changed:
-            about["parameters_changed"] = ", ".join(sorted(self._changed))
+        about = {**model.attributes, "version": __version__, **self._moved_by()}
         stored = Store(None, model.variables, model.coordinates, about)
         frames = frames_of(rows.copy(), model.system.q.size)
         found = {"time": frames.time.copy(), **model.observe(frames)}
         run.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
-        books = np.column_stack([found[name] for name in ENERGIES])
-        # Work and losses are summed from the start, of which the frame may not be kept.
-        books[:, 3:] -= books[0, 3:]
-        run.balance.add(books)
+        run.balance.add(np.column_stack([found[name] for name in ENERGIES]))
         stored.append(found)
         run.time = run.reached = self._time
         run.wall, run.cpu, run.remembered = float(self._clock[WALL]), float(self._clock[CPU]), self._time
@@ -463,12 +459,24 @@ class Simulation:
         assert made is not None
         return made
 
+    def _moved_by(self) -> dict[str, str]:
+        """What has moved the scene beside itself, as attributes of a result."""
+        names = {
+            PARAMETERS_GIVEN: sorted(self._given),
+            PARAMETERS_CHANGED: sorted(self._changed),
+            INPUTS_DRIVEN: self.inputs.driven,
+            FORCES_ADDED: [force.name for force in self._forces],
+        }
+        return {what: ", ".join(some) for what, some in names.items() if some}
+
     # -- to and fro ----------------------------------------------------------------------------------------------------
 
     def save(self) -> State:
         """The simulation as it stands. It can be pickled, and restored in another process."""
-        changed = tuple(sorted(self._changed))
-        return State(self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count, changed)
+        return State(
+            self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
+            tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
+        )  # fmt: skip
 
     def restore(self, state: State) -> None:
         """Stand where a state was saved: everything goes on from there to the bit. Frames after it are dropped.
@@ -481,8 +489,8 @@ class Simulation:
         check(state, self._mark, self._memory.layout, self._memory.size)
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
-        self._changed = set(state.changed)
-        self._stopped = self._status = ""
+        self._changed, self._given = set(state.changed), set(state.given)
+        self._stopped, self._status = state.stopped
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
         self._kept.go_back(state.time, self._tolerance)
