@@ -10,6 +10,7 @@ smoothly, and one that is given once is come to rest at.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
@@ -36,10 +37,14 @@ class Inputs(Mapping[str, Any]):
         Of the scene; the tracks of inputs are written in place.
     clock : callable
         -> the simulation's time, s.
+    turn : context manager
+        Entered where one is read or given.
     """
 
-    def __init__(self, inputs: dict[str, Input], functions: TimeFunctions, clock: Any) -> None:
-        self._inputs, self._functions, self._clock = inputs, functions, clock
+    def __init__(
+        self, inputs: dict[str, Input], functions: TimeFunctions, clock: Any, turn: AbstractContextManager[None]
+    ) -> None:
+        self._inputs, self._functions, self._clock, self._turn = inputs, functions, clock, turn
         self._numbers = {name: k for k, name in enumerate(inputs)}
         self._list = list(inputs.values())
         self._rivals = _rivals_of(self._list)
@@ -66,10 +71,11 @@ class Inputs(Mapping[str, Any]):
     def __getitem__(self, name: str) -> float:
         """What the input is now, or is to be at the end of the next advance."""
         k = self._number(name)
-        if self.memory[k, STATE] == GIVEN:
-            return float(self.memory[k, TARGET])
-        steering, function = self._list[k].members[0]
-        return self._now(function)[steering.order] / steering.factor
+        with self._turn:
+            if self.memory[k, STATE] == GIVEN:
+                return float(self.memory[k, TARGET])
+            steering, function = self._list[k].members[0]
+            return self._now(function)[steering.order] / steering.factor
 
     def _now(self, function: int) -> tuple[float, float, float]:
         return value_at(self._functions, function, self._clock())
@@ -83,8 +89,12 @@ class Inputs(Mapping[str, Any]):
             For a name that is none of the inputs.
         SimulationError
             For what is no finite number, or beyond what may be given; and beside another input that drives the same
-            and was given since the last advance.
+            and was given since the last advance; and while another thread works with the simulation.
         """
+        with self._turn:
+            self._give(name, value)
+
+    def _give(self, name: str, value: Any) -> None:
         if name not in self._numbers and f"{name}[0]" in self._numbers:
             self._set_vector(name, value)
             return
@@ -158,7 +168,7 @@ class Inputs(Mapping[str, Any]):
         before = self.memory.copy(), set(self._active)
         try:
             for part, x in self._components(name, value):
-                self[part] = x
+                self._give(part, x)
         except SimulationError:
             self.memory[:], self._active = before
             raise

@@ -53,6 +53,8 @@ class Outputs(Mapping[str, Any]):
         -> the variables of the frame that the simulation stands at.
     vectors : dict of str to array
         The state's full vectors ``q`` and ``v``.
+    turn : context manager
+        Entered where one is read.
     """
 
     def __init__(
@@ -60,8 +62,9 @@ class Outputs(Mapping[str, Any]):
         outputs: dict[str, Output],
         observe: Callable[[], Mapping[str, np.ndarray]],
         vectors: Mapping[str, np.ndarray],
+        turn: AbstractContextManager[None],
     ) -> None:
-        self._outputs, self._observe, self._vectors = outputs, observe, vectors
+        self._outputs, self._observe, self._vectors, self._turn = outputs, observe, vectors, turn
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._outputs)
@@ -87,10 +90,11 @@ class Outputs(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         """A float, or a copy of an array; raises UnknownName."""
         output = self.handle(name)
-        if output.places is not None:
-            vector, places = output.places
-            return self._vectors[vector][places]
-        value = output.value(self._observe())
+        with self._turn:
+            if output.places is not None:
+                vector, places = output.places
+                return self._vectors[vector][places]
+            value = output.value(self._observe())
         return np.array(value) if np.ndim(value) else float(value)
 
     def describe(self) -> dict[str, dict[str, Any]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -39,6 +39,7 @@ from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.memory import Memory, State, check
 from tautline.live.readings import Outputs, Parameters
+from tautline.live.turn import Turn
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.result import Result
 from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
@@ -151,6 +152,7 @@ class Simulation:
         run = self._run = Run(model)
         system, self._state = model.system, run.state
         self._frames = new_frames(1, system.q.size, model.own)
+        self._turn = Turn()
         self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
         self._time, self._stopped, self._status = 0.0, "", ""
         self._step, self._watched = model.solver.step, run.explicit and model.solver.guarded
@@ -160,9 +162,9 @@ class Simulation:
         self._grid, _ = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self._tolerance = CLOSE * model.solver.interval
         self._clock, self._unchecked = np.zeros(2), 0.0
-        self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time)
+        self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn.reading)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
-        self.outputs = Outputs(handles.outputs, self._observe, vectors)
+        self.outputs = Outputs(handles.outputs, self._observe, vectors, self._turn.reading)
         self.parameters = Parameters(handles.parameters, self._parameter_change)
         self._prepared = handles.prepared
         self._forces: list[Force | Group] = []
@@ -225,10 +227,10 @@ class Simulation:
     def advance(self, duration: float | str) -> None:
         """Go on by so many seconds, or a text with its unit (``"100 ms"``); see `advance_to`."""
         duration = seconds(duration)
-        end = self._time + duration
         if not duration > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
-        self.advance_to(end)
+        with self._turn:
+            self._advance_to(self._time + duration)
 
     def advance_to(self, time: float | str) -> None:
         """Go on to a time, in steps as the scene's solver takes them.
@@ -244,13 +246,20 @@ class Simulation:
         Raises
         ------
         SimulationError
-            For a time that is not ahead or beyond what is prepared, and where the simulation has stopped before.
+            For a time that is not ahead or beyond what is prepared, where the simulation has stopped before, and where
+            another thread works with it.
         StoppedEarly
             Where a step fails. Time and outputs are then those of the last step that did not, and frames are kept.
         Interrupted
             On Ctrl-C, after the step under way.
         """
-        begin, time = self._time, seconds(time)
+        time = seconds(time)
+        with self._turn:
+            self._advance_to(time)
+
+    def _advance_to(self, time: float) -> None:
+        """Go on to a time, s; see `advance_to`."""
+        begin = self._time
         if abs(time - begin) <= 4.0 * math.ulp(begin):
             raise SimulationError(f"cannot advance to {time:g} s: it is the time now", "give a later time")
         if not begin < time < math.inf:
@@ -270,12 +279,17 @@ class Simulation:
         self._refuse_unprepared(time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) as ear:
-            self.inputs.write(begin, time)
-            self._observed = None
-            while begin < time:
-                end = min(self._next, time)
-                self._go(begin, end, ear)
-                begin = end
+            self._turn.advancing = True
+            try:
+                self.inputs.write(begin, time)
+                self._observed = None
+                while begin < time:
+                    end = min(self._next, time)
+                    self._go(begin, end, ear)
+                    begin = end
+            finally:
+                # A force may have read the outputs of the frame before.
+                self._turn.advancing, self._observed = False, None
         if ear.heard:
             raise Interrupted(self._time, self._so_far("interrupted"))
 
@@ -398,10 +412,12 @@ class Simulation:
             self._observed = self.model.observe(self._frames)
         return self._observed
 
-    def _parameter_change(self, name: str) -> AbstractContextManager[None]:
+    @contextmanager
+    def _parameter_change(self, name: str) -> Iterator[None]:
         """While a parameter changes; its name is kept, for what the result says of the scene and by the start."""
-        (self._changed if self._begun else self._given).add(name)
-        return self._parameter_changes()
+        with self._turn, self._parameter_changes():
+            (self._changed if self._begun else self._given).add(name)
+            yield
 
     @contextmanager
     def _parameter_changes(self) -> Iterator[None]:
@@ -435,7 +451,8 @@ class Simulation:
     @property
     def result(self) -> Result:
         """The frames kept so far, as `tautline.simulate` gives them."""
-        return self._result()
+        with self._turn:
+            return self._result()
 
     def _result(self, status: str = "") -> Result:
         """The frames kept so far; with a status, where it is not that of the simulation."""
@@ -473,10 +490,11 @@ class Simulation:
 
     def save(self) -> State:
         """The simulation as it stands. It can be pickled, and restored in another process."""
-        return State(
-            self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
-            tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
-        )  # fmt: skip
+        with self._turn:
+            return State(
+                self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
+                tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
+            )  # fmt: skip
 
     def restore(self, state: State) -> None:
         """Stand where a state was saved: everything goes on from there to the bit. Frames after it are dropped.
@@ -487,6 +505,10 @@ class Simulation:
             For a state of another scene, or of a simulation with other inputs or forces; nothing is changed then.
         """
         check(state, self._mark, self._memory.layout, self._memory.size)
+        with self._turn:
+            self._restore(state)
+
+    def _restore(self, state: State) -> None:
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
         self._changed, self._given = set(state.changed), set(state.given)
@@ -525,12 +547,16 @@ class Simulation:
             raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
         number = self.model.system.dofs.number[places]
-        with self._parameter_changes():
+        with self._turn, self._parameter_changes():
             full[places[number >= 0]] += given[number >= 0]
             reduced[number[number >= 0]] += given[number >= 0]
 
     def copy(self) -> Simulation:
         """Another simulation that stands at the same place and goes on by itself."""
+        with self._turn:
+            return self._copy()
+
+    def _copy(self) -> Simulation:
         other = Simulation.__new__(Simulation)
         other.scene, other._application = self.scene, self._application
         other._named, other._keep = self._named, self._keep
@@ -585,7 +611,8 @@ class Simulation:
             places = found[1]
         elif on is not None:
             places = np.asarray(on)
-        self._add(force_of(force, places, self.model.system))
+        with self._turn:
+            self._add(force_of(force, places, self.model.system))
 
     def _add(self, force: Force | Group) -> None:
         """Take a further group into the system, with the state as it is."""
@@ -621,7 +648,8 @@ class Simulation:
         """
         from tautline.live.plant import linearise
 
-        return linearise(self, inputs, outputs)
+        with self._turn:
+            return linearise(self, inputs, outputs)
 
 
 def _names_of(inputs: Any) -> tuple[str, ...]:
