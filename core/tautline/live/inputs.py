@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
-from tautline.live.errors import SimulationError, unknown
+from tautline.live.errors import SimulationError, Unpickled, unknown
 from tautline.system.handles import Input
 
 TARGET, RATE, SECOND, SLOPE, STATE = range(5)
@@ -27,7 +27,7 @@ AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
 PIECES = 3
 
 
-class Inputs(Mapping[str, Any]):
+class Inputs(Unpickled, Mapping[str, Any]):
     """The inputs of a simulation: ``sim.inputs["winch.pay_out"] = 0.12``, or ``= (value, rate)``.
 
     Parameters

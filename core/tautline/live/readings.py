@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tautline.integrators.time_loop import frames_of
-from tautline.live.errors import SimulationError, unknown
+from tautline.live.errors import SimulationError, Unpickled, unknown
 from tautline.system.handles import Output, Parameter
 
 
@@ -43,7 +43,7 @@ def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, nam
     return found
 
 
-class Outputs(Mapping[str, Any]):
+class Outputs(Unpickled, Mapping[str, Any]):
     """What can be read of a simulation: ``sim.outputs["payload.position"]``, or ``sim["payload.position"]``.
 
     Parameters
@@ -102,7 +102,7 @@ class Outputs(Mapping[str, Any]):
         return {name: {"unit": o.unit, "shape": o.shape, "text": o.text} for name, o in self._outputs.items()}
 
 
-class Parameters(Mapping[str, Any]):
+class Parameters(Unpickled, Mapping[str, Any]):
     """Numbers of the scene that can be changed: ``sim.parameters["payload.mass"] = 5200.0``.
 
     Parameters

@@ -179,6 +179,11 @@ class Scene(Model):
     _document: Document | None = PrivateAttr(None)
     _driven: frozenset[str] = PrivateAttr(frozenset())
 
+    def __getstate__(self) -> dict[Any, Any]:
+        """What is pickled: not what was prepared once, which is prepared again where it is needed."""
+        state = super().__getstate__()
+        return {**state, "__dict__": {key: value for key, value in state["__dict__"].items() if key != MADE}}
+
     @property
     def driven(self) -> frozenset[str]:
         """Names of what is driven from outside while it runs, though the scene may hold it still."""
