@@ -147,7 +147,7 @@ def simulate(
     path : path or None
         Where the result is stored; None keeps it in memory.
     progress : callable or None
-        Called with simulated and wall time, s.
+        Called with simulated and wall time, s. What it raises ends the run, and the frames until then are stored.
     resume : Result or None
         An earlier result of the same scene, to go on from where it ended.
     step, end : float, str or None

@@ -156,7 +156,8 @@ def simulate(
     path : path or None
         The result file; None keeps the result in memory.
     progress : callable or None
-        Called with simulated and wall time, s, after every batch of frames.
+        Called with simulated and wall time, s, after every batch of frames. What it raises ends the run; the frames
+        until then are kept.
     resume : Result or None
         An earlier result of the same scene, to go on from where it ended; its frames come first in the new one.
     announce : callable or None
@@ -218,7 +219,7 @@ def _run(
                 run.advance(store)
                 ear.check()
                 if progress is not None:
-                    progress(run.reached, run.wall)
+                    _tell(progress, run, store)
             stored = store.result if afterwards is not None else None
             further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
         except KeyboardInterrupt:
@@ -233,6 +234,15 @@ def _run(
         detail = f"{100.0 * run.energy_created():.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)
     return result
+
+
+def _tell(progress: Callable[[float, float], None], run: Run, store: FrameStore) -> None:
+    """Show progress; what that raises ends the run, of which the frames are kept as on Ctrl-C."""
+    try:
+        progress(run.reached, run.wall)
+    except Exception:
+        run.finish(store, "interrupted")
+        raise
 
 
 def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., FrameStore], Model]:
