@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.arguments import is_list, is_whole
 from tautline.elements.outside import OutsideForces
 from tautline.kernels.groups import KINDS
 from tautline.kernels.jit import Kernel
@@ -118,6 +119,17 @@ def _is_compiled(function: Any) -> bool:
     if isinstance(function, Kernel):
         return True
     return "numba" in sys.modules and sys.modules["numba"].extending.is_jitted(function)
+
+
+def places_of(on: Any) -> np.ndarray:
+    """Numbers of degrees of freedom as they are given; raises SimulationError for what is no list of these."""
+    if not is_list(on) or not all(is_whole(one) for one in on):
+        cause = f"{on!r} does not say what a force acts on"
+        raise SimulationError(cause, 'give an output that is a position, "payload.position", or whole numbers: [0, 1]')
+    places = np.array([int(one) for one in on if abs(int(one)) < 2**62], np.int64)
+    if np.unique(places).size < len(list(on)):
+        raise SimulationError(f"{on!r} names a degree of freedom twice, or none", "give each number once")
+    return places
 
 
 def force_of(function: Any, places: np.ndarray | None, system: System) -> Force | Group:

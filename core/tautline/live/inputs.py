@@ -59,7 +59,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
         return len(self._inputs)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._inputs
+        return isinstance(name, str) and name in self._inputs
 
     def _number(self, name: str) -> int:
         try:
@@ -95,7 +95,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
             self._give(name, value)
 
     def _give(self, name: str, value: Any) -> None:
-        if name not in self._numbers and f"{name}[0]" in self._numbers:
+        if name not in self and f"{name}[0]" in self._numbers:
             self._set_vector(name, value)
             return
         k = self._number(name)
@@ -223,7 +223,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
 
     def parts_of(self, name: str) -> list[str]:
         """Names of the components of a vector, ``load.force``, or the name of a number; raises UnknownName."""
-        if name not in self._numbers and (parts := [part for part in self._numbers if part.startswith(f"{name}[")]):
+        if name not in self and (parts := [part for part in self._numbers if part.startswith(f"{name}[")]):
             return parts
         self._number(name)
         return [name]

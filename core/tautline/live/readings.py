@@ -73,7 +73,7 @@ class Outputs(Unpickled, Mapping[str, Any]):
         return len(self._outputs)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._outputs
+        return isinstance(name, str) and name in self._outputs
 
     @property
     def handles(self) -> Mapping[str, Output]:
@@ -124,7 +124,7 @@ class Parameters(Unpickled, Mapping[str, Any]):
         return len(self._parameters)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._parameters
+        return isinstance(name, str) and name in self._parameters
 
     def handle(self, name: str) -> Parameter:
         """What is known of a parameter; raises UnknownName."""

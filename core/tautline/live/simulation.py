@@ -34,7 +34,7 @@ from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
 from tautline.live.equations import Equations
 from tautline.live.errors import SimulationError, real, seconds, unknown
-from tautline.live.forces import Force, Group, force_of
+from tautline.live.forces import Force, Group, force_of, places_of
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.memory import Memory, State, check
@@ -444,6 +444,12 @@ class Simulation:
         """An output by its name; raises UnknownName."""
         return self.outputs[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.outputs
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.outputs)
+
     def _so_far(self, status: str = "") -> Result | None:
         """The result, where frames were kept."""
         return self._result(status) if self._kept.rows.size else None
@@ -610,7 +616,7 @@ class Simulation:
                 raise SimulationError(f"{on} is not the position of a thing", "give one, such as payload.position")
             places = found[1]
         elif on is not None:
-            places = np.asarray(on)
+            places = places_of(on)
         with self._turn:
             self._add(force_of(force, places, self.model.system))
 

@@ -13,6 +13,7 @@ import pydantic
 from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
+from tautline.arguments import MAPPING, check
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
 from tautline.scene.reading.document import Document, Path_, split_key
 from tautline.scene.reading.files import files_of
@@ -247,7 +248,10 @@ class Scene(Model):
         ------
         SceneError
             For an unknown key, with the nearest, and for a scene that is not sound with the new values.
+        ArgumentTypeError
+            For changes that are no mapping.
         """
+        check(changes=(changes, MAPPING), optional=False)
         known = self._known_parts(changes)
         return self._remade(lambda document: document.changed(changes, origin).with_parts(known), changes)
 
