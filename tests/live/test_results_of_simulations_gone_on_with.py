@@ -160,3 +160,14 @@ def test_a_simulation_that_stopped_stays_so_in_its_copies_and_saved_states():
     assert others[0].result.attributes["status"] == sim.result.attributes["status"]
     sim.restore(before)
     assert not sim.stopped
+
+
+def test_the_stiffness_of_a_rope_as_a_parameter_says_what_keeps_that_of_the_scene():
+    """0.15 N and 0.15 um from a scene with that stiffness after 1 s: the springs of friction on wheels."""
+    sim = tautline.Simulation(HOIST, parameters={"rope.axial_stiffness": 5.0e7})
+    other = tautline.Simulation(tautline.read(HOIST).replace({"rope.axial_stiffness": 5.0e7}))
+    for one in (sim, other):
+        one.advance(1.0)
+    assert "on wheels and drums" in sim.parameters.handle("rope.axial_stiffness").text
+    assert sim["winch.tension"] == pytest.approx(other["winch.tension"], rel=1e-5)
+    assert sim["payload.position"] == pytest.approx(other["payload.position"], abs=1e-6)
