@@ -75,22 +75,20 @@ RESULT = Wanted(
 )
 
 
-def check(optional: bool = True, **arguments: tuple[Any, Wanted]) -> None:
-    """Check arguments: name = (value, what is wanted).
-
-    Parameters
-    ----------
-    optional : bool
-        Whether None is allowed too.
+def check(**arguments: tuple[Any, Wanted]) -> None:
+    """Check arguments, of which None is allowed: name = (value, what is wanted).
 
     Raises
     ------
     ArgumentTypeError, ArgumentError
         For the first that is of another type, or cannot be.
     """
+    check_given(**{name: one for name, one in arguments.items() if one[0] is not None})
+
+
+def check_given(**arguments: tuple[Any, Wanted]) -> None:
+    """Check arguments that have to be given; raises as `check`."""
     for name, (value, wanted) in arguments.items():
-        if value is None and optional:
-            continue
         if not wanted.is_one(value):
             raise ArgumentTypeError(f"{name} = {value!r}: {wanted.text} is wanted, not {type(value).__name__}")
         if not wanted.may_be(value):

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from tautline.arguments import Wanted, check, is_list
+from tautline.arguments import Wanted, check_given, is_list
 from tautline.live.errors import SimulationError, seconds
 from tautline.live.simulation import Simulation
 
@@ -38,7 +38,7 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
     """
     if isinstance(simulations, Iterator):
         simulations = list(simulations)
-    check(simulations=(simulations, SIMULATIONS), optional=False)
+    check_given(simulations=(simulations, SIMULATIONS))
     until = seconds(until)
     if not until < math.inf:
         raise SimulationError(f"cannot advance to {until:g} s", "give a finite time")

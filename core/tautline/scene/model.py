@@ -13,7 +13,7 @@ import pydantic
 from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
-from tautline.arguments import MAPPING, check
+from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
 from tautline.scene.reading.document import Document, Path_, split_key
 from tautline.scene.reading.files import files_of
@@ -251,7 +251,7 @@ class Scene(Model):
         ArgumentTypeError
             For changes that are no mapping.
         """
-        check(changes=(changes, MAPPING), optional=False)
+        check_given(changes=(changes, MAPPING))
         known = self._known_parts(changes)
         return self._remade(lambda document: document.changed(changes, origin).with_parts(known), changes)
 

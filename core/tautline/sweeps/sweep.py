@@ -13,7 +13,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.arguments import COUNT, FIGURES, FUNCTION, MAPPING, NAME, OPTIONS, PATH, SWITCH, check
+from tautline.arguments import COUNT, FIGURES, FUNCTION, MAPPING, NAME, OPTIONS, PATH, SWITCH, check, check_given
 from tautline.errors import ArgumentError, TautlineError
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
@@ -167,7 +167,7 @@ def sweep(
     """
     import tautline
 
-    check(vary=(vary, MAPPING), optional=False)
+    check_given(vary=(vary, MAPPING))
     check(
         collect=(collect, FIGURES), verb=(verb, NAME), options=(options, OPTIONS), indices=(indices, NAME),
         jobs=(jobs, COUNT), dask=(dask, NAME), folder=(folder, PATH), resume=(resume, SWITCH),
