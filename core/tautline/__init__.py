@@ -9,7 +9,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -147,7 +148,7 @@ def simulate(
     path : path or None
         Where the result is stored; None keeps it in memory.
     progress : callable or None
-        Called with simulated and wall time, s.
+        Called with simulated and wall time, s. What it raises ends the run, and the frames until then are stored.
     resume : Result or None
         An earlier result of the same scene, to go on from where it ended.
     step, end : float, str or None
@@ -162,11 +163,15 @@ def simulate(
     ------
     SceneError
         For bad input.
+    ArgumentTypeError
+        For a path, a callable or a result that is none.
     StoppedEarly, Interrupted
         With the result so far.
     """
+    from tautline.arguments import FUNCTION, PATH, RESULT, check
     from tautline.simulation import simulate as run
 
+    check(path=(path, PATH), progress=(progress, FUNCTION), resume=(resume, RESULT))
     scene = _scene(scene)
     application = _installed().of(scene)
     wanted = {} if accuracy is None else {"accuracy": accuracy}
@@ -221,14 +226,18 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
 
     Raises
     ------
-    SceneError, ResultError
+    SceneError, ResultError, ArgumentError, ArgumentTypeError
         For bad input.
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
+    from tautline.study.accuracy.arguments import check_study
     from tautline.study.accuracy.precision import Grid, study
 
-    return study(_subject(scene, end), grid or Grid(), **options)
+    grid = Grid() if grid is None else grid
+    check_study(grid, options)
+    with _point_by_name():
+        return study(_subject(scene, end), grid, **options)
 
 
 def study_stability(scene: Any, end: float | str | None = None, **options: Any) -> Stability:
@@ -250,9 +259,25 @@ def study_stability(scene: Any, end: float | str | None = None, **options: Any) 
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
+    from tautline.study.accuracy.arguments import check_stability
     from tautline.study.robustness.stability import stability
 
-    return stability(_subject(scene, end), **options)
+    check_stability(options)
+    with _point_by_name():
+        return stability(_subject(scene, end), **options)
+
+
+@contextmanager
+def _point_by_name() -> Iterator[None]:
+    """A fault of the point to look at names the argument, where the command would name its option."""
+    from tautline.results.errors import ResultError
+
+    try:
+        yield
+    except ResultError as error:
+        if str(error.path) != "--point":
+            raise
+        raise ResultError("argument point", error.cause, error.cure) from None
 
 
 def _subject(scene: Any, end: float | str | None) -> Any:

@@ -57,6 +57,15 @@ from tautline.results.brief_store import BriefStore
 from tautline.results.errors import ResultError
 from tautline.results.on_demand import OnDemand
 from tautline.results.result import Result
+from tautline.results.resumption import (
+    ROUNDING,
+    frames_until,
+    of_another_build,
+    place_of,
+    refuse_another,
+    restart_time,
+    taken_over,
+)
 from tautline.results.store import FrameStore, Store
 from tautline.scene.methods import explicit_like, method_of
 from tautline.system.memory import copied, places_of, recall, remember
@@ -148,7 +157,8 @@ def simulate(
     path : path or None
         The result file; None keeps the result in memory.
     progress : callable or None
-        Called with simulated and wall time, s, after every batch of frames.
+        Called with simulated and wall time, s, after every batch of frames. What it raises ends the run; the frames
+        until then are kept.
     resume : Result or None
         An earlier result of the same scene, to go on from where it ended; its frames come first in the new one.
     announce : callable or None
@@ -194,7 +204,7 @@ def _run(
     begin: Callable[[], Any] | None,
 ) -> Result:
     """Run a model whose groups are as they were built; see `simulate`."""
-    attributes = {} if brief is not None else {**model.attributes, "version": __version__}
+    attributes = {} if brief is not None else {**model.attributes, "version": __version__, **taken_over(resume)}
     make, model = _store_of(model, brief)
     run = Run(model, look, brief)
     earlier = run.resume_from(resume) if resume is not None else None
@@ -215,7 +225,7 @@ def _run(
                 run.advance(store)
                 ear.check()
                 if progress is not None:
-                    progress(run.reached, run.wall)
+                    _tell(progress, run, store)
             stored = store.result if afterwards is not None else None
             further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
         except KeyboardInterrupt:
@@ -230,6 +240,15 @@ def _run(
         detail = f"{100.0 * run.energy_created():.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)
     return result
+
+
+def _tell(progress: Callable[[float, float], None], run: Run, store: FrameStore) -> None:
+    """Show progress; what that raises ends the run, of which the frames are kept as on Ctrl-C."""
+    try:
+        progress(run.reached, run.wall)
+    except Exception:
+        run.finish(store, "interrupted")
+        raise
 
 
 def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., FrameStore], Model]:
@@ -259,13 +278,6 @@ def _of_windows(record: dict[str, Any], watched: Collection[str]) -> dict[str, A
         return record
     note = "only windows round the extremes are kept: name the variable in output.of, or keep frames"
     return {**record, "passed": None, "margin": None, "note": note}
-
-
-def _of_another_build(by: str) -> tuple[str, str]:
-    """Cause and cure where a result's last state has other numbers than this program remembers of the same scene."""
-    other = f"Tautline {by or 'of an unknown version'}" if by != __version__ else f"another build of Tautline {by}"
-    cause = f"cannot be gone on with: {other} wrote it, and kept other numbers of its last state than this one needs"
-    return cause, "run the scene from its start, or go on with the same build that wrote it"
 
 
 class Run:
@@ -310,36 +322,19 @@ class Run:
 
     def resume_from(self, earlier: Result) -> dict[str, np.ndarray]:
         """Go on from an earlier result; returns its frames."""
-        place = earlier.path or "result"
-        if not earlier.restart:
-            if earlier.attributes.get("application") == "twin":
-                cure = "name the result of a simulation, or go on with `twin --resume`"
-                raise ResultError(place, "is what a twin has found, and no simulation", cure)
-            cure = "run the scene from its start"
-            raise ResultError(place, "holds no state to go on from", cure)
-        made = {"method": earlier.attributes.get("method"), "model_hash": earlier.attributes.get("model_hash")}
-        now = {"method": self.model.solver.method, "model_hash": self.model.attributes.get("model_hash")}
-        cure = "only solver.end, the step and the output may differ from what it was made with"
-        for what, word in (("method", "method"), ("model_hash", "scene")):
-            if made[what] != now[what]:
-                raise ResultError(place, f"belongs to another {word}", cure)
-        if earlier.attributes.get("prepared") != self.model.attributes.get("prepared"):
-            cause = "was made with motions that were prepared otherwise, as those of a shorter or a longer run are"
-            raise ResultError(place, cause, "run the scene from its start to the new end")
+        refuse_another(earlier, self.model.solver.method, self.model.attributes)
         if recall(earlier.restart, *self._parts()):
-            raise ResultError(place, *_of_another_build(earlier.attributes.get("version", "")))
-        times = np.array(earlier["time"])
-        # A run that failed has stored frames since the state that it remembers: they are run again.
-        kept = times <= float(earlier.attributes.get("restart_time", times[-1])) * (1.0 + 1e-12)
-        frames = {name: np.array(earlier[name])[kept] for name in (*(v.name for v in self.model.variables), "time")}
+            raise of_another_build(earlier)
+        # The state may stand between two frames: the clock is that of the state, or its own time would be shifted.
+        self.time = self.reached = self.remembered = restart_time(earlier)
+        frames = frames_until(earlier, self.time, tuple(variable.name for variable in self.model.variables))
         self.began = Start.of_attribute(earlier.attributes.get("start"))
-        self.time = self.reached = self.remembered = float(frames["time"][-1])
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
         self.cpu = float(earlier.attributes.get("cpu_time", 0.0))
-        later = self.ends > self.time * (1.0 + 1e-12)
+        later = self.ends > self.time * (1.0 + ROUNDING)
         if not later.any():
             cause = f"ends at {self.time:.6g} s: nothing is left to run of {self.model.solver.end:.6g} s"
-            raise ResultError(place, cause, "give a later solver.end, or --end")
+            raise ResultError(place_of(earlier), cause, "give a later end of the run (solver.end)")
         self.ends = self.ends[later]
         self.steps = steps_to(self.ends, self.time, self.model.solver.step)
         self.balance.add(np.column_stack([frames[name] for name in ENERGIES]))

@@ -8,6 +8,7 @@ from tautline.cable.input.scene import parse
 from tautline.cable.model.build import build
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.time_loop import new_frames
+from tautline.results.result import Result
 from tautline.simulation import Run, simulate
 
 SCENE = """
@@ -134,3 +135,21 @@ def test_ctrl_c_that_python_drops_is_heard_after_the_batch(monkeypatch):
         simulate(model("implicit"))
     assert stop.value.result.attributes["status"] == "interrupted"
     assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, StopIteration])
+def test_whatever_a_callback_raises_the_frames_until_then_are_stored(tmp_path, monkeypatch, error):
+    """A run of hours was lost where the callback that showed its progress had a fault."""
+    pausing(monkeypatch, 7)
+    whole, path = simulate(model("explicit")), tmp_path / "kept.nc"
+
+    def progress(simulated, wall):
+        if simulated > 0.5:
+            raise error("a fault of the callback's")
+
+    with pytest.raises(Interrupted if error is KeyboardInterrupt else error):
+        simulate(model("explicit"), path, progress)
+    kept = Result.read(path)
+    assert kept.attributes["status"] == "interrupted" and kept.time[-1] >= 0.5
+    np.testing.assert_array_equal(kept["position"], whole["position"][: len(kept.time)])
+    assert_equal(simulate(model("explicit"), resume=kept), whole)

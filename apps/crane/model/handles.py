@@ -128,7 +128,9 @@ def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
 
 def _of_rope(spans: Spans) -> Iterator[Parameter]:
     rows = spans.rows
-    yield number("rope.axial_stiffness", "N", "EA of the rope", [rows["stiffness"]])
+    # The springs of friction are there to stick, and are no property that the rope is known by.
+    text = "EA of the rope in its spans; what holds it on wheels and drums until it slips keeps that of the scene"
+    yield number("rope.axial_stiffness", "N", text, [rows["stiffness"]])
     if np.ptp(rows["damping"]) == 0.0:
         yield number("rope.damping", "s", "damping of the rope's stretching", [rows["damping"]], positive=False)
 

@@ -31,6 +31,14 @@ class SimulationError(TautlineError):
         return str(self.args[0])
 
 
+class Unpickled:
+    """What stands in the arrays of a simulation: it goes to no other process, and has no copy of its own."""
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        cause = f"the {type(self).__name__.lower()} of a simulation cannot be pickled or copied by themselves"
+        raise SimulationError(cause, "pickle `save()`, or what they say: dict(...)")
+
+
 def real(value: Any, what: str, cure: str) -> float:
     """A number as a float.
 

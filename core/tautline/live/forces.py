@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.arguments import is_list, is_whole
 from tautline.elements.outside import OutsideForces
 from tautline.kernels.groups import KINDS
 from tautline.kernels.jit import Kernel
@@ -41,6 +42,11 @@ class Force:
             address = int(ctypes.cast(self._code, ctypes.c_void_p).value or 0)
         vectors = [np.zeros(n) for _ in range(4)]
         self.group = OutsideForces(places, np.array([address]), known, *vectors)
+
+    @property
+    def name(self) -> str:
+        """What a result calls it."""
+        return str(getattr(self._function, "__name__", type(self._function).__name__))
 
     def copy(self) -> Force:
         """The same force for another simulation, with scratch of its own: both may run at the same time."""
@@ -82,6 +88,11 @@ class Group:
 
     def __init__(self, group: Any) -> None:
         self.group, self.failed = group, None
+
+    @property
+    def name(self) -> str:
+        """What a result calls it."""
+        return type(self.group).__name__
 
     def copy(self) -> Group:
         """The same group for another simulation, with arrays of its own."""
@@ -134,6 +145,17 @@ def _check_arguments(function: Any) -> None:
     except TypeError:
         cause = f"the function of the force takes {taken}, and is called with ({', '.join(wanted)})"
         raise SimulationError(cause, "give it these arguments") from None
+
+
+def places_of(on: Any) -> np.ndarray:
+    """Numbers of degrees of freedom as they are given; raises SimulationError for what is no list of these."""
+    if not is_list(on) or not all(is_whole(one) for one in on):
+        cause = f"{on!r} does not say what a force acts on"
+        raise SimulationError(cause, 'give an output that is a position, "payload.position", or whole numbers: [0, 1]')
+    places = np.array([int(one) for one in on if abs(int(one)) < 2**62], np.int64)
+    if np.unique(places).size < len(list(on)):
+        raise SimulationError(f"{on!r} names a degree of freedom twice, or none", "give each number once")
+    return places
 
 
 def force_of(function: Any, places: np.ndarray | None, system: System) -> Force | Group:

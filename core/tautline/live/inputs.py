@@ -10,12 +10,13 @@ smoothly, and one that is given once is come to rest at.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
 
 from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
-from tautline.live.errors import SimulationError, unknown
+from tautline.live.errors import SimulationError, Unpickled, unknown
 from tautline.system.handles import Input
 
 TARGET, RATE, SECOND, SLOPE, STATE = range(5)
@@ -26,7 +27,7 @@ AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
 PIECES = 3
 
 
-class Inputs(Mapping[str, Any]):
+class Inputs(Unpickled, Mapping[str, Any]):
     """The inputs of a simulation: ``sim.inputs["winch.pay_out"] = 0.12``, or ``= (value, rate)``.
 
     Parameters
@@ -36,10 +37,14 @@ class Inputs(Mapping[str, Any]):
         Of the scene; the tracks of inputs are written in place.
     clock : callable
         -> the simulation's time, s.
+    turn : context manager
+        Entered where one is read or given.
     """
 
-    def __init__(self, inputs: dict[str, Input], functions: TimeFunctions, clock: Any) -> None:
-        self._inputs, self._functions, self._clock = inputs, functions, clock
+    def __init__(
+        self, inputs: dict[str, Input], functions: TimeFunctions, clock: Any, turn: AbstractContextManager[None]
+    ) -> None:
+        self._inputs, self._functions, self._clock, self._turn = inputs, functions, clock, turn
         self._numbers = {name: k for k, name in enumerate(inputs)}
         self._list = list(inputs.values())
         self._rivals = _rivals_of(self._list)
@@ -54,7 +59,7 @@ class Inputs(Mapping[str, Any]):
         return len(self._inputs)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._inputs
+        return isinstance(name, str) and name in self._inputs
 
     def _number(self, name: str) -> int:
         try:
@@ -66,10 +71,11 @@ class Inputs(Mapping[str, Any]):
     def __getitem__(self, name: str) -> float:
         """What the input is now, or is to be at the end of the next advance."""
         k = self._number(name)
-        if self.memory[k, STATE] == GIVEN:
-            return float(self.memory[k, TARGET])
-        steering, function = self._list[k].members[0]
-        return self._now(function)[steering.order] / steering.factor
+        with self._turn:
+            if self.memory[k, STATE] == GIVEN:
+                return float(self.memory[k, TARGET])
+            steering, function = self._list[k].members[0]
+            return self._now(function)[steering.order] / steering.factor
 
     def _now(self, function: int) -> tuple[float, float, float]:
         return value_at(self._functions, function, self._clock())
@@ -83,9 +89,13 @@ class Inputs(Mapping[str, Any]):
             For a name that is none of the inputs.
         SimulationError
             For what is no finite number, or beyond what may be given; and beside another input that drives the same
-            and was given since the last advance.
+            and was given since the last advance; and while another thread works with the simulation.
         """
-        if name not in self._numbers and f"{name}[0]" in self._numbers:
+        with self._turn:
+            self._give(name, value)
+
+    def _give(self, name: str, value: Any) -> None:
+        if name not in self and f"{name}[0]" in self._numbers:
             self._set_vector(name, value)
             return
         k = self._number(name)
@@ -98,6 +108,11 @@ class Inputs(Mapping[str, Any]):
         row[SECOND] = given[2] if len(given) > 2 else 0.0
         row[STATE] = GIVEN
         self._active.add(k)
+
+    @property
+    def driven(self) -> list[str]:
+        """Names of inputs that a value was given to."""
+        return [name for name, state in zip(self._inputs, self.memory[:, STATE], strict=True) if state != AS_WRITTEN]
 
     def rivals(self, name: str) -> list[str]:
         """Names of other inputs that drive the same, as a winch's speed and its place do; raises UnknownName."""
@@ -115,7 +130,9 @@ class Inputs(Mapping[str, Any]):
                 raise SimulationError(cause, cure if self._list[place].steering.order == 0 else "give one of them")
         for other in self._rivals[k]:
             # It would come to rest where it was to go. What it knows of its last advance is old when it is next given.
-            self.memory[other, SLOPE], self.memory[other, STATE] = np.nan, AT_REST
+            self.memory[other, SLOPE] = np.nan
+            if self.memory[other, STATE] != AS_WRITTEN:
+                self.memory[other, STATE] = AT_REST
             self._active.discard(other)
 
     def checked(self, name: str, value: Any) -> None:
@@ -151,7 +168,7 @@ class Inputs(Mapping[str, Any]):
         before = self.memory.copy(), set(self._active)
         try:
             for part, x in self._components(name, value):
-                self[part] = x
+                self._give(part, x)
         except SimulationError:
             self.memory[:], self._active = before
             raise
@@ -206,7 +223,7 @@ class Inputs(Mapping[str, Any]):
 
     def parts_of(self, name: str) -> list[str]:
         """Names of the components of a vector, ``load.force``, or the name of a number; raises UnknownName."""
-        if name not in self._numbers and (parts := [part for part in self._numbers if part.startswith(f"{name}[")]):
+        if name not in self and (parts := [part for part in self._numbers if part.startswith(f"{name}[")]):
             return parts
         self._number(name)
         return [name]

@@ -31,6 +31,10 @@ class State:
         Frames that were kept until then.
     changed : tuple of str
         Names of parameters that were changed after the start.
+    given : tuple of str
+        Names of parameters with which the start was found.
+    stopped : tuple of str
+        Why the simulation cannot go on, and the word of its status; empty where it can.
     """
 
     time: float
@@ -39,9 +43,14 @@ class State:
     block: np.ndarray
     frames: int
     changed: tuple[str, ...] = ()
+    given: tuple[str, ...] = ()
+    stopped: tuple[str, str] = ("", "")
 
     def __reduce__(self) -> Any:
-        return as_sent, (self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block), self.changed)
+        return as_sent, (
+            self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block), self.changed, self.given,
+            self.stopped,
+        )  # fmt: skip
 
 
 def sum_of(block: np.ndarray) -> int:
@@ -50,7 +59,8 @@ def sum_of(block: np.ndarray) -> int:
 
 
 def as_sent(
-    time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int, changed: Iterable[str] = ()
+    time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int, changed: Iterable[str] = (),
+    given: Iterable[str] = (), stopped: Sequence[str] = ("", ""),
 ) -> State:  # fmt: skip
     """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
 
@@ -61,7 +71,8 @@ def as_sent(
     """
     if sum_of(block) != expected:
         raise SimulationError("the saved state is damaged", "save it again")
-    return State(time, scene, layout, block, frames, tuple(changed))
+    why, word = stopped
+    return State(time, scene, layout, block, frames, tuple(changed), tuple(given), (why, word))
 
 
 class Memory:

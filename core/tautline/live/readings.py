@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tautline.integrators.time_loop import frames_of, new_frames
-from tautline.live.errors import SimulationError, UnknownName, unknown
+from tautline.live.errors import SimulationError, UnknownName, Unpickled, unknown
 from tautline.system.handles import Output, Parameter, output_named
 from tautline.system.model import Model
 
@@ -62,7 +62,7 @@ def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, nam
     return found
 
 
-class Outputs(Mapping[str, Any]):
+class Outputs(Unpickled, Mapping[str, Any]):
     """What can be read of a simulation: ``sim.outputs["payload.position"]``, or ``sim["payload.position"]``.
 
     One number of an array is read by its place: ``sim["payload.position[2]"]``.
@@ -74,6 +74,8 @@ class Outputs(Mapping[str, Any]):
         -> the variables of the frame that the simulation stands at.
     vectors : dict of str to array
         The state's full vectors ``q`` and ``v``.
+    turn : context manager
+        Entered where one is read.
     """
 
     def __init__(
@@ -81,8 +83,9 @@ class Outputs(Mapping[str, Any]):
         outputs: dict[str, Output],
         observe: Callable[[], Mapping[str, np.ndarray]],
         vectors: Mapping[str, np.ndarray],
+        turn: AbstractContextManager[None],
     ) -> None:
-        self._outputs, self._observe, self._vectors = outputs, observe, vectors
+        self._outputs, self._observe, self._vectors, self._turn = outputs, observe, vectors, turn
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._outputs)
@@ -91,7 +94,7 @@ class Outputs(Mapping[str, Any]):
         return len(self._outputs)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._outputs
+        return isinstance(name, str) and name in self._outputs
 
     @property
     def handles(self) -> Mapping[str, Output]:
@@ -113,10 +116,11 @@ class Outputs(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         """A float, or a copy of an array; raises UnknownName."""
         output = self.handle(name)
-        if output.places is not None:
-            vector, places = output.places
-            return self._vectors[vector][places] if places.ndim else float(self._vectors[vector][places])
-        value = output.value(self._observe())
+        with self._turn:
+            if output.places is not None:
+                vector, places = output.places
+                return self._vectors[vector][places] if places.ndim else float(self._vectors[vector][places])
+            value = output.value(self._observe())
         return np.array(value) if np.ndim(value) else float(value)
 
     def describe(self) -> dict[str, dict[str, Any]]:
@@ -124,7 +128,7 @@ class Outputs(Mapping[str, Any]):
         return {name: {"unit": o.unit, "shape": o.shape, "text": o.text} for name, o in self._outputs.items()}
 
 
-class Parameters(Mapping[str, Any]):
+class Parameters(Unpickled, Mapping[str, Any]):
     """Numbers of the scene that can be changed: ``sim.parameters["payload.mass"] = 5200.0``.
 
     Parameters
@@ -146,7 +150,7 @@ class Parameters(Mapping[str, Any]):
         return len(self._parameters)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._parameters
+        return isinstance(name, str) and name in self._parameters
 
     def handle(self, name: str) -> Parameter:
         """What is known of a parameter; raises UnknownName."""

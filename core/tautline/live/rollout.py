@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
+from tautline.arguments import Wanted, check_given, is_list
 from tautline.live.errors import SimulationError, seconds
 from tautline.live.simulation import Simulation
+
+SIMULATIONS = Wanted(
+    "a list of simulations", lambda value: is_list(value) and all(isinstance(one, Simulation) for one in value)
+)
 
 
 def rollout(simulations: Sequence[Simulation], until: float, workers: int | None = None) -> None:
@@ -24,11 +29,16 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
 
     Raises
     ------
+    ArgumentTypeError
+        For what is no list of simulations.
     SimulationError
         For a time that is no finite number or before those of all simulations, and a number of threads that is none.
     StoppedEarly
         That of the first simulation which failed; the others have come to their end.
     """
+    if isinstance(simulations, Iterator):
+        simulations = list(simulations)
+    check_given(simulations=(simulations, SIMULATIONS))
     until = seconds(until)
     if not until < math.inf:
         raise SimulationError(f"cannot advance to {until:g} s", "give a finite time")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -34,13 +34,15 @@ from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
 from tautline.live.equations import Equations
 from tautline.live.errors import SimulationError, real, seconds, unknown
-from tautline.live.forces import Force, Group, force_of
+from tautline.live.forces import Force, Group, force_of, places_of
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.memory import Memory, State, check
 from tautline.live.readings import Outputs, Parameters, with_shapes
+from tautline.live.turn import Turn
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.result import Result
+from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
 from tautline.results.store import Store
 from tautline.scene.methods import explicit_like, method_of
 from tautline.simulation import FAR, FRAMES_SAFE, FRAMES_UNCHECKED, SAFE, Run
@@ -150,6 +152,7 @@ class Simulation:
         run = self._run = Run(model)
         system, self._state = model.system, run.state
         self._frames = new_frames(1, system.q.size, model.own)
+        self._turn = Turn()
         self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
         self._time, self._stopped, self._status = 0.0, "", ""
         self._step, self._watched = model.solver.step, run.explicit and model.solver.guarded
@@ -159,14 +162,15 @@ class Simulation:
         self._grid, _ = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self._tolerance = CLOSE * model.solver.interval
         self._clock, self._unchecked = np.zeros(2), 0.0
-        self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time)
+        self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn.reading)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
-        self.outputs = Outputs(handles.outputs, self._observe, vectors)
+        self.outputs = Outputs(handles.outputs, self._observe, vectors, self._turn.reading)
         self.parameters = Parameters(handles.parameters, self._parameter_change)
         self._prepared = handles.prepared
         self._forces: list[Force | Group] = []
         self._begun = False
         self._changed: set[str] = set()
+        self._given: set[str] = set()
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
         self._kept = Kept(self._frames.rows.shape[1], span)
@@ -223,10 +227,10 @@ class Simulation:
     def advance(self, duration: float | str) -> None:
         """Go on by so many seconds, or a text with its unit (``"100 ms"``); see `advance_to`."""
         duration = seconds(duration)
-        end = self._time + duration
         if not duration > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
-        self.advance_to(end)
+        with self._turn:
+            self._advance_to(self._time + duration)
 
     def advance_to(self, time: float | str) -> None:
         """Go on to a time, in steps as the scene's solver takes them.
@@ -242,13 +246,20 @@ class Simulation:
         Raises
         ------
         SimulationError
-            For a time that is not ahead or beyond what is prepared, and where the simulation has stopped before.
+            For a time that is not ahead or beyond what is prepared, where the simulation has stopped before, and where
+            another thread works with it.
         StoppedEarly
             Where a step fails. Time and outputs are then those of the last step that did not, and frames are kept.
         Interrupted
             On Ctrl-C, after the step under way.
         """
-        begin, time = self._time, seconds(time)
+        time = seconds(time)
+        with self._turn:
+            self._advance_to(time)
+
+    def _advance_to(self, time: float) -> None:
+        """Go on to a time, s; see `advance_to`."""
+        begin = self._time
         if abs(time - begin) <= 4.0 * math.ulp(begin):
             raise SimulationError(f"cannot advance to {time:g} s: it is the time now", "give a later time")
         if not begin < time < math.inf:
@@ -268,12 +279,17 @@ class Simulation:
         self._refuse_unprepared(time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) as ear:
-            self.inputs.write(begin, time)
-            self._observed = None
-            while begin < time:
-                end = min(self._next, time)
-                self._go(begin, end, ear)
-                begin = end
+            self._turn.advancing = True
+            try:
+                self.inputs.write(begin, time)
+                self._observed = None
+                while begin < time:
+                    end = min(self._next, time)
+                    self._go(begin, end, ear)
+                    begin = end
+            finally:
+                # A force may have read the outputs of the frame before.
+                self._turn.advancing, self._observed = False, None
         if ear.heard:
             raise Interrupted(self._time, self._so_far("interrupted"))
 
@@ -396,11 +412,12 @@ class Simulation:
             self._observed = self.model.observe(self._frames)
         return self._observed
 
-    def _parameter_change(self, name: str) -> AbstractContextManager[None]:
-        """While a parameter changes; after the start its name is kept, for what the result says by the start."""
-        if self._begun:
-            self._changed.add(name)
-        return self._parameter_changes()
+    @contextmanager
+    def _parameter_change(self, name: str) -> Iterator[None]:
+        """While a parameter changes; its name is kept, for what the result says of the scene and by the start."""
+        with self._turn, self._parameter_changes():
+            (self._changed if self._begun else self._given).add(name)
+            yield
 
     @contextmanager
     def _parameter_changes(self) -> Iterator[None]:
@@ -427,6 +444,12 @@ class Simulation:
         """An output by its name; raises UnknownName."""
         return self.outputs[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.outputs
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.outputs)
+
     def _so_far(self, status: str = "") -> Result | None:
         """The result, where frames were kept."""
         return self._result(status) if self._kept.rows.size else None
@@ -434,7 +457,8 @@ class Simulation:
     @property
     def result(self) -> Result:
         """The frames kept so far, as `tautline.simulate` gives them."""
-        return self._result()
+        with self._turn:
+            return self._result()
 
     def _result(self, status: str = "") -> Result:
         """The frames kept so far; with a status, where it is not that of the simulation."""
@@ -443,17 +467,12 @@ class Simulation:
             cure = "advance it to a frame: those that were kept are later than the state that was restored"
             raise SimulationError("no frame was kept", cure if self._keep else "make the simulation with keep=True")
         model = self.model
-        about = {**model.attributes, "version": __version__}
-        if self._changed:
-            about["parameters_changed"] = ", ".join(sorted(self._changed))
+        about = {**model.attributes, "version": __version__, **self._moved_by()}
         stored = Store(None, model.variables, model.coordinates, about)
         frames = frames_of(rows.copy(), model.system.q.size)
         found = {"time": frames.time.copy(), **model.observe(frames)}
         run.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
-        books = np.column_stack([found[name] for name in ENERGIES])
-        # Work and losses are summed from the start, of which the frame may not be kept.
-        books[:, 3:] -= books[0, 3:]
-        run.balance.add(books)
+        run.balance.add(np.column_stack([found[name] for name in ENERGIES]))
         stored.append(found)
         run.time = run.reached = self._time
         run.wall, run.cpu, run.remembered = float(self._clock[WALL]), float(self._clock[CPU]), self._time
@@ -463,12 +482,25 @@ class Simulation:
         assert made is not None
         return made
 
+    def _moved_by(self) -> dict[str, str]:
+        """What has moved the scene beside itself, as attributes of a result."""
+        names = {
+            PARAMETERS_GIVEN: sorted(self._given),
+            PARAMETERS_CHANGED: sorted(self._changed),
+            INPUTS_DRIVEN: self.inputs.driven,
+            FORCES_ADDED: [force.name for force in self._forces],
+        }
+        return {what: ", ".join(some) for what, some in names.items() if some}
+
     # -- to and fro ----------------------------------------------------------------------------------------------------
 
     def save(self) -> State:
         """The simulation as it stands. It can be pickled, and restored in another process."""
-        changed = tuple(sorted(self._changed))
-        return State(self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count, changed)
+        with self._turn:
+            return State(
+                self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
+                tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
+            )  # fmt: skip
 
     def restore(self, state: State) -> None:
         """Stand where a state was saved: everything goes on from there to the bit. Frames after it are dropped.
@@ -479,10 +511,14 @@ class Simulation:
             For a state of another scene, or of a simulation with other inputs or forces; nothing is changed then.
         """
         check(state, self._mark, self._memory.layout, self._memory.size)
+        with self._turn:
+            self._restore(state)
+
+    def _restore(self, state: State) -> None:
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
-        self._changed = set(state.changed)
-        self._stopped = self._status = ""
+        self._changed, self._given = set(state.changed), set(state.given)
+        self._stopped, self._status = state.stopped
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
         self._kept.go_back(state.time, self._tolerance)
@@ -517,12 +553,16 @@ class Simulation:
             raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
         number = self.model.system.dofs.number[places]
-        with self._parameter_changes():
+        with self._turn, self._parameter_changes():
             full[places[number >= 0]] += given[number >= 0]
             reduced[number[number >= 0]] += given[number >= 0]
 
     def copy(self) -> Simulation:
         """Another simulation that stands at the same place and goes on by itself."""
+        with self._turn:
+            return self._copy()
+
+    def _copy(self) -> Simulation:
         other = Simulation.__new__(Simulation)
         other.scene, other._application = self.scene, self._application
         other._named, other._keep = self._named, self._keep
@@ -576,8 +616,9 @@ class Simulation:
                 raise SimulationError(f"{on} is not the position of a thing", "give one, such as payload.position")
             places = np.atleast_1d(found[1])
         elif on is not None:
-            places = np.asarray(on)
-        self._add(force_of(force, places, self.model.system))
+            places = places_of(on)
+        with self._turn:
+            self._add(force_of(force, places, self.model.system))
 
     def _add(self, force: Force | Group) -> None:
         """Take a further group into the system, with the state as it is."""
@@ -613,7 +654,8 @@ class Simulation:
         """
         from tautline.live.plant import linearise
 
-        return linearise(self, inputs, outputs)
+        with self._turn:
+            return linearise(self, inputs, outputs)
 
 
 def _names_of(inputs: Any) -> tuple[str, ...]:

@@ -151,7 +151,7 @@ class Result:
             return {name: _variable(name, data) for name, data in file.items() if _is_variable(data)}
 
     def __contains__(self, name: str) -> bool:
-        return name in self.variables
+        return isinstance(name, str) and name in self.variables
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Array of a variable, shape as its dimensions say, SI units; it cannot be written to, a copy can.
@@ -161,6 +161,7 @@ class Result:
         ResultError
             If there is no such variable.
         """
+        name = name if isinstance(name, str) else str(name)  # no other can be one: the refusal tells it
         if self._contents is not None:
             _, arrays, coordinates, *_ = self._contents
             if name in coordinates:

@@ -11,7 +11,7 @@ import functools
 import itertools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import (
@@ -52,13 +52,30 @@ RATES = ("m/s", "rad/s")
 """Units of values between which a table goes straight unless told otherwise."""
 
 
+class _OfUnit(Model):
+    """A function whose class is made for the unit of its value: it is made anew where one is unpickled.
+
+    Attributes
+    ----------
+    made_of : tuple of str
+        Unit, row of the table of plausible ranges and key, of a class that was made; empty for what is written here.
+    """
+
+    made_of: ClassVar[tuple[str, ...]] = ()
+
+    def __reduce__(self) -> Any:
+        if not self.made_of:
+            return super().__reduce__()
+        return _blank, self.made_of, self.__getstate__()
+
+
 class Constant(Model):
     """A value that does not change."""
 
     value: float
 
 
-class Ramp(Model):
+class Ramp(_OfUnit):
     """A smooth (C2, quintic) transition from `from_` to `to` that begins at `at` and takes `over`.
 
     With `rate` in place of `to` the *slope* goes smoothly from zero to `rate`, and the value grows on at that rate.
@@ -81,7 +98,7 @@ class Ramp(Model):
         return self
 
 
-class Table(Model):
+class Table(_OfUnit):
     """Values at times, inline or from a CSV file; held constant before the first and after the last."""
 
     time: tuple[Time, ...] = Field((), examples=["[0, 1, 2]"])
@@ -115,7 +132,7 @@ class Table(Model):
         return self
 
 
-class Harmonic(Model):
+class Harmonic(_OfUnit):
     """``mean + amplitude sin(2 pi t / period + phase)``, the sine under a quintic envelope over the first `ramp`."""
 
     amplitude: float
@@ -134,7 +151,7 @@ class Harmonic(Model):
         return self
 
 
-class Chirp(Model):
+class Chirp(_OfUnit):
     """``amplitude [sin(2 pi (t - shift) / period + rate (t - shift)^2) - (the same at t = 0)]``; `rate` in rad/s^2."""
 
     amplitude: float
@@ -278,7 +295,7 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
 
     method: Any = classmethod(read_file)
     from_file: Any = model_validator(mode="before")(method)
-    return {
+    made: dict[str, type[_OfUnit]] = {
         "ramp": create_model(
             "Ramp",
             __base__=Ramp,
@@ -294,8 +311,16 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
         ),
         "harmonic": create_model("Harmonic", __base__=Harmonic, amplitude=(value, ...), mean=(value, 0.0)),
         "chirp": create_model("Chirp", __base__=Chirp, amplitude=(value, ...)),
-        "spectrum": Spectrum,
     }
+    for key, model in made.items():
+        model.made_of = unit, of, key
+    return {**made, "spectrum": Spectrum}
+
+
+def _blank(unit: str, of: str, key: str) -> Model:
+    """A function of time of which nothing is set yet."""
+    model = _models(unit, of)[key]
+    return model.__new__(model)
 
 
 @functools.cache

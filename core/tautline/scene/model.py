@@ -13,6 +13,7 @@ import pydantic
 from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
+from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
 from tautline.scene.reading.document import Document, Path_, split_key
 from tautline.scene.reading.files import files_of
@@ -192,6 +193,11 @@ class Scene(Model):
     _document: Document | None = PrivateAttr(None)
     _driven: frozenset[str] = PrivateAttr(frozenset())
 
+    def __getstate__(self) -> dict[Any, Any]:
+        """What is pickled: not what was prepared once, which is prepared again where it is needed."""
+        state = super().__getstate__()
+        return {**state, "__dict__": {key: value for key, value in state["__dict__"].items() if key != MADE}}
+
     @property
     def driven(self) -> frozenset[str]:
         """Names of what is driven from outside while it runs, though the scene may hold it still."""
@@ -255,7 +261,10 @@ class Scene(Model):
         ------
         SceneError
             For an unknown key, with the nearest, and for a scene that is not sound with the new values.
+        ArgumentTypeError
+            For changes that are no mapping.
         """
+        check_given(changes=(changes, MAPPING))
         known = self._known_parts(changes)
         return self._remade(lambda document: document.changed(changes, origin).with_parts(known), changes)
 

@@ -13,7 +13,8 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.errors import TautlineError
+from tautline.arguments import COUNT, FIGURES, FUNCTION, MAPPING, NAME, OPTIONS, PATH, SWITCH, check, check_given
+from tautline.errors import ArgumentError, TautlineError
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity import model_hash
@@ -162,13 +163,21 @@ def sweep(
 
     Raises
     ------
-    SceneError, ResultError
+    SceneError, ResultError, ArgumentError, ArgumentTypeError
         For bad input; nothing is written then.
     SweepInterrupted
         On Ctrl-C, with the cases that were finished.
     """
     import tautline
 
+    check_given(vary=(vary, MAPPING))
+    check(
+        collect=(collect, FIGURES), verb=(verb, NAME), options=(options, OPTIONS), indices=(indices, NAME),
+        jobs=(jobs, COUNT), dask=(dask, NAME), folder=(folder, PATH), resume=(resume, SWITCH),
+        progress=(progress, FUNCTION),
+    )  # fmt: skip
+    if resume and folder is None:
+        raise ArgumentError("resume = True goes on with the sweep in a folder: give its `folder` too")
     collect = [collect] if isinstance(collect, (str, Mapping)) else list(collect)
     given = {"scene": "scene", "verb": verb, "vary": dict(vary), "plan": plan, "collect": collect}
     given |= {"options": dict(options)} if options else {}

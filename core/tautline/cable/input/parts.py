@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from tautline.arguments import MAPPING, check_given
 from tautline.cable.input.syntax.nodal import NodalPart, item_of
 from tautline.cable.input.syntax.solver import CableSolver
 from tautline.scene.errors import Problem, SceneError, SceneWarning
@@ -226,6 +227,7 @@ class CableScene:
         SceneError
             For an unknown key, with the nearest, and for a scene that is not sound with the new values.
         """
+        check_given(changes=(changes, MAPPING))
         if self.made_by is None:
             raise SceneError([self.problem((), *WITHOUT_TEXT)])
         return self.made_by(self.document.changed(changes, origin))

@@ -229,7 +229,8 @@ def to_bytes(saved: dict[str, Any]) -> bytes:
     if NO_STATE in saved:
         return b""
     state: State = saved["state"]
-    told = [state.time, state.scene, state.layout, state.frames, sum_of(state.block), state.changed]
+    rest = state.changed, state.given, state.stopped
+    told = [state.time, state.scene, state.layout, state.frames, sum_of(state.block), *rest]
     head = {**saved, "state": told}
     return json.dumps(head).encode("utf8") + b"\0" + state.block.tobytes()
 

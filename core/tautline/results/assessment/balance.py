@@ -36,11 +36,18 @@ class Balance:
     def __init__(self, force: float, step_error: float) -> None:
         self.idle = (ROUNDING + step_error) * force
         self._rows: list[np.ndarray] = []
+        self._before: np.ndarray | None = None
         self._gained: tuple[Any, float] = None, 0.0
 
     def add(self, energies: np.ndarray) -> None:
-        """Take note of frames (m, 5), J, in the order of `ENERGIES`."""
-        self._rows.append(energies)
+        """Take note of frames (m, 5), J, in the order of `ENERGIES`.
+
+        Work and losses are summed from the start of the scene, of which the frame may not be kept: they are taken from
+        the first frame that there is.
+        """
+        if self._before is None and len(energies):
+            self._before = np.array([0.0, 0.0, 0.0, *energies[0, 3:]])
+        self._rows.append(energies if self._before is None else energies - self._before)
         self._gained = None, 0.0
 
     def missing(self, steps: int = 0) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tautline.arguments import PATH, check
 from tautline.errors import ArgumentTypeError
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document, plain
@@ -35,6 +36,7 @@ def document_of(source: Any, folder: str | Path | None = None) -> Document:
     ArgumentTypeError
         For anything else, and for a folder beside a file.
     """
+    check(folder=(folder, PATH))
     home = Path() if folder is None else Path(folder)
     if isinstance(source, Mapping):
         return Document.parse(written_out(plain(dict(source), origin=str(NAME))), NAME, home)

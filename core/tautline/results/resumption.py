@@ -1,0 +1,96 @@
+"""What a result must be, to be gone on with, and what of it the run that goes on takes over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from tautline.results.errors import ResultError
+from tautline.results.result import Result
+from tautline.version import __version__
+
+PARAMETERS_GIVEN, PARAMETERS_CHANGED = "parameters_given", "parameters_changed"
+INPUTS_DRIVEN, FORCES_ADDED = "inputs_driven", "forces_added"
+TAKEN_OVER = PARAMETERS_GIVEN, PARAMETERS_CHANGED
+"""Attributes of a result that hold for what goes on from it: the numbers behind them are part of its last state."""
+ROUNDING = 1e-12
+"""Share of a time that is rounding."""
+
+
+def place_of(earlier: Result) -> Any:
+    """Where a result stands, for messages."""
+    return earlier.path or "result"
+
+
+def refuse_another(earlier: Result, method: str, attributes: Mapping[str, Any]) -> None:
+    """Refuse a result that the run of a model cannot go on from.
+
+    Parameters
+    ----------
+    earlier : Result
+    method : str
+        Of integration.
+    attributes : mapping
+        Of the model.
+
+    Raises
+    ------
+    ResultError
+        Where it holds no state, was moved by what it does not hold, or is that of another method or scene.
+    """
+    place, made = place_of(earlier), earlier.attributes
+    if not earlier.restart:
+        if made.get("application") == "twin":
+            cure = "name the result of a simulation, or go on with `twin --resume`"
+            raise ResultError(place, "is what a twin has found, and no simulation", cure)
+        raise ResultError(place, "holds no state to go on from", "run the scene from its start")
+    _refuse_what_was_moved(place, made)
+    cure = "only solver.end, the step and the output may differ from what it was made with"
+    for one, now, word in (
+        (made.get("method"), method, "method"),
+        (made.get("model_hash"), attributes.get("model_hash"), "scene"),
+    ):
+        if one != now:
+            raise ResultError(place, f"belongs to another {word}", cure)
+    if made.get("prepared") != attributes.get("prepared"):
+        cause = "was made with motions that were prepared otherwise, as those of a shorter or a longer run are"
+        raise ResultError(place, cause, "run the scene from its start to the new end")
+
+
+def _refuse_what_was_moved(place: Any, made: Mapping[str, Any]) -> None:
+    """Refuse what went by inputs and forces that a result does not hold: the scene's own would jump in."""
+    cure = "go on with the `Simulation` that made it, or with what its `save()` gave, or run the scene from its start"
+    if made.get(INPUTS_DRIVEN):
+        cause = f"comes from a simulation whose inputs were given: {made[INPUTS_DRIVEN]}. A result does not hold them"
+        raise ResultError(place, cause, cure)
+    if made.get(FORCES_ADDED):
+        cause = f"comes from a simulation to which forces were added: {made[FORCES_ADDED]}. A result does not hold them"
+        raise ResultError(place, cause, cure)
+
+
+def of_another_build(earlier: Result) -> ResultError:
+    """The refusal of a last state with other numbers than this program remembers of the same scene."""
+    by = earlier.attributes.get("version", "")
+    other = f"Tautline {by or 'of an unknown version'}" if by != __version__ else f"another build of Tautline {by}"
+    cause = f"cannot be gone on with: {other} wrote it, and kept other numbers of its last state than this one needs"
+    cure = "run the scene from its start, or go on with the same build that wrote it"
+    return ResultError(place_of(earlier), cause, cure)
+
+
+def restart_time(earlier: Result) -> float:
+    """Time of the state that a result holds, s: that of a simulation may stand between two frames."""
+    return float(earlier.attributes.get("restart_time", earlier["time"][-1]))
+
+
+def frames_until(earlier: Result, time: float, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Frames until a time, s. A run that failed has stored some after the state it holds, which are run again."""
+    kept = np.array(earlier["time"]) <= time * (1.0 + ROUNDING)
+    return {name: np.array(earlier[name])[kept] for name in (*names, "time")}
+
+
+def taken_over(earlier: Result | None) -> dict[str, Any]:
+    """Attributes of a result that the run that goes on from it has as well."""
+    made = {} if earlier is None else earlier.attributes
+    return {name: made[name] for name in TAKEN_OVER if made.get(name)}

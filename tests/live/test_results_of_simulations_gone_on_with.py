@@ -1,0 +1,173 @@
+"""`simulate` goes on from the result of a simulation as that itself does, or says why it cannot."""
+
+import pickle
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tautline
+from tautline.live import simulation
+from tautline.live.fmu.unit import from_bytes, to_bytes
+from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
+
+DATA = Path(__file__).parents[2] / "data"
+HOIST = DATA / "hoist.yaml"
+BETWEEN = {"hoist": (2.545, 3.0), "slewing": (1.045, 1.5), "hose": (0.0545, 0.08), "jwell": (2.545, 3.0)}
+"""Scenes, a time between two of their frames, and until when they are run, s."""
+
+
+def assert_same(one, other, **tolerance):
+    np.testing.assert_array_equal(one["time"], other["time"])
+    for name in ("position", "velocity"):
+        np.testing.assert_allclose(one[name], other[name], rtol=0.0, **tolerance)
+
+
+@pytest.mark.parametrize("name", BETWEEN)
+def test_a_result_between_two_frames_is_gone_on_with_from_its_own_time(name):
+    """Bounds: what other steps make of the way to the next frame. It was 0.77 m with a clock shifted by 45 ms."""
+    time, end = BETWEEN[name]
+    sim = tautline.Simulation(DATA / f"{name}.yaml")
+    sim.advance_to(time)
+    resumed = tautline.simulate(DATA / f"{name}.yaml", end=end, resume=sim.result)
+    for frame in resumed["time"][resumed["time"] > time]:
+        sim.advance_to(float(frame))
+    assert_same(resumed, sim.result, atol=1e-12)
+    uninterrupted = tautline.simulate(DATA / f"{name}.yaml", end=end)
+    scale = np.abs(uninterrupted["velocity"]).max() + 1.0
+    np.testing.assert_allclose(resumed["position"], uninterrupted["position"], rtol=0.0, atol=2e-5 * scale)
+
+
+def test_a_result_of_an_advance_that_was_interrupted_is_gone_on_with_from_where_it_was_left(monkeypatch):
+    monkeypatch.setattr(simulation, "LONG", 3)
+    sim = tautline.Simulation(HOIST)
+    sim.advance_to(0.5)
+    call, calls = sim._call, []
+
+    def pressed(begin):
+        calls.append(begin)
+        if len(calls) == 5:
+            signal.raise_signal(signal.SIGINT)
+        return call(begin)
+
+    sim._call = pressed
+    with pytest.raises(tautline.Interrupted) as stop:
+        sim.advance_to(1.0)
+    sim._call = call
+    kept = stop.value.result
+    assert kept["time"][-1] < sim.time == kept.attributes["restart_time"] < 1.0
+    sim.advance_to(1.5)
+    assert_same(tautline.simulate(HOIST, end=1.5, resume=kept), sim.result, atol=1e-12)
+
+
+def test_a_result_of_a_simulation_that_stopped_stops_again_where_it_did():
+    sim = tautline.Simulation(HOIST)
+    with pytest.raises(tautline.StoppedEarly) as stop:
+        sim.advance_to(14.0)
+    kept = stop.value.result
+    assert kept["time"][-1] < sim.time
+    with pytest.raises(tautline.StoppedEarly) as again:
+        tautline.simulate(HOIST, end=14.0, resume=kept)
+    assert again.value.status == stop.value.status
+    assert again.value.time == pytest.approx(stop.value.time, abs=0.01)
+
+
+@pytest.mark.parametrize("name", ["hoist", "jwell"])
+def test_the_energy_of_a_result_that_keeps_its_last_frames_only_balances_when_it_is_gone_on_with(name):
+    """Of the well 17 % were said to have been created numerically, and the run was failed for it."""
+    sim = tautline.Simulation(DATA / f"{name}.yaml", keep=1.0)
+    sim.advance_to(2.5)
+    resumed = tautline.simulate(DATA / f"{name}.yaml", end=3.0, resume=sim.result)
+    assert resumed["time"][0] == pytest.approx(1.5) and resumed.attributes["energy_error"] < 1e-4
+    assert not any("unaccounted" in text for text in resumed.warnings)
+
+
+@pytest.mark.parametrize("how", ["given", "initial", "named"])
+def test_a_result_of_a_driven_simulation_says_so_and_is_not_gone_on_with(how):
+    name = "vessel.surge" if how == "named" else "winch.pay_out_speed"
+    inputs, initial = [name] if how == "named" else None, {name: -0.2} if how == "initial" else None
+    sim = tautline.Simulation(HOIST, inputs=inputs, initial=initial)
+    sim.advance(0.5)
+    if how != "initial":
+        assert INPUTS_DRIVEN not in sim.result.attributes
+        sim.inputs[name] = -0.1
+        sim.advance(0.5)
+    assert sim.result.attributes[INPUTS_DRIVEN] == name
+    assert sim.copy().result.attributes[INPUTS_DRIVEN] == name
+    with pytest.raises(tautline.ResultError, match=f"inputs were given: {name}.*save"):
+        tautline.simulate(HOIST, end=3.0, resume=sim.result)
+
+
+def test_an_input_that_drives_the_same_as_one_that_was_given_is_not_said_to_have_been_given():
+    sim = tautline.Simulation(HOIST)
+    sim.inputs["winch.pay_out_speed"] = -0.1
+    sim.advance(0.5)
+    assert sim.inputs.driven == ["winch.pay_out_speed"]
+    sim.inputs["winch.pay_out"] = -0.2
+    sim.advance(0.5)
+    assert set(sim.inputs.driven) == {"winch.pay_out", "winch.pay_out_speed"}
+
+
+def test_inputs_that_were_named_and_not_given_leave_a_result_that_can_be_gone_on_with():
+    sim = tautline.Simulation(HOIST, inputs=["vessel.surge"])
+    sim.advance(1.0)
+    whole = tautline.simulate(HOIST, end=1.5)
+    assert_same(tautline.simulate(HOIST, end=1.5, resume=sim.result), whole, atol=1e-12)
+
+
+def test_a_result_of_a_simulation_with_a_force_of_its_own_says_so_and_is_not_gone_on_with():
+    def wind(t, q, v):
+        return [500.0, 0.0, 0.0]
+
+    sim = tautline.Simulation(HOIST)
+    sim.add_force(wind, on="payload.position")
+    sim.advance(0.5)
+    assert sim.result.attributes[FORCES_ADDED] == "wind"
+    with pytest.raises(tautline.ResultError, match="forces were added: wind") as refused:
+        tautline.simulate(HOIST, end=1.0, resume=sim.result)
+    assert "build" not in str(refused.value)
+
+
+def test_a_run_that_goes_on_with_other_parameters_says_which_and_what_its_figures_are_by():
+    sim = tautline.Simulation(HOIST, parameters={"payload.mass": 5500.0})
+    sim.advance(0.5)
+    sim.parameters["payload.mass"] = 8000.0
+    sim.advance(0.5)
+    resumed = tautline.simulate(HOIST, end=1.5, resume=sim.result)
+    assert resumed.attributes[PARAMETERS_GIVEN] == resumed.attributes[PARAMETERS_CHANGED] == "payload.mass"
+    assert "by the load at the start" in resumed.headline["dynamic_amplification"]["text"]
+    sim.advance(0.5)
+    assert_same(resumed, sim.result, atol=1e-12)
+
+
+def test_a_simulation_that_stopped_stays_so_in_its_copies_and_saved_states():
+    sim = tautline.Simulation(HOIST, parameters={"payload.mass": 5500.0})
+    sim.advance_to(12.0)
+    before = sim.save()
+    with pytest.raises(tautline.StoppedEarly):
+        sim.advance_to(14.0)
+    state = sim.save()
+    sent, told = pickle.loads(pickle.dumps(state)), from_bytes(to_bytes({"state": state}))["state"]
+    assert sent.given == told.given == ("payload.mass",)
+    others = [sim.copy(), *(tautline.Simulation(HOIST) for _ in range(3))]
+    for other, saved in zip(others[1:], (state, sent, told), strict=True):
+        other.restore(saved)
+    for other in others:
+        assert other.stopped == sim.stopped != ""
+        with pytest.raises(tautline.SimulationError, match="has stopped: TWO_BLOCKED"):
+            other.advance(0.5)
+    assert others[0].result.attributes["status"] == sim.result.attributes["status"]
+    sim.restore(before)
+    assert not sim.stopped
+
+
+def test_the_stiffness_of_a_rope_as_a_parameter_says_what_keeps_that_of_the_scene():
+    """0.15 N and 0.15 um from a scene with that stiffness after 1 s: the springs of friction on wheels."""
+    sim = tautline.Simulation(HOIST, parameters={"rope.axial_stiffness": 5.0e7})
+    other = tautline.Simulation(tautline.read(HOIST).replace({"rope.axial_stiffness": 5.0e7}))
+    for one in (sim, other):
+        one.advance(1.0)
+    assert "on wheels and drums" in sim.parameters.handle("rope.axial_stiffness").text
+    assert sim["winch.tension"] == pytest.approx(other["winch.tension"], rel=1e-5)
+    assert sim["payload.position"] == pytest.approx(other["payload.position"], abs=1e-6)
