@@ -331,7 +331,7 @@ class Twin:
         if estimate.family is not family:
             # Other simulations go on from here, with other values and derivatives.
             read = dict(zip(self._read, estimate.family.read(self._read), strict=True))
-        outputs = self._with_noise_of_inputs(estimate.outputs(read), y0)
+        outputs = self._with_noise_of_inputs(estimate.outputs(read), read, y0)
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
@@ -340,17 +340,24 @@ class Twin:
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
 
-    def _with_noise_of_inputs(self, outputs: dict[str, Any], y0: np.ndarray) -> dict[str, Any]:
-        """Outputs with what residuals show beyond the sensor's noise added to the deviations of those compared."""
+    def _with_noise_of_inputs(
+        self, outputs: dict[str, Any], read: Mapping[str, np.ndarray], y0: np.ndarray
+    ) -> dict[str, Any]:
+        """Outputs with what residuals show beyond the sensor's noise added to their deviations."""
         horizon, more = self.estimate.horizon, dict(outputs)
         sds, self.unsure = horizon.deviations(y0), not self.estimate.known
         # Means of rows say nothing of what a row of its own is off by.
         alone = self.operation is None or self.operation.mean == 0.0
         both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * alone, strict=True)
+        beyond = {}
         for one, sd, (shaken, missed) in zip(self.plan.measured, sds, both, strict=True):
             value, own = outputs[one.name]
-            more[one.name] = value, np.hypot(own, max(shaken, missed))
+            beyond[one.name] = max(shaken, missed)
+            more[one.name] = value, np.hypot(own, beyond[one.name])
             self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
+        for name, swung in self.estimate.swung(read, beyond).items():
+            if name not in beyond:
+                more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)
         # Steps of an encoder shake a load as noise does, and show in the residuals alone.
         shaken = self.readings.shaken or bool(np.any(horizon.spread > MANY**2))
         self.unsure |= shaken and not self.estimate.shown

@@ -284,6 +284,25 @@ class Estimate:
             found[name] = (value, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
         return found
 
+    def swung(self, read: Mapping[str, np.ndarray], missed: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """Deviations of outputs by a free motion that makes measured ones as wrong as they are seen to be.
+
+        What inputs and the model get wrong shows where something is measured: as a free motion, of which the two blows
+        have the phases a quarter of a period apart. Whatever else is computed swings with it.
+
+        Parameters
+        ----------
+        missed : dict of str to float
+            By how much measured outputs are missed, as standard deviations.
+        """
+        b = len(self.blows)
+        if b == 0:
+            return {}
+        by_blows = {name: np.linalg.norm(self.family.derivatives(x)[..., -b:], axis=-1) for name, x in read.items()}
+        sizes = [sd / float(by_blows[name]) for name, sd in missed.items() if by_blows.get(name, 0.0) > 0.0]
+        blow = float(np.sqrt(np.mean(np.square(sizes)))) if sizes else 0.0
+        return {name: blow * size for name, size in by_blows.items()}
+
     @property
     def converged(self) -> bool:
         """Whether the estimate is known much better than at the start."""
