@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from of_the_suite import studies
-from physics.lifting.crane_scenes import GRAVITY, hoist, parsed, ran, stopped
+from physics.lifting.crane_scenes import GRAVITY, HOISTING, body, crane, drum, end, hoist, parsed, ran, sheave, stopped
 
 import tautline
 from crane.groups.span import MET
+from tautline.integrators.state import WORST
 from tautline.integrators.status import Status
 
 RADIUS = 0.4
@@ -61,3 +62,56 @@ def test_a_step_that_fails_far_from_a_sheave_is_no_two_blocking():
     sim.advance_to(0.1)
     state, model = sim._state, sim.model
     assert model.end_of(state, Status.NOT_CONVERGED, 0)[0] is Status.NOT_CONVERGED
+
+
+def on_a_ship(**solver):
+    """A compact winch: its lead sheave is within two radii of it, and both are bolted to a vessel that rolls."""
+    path = [
+        drum(pay_out=HOISTING),
+        sheave((0.97, 0.0, 0.0), name="lead", wrap="under", inertia=20.0, law="no_slip"),
+        sheave((12.0, 0.0, 30.0), inertia=20.0, law="capstan", friction=0.1),
+        end("payload"),
+    ]
+    motion = {
+        name: {"harmonic": {"amplitude": size, "period": period, "ramp": 1.0}}
+        for name, size, period in (("heave", 0.5, 8.0), ("roll", "5 deg", 9.0), ("pitch", "3 deg", 7.0))
+    }
+    return crane(
+        path,
+        [body("payload", 5000.0, (12.4, 0.0, 5.0))],
+        mesh={"elements_per_span": 1},
+        vessel={"reference": [0.0, 0.0, -10.0], "motion": motion},
+        solver={"end": 6.0} | solver,
+        interval=0.05,
+    )
+
+
+def test_a_step_that_fails_on_a_ship_is_no_two_blocking_of_its_winch_and_a_sheave_bolted_beside_it():
+    """They come together by rounding, some 1e-17 m/s; too few iterations were allowed for the payload."""
+    stop = stopped(on_a_ship(max_iterations=2, max_halvings=0), Status.NOT_CONVERGED)
+    assert stop.part.startswith("payload")
+
+
+def near_its_sheave(speed):
+    """A simulation whose hook has less straight rope than a radius above it, and goes up at some speed, m/s."""
+    scene = hoist(drive={"pay_out": 0.0})
+    scene["bodies"][0] |= {"position": (12.4, 0.0, 29.7), "velocity": [0.0, 0.0, speed]}
+    sim = tautline.Simulation(parsed(scene))
+    sim.advance_to(0.005)
+    return sim
+
+
+def end_where(sim, worst):
+    """What a step that failed now is called, with an unknown as the worst one."""
+    sim._state.counters[WORST] = sim.model.system.names.index(worst)
+    return sim.model.end_of(sim._state, Status.NOT_CONVERGED, int(sim._state.counters[WORST]))[0]
+
+
+def test_a_hook_that_reaches_its_sheave_is_not_blamed_for_a_step_that_failed_elsewhere():
+    sim = near_its_sheave(12.0)
+    assert end_where(sim, "payload: z") is Status.TWO_BLOCKED
+    assert end_where(sim, "rope winch to boom tip, node 2: z") is Status.NOT_CONVERGED
+
+
+def test_a_hook_that_vibrates_near_its_sheave_has_not_reached_it():
+    assert end_where(near_its_sheave(0.5), "payload: z") is Status.NOT_CONVERGED

@@ -81,7 +81,7 @@ def build(scene: CraneScene) -> Model:
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
         handles=lambda: handles(made, stored, places),
-        cause=lambda state, status: two_blocking(system, state, status),
+        cause=lambda state, status: two_blocking(layout, system, state, status),
         statistics={
             "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
             "names": OF_PIECES,
