@@ -14,7 +14,7 @@ from tautline.kernels.jit import entry
 from tautline.kernels.time_function import MANY, evaluate, sample, value_at
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity, time_function
-from tautline.system.time_functions import FunctionRequest, compile_functions, jonswap
+from tautline.system.time_functions import FunctionRequest, bounds_of, compile_functions, jonswap
 
 SEA = Spectrum(significant_height=2.5, peak_period=9.0, gamma=2.0, seed=7, rao=0.6)
 WAVE_TABLE = Table(time=tuple(np.arange(0.0, 12.1, 0.5)), value=tuple(np.sin(np.arange(0.0, 12.1, 0.5))))
@@ -251,3 +251,30 @@ def test_what_is_written_is_read_in_the_unit_of_its_place():
     assert isinstance(read({"velocity": {"constant": 1}}), Velocity)
     summed = read({"sum": ["60 rpm", {"sum": [1.0, {"ramp": {"rate": 1.0, "over": 1.0}}]}]})
     assert value(compiled(summed), 0.0) == pytest.approx(2 * math.pi + 1.0)
+
+
+@pytest.mark.parametrize("model", FUNCTIONS.values(), ids=FUNCTIONS)
+@pytest.mark.parametrize("end", [0.0, 1.0, 11.87])
+def test_a_function_stays_within_its_bounds(model, end):
+    value = sample(compiled(model), 0, np.linspace(0.0, end, 5001))[:, 0]
+    low, high = bounds_of(model, end)
+    assert low <= value.min() + 1e-12 and value.max() - 1e-12 <= high
+
+
+BOUNDED = {
+    "constant": (Constant(value=2.5), (2.5, 2.5)),
+    "nothing": (Constant(value=0.0), (0.0, 0.0)),
+    "ramp": (Ramp(to=-2.0, over=3.0), (-2.0, 0.0)),
+    "ramp that is not done": (Ramp(to=-2.0, over=3.0, at=8.5), (-1.0, 0.0)),
+    "ramp rate": (Ramp(rate=0.25, over=2.0, at=1.0), (0.0, 2.0)),
+    "table of straight lines": (SPEEDS, (-0.8, 0.0)),
+    "table that dips for a moment": (
+        Table(time=(0.0, 5.0, 5.0001, 5.0002), value=(1.0, 1.0, 0.0, 1.0), interpolation="linear"), (0.0, 1.0),
+    ),
+    "harmonic": (Harmonic(amplitude=0.5, period=8.0, mean=0.2), (-0.3, 0.7)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "expected"), BOUNDED.values(), ids=BOUNDED)
+def test_bounds_of_straight_pieces_ramps_and_sines_are_their_extremes(model, expected):
+    assert bounds_of(model, 10.0) == pytest.approx(expected, abs=1e-12)

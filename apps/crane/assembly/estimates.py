@@ -35,7 +35,8 @@ class Estimate:
         At rest at both ends of every span, N, without friction; of a rope that holds no body what its own weight and
         its ends make of it. None where a body is held by something else.
     frequency : float or None
-        Of the load's bounce on the whole rope as one spring, Hz; None where nothing can bounce.
+        Of the load's bounce on the whole rope as one spring, the highest that there may be, Hz; None where nothing can
+        bounce.
     """
 
     scene: CraneScene

@@ -190,6 +190,27 @@ class Track:
         piece = int(np.searchsorted(self.breaks, t, side="right"))
         return float(np.polynomial.polynomial.polyval(t - self.origins[piece], self.coefficients[piece]))
 
+    def bounds(self, end: float) -> tuple[float, float]:
+        """Least and largest value that it may have from t = 0 to ``end``: a polynomial stays within its Bernstein form.
+
+        They are exact where every piece is straight or a ramp. A curve's may be somewhat wider.
+        """
+        inside = self.breaks[(self.breaks > 0.0) & (self.breaks < end)]
+        edges = np.concatenate(([0.0], inside, [max(end, 0.0)]))
+        pieces = np.searchsorted(self.breaks, edges[:-1], side="right")
+        # About the left edge of each piece, in units of its length.
+        begins, lengths = edges[:-1] - self.origins[pieces], np.diff(edges)
+        order = DEGREES - 1
+        control = np.zeros((len(pieces), DEGREES))
+        for k in range(DEGREES):
+            shifted = (
+                sum(math.comb(j, k) * self.coefficients[pieces, j] * begins ** (j - k) for j in range(k, DEGREES))
+                * lengths**k
+            )
+            for j in range(k, DEGREES):
+                control[:, j] += math.comb(j, k) / math.comb(order, k) * shifted
+        return float(control.min()), float(control.max())
+
     def integral(self) -> Track:
         """Antiderivative, continuous, zero at t = 0.
 
@@ -263,6 +284,26 @@ def reach_of(request: FunctionRequest) -> float:
     parts = Parts()
     _add(model, parts, smooth=False)
     return request.end if any(_by_numbers(wave) for wave in parts.waves) else math.inf
+
+
+def bounds_of(model: Any, end: float) -> tuple[float, float]:
+    """Two values between which a function stays from t = 0 to a time, s; each term of a sum by itself.
+
+    Parameters
+    ----------
+    model
+        A model of `tautline.scene.functions` that is no `Velocity`.
+    end : float
+
+    Returns
+    -------
+    tuple of float
+        No larger than its least, and no less than its largest value, in the unit of the function.
+    """
+    parts = _parts(FunctionRequest(model))
+    bounds = [track.bounds(end) for track in parts.tracks]
+    swing = sum(abs(amplitude) for amplitude, *_ in parts.waves)
+    return sum(low for low, _ in bounds) - swing, sum(high for _, high in bounds) + swing
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,11 @@ by its drive, without any brake.
 
 import numpy as np
 import pytest
-from physics.lifting.crane_scenes import GRAVITY, body, crane, drum, end, parsed, ran, solved
+from physics.lifting.crane_scenes import GRAVITY, body, crane, drum, end, hoist, parsed, ran, solved
 
 import tautline
 from crane.assembly.estimates import estimate
+from crane.warnings import warnings
 
 STIFFNESS, WEIGHT = 8.0e7, 6.5
 RADIUS, LENGTH, MASS = 1.2, 4.0, 20.0e3
@@ -49,9 +50,11 @@ def test_a_load_below_a_held_drum_bounces_on_the_rope_alone(how, solver):
     assert period(ran(scene)) == pytest.approx(2.0 * np.pi * np.sqrt(mass * unstretched / STIFFNESS), rel=1.0e-3)
 
 
+MOMENT = {"time": [0.0, 0.5005, 0.501, 0.5015], "value": [1.0, 1.0, 0.0, 1.0], "interpolation": "linear"}
 BOUNCES = {
     "held by its brake": (HELD["brake"], 0.0),
-    "held by its friction": (HELD["friction"], 0.0),
+    "held by its friction": ({"torque": 0.0, "inertia": 500.0, "friction_torque": 2.0e6}, 0.0),
+    "whose motor is on beside its friction": (HELD["friction"], RADIUS**2 / 500.0),
     "free": ({"torque": RADIUS * MASS * GRAVITY, "inertia": 5.0e3}, RADIUS**2 / 5.0e3),
     "free, with 500 m of rope on it": (
         {"torque": RADIUS * MASS * GRAVITY, "inertia": 5.0e3, "rope_on_drum": 500.0},
@@ -59,6 +62,18 @@ BOUNCES = {
     ),
     "whose brake opens": ({**HELD["brake"], "brake": {"torque": 2.0e6, "until": 0.5}}, RADIUS**2 / 500.0),
     "whose brake is too weak": ({**HELD["brake"], "brake": {"torque": 1.0e5}}, RADIUS**2 / 500.0),
+    "whose brake holds half as much again": (
+        {**HELD["brake"], "brake": {"torque": 1.5 * RADIUS * MASS * GRAVITY}},
+        RADIUS**2 / 500.0,
+    ),
+    "whose brake opens for a moment": (
+        {**HELD["brake"], "brake": {"torque": 2.0e6, "closed": {"table": MOMENT}}},
+        RADIUS**2 / 500.0,
+    ),
+    "whose motor heaves for a moment": (
+        {**HELD["brake"], "torque": {"table": MOMENT | {"value": [0.0, 0.0, 2.0e6, 0.0]}}},
+        RADIUS**2 / 500.0,
+    ),
 }
 
 
@@ -68,6 +83,15 @@ def test_check_reckons_a_bounce_with_the_mass_of_a_drum_and_its_rope_unless_it_i
     mass = MASS + WEIGHT * LENGTH / 3.0
     expected = np.sqrt(STIFFNESS / LENGTH * (1.0 / mass + mobility)) / (2.0 * np.pi)
     assert estimate(parsed(hanging(drive))).frequency == pytest.approx(expected, rel=1.0e-9)
+
+
+def test_check_warns_of_frames_by_the_bounce_with_a_drum_that_friction_beside_its_motor_may_not_hold():
+    """In waves such a drum turns by 2 rad, however little the load at rest leaves its friction of 500 N m to hold."""
+    drive = {"torque": 24.0e3, "inertia": 200.0, "rope_on_drum": 100.0, "friction_torque": 500.0}
+    wave = {"heave": {"harmonic": {"amplitude": 0.5, "period": 8.0, "ramp": 1.0}}}
+    vessel = {"reference": [0.0, 0.0, -10.0], "motion": wave}
+    found = warnings(parsed(hoist(drive=drive, vessel=vessel, interval=0.05)))
+    assert any("keeps fewer than 4 frames in a natural period" in text for text in map(str, found))
 
 
 @pytest.mark.parametrize("how", ["held by its brake", "free", "free, with 500 m of rope on it"])
