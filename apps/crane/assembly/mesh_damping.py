@@ -24,11 +24,16 @@ HIGHEST = 2.0 * math.sqrt(3.0)
 
 
 def damping_of(scene: CraneScene, path: Path) -> list[float]:
-    """Damping of the rope in every span, s: as the scene says, or where it says nothing what its mesh needs."""
+    """Damping of the rope in every span, s: as the scene says, or where it says nothing what its mesh needs.
+
+    Every drum with a motor counts with its inertia, held or not: what a rope is must not depend on what brakes do in a
+    run, nor on how long it is.
+    """
     rope = scene.rope
     if rope.damping is not None:
         return [rope.damping] * len(path.spans)
-    speed, frequency = rope.wave_speed, bounce(scene, path)
+    drums = [drum.radius**2 / drum.inertia for drum in _driven(scene) if drum.inertia]
+    speed, frequency = rope.wave_speed, _frequency(scene, path, drums)
     most = math.inf if frequency is None else 2.0 * BOUNCE / (2.0 * math.pi * frequency)
     return [
         min(most, 2.0 * CRITICAL * float(chord) / count / (HIGHEST * speed))
@@ -37,9 +42,28 @@ def damping_of(scene: CraneScene, path: Path) -> list[float]:
 
 
 def bounce(scene: CraneScene, path: Path) -> float | None:
-    """Frequency with the whole rope as one spring EA / L: omega^2 = EA / L times the sum of pull^2 / mass.
+    """Frequency of the load's bounce, Hz; None where nothing can bounce. It is the highest that there may be.
 
-    A drum that its motor turns is a mass too, I / R^2 with the rope on it; one that is held all the time is none.
+    A drum that its motor turns is a mass too, I / R^2 with the rope on it; one that is surely held all the time is
+    none.
+    """
+    masses = [
+        (drum.inertia or 0.0) / drum.radius**2 + scene.rope.mass_per_length * (drum.rope_on_drum or 0.0)
+        for drum in _driven(scene)
+        if not stays_held(scene, path, drum)
+    ]
+    return _frequency(scene, path, [1.0 / mass for mass in masses if mass > 0.0])
+
+
+def _driven(scene: CraneScene) -> list[Drum]:
+    """Drums whose motion follows from torques."""
+    return [drum for drum in scene.drums if not drum.prescribed]
+
+
+def _frequency(scene: CraneScene, path: Path, drums: list[float]) -> float | None:
+    """Frequency, Hz, with the whole rope as one spring EA / L: omega^2 = EA / L times the sum of pull^2 / mass.
+
+    ``drums`` 1/kg is what each drum that turns adds to that sum.
     """
     rope, mobility = scene.rope, 0.0
     for name, force in pull(scene, path).items():
@@ -50,10 +74,8 @@ def bounce(scene: CraneScene, path: Path) -> float | None:
             # A pull of less is that of a fall a little off plumb: there the load swings, and does not bounce.
             if axis not in body.guide and mass > 0.0 and abs(force[c]) > 0.3:
                 mobility += float(force[c]) ** 2 / mass
-    for item in scene.path:
-        if isinstance(item, Drum) and not item.prescribed and not stays_held(scene, path, item):
-            mass = (item.inertia or 0.0) / item.radius**2 + rope.mass_per_length * (item.rope_on_drum or 0.0)
-            mobility += 1.0 / mass if mass > 0.0 else 0.0
+    for turning in drums:
+        mobility += turning
     if mobility == 0.0:
         return None
     return math.sqrt(rope.axial_stiffness / path.length * mobility) / (2.0 * math.pi)

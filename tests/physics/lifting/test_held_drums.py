@@ -11,6 +11,8 @@ from physics.lifting.crane_scenes import GRAVITY, body, crane, drum, end, hoist,
 
 import tautline
 from crane.assembly.estimates import estimate
+from crane.assembly.layout import lay_out
+from crane.assembly.mesh_damping import damping_of
 from crane.warnings import warnings
 
 STIFFNESS, WEIGHT = 8.0e7, 6.5
@@ -83,6 +85,17 @@ def test_check_reckons_a_bounce_with_the_mass_of_a_drum_and_its_rope_unless_it_i
     mass = MASS + WEIGHT * LENGTH / 3.0
     expected = np.sqrt(STIFFNESS / LENGTH * (1.0 / mass + mobility)) / (2.0 * np.pi)
     assert estimate(parsed(hanging(drive))).frequency == pytest.approx(expected, rel=1.0e-9)
+
+
+@pytest.mark.parametrize("how", BOUNCES)
+def test_damping_that_is_not_given_goes_by_the_inertia_of_a_drum_whatever_holds_it_and_for_how_long(how):
+    """1 % of critical of the bounce with a drum that turns: a brake that opens after the run has no part in it."""
+    drive = BOUNCES[how][0]
+    mass = MASS + WEIGHT * LENGTH / 3.0
+    omega = np.sqrt(STIFFNESS / LENGTH * (1.0 / mass + RADIUS**2 / drive["inertia"]))
+    for end_of_run in (0.2, 1.0, 50.0):
+        scene = parsed(solved(hanging(drive, elements=1, rope={"damping": None}), end=end_of_run))
+        assert damping_of(scene, lay_out(scene).path) == pytest.approx([0.02 / omega], rel=1.0e-9)
 
 
 def test_check_warns_of_frames_by_the_bounce_with_a_drum_that_friction_beside_its_motor_may_not_hold():
