@@ -108,7 +108,7 @@ class Found:
         Quantity -> errors (n,) and stated deviations (n,) of all rows that are judged.
     health : list of str
     false : list of str
-        Names of alarms that came without a danger.
+        Names of alarms that came without a danger, and were not told as uncertain.
     missed : list of str
         Names of those that did not stand when they had to.
     length : float
@@ -213,7 +213,7 @@ def judged(study: Study, machine: Machine, lines: list[dict[str, Any]]) -> Found
     false: list[str] = []
     active: set[str] = set()
     for line in lines:
-        now = {one["name"] for one in line["alarms"]}
+        now = {one["name"] for one in line["alarms"] if one["known"]}
         for name in now - active:
             danger = machine.dangers.get(name, np.inf)
             if not line["time"] <= danger <= line["time"] + AHEAD + 1.0:

@@ -169,3 +169,28 @@ restrict: true
     assert largest(0.85 * found["largest"]) < 52.5e3
     # The load bounces now, on top of what the waves do.
     assert largest(1.3 * found["largest"]) > 52.5e3
+
+
+def test_what_is_computed_of_an_output_without_a_sensor_is_told_though_a_parameter_is_never_shown():
+    scene = tautline.read("data/hookblock.yaml").replace({
+        "path[0].drum.pay_out": {"table": {"time": [0, 1, 4, 4.3, 8, 60], "value": [0, -1, -1, 0, 0, 0]}},
+        "solver.end": 8.0,
+    })  # fmt: skip
+    sensors = """
+sensors:
+  - {column: winch_pos, unit: m, input: winch.pay_out}
+  - {column: rope_tension, unit: kN, output: winch.tension, sd: 0.3 kN}
+estimate:
+  - {parameter: block.mass, start: 5 t, sd: 2 t, range: [0.5 t, 20 t]}
+  - {parameter: hook sheave.groove_friction, start: 0.1, sd: 0.05, range: [0, 0.4]}
+watch:
+  - {output: min_tension, below: 22 kN, name: low}
+"""
+    heavier = scene.replace({"bodies[0].mass": "6.5 t"})
+    lowest = tautline.simulate(heavier).data
+    below = lowest.time.values[np.min(lowest["tension"].values, axis=(1, 2)) < 22e3]
+    lines = lines_of(Twin(scene, sensors), rows_of(heavier, 0, 8.0, map=sensors))
+    # Rope does not stick in the groove of a sheave that turns: no sensor shows its friction.
+    assert lines[-1]["estimates"]["hook sheave.groove_friction"]["sd"] == pytest.approx(0.05, rel=0.1)
+    raised = alarms(lines)
+    assert below[0] - 0.3 <= raised["low"] <= below[0] + 0.3

@@ -189,3 +189,11 @@ def test_an_encoder_that_leaps_on_the_way_of_a_winch_that_ran_at_the_first_row_i
     track, states = track_of(times, -2.0 * times + 5.0 * (times >= 9.0))
     assert np.max(np.abs(np.diff(states[:, 0]))) < 0.3
     assert track.fastest == pytest.approx(2.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("leap", [10.0, -5.0])
+def test_an_encoder_whose_leap_is_smeared_over_five_rows_is_no_motion_of_a_winch_that_is_followed(leap):
+    times = 0.05 * np.arange(300)
+    track, states = track_of(times, -2.0 * times + leap * np.clip((times - 9.0) / 0.25, 0.0, 1.0))
+    assert np.max(np.abs(np.diff(states[:, 0]))) < 0.3
+    assert track.fastest == pytest.approx(2.0, rel=1e-6)

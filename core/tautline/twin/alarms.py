@@ -36,7 +36,8 @@ class Alarms:
         lasting : float
             How long it has to hold, s.
         known : bool
-            Whether that is known; False of one that was seen, and of which nothing shows now whether it is over.
+            Whether that is known; False of one that was seen, and of which nothing shows now whether it is over, and of
+            one by a computed value whose deviation reaches beyond the bound.
         """
         if not holds:
             self._begun.pop(name, None)

@@ -22,7 +22,7 @@ from tautline.twin.estimation.horizon import Sample
 if TYPE_CHECKING:
     from tautline.twin.twin import Twin
 
-FORMAT = 4
+FORMAT = 5
 
 
 def save(twin: Twin, path: Path) -> None:
@@ -49,6 +49,7 @@ def save(twin: Twin, path: Path) -> None:
         "spread": h.spread, "correlation": h.correlation,
         "variance": h.variance, "alike": h.alike, "learned": h.learned, "covariance": h.covariance,
         "rough": h.rough, "largest": h.largest,
+        "missed": h.missed, "told": h.told, "missed_at": np.array(h.missed_at),
         "sample_time": np.array([s.time for s in samples]), "sample_y": np.array([s.y for s in samples]),
         "sample_y0": np.array([s.y0 for s in samples]), "sample_J": np.array([s.J for s in samples]),
         "sample_use": np.array([s.use for s in samples]),
@@ -122,6 +123,7 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     for name in ("theta0", "mean", "prior", "prior_mean", "spread", "correlation", "covariance", "rough", "largest"):
         setattr(h, name, arrays[name])
     h.variance, h.alike, h.learned = arrays["variance"], arrays["alike"], arrays["learned"]
+    h.missed, h.told, h.missed_at = arrays["missed"], arrays["told"], float(arrays["missed_at"])
     h.prior_time, h.released, h.since, h.changed = (float(x) for x in arrays["numbers"])
     h.samples = deque(
         Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use", "rows")))

@@ -32,7 +32,7 @@ from tautline.twin.signals.sensors import Health
 from tautline.twin.watch import Compared, Watch
 
 MANY = 5.0
-"""Standard deviations of a sensor from which on a computed value is not known well, where inputs are noisy."""
+"""Standard deviations of a sensor from which on a computed value is not known well, and health is degraded."""
 NOISE_SHOWN = 12
 """Rows that show how much noise inputs have before a load is moved by them."""
 SETTLING = 1.0
@@ -335,7 +335,7 @@ class Twin:
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
-            self.readings.blind, self.unsure,
+            self.readings.blind,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
@@ -345,7 +345,7 @@ class Twin:
     ) -> dict[str, Any]:
         """Outputs with what residuals show beyond the sensor's noise added to their deviations."""
         horizon, more = self.estimate.horizon, dict(outputs)
-        sds, self.unsure = horizon.deviations(y0), not self.estimate.known
+        sds, self.unsure = horizon.deviations(y0), False
         # Means of rows say nothing of what a row of its own is off by.
         alone = self.operation is None or self.operation.mean == 0.0
         both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * alone, strict=True)
@@ -354,7 +354,8 @@ class Twin:
             value, own = outputs[one.name]
             beyond[one.name] = max(shaken, missed)
             more[one.name] = value, np.hypot(own, beyond[one.name])
-            self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
+            # What bounces is not known well where estimates do not tell it, nor where rows miss it by as much.
+            self.unsure |= bool(self.estimate.blows and more[one.name][1] > MANY * sd)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)

@@ -27,6 +27,8 @@ CATCHING_UP = "catching up"
 NOT_AHEAD = "cannot look ahead"
 """Name of the alarm that nothing is foreseen: the simulation stops on the way ahead, and not because of what the
 machine does, or an input that the driver moves is not measured."""
+SURE = 2.0
+"""Standard deviations by which a computed value is beyond its bound for sure."""
 UNSEEN = 1.0
 """For how long an input that the driver moves is not measured before that is told as `NOT_AHEAD`, s."""
 STOPPED = "simulation stopped"
@@ -63,8 +65,6 @@ class Compared:
         Time until which an input did not go as its sensor says, s.
     blind : bool
         Whether an input that the machine's driver moves is not measured.
-    unsure : bool
-        Whether noise of inputs moves a load in the simulation so much that what is computed of it is not known.
     """
 
     time: float
@@ -80,13 +80,18 @@ class Compared:
     judged_from: float = -np.inf
     led_until: float = -np.inf
     blind: bool = False
-    unsure: bool = False
 
     @property
     def foreseen(self) -> Found | None:
         """What will come, of a run ahead that began where the machine is."""
         ahead = self.ahead if self.converged else None
         return ahead if ahead is not None and ahead.begun >= self.judged_from else None
+
+
+def surely_beyond(value: float, sd: float, bound: Alarm) -> bool:
+    """Whether a computed value is beyond a bound by `SURE` standard deviations; by itself, where none is known."""
+    off = SURE * sd if np.isfinite(sd) else 0.0
+    return value - off > bound.above or value + off < bound.below
 
 
 class Watch:
@@ -146,18 +151,22 @@ class Watch:
     def _judge_output(self, one: Alarm, row: Compared, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
         computed, ahead = row.outputs.get(one.target), row.foreseen
-        known = computed is not None and row.converged and not row.unsure and row.time >= row.judged_from
+        known = computed is not None and row.converged and row.time >= row.judged_from
         values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
-        text, holds = "", bool(now)
+        text, holds, certain = "", bool(now), True
+        sd = extreme(np.abs(computed[1]), one) if computed is not None else np.nan
         if now:
             text = f"{one.target} {now[0][0]}: {bound_said(now[0][1], one.above, one.below, self._teller(one))}"
+            certain = now[-1][0] == "measured" or surely_beyond(now[0][1], sd, one)
         elif known and ahead is not None and one.name in ahead.first:
             after, value = ahead.first[one.name]
             left = max(0.0, ahead.begun + after - row.time)
             text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
-            holds = True
-        self.alarms.judge(one.name, holds, row.time, text, one.lasting)
+            holds, certain = True, surely_beyond(value, sd, one)
+        if not certain:
+            text += f". That is not certain: the deviation is {self._teller(one)(sd)}"
+        self.alarms.judge(one.name, holds, row.time, text, one.lasting, certain)
 
     def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
         """Judge what is wrong with sensors."""

@@ -113,6 +113,8 @@ class Horizon:
         Whether inputs are so noisy that the load bounces in the simulation by that.
     missed : (m,)
         Mean square by which rows missed lately what was expected of them, in variances of the sensor.
+    told : (m,), missed_at : float
+        How far that mean is known, 0 to 1, and the time at which it was last followed, s.
     released : float
         Time at which the prior was released for the last time; minus infinity.
     since, changed : float
@@ -145,7 +147,7 @@ class Horizon:
         self.rough = np.zeros((m, k))
         self.largest = np.zeros(m)
         self.shaken = False
-        self.missed, self._told, self._missed_at = np.zeros(m), np.zeros(m), np.nan
+        self.missed, self.told, self.missed_at = np.zeros(m), np.zeros(m), np.nan
         self.variance = np.zeros(m)
         self.alike, self.learned = np.ones(m), np.zeros(m)
 
@@ -431,16 +433,16 @@ class Horizon:
 
         What the best estimate leaves of a whole window is less: it knows of a free motion only afterwards.
         """
-        passed = min(time - self._missed_at, MISSED) if np.isfinite(self._missed_at) else 0.0
-        self._missed_at = time
+        passed = min(time - self.missed_at, MISSED) if np.isfinite(self.missed_at) else 0.0
+        self.missed_at = time
         square = np.minimum(np.abs(residual) / self.deviations(y0), MOST_MISSED) ** 2
         told = np.isfinite(square)
         # Rows of the beginning are the mean of themselves: what is not known yet is no zero.
         keep = np.where(told, np.exp(-passed / MISSED), 1.0)
-        weight = keep * self._told + (1.0 - keep)
+        weight = keep * self.told + (1.0 - keep)
         share = (1.0 - keep) / np.maximum(weight, 1e-12)
         self.missed += np.where(told, share * (square - self.missed), 0.0)
-        self._told = weight
+        self.told = weight
 
     def own(self, residual_sd: np.ndarray, y0: np.ndarray) -> np.ndarray:
         """Standard deviations of residuals (m,) without what the sensors are believed to be worse than is given."""

@@ -44,6 +44,8 @@ SHAKEN = 0.02
 """Second rate of a noise at the frequency of a bounce from which on it shakes a load, SI."""
 SUDDEN = 10.0
 """Change of speed in the interval of two samples that a machine may begin with, m/s2 (of an angle rad/s2)."""
+MOST_AT_ONCE = 4.0
+"""Fastest that a machine may move when it is first seen, SI."""
 LASTING, ALIKE = 4, 1.5
 """Intervals in a row, and how far their speeds may differ as a factor, from which on a motion is no break."""
 NOISE_APART = 8.0
@@ -163,8 +165,9 @@ class InputTrack:
         spread = NOISE_APART * self.noise / passed
         lasts = _lasting(np.diff(values[finite]) / passed)
         for i in np.flatnonzero(speeds > JUMP * max(self._seen, floor) + spread):
-            if lasts[i]:
-                # It was on its way before the first row, or while it was being joined.
+            if lasts[i] and (self.joining or self._seen == 0.0) and speeds[i] <= MOST_AT_ONCE:
+                # It was on its way before the first row, or while it was being joined. What is followed does not set
+                # off like this: a sensor whose mean is taken over some rows leaps as a ramp.
                 self._seen = max(self._seen, float(speeds[i]))
                 continue
             cut = times[finite[i + 1]]

@@ -373,7 +373,9 @@ class Health:
         return {
             "fault": self.fault, "text": self.text, "seen": self.seen, "values": list(self._values),
             "changes": list(self._changes), "mean": self.mean, "weight": self.weight, "before": self._before,
-            "furthest": self._furthest,
+            "furthest": self._furthest, "largest": self._largest, "passed": self._passed, "leapt": self._leapt,
+            "same": [self._same, self._same_from, self._abrupt, self._stopped],
+            "last": [self._last, self._last_at, self._step],
             "off": [self.off, self._off_for, self._off_at], "jumps": [self.jumps, self._jumped, self.jump],
         }  # fmt: skip
 
@@ -383,7 +385,10 @@ class Health:
         self._values.extend(memory["values"])
         self._changes.extend(memory["changes"])
         self.mean, self.weight, self._before = memory["mean"], memory["weight"], memory["before"]
-        self._furthest = float(memory.get("furthest", 0.0))
+        self._furthest, self._leapt = memory["furthest"], memory["leapt"]
+        self._largest, self._passed = memory["largest"], memory["passed"]
+        self._same, self._same_from, self._abrupt, self._stopped = memory["same"]
+        self._last, self._last_at, self._step = memory["last"]
         self.off, self._off_for, self._off_at = memory["off"]
         self.contradicts = self._off_for >= OFF_TIME
         self.jumps, self._jumped, self.jump = memory.get("jumps", [0, -np.inf, ""])
