@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import ast
 import copy
+import inspect
 import linecache
-import sys
 import time
 import traceback
 from collections import deque
@@ -53,15 +53,20 @@ class Bounded(np.ndarray):
 
     def _within(self, at: Any) -> Any:
         if isinstance(at, (int, np.integer)) and not 0 <= at < self.shape[0]:
-            if not (-self.shape[0] <= at < 0 and _is_constant(sys._getframe(2))):
+            if not (-self.shape[0] <= at < 0 and _is_constant()):
                 raise IndexError(
                     f"place {at} of an array of {self.shape[0]}, whose places are 0 to {self.shape[0] - 1}"
                 )
         return at
 
 
-def _is_constant(frame: FrameType) -> bool:
-    """Whether the place that a frame asks an array for is written in its source, and not found in a variable."""
+def _is_constant() -> bool:
+    """Whether the place that an array is asked for is written in the source, and not found in a variable."""
+    frame = inspect.currentframe()
+    for _ in range(3):  # past this, `Bounded._within` and what numpy calls
+        frame = frame.f_back if frame is not None else None
+    if frame is None:
+        return False
     code = frame.f_code
     line, last, begin, end = list(code.co_positions())[frame.f_lasti // 2]
     if line is None or line != last:
