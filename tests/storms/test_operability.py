@@ -670,7 +670,7 @@ def test_a_place_that_an_output_has_not_is_refused(application, scene):
 def test_a_duration_of_seconds_is_among_the_warnings_that_json_has_and_is_said_before_anything_runs(application, scene):
     said = []
     execution = replace(ALONE, say=said.append)
-    found = operability(application, scene, asked((0.3,), 1, 3.0, limits=["max_tension < 1 MN"]), execution)
+    found = operability(application, scene, asked((0.3,), 3, 3.0, limits=["max_tension < 1 MN"]), execution)
     (told,) = (one for one in found.warnings if "--duration is 3 s" in one)
     assert told not in found.notes
     assert said[0] == f"note: {told}"
