@@ -2,6 +2,7 @@
 
 import inspect
 import os
+from collections import deque
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from tautline.kernels.compiling.errors import KernelError
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import link, register
 from tautline.kernels.jit import kernel
+from tautline.system import hook_bounds
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
 
@@ -118,7 +120,7 @@ def long(g, t, q, v, a, r, more):
 @pytest.mark.parametrize("made", [kernel, lambda function: function])
 def test_a_hook_with_another_number_of_arguments_is_refused_with_both_lists(function, made):
     given = ", ".join(inspect.signature(function).parameters)
-    with pytest.raises(ValueError, match="hook 'residual' of kind Push") as refused:
+    with pytest.raises(ValueError, match=r"hook 'residual' of kind Push") as refused:
         register(Push, residual=made(function))
     told = str(refused.value)
     assert f"takes ({given}), and is called with (g, t, q, v, a, r)" in told
@@ -194,3 +196,88 @@ def test_a_place_beyond_the_unknowns_is_told_of_a_tangent_too():
 def test_places_that_are_there_and_hooks_that_python_cannot_run_are_not_refused():
     assert assembled([0, 1, 2], residual=pushing).size == 3
     assert assembled([0], residual=lying).size == 3
+
+
+@kernel
+def finding(g, t, h, beta, gamma, q, v, a):
+    """It finds the places: until then they are -1."""
+    for i in range(g.place.size):
+        g.place[i] = i
+
+
+@kernel
+def finding_in_a_step(g, t, h, beta, gamma, q, v, a):
+    """The same, but not at an equilibrium."""
+    if beta >= 0.0:
+        for i in range(g.place.size):
+            g.place[i] = i
+
+
+@kernel
+def finding_too_far(g, t, h, beta, gamma, q, v, a):
+    for i in range(g.place.size):
+        g.place[i] = i + 3
+
+
+@kernel
+def asking(g, t, h, beta, gamma, q, v, a):
+    g.place[0] = 1 if q[g.place.size + 5] > 0.0 else 0
+
+
+@pytest.mark.parametrize("begin", [finding, finding_in_a_step])
+def test_places_that_a_group_finds_by_its_own_begin_are_not_refused(begin):
+    assert assembled([-1, -1, -1], residual=pushing, begin=begin).size == 3
+
+
+def test_places_beyond_an_array_are_told_of_begin_too_and_of_what_it_found():
+    with pytest.raises(KernelError, match=r"hook 'residual' of kind Pushes.*with i = 0,.*place 3 of an array of 3"):
+        assembled([-1, -1, -1], residual=pushing, begin=finding_too_far)
+    with pytest.raises(KernelError, match=r"hook 'begin' of kind Pushes.*place 8 of an array of 3"):
+        assembled([-1, -1, -1], residual=pushing, begin=asking)
+
+
+LAST = -1
+
+
+@kernel
+def last(g, t, q, v, e):
+    e[-1] += 1.0
+    e[LAST] = e[-2] + q[-3]
+
+
+@kernel
+def before_the_first(g, t, q, v, e):
+    e[-4] += 1.0
+
+
+@kernel
+def linking(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    add_entry(matrix, dofs, -1, -1, ck)
+
+
+def test_a_constant_place_from_the_end_is_not_refused_as_far_as_the_array_goes():
+    # compiled code counts it from the end, as numpy does
+    assert assembled([0], residual=pushing, energy=last).size == 3
+    with pytest.raises(KernelError, match="place -4 of an array of 3"):
+        assembled([0], residual=pushing, energy=before_the_first)
+    # counted from the end a tangent has no entry there
+    with pytest.raises(KernelError, match=r"hook 'tangent' of kind Pushes.*place -1 "):
+        assembled([0], residual=pushing, tangent=linking)
+
+
+def test_what_took_long_is_gone_through_once_and_anew_where_places_differ(monkeypatch):
+    # 10,000 elements took 2 s in every case of a sweep
+    asked = []
+
+    def counting(g, t, q, v, a, r):
+        asked.append(g.place.size)
+        pushing.py_func(g, t, q, v, a, r)
+
+    monkeypatch.setattr(hook_bounds, "LONG", -1.0)
+    monkeypatch.setattr(hook_bounds, "_there", deque(maxlen=2))
+    for _ in range(3):
+        assembled([0, 1, 2], residual=counting)
+    assert asked == [3]
+    with pytest.raises(KernelError, match="place 3 of an array of 3"):
+        assembled([0, 3, 2], residual=counting)
+    assert asked == [3, 3]

@@ -665,3 +665,12 @@ def test_a_place_that_an_output_has_not_is_refused(application, scene):
         operability(application, scene, asked((0.5,), 3, 10.0, limits=["load.position[7] < 3 m"]), ALONE)
     with pytest.raises(SceneError, match=r"load\.position is no single number.*load\.position\[0\]"):
         operability(application, scene, asked((0.5,), 3, 10.0, limits=["load.position < 3 m"]), ALONE)
+
+
+def test_a_duration_of_seconds_is_among_the_warnings_that_json_has_and_is_said_before_anything_runs(application, scene):
+    said = []
+    execution = replace(ALONE, say=said.append)
+    found = operability(application, scene, asked((0.3,), 3, 3.0, limits=["max_tension < 1 MN"]), execution)
+    (told,) = (one for one in found.warnings if "--duration is 3 s" in one)
+    assert told not in found.notes
+    assert said[0] == f"note: {told}"

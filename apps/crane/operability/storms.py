@@ -110,18 +110,20 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     collect = list({str(one): one for one in collect}.values())
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
     _check_seas(application, storm, keys, asked)
-    notes = sea_notes(storm.replace(first), keys) + duration_notes(asked) + scale_notes(asked)
+    notes = sea_notes(storm.replace(first), keys) + scale_notes(asked)
+    doubts = duration_notes(asked)
     notes += notes_on(criteria, not storm.output.statistics)
     notes += lasting_notes(scene)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
 
     def begun() -> None:
         execution.begin()
-        for note in notes:
+        # Both before anything runs: an operation of hours is many runs.
+        for note in [*doubts, *notes]:
             execution.say(f"note: {note}")
 
     outcome = run_sweep(read, application, storm, replace(execution, begin=begun))
-    found = Found(outcome, criteria, notes=notes)
+    found = Found(outcome, criteria, notes=notes, warnings=doubts)
     if outcome.interrupted or not outcome.done:
         return found
     ratio = asked.duration / asked.simulated

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -78,7 +79,7 @@ def stick_slip(
     stem = stem_of(scene, output, "stick_slip")
     with Counter("runs") as counter:
         found = stick_slip_map(drillstring, speeds, weights, length, jobs, counter, announce=compiling)
-    _report(scene, drillstring, found, stem, as_json)
+    _report(scene, drillstring, found, stem, as_json, _doubts(weight))
     if found.interrupted:
         raise Ended(ExitCode.INTERRUPTED)
     if found.failures:
@@ -108,11 +109,10 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
 
 def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
     if text is not None:
-        from tautline.cli.options.plausible import doubt_of_bare
         from tautline.cli.output.console import say
 
         weights = parse_range(text, "--weight", "N")
-        if doubt := doubt_of_bare(text, "--weight", "weight on bit"):
+        for doubt in _doubts(text):
             say(f"warning: {doubt}", "yellow")
         return weights
     own = scene.bit.weight or (scene.bit.torque.weight if scene.bit.torque is not None else None)
@@ -123,7 +123,17 @@ def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
     return [share * own for share in SHARES]
 
 
-def _report(path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json: bool) -> None:
+def _doubts(weight: str | None) -> list[str]:
+    """What is asked of weights that are probably meant in another unit."""
+    from tautline.cli.options.plausible import doubt_of_bare
+
+    doubt = doubt_of_bare(weight, "--weight", "weight on bit") if weight is not None else ""
+    return [doubt] if doubt else []
+
+
+def _report(
+    path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json: bool, warnings: Sequence[str]
+) -> None:
     from drillstring.stick_slip.record import sentences, table, whole_record, write_csv, write_netcdf
     from drillstring.view.stick_slip_figures import stick_slip_figure
     from tautline.cli.commands.study import named
@@ -143,4 +153,5 @@ def _report(path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json
         say(f"wrote {file}", "green")
     if as_json:
         status = "interrupted" if found.interrupted else "stopped: some runs" if found.failures else "done"
-        print_json({"scene": str(path), "status": status} | whole_record(found) | {"files": [str(f) for f in files]})
+        ends = {"files": [str(f) for f in files], "warnings": list(warnings)}
+        print_json({"scene": str(path), "status": status} | whole_record(found) | ends)

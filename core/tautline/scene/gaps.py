@@ -30,7 +30,8 @@ def gaps_of_records(document: Document | None) -> list[SceneWarning]:
 
     A table whose curve swings beyond the two rows is refused before that. Nothing is said of a stretch within the `gap`
     that the scene states, of rows as uneven as somebody wrote them, and where the value stands, or goes on in a
-    straight line, before it or behind it. Records of a vessel's six motions are refused by their own reader.
+    straight line, before it or behind it. Nor of two rows of one value with ramps around, or at the end: somebody wrote
+    a hold. Records of a vessel's six motions are refused by their own reader.
 
     Parameters
     ----------
@@ -87,6 +88,20 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
 
 def _moves(time: np.ndarray, value: np.ndarray, i: int) -> bool:
     """Whether a value goes another way beside a gap behind row i than over it: a drum at rest may have no rows."""
+    spread = SAME * float(np.ptp(value))
+    if abs(value[i + 1] - value[i]) <= spread and (i + 2 == time.size or not _swings(value, i)):
+        return False  # a hold: a last row says how long, or rows at its ends
     slope = (value[i + 1] - value[i]) / (time[i + 1] - time[i])
     off = [value[k] - value[i] - slope * (time[k] - time[i]) for k in (i - 1, i + 2) if 0 <= k < time.size]
-    return bool(off) and min(map(abs, off)) > SAME * float(np.ptp(value))
+    return bool(off) and min(map(abs, off)) > spread
+
+
+def _swings(value: np.ndarray, i: int) -> bool:
+    """Whether a value turns on either side of a gap behind row i, as waves do: equal ends of it are then chance."""
+    return any(_turns(part) for part in (value[: i + 1], value[i + 1 :]))
+
+
+def _turns(value: np.ndarray) -> bool:
+    """Whether a value goes up and down."""
+    steps = np.diff(value)
+    return bool(steps.size) and float(steps.min()) < 0.0 < float(steps.max())

@@ -40,11 +40,12 @@ LINE, LINES = 0.19, 40
 DEPTH = "depth"
 """Axis that is drawn downwards."""
 HEIGHT, WIDTH = 3.2, 6.4
-NARROW, WIDE = 26, 60
-"""Letters in a line of an axis' label: keys are long."""
+NARROW, WIDE, BESIDE = 26, 60, 40
+"""Letters in a line of an axis' label, and of a name beside bars: keys are long."""
 
-ROUNDS, GRACE = 8, 0.03
-"""How often an axis is widened for texts in it, which get nearer to its middle with it, and by what share more."""
+GRACE, MOST_OF_WIDTH, ROUNDS = 0.15, 0.6, 60
+"""What texts at the ends of bars get more than their width, the share of an axis that they may take up, and how often
+the axis is widened for them: what is left falls by that share each time."""
 
 
 def draw(data: Variables, cases: Cases, folder: Path, ending: str = "png") -> list[Path]:
@@ -268,7 +269,7 @@ def _tornado(data: Variables, cases: Cases, name: str) -> Any:
     for place, span in enumerate(spans):
         _bars(plot, place, span, values[0])
     plot.axvline(values[0], color=QUIET, lw=1.0)
-    plot.set_yticks(range(len(spans)), [span.one.key for span in spans])
+    plot.set_yticks(range(len(spans)), [_in_lines(span.one.key, "", BESIDE) for span in spans])
     plot.grid(axis="y", visible=False)
     plot.set_xlabel(text)
     numeric = [span.one for span in spans if span.one.numeric]
@@ -329,18 +330,27 @@ def _bars(plot: Any, place: int, span: _Span, base: float) -> None:
 
 
 def _make_room(figure: Any, plot: Any) -> None:
-    """Widen the axis until the values beside the ends of the bars lie in it: long words among them."""
-    for _ in range(ROUNDS):
+    """Widen the axis until the values beside the ends of the bars lie in it, and the figure where they are long words.
+
+    The layout does not know of them: it would make the axis narrower for texts beyond it, which then lie further out.
+    """
+    for text in plot.texts:
+        text.set_in_layout(False)
+    figure.draw_without_rendering()
+    ends = np.array([text.xy[0] for text in plot.texts])
+    places = plot.transData.transform(np.column_stack((ends, np.zeros(ends.size))))[:, 0]
+    boxes = [text.get_window_extent() for text in plot.texts]
+    left = (1.0 + GRACE) * np.maximum(0.0, places - [box.x0 for box in boxes])
+    right = (1.0 + GRACE) * np.maximum(0.0, [box.x1 for box in boxes] - places)
+    lacking = (left.max() + right.max()) / MOST_OF_WIDTH - plot.bbox.width
+    if lacking > 0.0:
+        figure.set_figwidth(figure.get_figwidth() + lacking / figure.dpi)
         figure.draw_without_rendering()
-        boxes = [text.get_window_extent() for text in plot.texts]
-        left = max([0.0, *(plot.bbox.x0 - box.x0 for box in boxes)]) / plot.bbox.width
-        right = max([0.0, *(box.x1 - plot.bbox.x1 for box in boxes)]) / plot.bbox.width
-        if not left and not right:
-            return
-        low, high = plot.get_xlim()
-        plot.set_xlim(
-            low - (high - low) * (left + GRACE * (left > 0)), high + (high - low) * (right + GRACE * (right > 0))
-        )
+    least, most = low, high = plot.get_xlim()
+    for _ in range(ROUNDS):
+        scale = (high - low) / plot.bbox.width
+        low, high = min(least, (ends - scale * left).min()), max(most, (ends + scale * right).max())
+    plot.set_xlim(low, high)
 
 
 def _legend_of_ends(plot: Any, at: float, of_scene: bool) -> None:
@@ -348,7 +358,8 @@ def _legend_of_ends(plot: Any, at: float, of_scene: bool) -> None:
     than = " than in the scene" if of_scene else ""
     for k, text in enumerate((f"smaller value{than}", f"larger value{than}")):
         plot.barh(0, 0.0, left=at, color=COLOURS[k], label=text)
-    plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    # To the left there is room above the names.
+    plot.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
 
 
 @styled

@@ -24,6 +24,7 @@ DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8").replace("elements
 KEYS = {
     "scene", "status", "speed", "weight", "severity", "stuck", "bit_speed_mean", "bit_speed_min", "bit_speed_max",
     "torque_on_bit", "weight_on_bit", "rate_of_penetration", "outcome", "sticking_ends", "failures", "files",
+    "warnings",
 }  # fmt: skip
 RPM = 2.0 * math.pi / 60.0
 FEW = ("--speed", "60,170", "--weight", "60 kN,1e5", "--end", "20 s")
@@ -51,6 +52,7 @@ def test_processes_hold_their_map_in_json_and_files_find_what_one_does_and_say_w
     code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--jobs", "2", *FEW)
     report = only_object(out)
     assert (code, report["status"]) == (0, "done") and report.keys() == KEYS
+    assert report["warnings"] == []
     assert report["speed"] == pytest.approx([60 * RPM, 170 * RPM]) and report["weight"] == [60e3, 100e3]
     severity, stuck = np.array(report["severity"]), np.array(report["stuck"])
     assert severity.shape == (2, 2)
@@ -223,3 +225,16 @@ def test_a_scene_made_in_python_says_that_it_has_no_text(folder):
     bare = type(scene).model_construct(**{key: getattr(scene, key) for key in type(scene).model_fields})
     with pytest.raises(SceneError, match="put together in Python cannot be changed"):
         stick_slip_map(bare, [5.0], [1e5])
+
+
+def test_a_weight_that_is_probably_meant_in_another_unit_is_asked_about_in_json_too(drillstring_, monkeypatch):
+    def unrun(scene, speeds, weights, *further, **more):
+        nothing = (np.nan,) * 8
+        rows = [tuple(Cell(s, w, *nothing, "done", "", 0.0) for s in speeds) for w in weights]
+        return Map(tuple(speeds), tuple(weights), tuple(rows))
+
+    monkeypatch.setattr(drillstring.stick_slip.severity_map, "stick_slip_map", unrun)
+    code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--speed", "60", "--weight", "50")
+    (asked,) = only_object(out)["warnings"]
+    assert code == 0 and "50 N is unusual for a weight on bit" in asked
+    assert " ".join(asked.split()) in " ".join(err.split())

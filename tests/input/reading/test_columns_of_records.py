@@ -205,10 +205,24 @@ WITHOUT_A_WORD = {
     "a ramp of uneven steps": ([(t, 0.1 * t**0.5) for t in (0, 1, 2, 4, 7, 10, 20, *range(30, 400, 37), 900)], CRANE),
     "equal rows, then a hold": ([(t, min(t, 30) * 0.1) for t in range(31)] + [(900, 3.0), (901, 3.0)], CRANE),
     "one speed throughout": ([(t, 0.01 * t) for t in (*range(30), 100, 101)], CRANE),
+    "a hold between ramps": ([(t, min(t, 20, 120 - t)) for t in (*range(21), *range(100, 121))], CRANE),
+    "a last row that holds": ([(t, 0.1 * t + 0.02 * t**2) for t in range(30)] + [(200, 2.9 + 0.02 * 841)], CRANE),
+    "a hold, then half a cosine": (
+        [(0, 0.0), *((60 + t, 0.5 - 0.5 * np.cos(np.pi * t / 24.0)) for t in range(25))],
+        CRANE,
+    ),
     "a row or two lost": (swell(*(0.5 * k for k in range(60) if k not in (20, 21))), CRANE),
 }
 
 
 @pytest.mark.parametrize(("rows", "scene"), WITHOUT_A_WORD.values(), ids=WITHOUT_A_WORD)
-def test_rows_that_somebody_wrote_and_rests_and_short_losses_are_read_without_a_word(rows, scene, tmp_path):
+def test_rows_that_somebody_wrote_and_holds_and_rests_and_short_losses_are_read_without_a_word(rows, scene, tmp_path):
     assert gaps(tmp_path, rows, scene) == []
+
+
+def test_equal_ends_of_a_missing_stretch_in_a_record_of_waves_are_warned_of(tmp_path):
+    rows = swell(*(0.5 * k for k in range(30)), *(14.5 + 36.0 + 0.5 * k for k in range(20)))
+    assert abs(rows[29][1] - rows[30][1]) < 1e-9
+    linear = CRANE.replace("out.csv", "out.csv, interpolation: linear")
+    (told,) = gaps(tmp_path, rows, linear)
+    assert "no row for 36 s" in told

@@ -30,7 +30,7 @@ from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
-from tautline.scene.values.printed import in_percent
+from tautline.scene.values.printed import in_percent, quantity
 from tautline.study.trials.errors import apart, ends_apart
 from tautline.study.trials.history import History, Place, Watched, watch
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
@@ -80,6 +80,8 @@ class StepError(NamedTuple):
         Largest distances, m, between one run and the next: the first and the others, or in the order of longer steps.
     bound : float or None
         The error of each step, m, by which the run's steps are controlled; None where they are fixed.
+    taken : float or None
+        The step of the run itself, s: with `step: auto` no key of the scene says it.
     """
 
     step: float
@@ -91,6 +93,7 @@ class StepError(NamedTuple):
     steps: tuple[float, ...] = ()
     changes: tuple[float, ...] = ()
     bound: float | None = None
+    taken: float | None = None
 
     @property
     def warning(self) -> str | None:
@@ -104,6 +107,9 @@ class StepError(NamedTuple):
         runs = "runs" if len(steps) > 1 else "a run"
         text = f"{told}. This is estimated from {runs} with steps of {_listed(steps)}. "
         shorter = "Take a shorter step"
+        if self.bound is None and len(steps) == 1 and self.taken is not None and self.step < self.taken:
+            # An explicit run, maybe with `step: auto`, which is no number to be made smaller; this one is known to run.
+            shorter += f" than {quantity(self.taken, 's')}, such as with --step '{quantity(self.step, 's')}'"
         if self.bound is not None:
             shorter += f" and an error of each below {self.bound:.2g} m"
         if len(self.steps) > 1 and self.steps[1] < self.steps[0]:
@@ -285,7 +291,9 @@ def _stated(
     place, force_place = name_of(result, watched.point), name_of(result, watched.force)
     distance, position, force = found
     assert distance is not None and position is not None
-    return StepError(min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances, bound)
+    return StepError(
+        min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances, bound, steps[0]
+    )
 
 
 def from_shorter(changes: Sequence[float], shares: Sequence[float]) -> float:
