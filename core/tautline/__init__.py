@@ -235,7 +235,7 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
     from tautline.study.accuracy.precision import Grid, study
 
     grid = Grid() if grid is None else grid
-    check_study(grid, options)
+    grid = check_study(grid, options)
     with _point_by_name():
         return study(_subject(scene, end), grid, **options)
 

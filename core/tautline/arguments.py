@@ -32,18 +32,30 @@ class Wanted(NamedTuple):
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is a real number; True and False are none."""
-    return isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
+    """Whether a value is a real number, or an array of no dimension that holds one; True and False are none."""
+    return isinstance(plain(value), numbers.Real) and not isinstance(plain(value), (bool, np.bool_))
 
 
 def is_whole(value: Any) -> bool:
-    """Whether a value is a whole number; True and 2.0 are none."""
-    return isinstance(value, numbers.Integral) and not isinstance(value, (bool, np.bool_))
+    """Whether a value is a whole number, or an array of no dimension that holds one; True and 2.0 are none."""
+    return isinstance(plain(value), numbers.Integral) and not isinstance(plain(value), (bool, np.bool_))
+
+
+def is_switch(value: Any) -> bool:
+    """Whether a value says yes or no: True, False, 1 or 0."""
+    return isinstance(plain(value), (bool, np.bool_)) or (is_whole(value) and value in (0, 1))
 
 
 def is_list(value: Any) -> bool:
     """Whether a value lists others, and can be gone through more than once: a text does not."""
+    if isinstance(value, np.ndarray):
+        return value.ndim > 0
     return isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping))
+
+
+def plain(value: Any) -> Any:
+    """Take the number out of an array of no dimension; anything else stays as it is."""
+    return value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 
 def is_positive(value: Any) -> bool:
@@ -51,20 +63,29 @@ def is_positive(value: Any) -> bool:
     return bool(0.0 < value < math.inf)
 
 
+def mapping_of(value: Any) -> Any:
+    """Make a mapping of what `dict` takes, such as a table or a list of pairs; what has no texts as keys stays."""
+    if isinstance(value, (Mapping, str, bytes)):
+        return value
+    try:
+        made = dict(value)
+    except (TypeError, ValueError):
+        return value
+    return made if made and all(isinstance(key, str) for key in made) else value
+
+
 PATH = Wanted("a path", lambda value: isinstance(value, (str, os.PathLike)))
 NAME = Wanted("a name", lambda value: isinstance(value, str))
-SWITCH = Wanted("True or False", lambda value: isinstance(value, (bool, np.bool_)))
+SWITCH = Wanted("True or False", is_switch)
 FUNCTION = Wanted("a function", callable)
 MAPPING = Wanted('a mapping, such as {"bodies[0].mass": "6 t"}', lambda value: isinstance(value, Mapping))
+VARIED = Wanted('a mapping, such as {"bodies[0].mass": ["5 t", "6 t"]}', MAPPING.is_one)
 OPTIONS = Wanted('a mapping of names to values, such as {"depth": 500}', MAPPING.is_one)
 COUNT = Wanted("a whole number from 1 on", is_whole, lambda value: value >= 1)
-ABOVE_ZERO = Wanted("a number above zero", is_number, is_positive)
-NUMBERS = Wanted(
-    "a list of numbers above zero, such as [1e-3, 5e-4]",
-    lambda value: is_list(value) and all(is_number(one) for one in value),
-    lambda value: all(is_positive(one) for one in value),
-)
-NAMES = Wanted("a list of names", lambda value: is_list(value) and all(isinstance(one, str) for one in value))
+BUDGET = Wanted("a number above zero, or infinity for no limit,", is_number, lambda value: bool(value > 0.0))
+ABOVE_ZERO = Wanted("a finite number above zero", is_number, is_positive)
+NUMBERS = Wanted("a list of numbers above zero, such as [1e-3, 5e-4]", is_list)
+NAMES = Wanted("a list of names", is_list)
 FIGURES = Wanted(
     'a name, or a list of names and mappings, such as ["max_tension"]',
     lambda value: isinstance(value, Iterable) and not isinstance(value, bytes),
@@ -93,6 +114,13 @@ def check_given(**arguments: tuple[Any, Wanted]) -> None:
             raise ArgumentTypeError(f"{name} = {value!r}: {wanted.text} is wanted, not {type(value).__name__}")
         if not wanted.may_be(value):
             raise ArgumentError(f"{name} = {value!r}: {wanted.text} is wanted")
+
+
+def check_members(name: str, given: Any, listed: Wanted, member: Wanted) -> None:
+    """Check a list, or None, and each of its members, which is named by its place; raises as `check`."""
+    check(**{name: (given, listed)})
+    for place, one in enumerate(() if given is None else given):
+        check_given(**{f"{name}[{place}]": (one, member)})
 
 
 def check_options(given: Mapping[str, Any], known: Mapping[str, Wanted]) -> None:

@@ -99,23 +99,30 @@ def test_an_application_that_lacks_what_every_one_has_is_broken_and_others_take_
     class Incomplete:
         pass
 
-    class Confused(FakeApplication):
-        name = "confused"
-
-        def recognises(self, root):
-            return root["kind"] == "confused"
-
-    class Strict(FakeApplication):
-        name = "strict"
-
-        def recognises(self, root):
-            return bool(root) and root["kind"] == "strict"
-
-    points = [Point("buoy", Incomplete), Point("confused", Confused), Point("strict", Strict), Point("other", Other)]
+    points = [Point("buoy", Incomplete), Point("other", Other)]
     monkeypatch.setattr(entry_points, "in_group", lambda group: points)
     (tmp_path / "scene.yaml").write_text("other: 1\n")
     assert Installed().for_scene(tmp_path / "scene.yaml").name == "other"
-    assert [one.name for one in Installed().all()] == ["strict", "other"]
+    assert [one.name for one in Installed().all()] == ["other"]
     broken = Installed().broken
-    assert broken.keys() == {"buoy", "confused"}
-    assert "no `recognises`" in broken["buoy"] and "KeyError" in broken["confused"]
+    assert broken.keys() == {"buoy"}
+    assert "no `recognises`" in broken["buoy"]
+
+
+def test_an_application_that_asks_for_a_key_which_scenes_of_others_lack_is_kept_and_named_where_nobody_knows_the_scene(
+    installed, monkeypatch, tmp_path
+):
+    class ByKind(FakeApplication):
+        name = "by_kind"
+
+        def recognises(self, root):
+            return root["kind"] == "raft"
+
+    monkeypatch.setattr(entry_points, "in_group", lambda group: [Point("by_kind", ByKind), Point("other", Other)])
+    scene = tmp_path / "scene.yaml"
+    for text, name in (("kind: raft\n", "by_kind"), ("other: 1\n", "other")):
+        scene.write_text(text)
+        assert Installed().for_scene(scene).name == name
+    scene.write_text("ship: 1\n")
+    with pytest.raises(SceneError, match=r"`recognises` of by_kind failed at this scene \(KeyError: 'kind'\)"):
+        Installed().for_scene(scene)

@@ -212,7 +212,8 @@ def fit(
     n, spread = len(rows), _spread(errors, slopes)
     residual = float(np.sqrt(errors @ errors / n))
     both = (float(factors[1]), float(spread[1])) if shoe > 0.0 else (None, None)
-    off = _model_error(scene, rows, Factors(float(factors[0]), float(factors[-1]), shoe), slopes, count)
+    together = Factors(float(factors[0]), float(factors[-1]), shoe)
+    off = _model_error(scene, rows, together, errors, slopes, count)
     return Fit(
         float(factors[0]), float(spread[0]), residual, alone["pick_up"], alone["slack_off"], n, *both,
         unexplained=_unexplained(rows), model_error=float(off[0]),
@@ -222,19 +223,23 @@ def fit(
 
 @one_thread()
 def _model_error(
-    scene: DrillstringScene, rows: list[tuple[Statics, str, float]], factors: Factors, slopes: np.ndarray, count: int
-) -> np.ndarray:
+    scene: DrillstringScene, rows: list[tuple[Statics, str, float]], factors: Factors, errors: np.ndarray,
+    slopes: np.ndarray, count: int,
+) -> np.ndarray:  # fmt: skip
     """By how much other models would have other factors (m,), the larger: half the elements, and the soft string.
 
-    Where elements cannot be halved, twice the change to twice as many tells the same.
+    Each is solved once, at the factors that were fitted: its change of the loads is one of the factors by the slopes
+    of the fit, and no other fit is made. Where elements cannot be halved, twice the change to twice as many tells the
+    same.
     """
     if len(rows) < slopes.shape[1] or not slopes.size:
         return np.full(2, np.nan)
     fewer = count // 2
     # A string has an element for each of its sections at least.
     other, share = (fewer, 1.0) if fewer >= len(scene.string) else (2 * count, 2.0)
-    others = {string.depth: Statics(scene, string.depth, other) for string, *_ in rows}
-    loads = np.array([_hook_load(row, factors) for row in rows])
+    others = {depth: Statics(scene, depth, other) for depth in {string.depth for string, *_ in rows}}
+    # The fit has ended with these loads: they are not sought again.
+    loads = errors + np.array([measured for *_, measured in rows])
     by_elements = share * (np.array([_hook_load((others[row[0].depth], *row[1:]), factors) for row in rows]) - loads)
     by_soft = np.array([_soft_hook_load(string, way, factors) for string, way, _ in rows]) - loads
     # A soft string that locks up has no load to compare with.

@@ -88,11 +88,16 @@ def _application_of(root: dict[str, Any]) -> str:
     return next((one.name for one in Installed().all() if _claims(one, root)), "")
 
 
-def _claims(application: Application, root: dict[str, Any]) -> bool:
-    """Whether an application takes a mapping for its scene; one that fails at it does not: others may."""
+def _claims(application: Application, root: dict[str, Any], failed: dict[str, str] | None = None) -> bool:
+    """Whether an application takes a mapping for its scene; one that fails at it does not: others may.
+
+    What it raises is kept in ``failed`` by its name: an application may ask for a key that scenes of others lack.
+    """
     try:
         return bool(application.recognises(root))
-    except Exception:
+    except Exception as error:
+        if failed is not None:
+            failed[application.name] = f"{type(error).__name__}: {error}"
         return False
 
 
@@ -110,7 +115,6 @@ def _made(make: Callable[[], Any]) -> Application:
     lacking = [name for name in NEEDED if not hasattr(type(application), name) and name not in vars(application)]
     if lacking:
         raise TypeError(f"it has no {', no '.join(f'`{name}`' for name in lacking)}; see docs/extending.md")
-    application.recognises({})
     made: Application = application
     return made
 
@@ -237,8 +241,9 @@ class Installed:
         return self._recognising(Document.parse(str(result.attributes.get("scene", "")), path).root, path)
 
     def _recognising(self, root: dict[str, Any], name: str) -> Application:
+        failed: dict[str, str] = {}
         for application in self.all():
-            if _claims(application, root):
+            if _claims(application, root, failed):
                 return application
         _refuse_no_scene(root, name)
         known = ", ".join(application.name for application in self.all()) or "none"
@@ -248,4 +253,6 @@ class Installed:
         )
         for application_name, why in self.broken.items():
             cure += f"; {application_name} could not be loaded ({why})"
+        for application_name, why in failed.items():
+            cure += f"; `recognises` of {application_name} failed at this scene ({why})"
         raise SceneError([Problem(name, None, "", None, "no installed application knows this kind of scene", cure)])

@@ -12,7 +12,7 @@ from tautline.integrators.state import State
 from tautline.kernels.bound import Lasting
 from tautline.kernels.groups import hold_laws
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
-from tautline.live.errors import SimulationError, real
+from tautline.live.errors import SimulationError, plain_numbers, real
 from tautline.system.model import Model
 
 INSTANT = 1.0e-6
@@ -150,7 +150,7 @@ class Equations:
 def _vector(given: Any, size: int, what: str, cure: str) -> np.ndarray:
     """A vector of so many finite real numbers; raises SimulationError."""
     try:
-        found = np.asarray(given)
+        found = plain_numbers(np.asarray(given))
     except (TypeError, ValueError):  # rows of different lengths
         raise SimulationError("what is given is no vector of numbers", cure) from None
     if found.dtype.kind not in "iuf":

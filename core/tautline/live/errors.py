@@ -53,6 +53,15 @@ def real(value: Any, what: str, cure: str) -> float:
     raise SimulationError(f"{value!r} is no {what}", cure)
 
 
+def plain_numbers(array: np.ndarray) -> np.ndarray:
+    """Real numbers that stand in an array as objects, such as fractions, as floats; any other array as it is."""
+    # numpy would make a number of a text, and no number of None.
+    if array.dtype.kind == "O" and not any(one is None or isinstance(one, (str, bytes)) for one in array.flat):
+        with suppress(TypeError, ValueError, OverflowError):
+            return array.astype(float)
+    return array
+
+
 def seconds(value: Any) -> float:
     """A time in seconds, also of a text with its unit: ``"100 ms"``.
 

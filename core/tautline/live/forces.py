@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from tautline.arguments import is_list, is_whole
+from tautline.arguments import is_list, is_number, is_whole
 from tautline.elements.outside import OutsideForces
 from tautline.kernels.groups import KINDS
 from tautline.kernels.jit import Kernel
-from tautline.live.errors import SimulationError
+from tautline.live.errors import SimulationError, plain_numbers
 from tautline.system.system import System
 
 DOUBLES = ctypes.POINTER(ctypes.c_double)
@@ -72,7 +72,7 @@ def _numbers(given: Any, n: int) -> np.ndarray:
     """What a function of the user's returned as a vector of forces; raises SimulationError."""
     cure = f"return {n} numbers"
     try:
-        found = np.asarray(given)
+        found = plain_numbers(np.asarray(given))
     except (TypeError, ValueError):  # rows of different lengths
         raise SimulationError("the force is no vector of numbers", cure) from None
     if found.dtype.kind not in "biuf":
@@ -151,6 +151,8 @@ def places_of(on: Any) -> np.ndarray:
     """Numbers of degrees of freedom as they are given; raises SimulationError for what is no list of these."""
     if not is_list(on) or not all(is_whole(one) for one in on):
         cause = f"{on!r} does not say what a force acts on"
+        if is_list(on) and all(is_number(one) and float(one).is_integer() for one in on):
+            cause += ": its numbers are floats, and integers are wanted"
         raise SimulationError(cause, 'give an output that is a position, "payload.position", or whole numbers: [0, 1]')
     places = np.array([int(one) for one in on if abs(int(one)) < 2**62], np.int64)
     if np.unique(places).size < len(list(on)):

@@ -13,7 +13,19 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.arguments import COUNT, FIGURES, FUNCTION, MAPPING, NAME, OPTIONS, PATH, SWITCH, check, check_given
+from tautline.arguments import (
+    COUNT,
+    FIGURES,
+    FUNCTION,
+    NAME,
+    OPTIONS,
+    PATH,
+    SWITCH,
+    VARIED,
+    check,
+    check_given,
+    mapping_of,
+)
 from tautline.errors import ArgumentError, TautlineError
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
@@ -130,7 +142,7 @@ def sweep(
     ----------
     scene : scene, path, str or dict
         What :func:`tautline.read` returns, or what it takes.
-    vary : mapping
+    vary : mapping, table or list of pairs
         Key of the scene -> list of values, ``{"linspace": [5, 15, 11]}``, ``{"logspace": [0.1, 10, 5]}``, or a
         distribution such as ``{"normal": ["5 t", "0.5 t"]}``.
     plan : str or mapping
@@ -170,7 +182,8 @@ def sweep(
     """
     import tautline
 
-    check_given(vary=(vary, MAPPING))
+    vary = mapping_of(vary)
+    check_given(vary=(vary, VARIED))
     check(
         collect=(collect, FIGURES), verb=(verb, NAME), options=(options, OPTIONS), indices=(indices, NAME),
         jobs=(jobs, COUNT), dask=(dask, NAME), folder=(folder, PATH), resume=(resume, SWITCH),

@@ -2,49 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
+
+import numpy as np
+from pydantic_core import PydanticCustomError
 
 from tautline.arguments import (
     ABOVE_ZERO,
+    BUDGET,
     COUNT,
     FUNCTION,
+    NAME,
     NAMES,
     NUMBERS,
     SWITCH,
     Wanted,
-    check,
     check_choices,
+    check_given,
+    check_members,
     check_options,
     is_number,
+    is_positive,
+    plain,
 )
 from tautline.scene import methods
+from tautline.scene.values.quantity import Quantity
 from tautline.study.accuracy.grid import Grid
 from tautline.study.trials.trial import Setting
 
 GRID = Wanted("a Grid, such as tautline.Grid(steps=[1e-3, 5e-4])", lambda value: isinstance(value, Grid))
 SETTING = Wanted("a Setting", lambda value: isinstance(value, Setting))
 TOLERANCE = Wanted("a share, such as 0.01", is_number)
+STEP = Wanted('a finite time above zero, such as 1e-3 or "1 ms",', is_number, is_positive)
+MEMBERS = {
+    "methods": (NAMES, NAME), "steps": (NUMBERS, STEP), "elements": (NUMBERS, ABOVE_ZERO),
+    "constraints": (NAMES, NAME), "newton": (NAMES, NAME),
+}  # fmt: skip
+"""What is wanted of each list of a grid, and of its members."""
 POINT = Wanted("a name", lambda value: isinstance(value, (str, int)))
 OF_STABILITY: dict[str, Wanted] = {
-    "tolerance": TOLERANCE, "budget": ABOVE_ZERO, "point": POINT, "quick": SWITCH, "progress": FUNCTION,
+    "tolerance": TOLERANCE, "budget": BUDGET, "point": POINT, "quick": SWITCH, "progress": FUNCTION,
 }  # fmt: skip
 OF_STUDY: dict[str, Wanted] = {
-    "tolerance": TOLERANCE, "repetitions": COUNT, "budget": ABOVE_ZERO, "point": POINT,
+    "tolerance": TOLERANCE, "repetitions": COUNT, "budget": BUDGET, "point": POINT,
     "reference": SETTING, "progress": FUNCTION, "reduced": SWITCH,
 }  # fmt: skip
 NEWTON = ("modified", "full")
 
 
-def check_study(grid: Any, options: Mapping[str, Any]) -> None:
-    """Refuse a grid or an option that `study` cannot be given; raises ArgumentError, ArgumentTypeError."""
-    check(grid=(grid, GRID))
-    lists = {"methods": NAMES, "steps": NUMBERS, "elements": NUMBERS, "constraints": NAMES, "newton": NAMES}
-    for name, wanted in lists.items():
-        check(**{f"grid.{name}": (getattr(grid, name), wanted)})
-    check_choices("grid.methods", grid.methods, methods.names())
-    check_choices("grid.newton", grid.newton, NEWTON)
+def check_study(grid: Any, options: Mapping[str, Any]) -> Grid:
+    """Refuse a grid or an option that `study` cannot be given; raises ArgumentError, ArgumentTypeError.
+
+    Returns
+    -------
+    Grid
+        With tuples of what may be gone through only once, and steps in seconds.
+    """
+    check_given(grid=(grid, GRID))
+    lists = {name: _listed(getattr(grid, name)) for name in MEMBERS}
+    if isinstance(lists["steps"], tuple):
+        lists["steps"] = tuple(_seconds(one) for one in lists["steps"])
+    for name, given in lists.items():
+        check_members(f"grid.{name}", given, *MEMBERS[name])
+    check_choices("grid.methods", lists["methods"], methods.names())
+    check_choices("grid.newton", lists["newton"], NEWTON)
     check_options(options, OF_STUDY)
+    return Grid(**{name: given for name, given in lists.items() if given is not None})
+
+
+def _listed(given: Any) -> Any:
+    """A tuple of what is listed, in whatever form; a text or a number stays what it is."""
+    if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
+        return given
+    if isinstance(given, np.ndarray) and given.ndim == 0:
+        return given
+    return tuple(plain(one) for one in given)
+
+
+def _seconds(given: Any) -> Any:
+    """A time in seconds of a text with its unit; what is none stays what it is, to be refused by its place."""
+    try:
+        return Quantity("s").read(given) if isinstance(given, str) else given
+    except PydanticCustomError:
+        return given
 
 
 def check_stability(options: Mapping[str, Any]) -> None:

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 import tautline
+from drillstring.statics import back_calculation
 from drillstring.statics.back_calculation import Measured, fit
 from drillstring.view.torque_summary import fit_in_words
 
@@ -62,3 +63,22 @@ def test_elements_that_cannot_be_halved_are_doubled_to_see_the_error():
     found = fitted(2)
     assert np.isfinite(found.model_error) and found.model_error > 0.0
     assert found.error == pytest.approx(np.hypot(found.spread, found.model_error))
+
+
+def test_the_error_of_the_model_costs_a_coarser_string_for_each_depth_and_one_solution_for_each_load(monkeypatch):
+    made, solved = [], []
+
+    class Counted(back_calculation.Statics):
+        def __init__(self, scene, depth, elements):
+            super().__init__(scene, depth, elements)
+            made.append(elements)
+            self.elements = elements
+
+        def solve(self, friction, motion):
+            solved.append(self.elements)
+            return super().solve(friction, motion)
+
+    monkeypatch.setattr(back_calculation, "Statics", Counted)
+    fitted(50)
+    assert (made.count(50), made.count(25)) == (len(LOADS), len(LOADS))
+    assert solved.count(25) == 2 * len(LOADS)
