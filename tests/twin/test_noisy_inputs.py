@@ -130,6 +130,8 @@ def test_the_weight_is_found_though_two_millimetres_of_noise_have_set_the_load_b
 def test_health_is_degraded_until_the_weight_is_known_so_well_that_the_tension_is():
     twin = Twin(HOIST, MAP)
     for sd, unsure in ((1277.0, True), (100.0, False)):
+        twin.estimate.horizon.mean[0] = twin.estimate.horizon.theta0[0] = 4783.0
+        twin.estimate.horizon.covariance[0, 0] = sd**2
         twin._with_noise_of_inputs({"winch.tension": (50e3, 9.81 * sd)}, {}, np.array([50e3]))
         assert twin.unsure == unsure
 

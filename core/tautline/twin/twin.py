@@ -354,8 +354,9 @@ class Twin:
             value, own = outputs[one.name]
             beyond[one.name] = max(shaken, missed)
             more[one.name] = value, np.hypot(own, beyond[one.name])
-            # What bounces is not known well where estimates do not tell it, nor where rows miss it by as much.
-            self.unsure |= bool(self.estimate.blows and more[one.name][1] > MANY * sd)
+            # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
+            self.unsure |= bool(not self.estimate.known and own > MANY * sd)
+            self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)

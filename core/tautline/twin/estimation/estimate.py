@@ -43,6 +43,8 @@ WILD = 4.0
 """Size of derivatives over their usual one from which on a neighbour is begun anew."""
 NOT_SHOWN = 0.5
 """Standard deviation of an unknown, over that at the start, from which on the data have not shown it."""
+KNOWN, TENTH = 0.25, 0.1
+"""The same from which on a parameter is not known well, where it is more than so much of the parameter as well."""
 SLOPES = 200
 """Rows of which the usual size is the median."""
 LATE = 8
@@ -313,6 +315,13 @@ class Estimate:
         """Whether the data have shown something of every unknown."""
         h, n = self.horizon, len(self.plan.unknowns)
         return bool(np.all(h.deviation[:n] < NOT_SHOWN * h.first_sd[:n]))
+
+    @property
+    def known(self) -> bool:
+        """Whether each parameter of a load that bounces is known: much better than at the start, or to a tenth."""
+        h, p = self.horizon, self._parameters
+        sd = h.deviation[p]
+        return not self.blows or bool(np.all((sd < KNOWN * h.first_sd[p]) | (sd < TENTH * np.abs(h.mean[p]))))
 
     def take_in(self, sample: Sample) -> None:
         """Add a row to the window: by itself, or with others as their mean."""
