@@ -82,6 +82,7 @@ MAPPING = Wanted('a mapping, such as {"bodies[0].mass": "6 t"}', lambda value: i
 VARIED = Wanted('a mapping, such as {"bodies[0].mass": ["5 t", "6 t"]}', MAPPING.is_one)
 OPTIONS = Wanted('a mapping of names to values, such as {"depth": 500}', MAPPING.is_one)
 COUNT = Wanted("a whole number from 1 on", is_whole, lambda value: value >= 1)
+WHOLE = Wanted("a whole number", is_whole)
 BUDGET = Wanted("a number above zero, or infinity for no limit,", is_number, lambda value: bool(value > 0.0))
 ABOVE_ZERO = Wanted("a finite number above zero", is_number, is_positive)
 NUMBERS = Wanted("a list of numbers above zero, such as [1e-3, 5e-4]", is_list)

@@ -34,7 +34,7 @@ WRONG = {
     "vary": (ArgumentTypeError, lambda: tautline.sweep(SCENE, None)),
     "vary of a number": (ArgumentTypeError, lambda: tautline.sweep(SCENE, 3)),
     "collect": (ArgumentTypeError, lambda: tautline.sweep(SCENE, VARY, collect=3)),
-    "jobs": (ArgumentError, lambda: tautline.sweep(SCENE, VARY, jobs=0)),
+    "jobs": (ArgumentTypeError, lambda: tautline.sweep(SCENE, VARY, jobs=2.5)),
     "jobs of a text": (ArgumentTypeError, lambda: tautline.sweep(SCENE, VARY, jobs="x")),
     "options": (ArgumentTypeError, lambda: tautline.sweep(SCENE, VARY, options=3)),
     "folder": (ArgumentTypeError, lambda: tautline.sweep(SCENE, VARY, folder=3)),

@@ -107,7 +107,7 @@ class FakeModel:
         return {"time": times, "angle": np.cos(times), "tension": np.outer(1e6 + times, [1.0, 2.0, 3.0])}
 
 
-def simulate(model, path=None, progress=None, resume=None, announce=None, afterwards=None):
+def simulate(model, path=None, progress=None, resume=None, announce=None, afterwards=None, begin=None):
     """Stand-in for `tautline.simulation.simulate`."""
     import numpy as np
 
@@ -115,6 +115,8 @@ def simulate(model, path=None, progress=None, resume=None, announce=None, afterw
     from tautline.results.headline import Figure
     from tautline.results.store import Store
 
+    if begin is not None:
+        begin()
     pause = float(os.environ.get("FAKE_PAUSE", "0"))
     started, reached = time.perf_counter(), 0.0
     with Store(path, model.variables, model.coordinates, model.attributes) as store:

@@ -136,8 +136,8 @@ def test_static_and_flutter_say_where_the_waters_momentum_takes_all_of_the_axial
     # M U^2 = 0.3 10^2 = 30 N, of EA = 20 N
     code, out, err = gardenhose(verb, "hose.yaml", "--set", "hose.axial_stiffness=20", "--speed", "0,10", "--json")
     told = {one["where"]: one["text"] for one in only_object(out)["warnings"]}
-    assert code == 0 and "all of EA" in told["hose.axial_stiffness"]
-    assert "all of EA" in " ".join(err.split())
+    assert code == 0 and "momentum M U^2 equals EA" in told["hose.axial_stiffness"]
+    assert "momentum M U^2 equals EA" in " ".join(err.split())
 
 
 def test_static_says_where_elements_are_coarse_for_the_flows_waves(gardenhose):

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.arguments import (
-    COUNT,
+    WHOLE,
     FIGURES,
     FUNCTION,
     NAME,
@@ -186,7 +186,7 @@ def sweep(
     check_given(vary=(vary, VARIED))
     check(
         collect=(collect, FIGURES), verb=(verb, NAME), options=(options, OPTIONS), indices=(indices, NAME),
-        jobs=(jobs, COUNT), dask=(dask, NAME), folder=(folder, PATH), resume=(resume, SWITCH),
+        jobs=(jobs, WHOLE), dask=(dask, NAME), folder=(folder, PATH), resume=(resume, SWITCH),
         progress=(progress, FUNCTION),
     )  # fmt: skip
     if resume and folder is None:

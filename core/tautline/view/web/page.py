@@ -185,7 +185,7 @@ def write_page(
             beside.unlink(missing_ok=True)
     except OSError as error:
         raise ResultError(
-            path, f"cannot be written: {error.strerror}", "name another with --html, or make room"
+            path, f"it cannot be written: {error.strerror}", "name another with --html, or make room"
         ) from None
     return path
 
