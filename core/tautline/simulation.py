@@ -246,7 +246,9 @@ def _tell(progress: Callable[[float, float], None], run: Run, store: FrameStore)
     """Show progress; what that raises ends the run, of which the frames are kept as on Ctrl-C."""
     try:
         progress(run.reached, run.wall)
-    except Exception:
+    except KeyboardInterrupt:  # has a way of its own
+        raise
+    except BaseException:  # also SystemExit
         run.finish(store, "interrupted")
         raise
 

@@ -1,5 +1,6 @@
 """What runs inside an FMU, without a host: inputs and parameters as a host sets them, refused and at the start."""
 
+import json
 import zipfile
 from pathlib import Path
 
@@ -348,3 +349,17 @@ def test_an_output_that_is_set_is_told_and_stays(folder):
         other.step(k * H, H)
     core.step(H, H)
     assert core.get(TENSION) == other.get(TENSION) != tension
+
+
+@pytest.mark.parametrize(
+    "place, wrong",
+    [(-1, []), (-1, ["a"]), (-1, ["a", "b", "c"]), (-1, 3), (-2, 3), (0, "soon"), (3, "many"), (0, None)],
+)
+def test_bytes_of_a_state_whose_head_is_damaged_are_refused_in_plain_words(folder, place, wrong):
+    core = Core(folder)
+    core.begun()
+    head, _, block = to_bytes(core.save()).partition(b"\0")
+    told = json.loads(head)
+    told["state"][place] = wrong
+    with pytest.raises(tautline.SimulationError, match="the saved state is damaged"):
+        from_bytes(json.dumps(told).encode() + b"\0" + block)

@@ -1,13 +1,16 @@
-"""A simulation is worked with by one thread at a time: what two made of it were positions of neither."""
+"""Any thread reads a simulation; what two made of it that changed it were positions of neither."""
 
 import copy
+import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import tautline
+from tautline.live import turn
 
 HOIST = Path(__file__).parents[2] / "data" / "hoist.yaml"
 ACTS = {
@@ -23,6 +26,11 @@ ACTS = {
     "parameter": lambda sim: sim.parameters.__setitem__("payload.mass", 8000.0),
     "blow": lambda sim: sim.displace("payload.velocity", [0.0, 0.0, 0.1]),
     "force": lambda sim: sim.add_force(lambda t, q, v: [0.0, 0.0, 0.0], on="payload.position"),
+}
+READS = ("save", "copy", "result", "read", "read what is computed", "linearise", "read an input")
+ACTS |= {
+    "linearise": lambda sim: sim.linearise(["winch.pay_out"], ["payload.position"]),
+    "read an input": lambda sim: sim.inputs["winch.pay_out"],
 }
 
 
@@ -55,11 +63,13 @@ def halted():
     thread.join()
 
 
-def test_a_second_thread_is_refused_whatever_it_asks_and_the_first_one_comes_to_where_it_would_alone(halted, whole):
+def test_a_second_thread_that_changes_is_refused_in_the_middle_of_an_advance_which_comes_to_where_it_would_alone(
+    halted, whole
+):
     sim, finish = halted
-    for what, act in ACTS.items():
-        with pytest.raises(tautline.SimulationError, match=r"by another thread.*its own: sim\.copy"):
-            act(sim)
+    for what in ACTS.keys() - set(READS):
+        with pytest.raises(tautline.SimulationError, match=r"being advanced by another thread.*its own: sim\.copy"):
+            ACTS[what](sim)
             pytest.fail(what)
     finish()
     assert sim.time == 1.0 and sim.parameters["payload.mass"] == 5000.0 and not sim.inputs.driven
@@ -67,6 +77,112 @@ def test_a_second_thread_is_refused_whatever_it_asks_and_the_first_one_comes_to_
     assert sim["winch.tension"] == whole["winch.tension"]
     for act in ACTS.values():
         act(sim.copy()) if act is not ACTS["restore"] else sim.restore(sim.before)
+
+
+@pytest.mark.parametrize("what", READS)
+def test_a_thread_that_reads_in_the_middle_of_an_advance_reads_what_is_at_its_end(what, halted):
+    sim, finish = halted
+    with ThreadPoolExecutor(1) as pool:
+        found = pool.submit(ACTS[what], sim)
+        with pytest.raises(TimeoutError):
+            found.result(0.2)
+        finish()
+        found = found.result(60.0)
+    assert sim.time == 1.0
+    if what in ("save", "copy"):
+        assert found.time == 1.0
+    elif what == "result":
+        assert found["time"][-1] == 1.0
+    elif what != "linearise":
+        assert np.array_equal(found, ACTS[what](sim))
+
+
+@pytest.mark.parametrize("what", READS)
+def test_a_force_that_waits_for_a_thread_that_reads_is_told_so_and_does_not_hang(what, monkeypatch):
+    monkeypatch.setattr(turn, "PATIENCE", 0.2)
+    sim = tautline.Simulation(HOIST)
+    with ThreadPoolExecutor(1) as pool:
+
+        def force(t, q, v):
+            pool.submit(ACTS[what], sim).result(60.0)
+            return [0.0, 0.0, 0.0]
+
+        sim.add_force(force, on="payload.position")
+        with pytest.raises(tautline.SimulationError, match=r"by another thread\. A force of it has not returned for"):
+            sim.advance(1.0)
+    assert "a force raised SimulationError" in sim.stopped
+
+
+def test_threads_that_read_a_simulation_at_rest_all_read_it(whole):
+    sim = whole.copy()
+
+    def read(_):
+        for _ in range(300):
+            assert np.array_equal(sim["payload.position"], whole["payload.position"])
+            assert sim["winch.tension"] == whole["winch.tension"]
+            assert sim.inputs["winch.pay_out"] == whole.inputs["winch.pay_out"]
+        assert sim.result["time"][-1] == sim.save().time == 1.0
+
+    with ThreadPoolExecutor(3) as pool:
+        list(pool.map(read, range(3)))
+
+
+def test_threads_that_each_advance_a_copy_of_one_simulation_come_to_the_same(whole):
+    def branch(_):
+        other = whole.copy()
+        other.advance(0.05)
+        return other["payload.position"]
+
+    alone = branch(0)
+    with ThreadPoolExecutor(2) as pool:
+        assert all(np.array_equal(alone, found) for found in pool.map(branch, range(6)))
+
+
+@pytest.fixture
+def switched_often():
+    """Threads that take turns at the interpreter some hundred times as often as they do."""
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(2e-5)
+    yield
+    sys.setswitchinterval(usual)
+
+
+def test_an_advance_is_never_refused_beside_threads_that_read_and_these_read_whole_states(switched_often):
+    alone, sim, done = tautline.Simulation(HOIST), tautline.Simulation(HOIST), threading.Event()
+    states = [alone["position"]]
+    for _ in range(200):
+        alone.inputs["winch.pay_out_speed"] = 0.1
+        alone.advance(0.005)
+        states.append(alone["position"])
+    known, read = {state.tobytes() for state in states}, []
+
+    def poll(_):
+        while not done.is_set():
+            read.append(sim["position"].tobytes())
+            assert sim["winch.tension"] > 0.0 and sim.result["time"][0] == 0.0
+
+    with ThreadPoolExecutor(2) as pool:
+        polls = [pool.submit(poll, k) for k in range(2)]
+        try:
+            for _ in range(200):
+                sim.inputs["winch.pay_out_speed"] = 0.1
+                sim.advance(0.005)
+        finally:
+            done.set()
+        for one in polls:
+            one.result(60.0)
+    assert np.array_equal(sim["position"], alone["position"]) and sim["winch.tension"] == alone["winch.tension"]
+    assert len(set(read)) > 2 and set(read) <= known
+
+
+def test_a_part_of_the_state_is_read_at_rest_without_the_lock(whole, monkeypatch):
+    def taken(self):
+        raise AssertionError("the lock is taken")
+
+    sim = whole.copy()
+    before = sim["winch.tension"]
+    monkeypatch.setattr(turn.Turn, "read", taken)
+    assert np.array_equal(sim["payload.position"], whole["payload.position"]) and sim["winch.tension"] == before
 
 
 @pytest.mark.parametrize("what", [what for what in ACTS if "read" not in what and what != "input"])

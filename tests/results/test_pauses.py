@@ -153,3 +153,15 @@ def test_whatever_a_callback_raises_the_frames_until_then_are_stored(tmp_path, m
     assert kept.attributes["status"] == "interrupted" and kept.time[-1] >= 0.5
     np.testing.assert_array_equal(kept["position"], whole["position"][: len(kept.time)])
     assert_equal(simulate(model("explicit"), resume=kept), whole)
+
+
+@pytest.mark.parametrize("kind", [SystemExit, GeneratorExit, ValueError])
+def test_whatever_progress_raises_the_frames_until_then_are_in_the_file(kind, tmp_path):
+    def leave(reached, wall):
+        if reached > 0.3:
+            raise kind(3)
+
+    with pytest.raises(kind):
+        simulate(model("implicit"), tmp_path / "left.h5", leave)
+    kept = Result.read(tmp_path / "left.h5")
+    assert kept.attributes["status"] == "interrupted" and len(kept["time"]) > 1

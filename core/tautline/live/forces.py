@@ -29,10 +29,13 @@ class Force:
     group : NamedTuple
     failed : exception or None
         What the Python function raised.
+    calls : int
+        Its calls that began and that ended: odd while it is called.
     """
 
     def __init__(self, function: Any, places: np.ndarray, known: np.ndarray, code: Any = None) -> None:
         self.failed: BaseException | None = None
+        self.calls = 0
         self._function, n = function, places.size
         if _is_compiled(function):
             self._code = code or compiled(function)
@@ -57,6 +60,7 @@ class Force:
         """The function as C calls it; what it raises is kept, and the force is no number then."""
 
         def call(t: float, q: Any, v: Any, f: Any, k: int) -> None:
+            self.calls += 1
             force = np.ctypeslib.as_array(f, (n,))
             try:
                 x, rate = np.ctypeslib.as_array(q, (n,)).copy(), np.ctypeslib.as_array(v, (n,)).copy()
@@ -64,6 +68,7 @@ class Force:
             except BaseException as error:  # there is no way for it through compiled code
                 self.failed = self.failed or error
                 force[:] = np.nan
+            self.calls += 1
 
         return call
 
@@ -87,7 +92,7 @@ class Group:
     """A group of a registered kind that was added as it is."""
 
     def __init__(self, group: Any) -> None:
-        self.group, self.failed = group, None
+        self.group, self.failed, self.calls = group, None, 0
 
     @property
     def name(self) -> str:

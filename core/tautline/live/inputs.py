@@ -10,13 +10,13 @@ smoothly, and one that is given once is come to rest at.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
 
 from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
 from tautline.live.errors import SimulationError, Unpickled, unknown
+from tautline.live.turn import Turn
 from tautline.system.handles import Input
 
 TARGET, RATE, SECOND, SLOPE, STATE = range(5)
@@ -37,13 +37,11 @@ class Inputs(Unpickled, Mapping[str, Any]):
         Of the scene; the tracks of inputs are written in place.
     clock : callable
         -> the simulation's time, s.
-    turn : context manager
-        Entered where one is read or given.
+    turn : Turn
+        Taken where one is read or given.
     """
 
-    def __init__(
-        self, inputs: dict[str, Input], functions: TimeFunctions, clock: Any, turn: AbstractContextManager[None]
-    ) -> None:
+    def __init__(self, inputs: dict[str, Input], functions: TimeFunctions, clock: Any, turn: Turn) -> None:
         self._inputs, self._functions, self._clock, self._turn = inputs, functions, clock, turn
         self._numbers = {name: k for k, name in enumerate(inputs)}
         self._list = list(inputs.values())
@@ -71,11 +69,14 @@ class Inputs(Unpickled, Mapping[str, Any]):
     def __getitem__(self, name: str) -> float:
         """What the input is now, or is to be at the end of the next advance."""
         k = self._number(name)
-        with self._turn:
+        self._turn.read()
+        try:
             if self.memory[k, STATE] == GIVEN:
                 return float(self.memory[k, TARGET])
             steering, function = self._list[k].members[0]
             return self._now(function)[steering.order] / steering.factor
+        finally:
+            self._turn.lock.release()
 
     def _now(self, function: int) -> tuple[float, float, float]:
         return value_at(self._functions, function, self._clock())
@@ -89,10 +90,13 @@ class Inputs(Unpickled, Mapping[str, Any]):
             For a name that is none of the inputs.
         SimulationError
             For what is no finite number, or beyond what may be given; and beside another input that drives the same
-            and was given since the last advance; and while another thread works with the simulation.
+            and was given since the last advance; and while another thread advances the simulation.
         """
-        with self._turn:
+        self._turn.give()
+        try:
             self._give(name, value)
+        finally:
+            self._turn.lock.release()
 
     def _give(self, name: str, value: Any) -> None:
         if name not in self and f"{name}[0]" in self._numbers:

@@ -67,12 +67,21 @@ def as_sent(
     Raises
     ------
     SimulationError
-        For bytes with another sum than is expected.
+        For bytes with another sum than is expected, and for what is told beside them and cannot be.
     """
     if sum_of(block) != expected:
-        raise SimulationError("the saved state is damaged", "save it again")
-    why, word = stopped
-    return State(time, scene, layout, block, frames, tuple(changed), tuple(given), (why, word))
+        raise damaged()
+    try:
+        why, word = stopped
+        told = str(scene), str(layout), block, int(frames), tuple(map(str, changed)), tuple(map(str, given))
+        return State(float(time), *told, (str(why), str(word)))
+    except (TypeError, ValueError):
+        raise damaged() from None
+
+
+def damaged() -> SimulationError:
+    """The refusal of a state that is not what was saved."""
+    return SimulationError("the saved state is damaged", "save it again")
 
 
 class Memory:
@@ -146,6 +155,7 @@ def check(state: Any, scene: str, layout: str, size: int) -> None:
     if state.scene != scene:
         raise SimulationError("the state belongs to another scene", cure)
     if state.layout != layout or state.block.dtype != np.uint8 or state.block.shape != (size,):
-        raise SimulationError("the state belongs to a simulation with other inputs, forces or another method", cure)
+        cause = "the state belongs to a simulation with other inputs, forces or another method, or of another build"
+        raise SimulationError(cause, cure)
     if not (np.isfinite(state.time) and state.time >= 0.0):
         raise SimulationError("the state is damaged: it has no time", cure)

@@ -11,6 +11,7 @@ import numpy as np
 
 from tautline.integrators.time_loop import frames_of, new_frames
 from tautline.live.errors import SimulationError, UnknownName, Unpickled, unknown
+from tautline.live.turn import Turn
 from tautline.system.handles import Output, Parameter, output_named
 from tautline.system.model import Model
 
@@ -72,20 +73,24 @@ class Outputs(Unpickled, Mapping[str, Any]):
     outputs : dict of str to Output
     observe : callable
         -> the variables of the frame that the simulation stands at.
+    seen : callable
+        -> the same where they were made already, else None.
     vectors : dict of str to array
         The state's full vectors ``q`` and ``v``.
-    turn : context manager
-        Entered where one is read.
+    turn : Turn
+        Taken where one is read.
     """
 
     def __init__(
         self,
         outputs: dict[str, Output],
         observe: Callable[[], Mapping[str, np.ndarray]],
+        seen: Callable[[], Mapping[str, np.ndarray] | None],
         vectors: Mapping[str, np.ndarray],
-        turn: AbstractContextManager[None],
+        turn: Turn,
     ) -> None:
-        self._outputs, self._observe, self._vectors, self._turn = outputs, observe, vectors, turn
+        self._outputs, self._observe, self._seen = outputs, observe, seen
+        self._vectors, self._turn = vectors, turn
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._outputs)
@@ -116,16 +121,37 @@ class Outputs(Unpickled, Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         """A float, or a copy of an array; raises UnknownName."""
         output = self.handle(name)
-        with self._turn:
+        turn = self._turn
+        before = turn.version
+        if not before & 1:
+            # One copy of what has not changed meanwhile is of a whole state: it needs no lock.
             if output.places is not None:
-                vector, places = output.places
-                return self._vectors[vector][places] if places.ndim else float(self._vectors[vector][places])
-            value = output.value(self._observe())
-        return np.array(value) if np.ndim(value) else float(value)
+                found = self._at(output)
+                if turn.version == before:
+                    return found
+            elif (seen := self._seen()) is not None:
+                found = _copied(output.value(seen))
+                if turn.version == before:
+                    return found
+        turn.read()
+        try:
+            return self._at(output) if output.places is not None else _copied(output.value(self._observe()))
+        finally:
+            turn.lock.release()
+
+    def _at(self, output: Output) -> Any:
+        """An output that is a part of the state."""
+        vector, places = output.places  # type: ignore[misc]
+        return self._vectors[vector][places] if places.ndim else float(self._vectors[vector][places])
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Unit, shape and meaning of every output."""
         return {name: {"unit": o.unit, "shape": o.shape, "text": o.text} for name, o in self._outputs.items()}
+
+
+def _copied(value: Any) -> Any:
+    """A float, or an array of its own."""
+    return np.array(value) if np.ndim(value) else float(value)
 
 
 class Parameters(Unpickled, Mapping[str, Any]):

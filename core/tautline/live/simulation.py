@@ -7,6 +7,7 @@ import time as clock
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from threading import get_ident
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -152,7 +153,8 @@ class Simulation:
         run = self._run = Run(model)
         system, self._state = model.system, run.state
         self._frames = new_frames(1, system.q.size, model.own)
-        self._turn = Turn()
+        self._forces: list[Force | Group] = []
+        self._turn = Turn(self._forces)
         self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
         self._time, self._stopped, self._status = 0.0, "", ""
         self._step, self._watched = model.solver.step, run.explicit and model.solver.guarded
@@ -162,12 +164,11 @@ class Simulation:
         self._grid, _ = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self._tolerance = CLOSE * model.solver.interval
         self._clock, self._unchecked = np.zeros(2), 0.0
-        self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn.reading)
+        self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
-        self.outputs = Outputs(handles.outputs, self._observe, vectors, self._turn.reading)
+        self.outputs = Outputs(handles.outputs, self._observe, lambda: self._observed, vectors, self._turn)
         self.parameters = Parameters(handles.parameters, self._parameter_change)
         self._prepared = handles.prepared
-        self._forces: list[Force | Group] = []
         self._begun = False
         self._changed: set[str] = set()
         self._given: set[str] = set()
@@ -229,7 +230,7 @@ class Simulation:
         duration = seconds(duration)
         if not duration > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
-        with self._turn:
+        with self._turn.change:
             self._advance_to(self._time + duration)
 
     def advance_to(self, time: float | str) -> None:
@@ -247,14 +248,14 @@ class Simulation:
         ------
         SimulationError
             For a time that is not ahead or beyond what is prepared, where the simulation has stopped before, and where
-            another thread works with it.
+            another thread advances it.
         StoppedEarly
             Where a step fails. Time and outputs are then those of the last step that did not, and frames are kept.
         Interrupted
             On Ctrl-C, after the step under way.
         """
         time = seconds(time)
-        with self._turn:
+        with self._turn.change:
             self._advance_to(time)
 
     def _advance_to(self, time: float) -> None:
@@ -279,7 +280,7 @@ class Simulation:
         self._refuse_unprepared(time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) as ear:
-            self._turn.advancing = True
+            self._turn.advancing = get_ident()
             try:
                 self.inputs.write(begin, time)
                 self._observed = None
@@ -289,7 +290,7 @@ class Simulation:
                     begin = end
             finally:
                 # A force may have read the outputs of the frame before.
-                self._turn.advancing, self._observed = False, None
+                self._turn.advancing, self._observed = 0, None
         if ear.heard:
             raise Interrupted(self._time, self._so_far("interrupted"))
 
@@ -415,7 +416,7 @@ class Simulation:
     @contextmanager
     def _parameter_change(self, name: str) -> Iterator[None]:
         """While a parameter changes; its name is kept, for what the result says of the scene and by the start."""
-        with self._turn, self._parameter_changes():
+        with self._turn.change, self._parameter_changes():
             (self._changed if self._begun else self._given).add(name)
             yield
 
@@ -457,7 +458,7 @@ class Simulation:
     @property
     def result(self) -> Result:
         """The frames kept so far, as `tautline.simulate` gives them."""
-        with self._turn:
+        with self._turn.look:
             return self._result()
 
     def _result(self, status: str = "") -> Result:
@@ -496,7 +497,7 @@ class Simulation:
 
     def save(self) -> State:
         """The simulation as it stands. It can be pickled, and restored in another process."""
-        with self._turn:
+        with self._turn.look:
             return State(
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
@@ -511,7 +512,7 @@ class Simulation:
             For a state of another scene, or of a simulation with other inputs or forces; nothing is changed then.
         """
         check(state, self._mark, self._memory.layout, self._memory.size)
-        with self._turn:
+        with self._turn.change:
             self._restore(state)
 
     def _restore(self, state: State) -> None:
@@ -553,13 +554,13 @@ class Simulation:
             raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
         number = self.model.system.dofs.number[places]
-        with self._turn, self._parameter_changes():
+        with self._turn.change, self._parameter_changes():
             full[places[number >= 0]] += given[number >= 0]
             reduced[number[number >= 0]] += given[number >= 0]
 
     def copy(self) -> Simulation:
         """Another simulation that stands at the same place and goes on by itself."""
-        with self._turn:
+        with self._turn.look:
             return self._copy()
 
     def _copy(self) -> Simulation:
@@ -589,7 +590,7 @@ class Simulation:
     def equations(self) -> Equations:
         """The equations of motion, at the state as it is, for integrators of others."""
         other = self.copy()
-        return Equations(other.model, self._time, other._state)
+        return Equations(other.model, other._time, other._state)
 
     def add_force(self, force: Any, on: str | Sequence[int] | None = None) -> None:
         """Add a force to the scene, from now on.
@@ -617,7 +618,7 @@ class Simulation:
             places = np.atleast_1d(found[1])
         elif on is not None:
             places = places_of(on)
-        with self._turn:
+        with self._turn.change:
             self._add(force_of(force, places, self.model.system))
 
     def _add(self, force: Force | Group) -> None:
@@ -654,7 +655,7 @@ class Simulation:
         """
         from tautline.live.plant import linearise
 
-        with self._turn:
+        with self._turn.look:
             return linearise(self, inputs, outputs)
 
 

@@ -3,54 +3,149 @@
 from __future__ import annotations
 
 import threading
+import time as clock
+from collections.abc import Sequence
 from typing import Any
 
 from tautline.live.errors import SimulationError
 
+PATIENCE = 5.0
+"""Wall time, s, for which a force may hold up whoever waits to read: it may itself wait for that reading."""
+LOOK = 0.05
+"""Wall time, s, after which whoever waits looks at what the other does."""
+
 
 class Turn:
-    """Held by the thread that works with a simulation; another is refused at once, and does not wait.
+    """Taken by the thread that works with a simulation; another waits, and cannot change it in another's advance.
+
+    Readings and inputs take it in place, as `read` and `give`, and release `lock`: they are asked for at every step of
+    a control, where a context would cost more than they do.
+
+    Parameters
+    ----------
+    forces : sequence
+        Those that were added: what they call is called in the middle of an advance.
 
     Attributes
     ----------
-    advancing : bool
-        Whether it is in the middle of an advance: only reading, and inputs for the next advance, are allowed then, as
-        they are to a force of the user's.
-    reading : Reading
-        To be entered for these.
+    lock : RLock
+        Held by whoever has the turn.
+    version : int
+        Odd while the simulation changes, and another one after that: what was copied between two equal and even ones is
+        of one state, without the lock.
+    advancing : int
+        The thread that is in the middle of an advance; 0 where none is. What it calls may read, and give inputs for
+        the next advance.
+    change, look : context manager
+        The turn of whoever changes the simulation; and of whoever takes it as a whole, which is none in the middle of
+        an advance.
     """
 
-    def __init__(self) -> None:
-        self.lock, self.advancing = threading.RLock(), False
-        self.reading = Reading(self.lock)
+    def __init__(self, forces: Sequence[Any]) -> None:
+        self.lock = threading.RLock()
+        self._condition = threading.Condition(self.lock)
+        self.version, self.advancing = 0, 0
+        self.change, self.look = _Change(self), _Look(self)
+        self._forces, self._gate, self._waiting = forces, threading.RLock(), set[object]()
 
-    def __enter__(self) -> None:
-        if not self.lock.acquire(False):
+    def read(self) -> None:
+        """Take the turn to read: at the end of another thread's advance, and within that of its own."""
+        if self._waiting or not self.lock.acquire(False):
+            self._wait(False)
+
+    def give(self) -> None:
+        """Take the turn to give inputs; raises SimulationError in the middle of another thread's advance."""
+        if self.advancing and self.advancing != threading.get_ident():
             raise of_another_thread()
+        if self._waiting or not self.lock.acquire(False):
+            self._wait(True)
+
+    def take_whole(self) -> None:
+        """Take the turn to read, not in the middle of an advance; raises SimulationError in that of its own thread."""
+        self.read()
         if self.advancing:
             self.lock.release()
-            cause = "the simulation is in the middle of an advance: what it calls then can only read it and give inputs"
-            raise SimulationError(cause, "do it after the advance, or with a copy that was made before")
+            raise in_its_middle()
 
-    def __exit__(self, *_: object) -> None:
-        self.lock.release()
+    def _wait(self, changes: bool) -> None:
+        """Wait until the turn is free: one after another, or who asks again and again would keep all others out."""
+        if self._is_own():
+            self.lock.acquire()
+            return
+        mark = object()
+        self._waiting.add(mark)
+        try:
+            self._acquire(self._gate, changes)
+            try:
+                self._acquire(self.lock, changes)
+            finally:
+                self._gate.release()
+        finally:
+            self._waiting.discard(mark)
+
+    def _is_own(self) -> bool:
+        """Whether this thread has the turn already; only who has the lock of a condition can notify of it."""
+        try:
+            self._condition.notify()
+        except RuntimeError:
+            return False
+        return True
+
+    def _acquire(self, lock: Any, changes: bool) -> None:
+        """Acquire a lock; raises SimulationError where the other advances meanwhile, or would never come to its end."""
+        before, since = None, 0.0
+        while not lock.acquire(True, LOOK):
+            if changes and self.advancing:
+                raise of_another_thread()
+            calls = [force.calls for force in self._forces]
+            if calls != before or not any(number % 2 for number in calls):
+                before, since = calls, clock.monotonic()
+            elif clock.monotonic() - since > PATIENCE:
+                raise of_another_thread(f". A force of it has not returned for {PATIENCE:g} s")
 
 
-class Reading:
-    """The turn of whoever reads: also in the middle of an advance of its own thread."""
+class _Change:
+    """See `Turn`."""
 
-    def __init__(self, lock: Any) -> None:
-        self._lock = lock
+    def __init__(self, turn: Turn) -> None:
+        self._turn, self._depth = turn, 0
 
     def __enter__(self) -> None:
-        if not self._lock.acquire(False):
-            raise of_another_thread()
+        turn = self._turn
+        turn.give()
+        if turn.advancing:
+            turn.lock.release()
+            raise in_its_middle()
+        self._depth += 1
+        turn.version += self._depth == 1
 
     def __exit__(self, *_: object) -> None:
-        self._lock.release()
+        self._depth -= 1
+        self._turn.version += self._depth == 0
+        self._turn.lock.release()
 
 
-def of_another_thread() -> SimulationError:
+class _Look:
+    """See `Turn`."""
+
+    def __init__(self, turn: Turn) -> None:
+        self._turn = turn
+
+    def __enter__(self) -> None:
+        self._turn.take_whole()
+
+    def __exit__(self, *_: object) -> None:
+        self._turn.lock.release()
+
+
+def in_its_middle() -> SimulationError:
+    """The refusal of what a force would do with the simulation that asks for it."""
+    cause = "the simulation is in the middle of an advance: what it calls then can only read it and give inputs"
+    return SimulationError(cause, "do it after the advance, or with a copy that was made before")
+
+
+def of_another_thread(more: str = "") -> SimulationError:
     """The refusal of a second thread."""
-    cause = "the simulation is being advanced by another thread, or is in use by one"
-    return SimulationError(cause, "give each thread its own: sim.copy()")
+    return SimulationError(
+        f"the simulation is being advanced by another thread{more}", "give each thread its own: sim.copy()"
+    )

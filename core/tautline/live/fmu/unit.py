@@ -249,7 +249,7 @@ def from_bytes(data: bytes) -> dict[str, Any]:
     try:
         saved = json.loads(head)
         time, scene, layout, frames, *others = saved["state"]
+        saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, *others)
     except (ValueError, KeyError, TypeError):
         raise SimulationError("the bytes are no state of this FMU", "give those that it was serialised to") from None
-    saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, *others)
     return saved
