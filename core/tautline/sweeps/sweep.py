@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.arguments import (
-    WHOLE,
     FIGURES,
     FUNCTION,
     NAME,
@@ -22,6 +21,7 @@ from tautline.arguments import (
     PATH,
     SWITCH,
     VARIED,
+    WHOLE,
     check,
     check_given,
     mapping_of,
