@@ -65,11 +65,13 @@ def askew(aside=4.0, tilt=0.05):
     return crane(path, [load], {"damping": 0.0}, solver={"end": 2.0})
 
 
+# Contacts that slip all at once may leave a step with two ways to go, of which the last digit takes one, and the run
+# goes on 1e-4 off. Of eight lengths that the winch hauls it is so with two or three, now as before; not with this one.
 SCENES = {
     "a hoist": hoist(),
     "a swinging payload": hoist(load={"velocity": (1.0, 2.0, 0.0)}),
     "four falls that slip": block_of_falls(
-        4, 20.0e3, hooks=RIM, drive={"pay_out": {"ramp": {"to": -2.5, "over": 0.3}}}, load={"guide": []}
+        4, 20.0e3, hooks=RIM, drive={"pay_out": {"ramp": {"to": -2.4, "over": 0.3}}}, load={"guide": []}
     ),
     "fleet angles": askew(),
     "a drum of torque and a heavy rope": hoist(
