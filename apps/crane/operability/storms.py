@@ -47,6 +47,8 @@ class Asked:
     scatter : Scatter or None
     constant : float or None
         Of the S-N curve.
+    bare : bool
+        Whether the duration was written without a unit.
     """
 
     conditions: Sequence[Condition]
@@ -60,6 +62,7 @@ class Asked:
     scatter: Scatter | None = None
     constant: float | None = None
     lead: float = 100.0
+    bare: bool = True
 
 
 @dataclass
@@ -170,7 +173,7 @@ def _check_seas(application: Any, scene: Any, keys: SeaKeys, asked: Asked) -> No
 
 def duration_notes(asked: Asked) -> list[str]:
     """Notes on a duration that no operation at sea has: 3 is 3 s, and 3 h is probably meant."""
-    if asked.duration >= SHORTEST:
+    if asked.duration >= SHORTEST or not asked.bare:
         return []
     typed = f"{asked.duration:g}"
     hours = f"if {typed} h is meant, write --duration '{typed} h'" if 3600.0 * asked.duration <= LONGEST else "check it"

@@ -75,6 +75,7 @@ def read_options(given: OperabilityOptions, gravity: Sequence[float]) -> Asked:
         scatter=diagram,
         constant=given.sn_constant,
         lead=number(given.lead_in, "--lead-in", "s"),
+        bare=given.duration.strip()[-1:].isdigit(),
     )
 
 

@@ -225,6 +225,7 @@ def test_a_duration_of_seconds_that_was_meant_in_hours_is_noted_with_what_to_wri
     from crane.operability.storms import Asked, duration_notes
 
     (note,) = duration_notes(Asked((), (), 3.0, 3.0, ()))
+    assert duration_notes(Asked((), (), 3.0, 3.0, (), bare=False)) == []  # written as 3 s
     assert "--duration is 3 s" in note and note.endswith("write --duration '3 h'")
     for seconds in (60.0, 1200.0, 10800.0):
         assert duration_notes(Asked((), (), seconds, seconds, ())) == []

@@ -267,7 +267,9 @@ class _Loop:
             note = self.source.notes.pop(0)
             say(note, "yellow")
             if self.as_json and isinstance(note, Notice):
-                print_text(json.dumps({"connection": note.status, "text": str(note)}) + "\n")
+                # Whoever reads the time of each line finds it: that of the last row.
+                time = self.last["time"] if self.last else None
+                print_text(json.dumps({"time": time, "connection": note.status, "text": str(note)}) + "\n")
 
     def _give(self, lines: Sequence[dict[str, Any]]) -> None:
         for line in lines:
