@@ -10,6 +10,7 @@ from tautline.twin.map import read_map
 from tautline.twin.record import Sensing, read_input_noise, record
 from tautline.twin.signals.smoothing import smooth_widely
 from tautline.twin.twin import Twin
+from tautline.twin.watch import Compared
 
 HOIST = "data/hoist.yaml"
 TRUE_MASS = 5300.0
@@ -142,3 +143,17 @@ def test_the_deviation_of_a_computed_tension_has_what_the_model_is_off_by():
     sd = np.hypot([line["deviations"]["winch.tension"] for line in late], 500.0)
     # With what the estimate leaves open alone, 500 N of noise were all that was said: 0.7 of the rows.
     assert np.mean(np.abs(off) <= 2.0 * sd) >= 0.9
+
+
+@pytest.mark.parametrize(
+    ("computed", "sd", "measured", "known"),
+    [(90e3, 5e3, np.nan, True), (70e3, 5e3, np.nan, False), (90e3, 5e3, 50e3, False), (90e3, 5e3, 70e3, True)],
+)
+def test_a_computed_overload_is_told_and_known_only_where_it_is_beyond_doubt(computed, sd, measured, known):
+    twin = Twin(HOIST, MAP)
+    twin.watch.judge(Compared(
+        10.0, np.array([0.0, 0.0, measured]), {"winch.tension": (computed, sd)}, np.zeros(1), np.ones(1),
+        np.ones(1, bool), np.ones(1), True, None,
+    ))  # fmt: skip
+    told = twin.watch.alarms.active["overload"]
+    assert told.known == known and ("not certain" in told.text) != known

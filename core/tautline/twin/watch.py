@@ -154,18 +154,20 @@ class Watch:
         known = computed is not None and row.converged and row.time >= row.judged_from
         values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
-        text, holds, certain = "", bool(now), True
+        text, holds, certain, doubt = "", bool(now), True, "The deviation"
         sd = extreme(np.abs(computed[1]), one) if computed is not None else np.nan
         if now:
             text = f"{one.target} {now[0][0]}: {bound_said(now[0][1], one.above, one.below, self._teller(one))}"
             certain = now[-1][0] == "measured" or surely_beyond(now[0][1], sd, one)
+            if certain and now[-1][0] == "computed" and np.isfinite(measured):
+                certain, doubt, sd = False, "What is measured", measured
         elif known and ahead is not None and one.name in ahead.first:
             after, value = ahead.first[one.name]
             left = max(0.0, ahead.begun + after - row.time)
             text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
             holds, certain = True, surely_beyond(value, sd, one)
         if not certain:
-            text += f". That is not certain: the deviation is {self._teller(one)(sd)}"
+            text += f". That is not certain. {doubt} is {self._teller(one)(sd)}"
         self.alarms.judge(one.name, holds, row.time, text, one.lasting, certain)
 
     def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
