@@ -92,7 +92,7 @@ def _write_damage(table: Table, fatigue: Fatigue, path: Path) -> Path:
         [*_place(table, i, j), float(table.heights[n]), float(damage), float(damage) / whole]
         for (i, j, n), damage in np.ndenumerate(fatigue.damage)
     ]
-    return write_rows(heads, rows, path, "-o", WriteError)
+    return write_rows(heads, rows, path, error_type=WriteError)
 
 
 def _write_states(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
@@ -105,7 +105,7 @@ def _write_states(table: Table, criteria: Sequence[Criterion], path: Path) -> Pa
         fits = [float(table.extremes[name][k, i, j, n]) for name in FITTED]
         place = [math.nan if heading is None else math.degrees(heading), table.periods[j], table.heights[n]]
         rows.append([criteria[k].text, criteria[k].unit, *place, table.status[i, j, n], *fits])
-    return write_rows([*heads, "status", *FITTED], rows, path, "-o", WriteError)
+    return write_rows([*heads, "status", *FITTED], rows, path, error_type=WriteError)
 
 
 def _write_heights(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
@@ -120,7 +120,7 @@ def _write_heights(table: Table, criteria: Sequence[Criterion], path: Path) -> P
     for i, j, k in least_of_all(table):
         one = table.allowable[k, i, j] if k >= 0 else [math.nan] * 3 + [UNKNOWN, "", ""]
         rows.append([ALL, *_place(table, i, j), *one, criteria[k].text if k >= 0 else ""])
-    return write_rows(heads, rows, path, "-o", WriteError)
+    return write_rows(heads, rows, path, error_type=WriteError)
 
 
 def least_of_all(table: Table) -> list[tuple[int, int, int]]:

@@ -27,6 +27,7 @@ import numpy as np
 from crane.rope_life.bending import RESOLUTION, Contact
 from crane.rope_life.fatigue import SLOPE
 from tautline.results.errors import ResultError
+from tautline.whole_file import whole_file
 
 SHARE = 0.2
 """Tension, over the breaking load, at which the life of a rope is given."""
@@ -198,16 +199,13 @@ class RopeAccount:
             "ends": {key: one.memory() for key, one in self._ends.items()}, "bent": self._bent,
             "reached": self.reached,
         }  # fmt: skip
-        beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
         try:
-            with beside.open("wb") as file:
+            with whole_file(path) as waiting, waiting.open("wb") as file:
                 text = np.frombuffer(json.dumps(words).encode(), np.uint8)
                 np.savez_compressed(file, words=text, cycles=self._cycles, worked=self._worked)
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(beside, path)
         except OSError as error:
-            beside.unlink(missing_ok=True)
             raise ResultError(path, f"the account cannot be written: {error.strerror}", "give another file") from None
 
     @classmethod

@@ -6,12 +6,10 @@ xarray is imported only where its dataset is asked for: that takes a second with
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
-from uuid import uuid4
 
 import numpy as np
 
@@ -21,6 +19,7 @@ from tautline.results.tables.rows import heads_of, write_rows
 from tautline.sweeps.cases import Row
 from tautline.sweeps.plans import CASE, SAMPLED, Cases, word_of
 from tautline.version import __version__
+from tautline.whole_file import whole_file
 
 if TYPE_CHECKING:
     import xarray
@@ -35,6 +34,8 @@ TIMES = {
     "case_cpu_time": ("cpu_time", "processor time of the case"),
 }
 """Times of a case: variable -> field of its row, and text. A run's own, of its loop alone, have other names."""
+CURE = "make room, and go on with --resume"
+"""What helps where one of the files of a sweep cannot be written."""
 DATASET, TABLE, RANKED = "sweep.nc", "sweep.csv", "percentiles.csv"
 
 
@@ -197,7 +198,7 @@ def write_percentiles(data: Variables, path: Path) -> Path | None:
     if not rows:
         path.unlink(missing_ok=True)
         return None
-    return _written(path, lambda waiting: write_rows(heads, rows, waiting, "-o", WriteError))
+    return write_rows(heads, rows, path, CURE, WriteError)
 
 
 def _coordinates(cases: Cases) -> dict[str, Any]:
@@ -246,7 +247,12 @@ def _shared(array: np.ndarray) -> bool:
 
 def write_netcdf(data: Variables, path: Path) -> Path:
     """Write a table; the file is whole or as it was before."""
-    return _written(path, lambda waiting: _write_netcdf(data, waiting))
+    try:
+        with whole_file(path) as waiting:
+            _write_netcdf(data, waiting)
+    except OSError as error:
+        raise WriteError(path, f"cannot be written: {error.strerror or error}", CURE) from None
+    return path
 
 
 def _write_netcdf(data: Variables, path: Path) -> None:
@@ -297,7 +303,7 @@ def write_csv(data: Variables, cases: Cases, path: Path) -> Path:
             places = data[further[0]].values if further[0] in data.coords else range(array.shape[1])
             heads += [f"{name} at {further[0]} {place:g}{unit}" for place in places]
         columns += [column.tolist() for column in array.T]
-    return _written(path, lambda waiting: write_rows(heads, zip(*columns, strict=True), waiting, "-o", WriteError))
+    return write_rows(heads, zip(*columns, strict=True), path, CURE, WriteError)
 
 
 def keys_of(cases: Cases) -> list[str]:
@@ -307,17 +313,3 @@ def keys_of(cases: Cases) -> list[str]:
 
 def _cells(cases: Cases, one: Any) -> list[Any]:
     return cases.numbers[one.key].tolist() if one.numeric else [word_of(value) for value in cases.values[one.key]]
-
-
-def _written(path: Path, write: Callable[[Path], Any]) -> Path:
-    """Write under another name, and give the file its own when it is whole."""
-    waiting = path.with_name(f".{path.stem}.{uuid4().hex[:8]}{path.suffix}")
-    try:
-        write(waiting)
-        os.replace(waiting, path)
-    except OSError as error:
-        cause = f"cannot be written: {error.strerror or error}"
-        raise WriteError(path, cause, "make room, and go on with --resume") from None
-    finally:
-        waiting.unlink(missing_ok=True)
-    return path

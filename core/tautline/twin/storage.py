@@ -7,7 +7,6 @@ that there is a whole one at every moment.
 from __future__ import annotations
 
 import json
-import os
 import zipfile
 from collections import deque
 from pathlib import Path
@@ -18,6 +17,7 @@ import numpy as np
 from tautline.live.memory import State
 from tautline.results.errors import ResultError
 from tautline.twin.estimation.horizon import Sample
+from tautline.whole_file import whole_file
 
 if TYPE_CHECKING:
     from tautline.twin.twin import Twin
@@ -57,13 +57,10 @@ def save(twin: Twin, path: Path) -> None:
     }  # fmt: skip
     for name, waves in readings.waves.items():
         arrays[f"waves {name}"] = waves.memory()
-    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        with beside.open("wb") as file:
+        with whole_file(path) as waiting, waiting.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
-        os.replace(beside, path)
     except OSError as error:
-        beside.unlink(missing_ok=True)
         raise ResultError(
             path, f"the twin's state cannot be written: {error.strerror}", "give another --state"
         ) from None

@@ -10,6 +10,7 @@ from tautline.application.installed import Catalogue
 from tautline.cli.output.called import typed
 from tautline.cli.output.console import print_text, say
 from tautline.scene.errors import Problem, SceneError
+from tautline.whole_file import whole_file
 
 SCHEMA = frozenset({"$schema", "$defs", "properties"})
 """Keys by one of which a JSON schema is known."""
@@ -81,8 +82,10 @@ def write(path: Path, text: str, force: bool) -> None:
     try:
         if path.is_dir():
             raise _refuse(str(path), "is a folder", f"name a file in it: -o {path / 'scene.yaml'}")
-        with path.open("w" if force else "x", encoding="utf-8") as file:
-            file.write(text)
+        if path.exists() and not force:
+            raise FileExistsError
+        with whole_file(path) as waiting:
+            waiting.write_text(text, encoding="utf-8")
     except FileExistsError:
         raise _refuse(str(path), "exists", "name another with -o, or overwrite it with --force") from None
     except FileNotFoundError:

@@ -43,7 +43,7 @@ def write_table(heads: Sequence[str], rows: Iterable[Sequence[Any]], path: Path)
     from tautline.results.errors import WriteError
     from tautline.results.tables.rows import write_rows
 
-    say(f"wrote {write_rows(heads, rows, path, '--csv', WriteError)}", "green")
+    say(f"wrote {write_rows(heads, rows, path, 'name another with --csv', WriteError)}", "green")
 
 
 def say_sentences(sentences: Iterable[tuple[str, str]]) -> None:

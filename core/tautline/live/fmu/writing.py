@@ -12,7 +12,6 @@ from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 from tautline.live.errors import SimulationError
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
@@ -21,6 +20,7 @@ from tautline.results.errors import ResultError
 from tautline.results.output_path import check_unit
 from tautline.scene.reading.files import files_of
 from tautline.version import __version__
+from tautline.whole_file import whole_file
 
 SCRIPTS = {
     2: '''"""Written by Tautline: the class that the host makes."""
@@ -63,6 +63,7 @@ class {name}(Fmi2Slave):
 from pythonfmu3 import Fmi3Slave
 
 from tautline.live.fmu.fmi3 import Unit
+from tautline.whole_file import whole_file
 
 
 class {name}(Unit, Fmi3Slave):
@@ -150,7 +151,8 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
                     script, made, [folder / DESCRIPTION, *files], notes, canBeInstantiatedOnlyOncePerProcess=False,
                     needsExecutionTool=True, **STATES[fmi],
                 )  # fmt: skip
-            _put(made / f"{name}.fmu", path)
+            with whole_file(path) as waiting:
+                shutil.copyfile(made / f"{name}.fmu", waiting)
         except OSError as error:
             raise ResultError(path, f"cannot be written: {error.strerror or error}", "choose another place") from None
     return [line for line in needs.splitlines()[5:7] if line]
@@ -182,17 +184,6 @@ def _modules_as_before(script: str) -> Iterator[None]:
     finally:
         sys.path[:] = known
         sys.modules.pop(script, None)
-
-
-def _put(made: Path, path: Path) -> None:
-    """Copy a file beside where it is to be, and rename it: there is the earlier one or this, never a part."""
-    path = path.resolve()  # a link stays one
-    beside = path.parent / f".{path.name}.{uuid4().hex[:8]}.part"
-    try:
-        shutil.copyfile(made, beside)
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
 
 
 def _refuse_rivals(sim: Simulation, inputs: Sequence[str]) -> None:

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
-from uuid import uuid4
 
 from tautline.results.errors import WriteError
+from tautline.whole_file import name_beside, take_name
 
 CURE = "name another file with -o, or make room"
 
@@ -30,12 +30,12 @@ class WholeLines:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        there = path.exists() and not path.is_file()
-        self._beside = path if there else path.with_name(f".{path.name}.{uuid4().hex[:8]}.part")
+        self._beside = path
 
     def __enter__(self) -> Self:
         """Begin; raises WriteError where there can be no file."""
         try:
+            self._beside = name_beside(self.path)
             self._file = self._beside.open("wb", buffering=0)
         except OSError as error:
             raise self._error(error) from None
@@ -63,7 +63,7 @@ class WholeLines:
         self._file.close()
         if self._beside != self.path:
             try:
-                os.replace(self._beside, self.path)
+                take_name(self._beside, self.path)
             except OSError as error:
                 raise self._error(error) from None
 

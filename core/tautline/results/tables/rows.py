@@ -10,6 +10,7 @@ from typing import Any
 
 from tautline.results.errors import ResultError
 from tautline.version import __version__
+from tautline.whole_file import whole_file
 
 
 def heads_of(names: Sequence[str], units: Mapping[str, str]) -> list[str]:
@@ -21,17 +22,17 @@ def write_rows(
     heads: Sequence[str],
     rows: Iterable[Sequence[Any]],
     path: Path,
-    option: str = "-o",
+    cure: str = "name another with -o",
     error_type: type[ResultError] = ResultError,
 ) -> Path:
-    """Write a CSV file; what is None or NaN is an empty cell.
+    """Write a CSV file, whole or not at all; what is None or NaN is an empty cell.
 
     Parameters
     ----------
     heads : sequence of str
         The first row.
-    option : str
-        By which another file can be named, for the message.
+    cure : str
+        What helps where it cannot be written, for the message.
 
     Raises
     ------
@@ -39,13 +40,13 @@ def write_rows(
         Of the given type, if the file cannot be written.
     """
     try:
-        with path.open("w", newline="", encoding="utf8") as file:
+        with whole_file(path) as waiting, waiting.open("w", newline="", encoding="utf8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(heads)
             writer.writerows([["" if _lacks(x) else x for x in row] for row in rows])
     except OSError as error:
         cause = f"cannot be written: {error.strerror or error}"
-        raise error_type(path, cause, f"name another with {option}") from None
+        raise error_type(path, cause, cure) from None
     return path
 
 
@@ -61,7 +62,8 @@ def write_dataset(
 
     kept = {key: value for key, value in attributes.items() if value is not None} | {"version": __version__}
     try:
-        xarray.Dataset(columns, coordinates, kept).to_netcdf(path, engine="h5netcdf")
+        with whole_file(path) as waiting:
+            xarray.Dataset(columns, coordinates, kept).to_netcdf(waiting, engine="h5netcdf")
     except OSError as error:
         raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
     return path

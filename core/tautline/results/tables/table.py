@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import csv
-import os
 from collections.abc import Callable, Sequence
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple
-from uuid import uuid4
 
 import numpy as np
 
@@ -16,6 +14,7 @@ from tautline.results.errors import ResultError, WriteError, once_each
 from tautline.results.output_path import check_folder
 from tautline.results.result import Result
 from tautline.results.variable import Variable
+from tautline.whole_file import name_beside, take_name
 
 CURE = "name another file with -o, or make room"
 ROWS = 1000
@@ -69,8 +68,10 @@ def write_csv(
     check_folder(path)
     tables = _tables(_chosen(result, what), path)
     _check_replaceable(result, tables, path)
-    beside = {table.file: table.file.with_name(f".{table.file.name}.{uuid4().hex[:8]}.part") for table in tables}
+    beside: dict[Path, Path] = {}
     try:
+        for table in tables:
+            beside[table.file] = _begun(table.file)
         for number, table in enumerate(tables, start=1):
             _write(result, table, beside[table.file])
             if progress is not None:
@@ -78,7 +79,7 @@ def write_csv(
         for file, waiting in beside.items():  # all are on the disk: from here on they only take their names
             _take_name(waiting, file)
     finally:
-        for waiting in beside.values():
+        for waiting in (waiting for file, waiting in beside.items() if waiting != file):
             waiting.unlink(missing_ok=True)
     return [table.file for table in tables]
 
@@ -155,7 +156,6 @@ def _write(result: Result, table: _Table, waiting: Path) -> None:
     header, arrays = _columns(result, table)
     count = len(arrays[0]) if table.rows else 1
     blocks = [array.reshape(count, -1) for array in arrays]
-    _open(table.file, waiting)
     try:
         with waiting.open("w", encoding="utf8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
@@ -169,19 +169,21 @@ def _write(result: Result, table: _Table, waiting: Path) -> None:
 
 def _take_name(waiting: Path, file: Path) -> None:
     try:
-        os.replace(waiting, file)
+        take_name(waiting, file)
     except OSError as error:
         raise WriteError(file, f"cannot be written: {error.strerror or error}", CURE) from None
 
 
-def _open(file: Path, waiting: Path) -> None:
-    """Begin an empty file; raises ResultError where none can be."""
+def _begun(file: Path) -> Path:
+    """Begin an empty file beside a table's place, and give its name; raises ResultError where none can be."""
     if file.is_dir():
         raise ResultError(file, "is a folder", "name another file with -o")
     try:
+        waiting = name_beside(file)
         waiting.touch()
     except OSError as error:
         raise ResultError(file, f"cannot be written: {error.strerror}", "name another file or folder with -o") from None
+    return waiting
 
 
 def _titles(result: Result, variable: Variable, array: np.ndarray) -> list[str]:

@@ -26,6 +26,7 @@ from matplotlib.ticker import FuncFormatter, LogFormatter, LogFormatterSciNotati
 
 from tautline.results.errors import ResultError
 from tautline.scene.values.systems import SYSTEMS, in_system
+from tautline.whole_file import whole_file
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours (jfly.uni-koeln.de/color), told apart by colour-blind readers; yellow is left out."""
@@ -304,7 +305,8 @@ def save(figure: Figure, path: str | Path) -> Path:
     path = Path(path)
     try:
         thin_logarithms(figure)
-        figure.savefig(path)
+        with whole_file(path) as waiting:
+            figure.savefig(waiting)
     except OSError as error:
         raise ResultError(path, f"cannot be written: {error.strerror}", "name another with -o") from None
     except ValueError as error:

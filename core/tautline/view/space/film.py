@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import re
 import subprocess
 from collections.abc import Callable
@@ -14,6 +13,7 @@ import numpy as np
 
 from tautline.results.errors import ResultError
 from tautline.view.space.stage import Stage
+from tautline.whole_file import whole_file
 
 FORMATS = ("mp4", "gif")
 RATE = 25.0
@@ -109,19 +109,19 @@ def film(
         If the format is unknown, ffmpeg is missing, or the file cannot be written.
     """
     ending = check_name(path)
-    part = path.with_name(f".{path.stem}.part.{ending}")
     width, height = stage.plotter.window_size
     try:
-        with _ffmpeg(path, part, ending, (width, height), size or (width, height), made.rate) as pipe:
+        with (
+            whole_file(path) as part,
+            _ffmpeg(path, part, ending, (width, height), size or (width, height), made.rate) as pipe,
+        ):
             for number, frame in enumerate(made.frames):
                 stage.show(int(frame))
                 pipe.write(stage.picture())
                 if progress is not None:
                     progress(number + 1, len(made.frames))
-        os.replace(part, path)
-    finally:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
+    except OSError as error:
+        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
     return path
 
 

@@ -6,14 +6,12 @@ import base64
 import hashlib
 import html
 import json
-import os
 import re
 import zlib
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 
@@ -25,6 +23,7 @@ from tautline.view.space.camera import ANGLE
 from tautline.view.space.colours import shading
 from tautline.view.space.scales import scales
 from tautline.view.space.surroundings import deep
+from tautline.whole_file import whole_file
 
 WEB = resources.files("tautline.view") / "web"
 
@@ -176,13 +175,9 @@ def write_page(
     pack = Pack(kept)
     scene = describe(appearance, pack, colour, radius)
     path = Path(path)
-    beside = path.with_name(f".{path.name}.{uuid4().hex[:8]}.part")
     try:
-        try:
-            beside.write_text(assembled(appearance.title, scene, pack.text()), encoding="utf-8", newline="\n")
-            os.replace(beside, path)
-        finally:
-            beside.unlink(missing_ok=True)
+        with whole_file(path) as waiting:
+            waiting.write_text(assembled(appearance.title, scene, pack.text()), encoding="utf-8", newline="\n")
     except OSError as error:
         raise ResultError(
             path, f"it cannot be written: {error.strerror}", "name another with --html, or make room"
