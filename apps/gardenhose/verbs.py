@@ -361,7 +361,9 @@ def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
     first = found.critical[0] if found.critical else None
     marked = (first.speed, first.frequency) if first else (None, None)
     title = f"{hose.title or path.stem}: stability"
-    figure = flutter_figure(found.speed, found.eigenvalues, found.out_of_plane, *marked, title, hose.units)
+    figure = flutter_figure(
+        found.speed, found.eigenvalues, found.out_of_plane, *marked, title, hose.units, found.windows
+    )
     write_figure(figure, path)
 
 

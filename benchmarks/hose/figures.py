@@ -83,7 +83,9 @@ def flutter() -> None:
     found = stability(hoses.changed({}), np.linspace(0.0, 21.0, 85))
     first = found.critical[0]
     marked = (first.speed, first.frequency)
-    figure = flutter_figure(found.speed, found.eigenvalues, found.out_of_plane, *marked, "Garden hose: modes")
+    figure = flutter_figure(
+        found.speed, found.eigenvalues, found.out_of_plane, *marked, "Garden hose: modes", windows=found.windows
+    )
     save(figure, IMAGES / "hose_flutter.png")
 
 

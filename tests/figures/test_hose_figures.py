@@ -9,6 +9,7 @@ import pytest
 from figures.pages import check, lay_out, leave_out_pixels
 from figures.synthetic_hose import LENGTH, result
 from of_the_suite import studies
+from PIL import Image
 
 from gardenhose.motion.curves import name_of, plane_of, shape_of, snapped, spread
 from gardenhose.motion.limit_cycle import limit_cycle
@@ -218,6 +219,21 @@ def test_an_argand_diagram_is_that_of_the_literature(tmp_path):
     assert {"2", "4", "10"} <= {text.get_text() for text in argand.texts}
     assert (argand.get_xlabel(), argand.get_ylabel()) == ("Re ω, frequency [rad/s]", "Im ω, damping [1/s]")
     check({"flutter": figure}, tmp_path, pixels=True)
+
+
+def test_windows_of_instability_are_shaded_however_narrow(tmp_path):
+    speed, values, outside = modes()
+    share = np.broadcast_to(outside, values.shape)
+    figure = flutter_figure(speed, values, share, windows=[(3.0, 3.0), (9.0, None)])
+    growth = figure.axes[1]
+    assert [(one.get_x(), one.get_x() + one.get_width()) for one in growth.patches] == [(3.0, 3.0), (9.0, 12.0)]
+    assert [text.get_text() for text in figure.legends[0].get_texts()].count("unstable") == 1
+    lay_out(figure)
+    at = growth.transData.transform((3.0, 0.5 * growth.get_ylim()[1])).astype(int)
+    figure.savefig(tmp_path / "flutter.png", dpi=figure.dpi)
+    pixels = np.asarray(Image.open(tmp_path / "flutter.png").convert("L"))
+    assert (pixels[pixels.shape[0] - at[1], at[0] - 3 : at[0] + 4] < 250).any()
+    check({"flutter": figure}, tmp_path, pixels=False)
 
 
 def test_a_flutter_figure_is_drawn_of_little_too():

@@ -104,6 +104,7 @@ def flutter_figure(
     critical_frequency: float | None = None,
     title: str = "Stability",
     system: str = "si",
+    windows: Sequence[tuple[float, float | None]] = (),
 ) -> Figure:
     """Argand diagram and growth rates of a hose's modes against flow speed.
 
@@ -126,6 +127,9 @@ def flutter_figure(
         Heading.
     system : str
         Units of the figure, a key of `tautline.scene.values.systems.SYSTEMS`.
+    windows : list of (begin, end)
+        Speeds between which the hose is unstable, m/s, no end where it is at the fastest: shaded, for a growth rate
+        above zero by little cannot be seen.
     """
     modes = _modes_of(speed, eigenvalues, out_of_plane)
     figure, plots = axes(1, 2, 11.0, 5.4, title, width_ratios=(1.15, 1.0))
@@ -150,6 +154,10 @@ def flutter_figure(
     growth.set_title("Growth rate")
     if len(modes.speed) > 1:
         growth.set_xlim(modes.speed.min(), modes.speed.max())
+    for number, (begin, end) in enumerate(windows):
+        end = modes.speed[-1] if end is None else end
+        # Its edges are drawn too: a narrow one has no width to see.
+        growth.axvspan(begin, end, color=SHADE, lw=0.8, zorder=0, label="unstable" if not number else None)
     growth.set_ylim(-high, -low)
     figure.legend(handles=_handles(growth, modes, numbers), loc="outside lower center", ncols=7)
     use_units(figure, system)
