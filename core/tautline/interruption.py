@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 try:
     # What the functions of `signal` call. They make enumerations of what they give back, 3 to 4 us a call, which is as
@@ -52,16 +53,33 @@ def _in_main_thread() -> bool:
     return threading.current_thread() is threading.main_thread()
 
 
+def _handled(number: int, handler: Callable[[int, Any], Any]) -> bool:
+    """Whether a signal is now handled so.
+
+    Not in a host that starts Python in one thread and imports `threading` in another: each takes another thread for the
+    main one, and Python lets only the one that started it handle signals.
+    """
+    try:
+        handle(number, handler)
+    except ValueError:
+        return False
+    return True
+
+
 @contextmanager
 def listening(patient: bool = False) -> Iterator[Ear]:
-    """Listen to Ctrl-C; only in the main thread, where it is raised, and where nobody else does already."""
+    """Listen to Ctrl-C; only in the main thread, where it is raised, and where nobody else does already.
+
+    Where Python lets this thread handle no signals, nothing is heard.
+    """
     ear = Ear(patient)
     if not _in_main_thread():
         yield ear
         return
     plain = handler_of(SIGINT) is signal.default_int_handler
-    if plain:
-        handle(SIGINT, ear.press)
+    if plain and not _handled(SIGINT, ear.press):
+        yield ear
+        return
     _ears.append(ear)
     try:
         yield ear
@@ -102,12 +120,12 @@ def _terminate(number: int, frame: object) -> None:
 def ended_by_signal() -> Iterator[None]:
     """Take SIGTERM and SIGHUP, which a terminal sends that is closed, as Ctrl-C.
 
-    For a process that is a command of ours, and where nobody else handles them: `nohup` has SIGHUP ignored.
+    For a process that is a command of ours, and where nobody else handles them: `nohup` has SIGHUP ignored. Where
+    Python lets this thread handle no signals, they stay as they are.
     """
     ends = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
-    taken = [one for one in ends if _in_main_thread() and signal.getsignal(one) is signal.SIG_DFL]
-    for one in taken:
-        signal.signal(one, _terminate)
+    free = [one for one in ends if _in_main_thread() and signal.getsignal(one) is signal.SIG_DFL]
+    taken = [one for one in free if _handled(one, _terminate)]
     try:
         yield
     finally:
