@@ -1,11 +1,19 @@
 """What hosts of FMUs do that Python programs do not: threads of their own, Pythons without Tautline, other versions."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import tautline
+from tautline.live.fmu.writing import write_fmu
+
+fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
+pytest.importorskip("pythonfmu3", reason="PythonFMU3 is not installed")
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -52,3 +60,55 @@ def test_a_simulation_steps_in_a_thread_that_may_handle_no_signals():
     for _ in range(2):
         sim.advance(0.05)
     assert ran.stdout.strip() == repr(float(sim["winch.tension"])), ran.stdout + ran.stderr
+
+
+HOST = """
+import os, sys, fmpy
+folder = fmpy.extract(sys.argv[1], os.path.dirname(sys.argv[1]) + "/unit")
+told = fmpy.read_model_description(folder)
+kind = fmpy.fmi2.FMU2Slave if told.fmiVersion == "2.0" else fmpy.fmi3.FMU3Slave
+unit = kind(
+    guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier, instanceName="one"
+)
+try:
+    unit.instantiate()
+    if told.fmiVersion == "2.0":
+        unit.setupExperiment(startTime=0.0)
+    unit.enterInitializationMode()
+    unit.exitInitializationMode()
+    unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=0.05)
+    print("stepped", flush=True)
+except Exception as error:
+    print("refused", error, flush=True)
+os._exit(0)  # the library of an FMU in Python does not survive the end of its host
+"""
+"""A host that steps once."""
+
+
+def host(path, **environment):
+    """What a host says that makes one instance of an FMU and steps it once."""
+    ran = subprocess.run(
+        [sys.executable, "-c", HOST, str(path)], capture_output=True, text=True, timeout=300,
+        env={**os.environ, **environment},
+    )  # fmt: skip
+    assert ran.returncode == 0, f"the host died: {ran.returncode}; {ran.stdout}{ran.stderr}"
+    return ran.stdout + ran.stderr
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(
+    "name", ["unit", "staticmethod", "class", "None", "fmi2", "super", "Fmi3Slave", "Unit", "a²", "1 кран", "x\x01"]
+)
+def test_an_fmu_has_any_name_that_a_file_can_have(name, fmi, tmp_path):
+    """Also one of Python, of the script itself, or with letters that C does not know in names."""
+    path = tmp_path / f"{name}.fmu"
+    write_fmu(DATA / "hoist.yaml", path, ["winch.pay_out_speed"], ["winch.tension"], fmi=fmi)
+    told = fmpy.read_model_description(str(path))
+    assert re.fullmatch("[A-Za-z][A-Za-z0-9_]*", told.coSimulation.modelIdentifier)
+    assert told.modelName == name.replace("\x01", "_")
+    assert "stepped" in host(path)
+
+
+def test_the_usual_name_of_an_fmu_is_that_of_its_library(tmp_path):
+    write_fmu(DATA / "hoist.yaml", tmp_path / "hoist_2.fmu", [], ["winch.tension"])
+    assert fmpy.read_model_description(str(tmp_path / "hoist_2.fmu")).coSimulation.modelIdentifier == "hoist_2"

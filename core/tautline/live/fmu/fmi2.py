@@ -57,6 +57,8 @@ class Unit:
 
     def complete(self, root: Element) -> Element:
         """The model description, with units and the unknowns of the initialisation."""
+        # PythonFMU takes one name for the model and its library. Only that of the library has to be one of C.
+        root.set("modelName", self.core.told["title"])
         # Names of things may have blanks.
         root.set("variableNamingConvention", "flat")
         used = [unit for unit in dict.fromkeys(self.units.values()) if unit in BASE]

@@ -61,6 +61,8 @@ class Unit(Fmi3Slave):
         """The model description; names of things may have blanks."""
         root = super().to_xml(model_options or {})
         root.set("variableNamingConvention", "flat")
+        # PythonFMU3 takes one name for the model and its library. Only that of the library has to be one of C.
+        root.set("modelName", self.core.told["title"])
         return root
 
     def exit_initialization_mode(self) -> None:

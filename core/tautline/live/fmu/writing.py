@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tautline.live.errors import SimulationError
+from tautline.live.fmu.scripts import SCRIPTS
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
 from tautline.results.errors import ResultError
@@ -22,55 +23,6 @@ from tautline.scene.reading.files import files_of
 from tautline.version import __version__
 from tautline.whole_file import whole_file
 
-SCRIPTS = {
-    2: '''"""Written by Tautline: the class that the host makes."""
-
-from pythonfmu import Fmi2Slave
-
-from tautline.live.fmu import fmi2, unit
-
-
-class {name}(Fmi2Slave):
-    """A Tautline scene."""
-
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        self.unit = fmi2.Unit(self)
-
-    def to_xml(self, model_options=None):
-        return self.unit.complete(super().to_xml(model_options or {{}}))
-
-    def setup_experiment(self, start_time, stop_time=None, tolerance=None):
-        self.unit.core.start_at(start_time)
-
-    def exit_initialization_mode(self):
-        self.unit.initialise()
-
-    def do_step(self, current_time, step_size):
-        return self.unit.step(current_time, step_size)
-
-    def _get_fmu_state(self):
-        return self.unit.core.save()
-
-    def _set_fmu_state(self, state):
-        self.unit.restore(state)
-
-    _fmu_state_to_bytes = staticmethod(unit.to_bytes)
-    _fmu_state_from_bytes = staticmethod(unit.state_from_bytes)
-''',
-    3: '''"""Written by Tautline: the class that the host makes."""
-
-from pythonfmu3 import Fmi3Slave
-
-from tautline.live.fmu.fmi3 import Unit
-from tautline.whole_file import whole_file
-
-
-class {name}(Unit, Fmi3Slave):
-    """A Tautline scene."""
-''',
-}
-"""By version of the standard. A class of FMI 2 has no base but PythonFMU's: see `tautline.live.fmu.fmi2`."""
 PACKAGES = {2: "pythonfmu", 3: "pythonfmu3"}
 """What makes an FMU of each version of the standard."""
 STATES = {
@@ -136,8 +88,11 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         folder = Path(work)
         files = _files(sim.scene, folder)
         script = folder / f"{name}_unit.py"
-        script.write_text(SCRIPTS[fmi].format(name=name), encoding="utf8")
-        told = {"inputs": list(inputs), "outputs": list(outputs), "name": name, "version": __version__}
+        script.write_text(SCRIPTS[fmi], encoding="utf8")
+        told = {
+            "inputs": list(inputs), "outputs": list(outputs), "name": name, "title": _title(path),
+            "version": __version__,
+        }  # fmt: skip
         (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
         notes = folder / "documentation"
         notes.mkdir()
@@ -170,9 +125,14 @@ def _builder(path: Path, fmi: int) -> Any:
 
 
 def _model_name(path: Path) -> str:
-    """The name of a file as one that the standard and Python allow."""
-    named = re.sub(r"\W", "_", path.stem)
+    """The name of a file as one that C allows: that of the library, and of the script beside it."""
+    named = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
     return named if named[:1].isalpha() else f"fmu_{named}"
+
+
+def _title(path: Path) -> str:
+    """The name of a file as it is, but for what no XML has."""
+    return "".join(letter if letter.isprintable() else "_" for letter in path.stem)
 
 
 @contextmanager
