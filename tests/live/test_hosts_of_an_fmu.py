@@ -4,16 +4,20 @@ import os
 import re
 import subprocess
 import sys
+import zipfile
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import tautline
+from tautline.live.fmu.unit import Core
 from tautline.live.fmu.writing import write_fmu
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
-pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
+Fmi2Slave = pytest.importorskip("pythonfmu", reason="PythonFMU is not installed").Fmi2Slave
 pytest.importorskip("pythonfmu3", reason="PythonFMU3 is not installed")
+fmi2, fmi3 = import_module("tautline.live.fmu.fmi2"), import_module("tautline.live.fmu.fmi3")
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -112,3 +116,50 @@ def test_an_fmu_has_any_name_that_a_file_can_have(name, fmi, tmp_path):
 def test_the_usual_name_of_an_fmu_is_that_of_its_library(tmp_path):
     write_fmu(DATA / "hoist.yaml", tmp_path / "hoist_2.fmu", [], ["winch.tension"])
     assert fmpy.read_model_description(str(tmp_path / "hoist_2.fmu")).coSimulation.modelIdentifier == "hoist_2"
+
+
+PERCENT = "payload 50% sea %s %n"
+"""The name of a load, of which an unwary printf makes garbage or the end of its process."""
+
+
+@pytest.fixture(scope="module")
+def of_percents(tmp_path_factory):
+    """Resources of an FMU whose messages have per cent signs."""
+    folder = tmp_path_factory.mktemp("percent")
+    text = (DATA / "hoist.yaml").read_text().replace("payload", PERCENT)
+    write_fmu(text, folder / "percent.fmu", [f"{PERCENT}.force"], ["winch.tension"])
+    with zipfile.ZipFile(folder / "percent.fmu") as file:
+        file.extractall(folder)
+    return folder / "resources"
+
+
+class Listener(Fmi2Slave):
+    """A slave of FMI 2 that keeps what it is told to log."""
+
+    def __init__(self, resources):
+        super().__init__(instance_name="one", resources=str(resources))
+        self.unit = fmi2.Unit(self)
+
+    def do_step(self, current_time, step_size):
+        return self.unit.step(current_time, step_size)
+
+    @property
+    def texts(self):
+        return [message.msg for message in self.log_queue]
+
+
+def test_a_log_message_of_fmi_2_is_a_format_of_which_printf_makes_the_message(of_percents):
+    slave, core = Listener(of_percents), Core(of_percents)
+    name = f"{PERCENT}.mass"
+    with pytest.raises(tautline.SimulationError) as told:
+        core.set(name, -1.0)
+    number = next(key for key, one in slave.vars.items() if one.name == name)
+    slave.set_real([number], [-1.0])
+    assert not slave.do_step(0.0, 0.05)
+    assert [text % () for text in slave.texts] == [str(told.value)] * 2 and PERCENT in str(told.value)
+
+
+def test_a_log_message_of_fmi_3_is_the_message(of_percents):
+    slave = fmi3.Unit(instance_name="one", resources=str(of_percents))
+    slave._set(f"{PERCENT}.mass", -1.0)
+    assert PERCENT in slave.log_queue[0].msg

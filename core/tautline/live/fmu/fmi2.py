@@ -26,6 +26,11 @@ KINDS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
+def as_format(error: Exception) -> str:
+    """What an error says, as a format of printf: the host's logger of FMI 2 takes any text for one."""
+    return str(error).replace("%", "%%")
+
+
 class Unit:
     """A simulation that an FMI 2.0 slave asks for all that it is.
 
@@ -102,6 +107,6 @@ class Unit:
         try:
             act()
         except TautlineError as error:
-            self.slave.log(str(error), Fmi2Status.error)
+            self.slave.log(as_format(error), Fmi2Status.error)
             return False
         return True
