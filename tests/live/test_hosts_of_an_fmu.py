@@ -68,6 +68,8 @@ def test_a_simulation_steps_in_a_thread_that_may_handle_no_signals():
 
 HOST = """
 import os, sys, fmpy
+if "WITHOUT" in os.environ:
+    sys.modules[os.environ["WITHOUT"]] = None
 folder = fmpy.extract(sys.argv[1], os.path.dirname(sys.argv[1]) + "/unit")
 told = fmpy.read_model_description(folder)
 kind = fmpy.fmi2.FMU2Slave if told.fmiVersion == "2.0" else fmpy.fmi3.FMU3Slave
@@ -75,7 +77,7 @@ unit = kind(
     guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier, instanceName="one"
 )
 try:
-    unit.instantiate()
+    unit.instantiate(loggingOn="LOGGING" in os.environ)
     if told.fmiVersion == "2.0":
         unit.setupExperiment(startTime=0.0)
     unit.enterInitializationMode()
@@ -163,3 +165,45 @@ def test_a_log_message_of_fmi_3_is_the_message(of_percents):
     slave = fmi3.Unit(instance_name="one", resources=str(of_percents))
     slave._set(f"{PERCENT}.mass", -1.0)
     assert PERCENT in slave.log_queue[0].msg
+
+
+def rewritten(source, target, change):
+    """A copy of an FMU whose script is changed."""
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            new.writestr(name, change(data.decode()).encode() if name.endswith("_unit.py") else data)
+    return target
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_of_another_version_is_refused_with_both_versions_and_the_line_for_pip(fmi, tmp_path):
+    """The host lives on: only the instance is refused."""
+    new, old, version = tmp_path / "new.fmu", tmp_path / "old.fmu", tautline.__version__
+    write_fmu(DATA / "hoist.yaml", new, [], ["winch.tension"], fmi=fmi)
+    said = host(rewritten(new, old, lambda text: text.replace(version, "0.0.7")))
+    assert "refused" in said and "stepped" not in said
+    assert f"Tautline {version} is installed" in said and "written by Tautline 0.0.7" in said
+    assert 'pip install "tautline[fmi]==0.0.7"' in said and sys.executable in said
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_host_whose_python_has_no_tautline_is_told_what_to_install_and_where(fmi, tmp_path):
+    path = tmp_path / "lone.fmu"
+    write_fmu(DATA / "hoist.yaml", path, [], ["winch.tension"], fmi=fmi)
+    for logging in ({"LOGGING": "1"}, {}):
+        said = host(path, WITHOUT="tautline", **logging)
+        assert "refused" in said and "tautline" in said
+        assert f'pip install "tautline[fmi]=={tautline.__version__}"' in said and sys.executable in said
+
+
+def test_what_an_fmu_of_fmi_2_refuses_at_its_start_is_a_format_too(of_percents, monkeypatch):
+    """PythonFMU hands the error of a constructor to the host's logger."""
+
+    def refuse(*_, **__):
+        raise tautline.SimulationError("100% of memory")
+
+    monkeypatch.setattr("tautline.live.fmu.unit.Simulation", refuse)
+    with pytest.raises(tautline.SimulationError) as told:
+        Listener(of_percents)
+    assert str(told.value) % () == "100% of memory"

@@ -12,6 +12,7 @@ from pythonfmu.enums import Fmi2Causality, Fmi2Initial, Fmi2Status, Fmi2Variabil
 from pythonfmu.variables import Real
 
 from tautline.errors import TautlineError
+from tautline.live.errors import SimulationError
 from tautline.live.fmu.unit import BASE, Core
 from tautline.version import __version__
 
@@ -41,11 +42,20 @@ class Unit:
     ----------
     slave : Fmi2Slave
         Made already; variables are registered with it.
+
+    Raises
+    ------
+    SimulationError
+        Where the scene cannot be read or no start is found.
     """
 
     def __init__(self, slave: Fmi2Slave) -> None:
         self.slave = slave
-        self.core = core = Core(str(slave.resources))
+        try:
+            self.core = core = Core(str(slave.resources))
+        except TautlineError as error:
+            # PythonFMU hands it to the host's logger.
+            raise SimulationError(as_format(error)) from None
         slave.author, slave.version = "Tautline", __version__
         slave.modelName = core.told["name"]
         slave.description = core.sim.scene.title or "a Tautline scene"

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tautline.live.errors import SimulationError
-from tautline.live.fmu.scripts import SCRIPTS
+from tautline.live.fmu.scripts import script_of
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
 from tautline.results.errors import ResultError
@@ -88,7 +88,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         folder = Path(work)
         files = _files(sim.scene, folder)
         script = folder / f"{name}_unit.py"
-        script.write_text(SCRIPTS[fmi], encoding="utf8")
+        script.write_text(script_of(fmi), encoding="utf8")
         told = {
             "inputs": list(inputs), "outputs": list(outputs), "name": name, "title": _title(path),
             "version": __version__,
