@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import tautline
+from tautline.errors import TautlineError
 from tautline.live.fmu.unit import Core
 from tautline.live.fmu.writing import write_fmu
 
@@ -72,29 +73,45 @@ if "WITHOUT" in os.environ:
     sys.modules[os.environ["WITHOUT"]] = None
 folder = fmpy.extract(sys.argv[1], os.path.dirname(sys.argv[1]) + "/unit")
 told = fmpy.read_model_description(folder)
-kind = fmpy.fmi2.FMU2Slave if told.fmiVersion == "2.0" else fmpy.fmi3.FMU3Slave
-unit = kind(
+two = told.fmiVersion == "2.0"
+unit = (fmpy.fmi2.FMU2Slave if two else fmpy.fmi3.FMU3Slave)(
     guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier, instanceName="one"
 )
-try:
+number = {variable.name: variable.valueReference for variable in told.modelVariables}
+
+def step(time):
+    unit.doStep(currentCommunicationPoint=time, communicationStepSize=0.05)
+    print("stepped", flush=True)
+
+def begin(**values):
     unit.instantiate(loggingOn="LOGGING" in os.environ)
-    if told.fmiVersion == "2.0":
+    if two:
         unit.setupExperiment(startTime=0.0)
     unit.enterInitializationMode()
+    for name, value in values.items():
+        put(name, value)
     unit.exitInitializationMode()
-    unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=0.05)
-    print("stepped", flush=True)
-except Exception as error:
-    print("refused", error, flush=True)
+
+def put(name, value):
+    (unit.setReal if two else unit.setFloat64)([number[name]], [value])
+
+def refused(act, *given):
+    try:
+        return act(*given)
+    except Exception as error:
+        print("refused", error, flush=True)
+
+ACTS
 os._exit(0)  # the library of an FMU in Python does not survive the end of its host
 """
-"""A host that steps once."""
+"""A host that does what stands for ACTS."""
+ONE_STEP = "refused(lambda: (begin(), step(0.0)))"
 
 
-def host(path, **environment):
-    """What a host says that makes one instance of an FMU and steps it once."""
+def host(path, acts=ONE_STEP, **environment):
+    """What a host says that makes one instance of an FMU and does what is asked."""
     ran = subprocess.run(
-        [sys.executable, "-c", HOST, str(path)], capture_output=True, text=True, timeout=300,
+        [sys.executable, "-c", HOST.replace("ACTS", acts), str(path)], capture_output=True, text=True, timeout=300,
         env={**os.environ, **environment},
     )  # fmt: skip
     assert ran.returncode == 0, f"the host died: {ran.returncode}; {ran.stdout}{ran.stderr}"
@@ -207,3 +224,47 @@ def test_what_an_fmu_of_fmi_2_refuses_at_its_start_is_a_format_too(of_percents, 
     with pytest.raises(tautline.SimulationError) as told:
         Listener(of_percents)
     assert str(told.value) % () == "100% of memory"
+
+
+WITHOUT_START = """
+begin(**{"vessel.heave": 1e5})
+state = unit.getFMUState()
+print("state given", flush=True)
+refused(step, 0.0)
+put("vessel.heave", 0.0)
+step(0.0)
+unit.setFMUState(state)
+refused(step, 0.05)
+"""
+"""A heave of 100 km, with which no start is found."""
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_state_of_a_start_that_is_not_found_is_given_and_refused_where_it_is_set(fmi, tmp_path):
+    """A host that takes a state before each step lives on, and steps once a start is found; per cents are logged."""
+    path = tmp_path / "deep.fmu"
+    write_fmu(DATA / "hoist.yaml", path, ["vessel.heave"], ["winch.tension"], fmi=fmi)
+    said = host(path, WITHOUT_START, LOGGING="1")
+    assert "fatal" not in said.lower() and said.count("no start is found with what was set") >= 3
+    assert said.count(" % of the scene's largest force") >= 3
+    words = [line.split()[0] for line in said.splitlines() if line.startswith(("state", "refused", "stepped"))]
+    assert words == ["state", "refused", "stepped", "refused"]
+
+
+def test_a_unit_that_has_stopped_says_why_whatever_the_time_that_the_host_goes_on_from(tmp_path):
+    """Some hosts look past the status of a step, and their time goes on: the hoist is two-blocked before 14 s."""
+    write_fmu(DATA / "hoist.yaml", tmp_path / "fast.fmu", ["winch.pay_out_speed"], ["winch.tension"])
+    with zipfile.ZipFile(tmp_path / "fast.fmu") as file:
+        file.extractall(tmp_path)
+    core = Core(tmp_path / "resources")
+    core.initialise()
+    saved = core.save()
+    told = []
+    for k in range(32):
+        try:
+            core.step(0.5 * k, 0.5)
+        except TautlineError as error:
+            told.append(str(error))
+    assert len(told) > 3 and all("TWO_BLOCKED at" in text for text in told), told
+    core.restore(saved)
+    core.step(0.0, 0.5)

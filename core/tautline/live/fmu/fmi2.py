@@ -13,7 +13,7 @@ from pythonfmu.variables import Real
 
 from tautline.errors import TautlineError
 from tautline.live.errors import SimulationError
-from tautline.live.fmu.unit import BASE, Core
+from tautline.live.fmu.unit import BASE, Core, no_state
 from tautline.version import __version__
 
 KINDS: dict[str, dict[str, Any]] = {
@@ -101,6 +101,14 @@ class Unit:
         """One communication step; a failure is told in the host's log."""
         return self._guarded(lambda: self.core.step(current_time, step_size))
 
+    def save(self) -> dict[str, Any]:
+        """All that a state is. Where no start is found it is told in the host's log, and the state is none."""
+        try:
+            return self.core.save()
+        except TautlineError as error:
+            self._tell(error)
+            return no_state(str(error))
+
     def restore(self, state: dict[str, Any]) -> None:
         """Stand where a state was saved; what is none is told in the host's log, and steps fail until one is set."""
         self._guarded(lambda: self.core.restore(state))
@@ -117,6 +125,9 @@ class Unit:
         try:
             act()
         except TautlineError as error:
-            self.slave.log(as_format(error), Fmi2Status.error)
+            self._tell(error)
             return False
         return True
+
+    def _tell(self, error: TautlineError) -> None:
+        self.slave.log(as_format(error), Fmi2Status.error)

@@ -14,7 +14,7 @@ from pythonfmu3.unit import Unit as NamedUnit
 from pythonfmu3.variables import Float64
 
 from tautline.errors import TautlineError
-from tautline.live.fmu.unit import BASE, Core, state_from_bytes, to_bytes
+from tautline.live.fmu.unit import BASE, Core, no_state, state_from_bytes, to_bytes
 from tautline.version import __version__
 
 KINDS: dict[str, dict[str, Any]] = {
@@ -91,7 +91,11 @@ class Unit(Fmi3Slave):
         return True
 
     def _get_fmu_state(self) -> dict[str, Any]:
-        return self.core.save()
+        try:
+            return self.core.save()
+        except TautlineError as error:
+            self.log(str(error), Fmi3Status.error)
+            return no_state(str(error))
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
         self._guarded(lambda: self.core.restore(state))

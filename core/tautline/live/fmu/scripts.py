@@ -54,7 +54,7 @@ class Scene(Fmi2Slave):
         return self.unit.step(current_time, step_size)
 
     def _get_fmu_state(self):
-        return self.unit.core.save()
+        return self.unit.save()
 
     def _set_fmu_state(self, state):
         self.unit.restore(state)

@@ -169,6 +169,10 @@ class Core:
         if self.refused:
             raise SimulationError("; ".join(self.refused.values()))
         sim = self.begun()
+        if sim.stopped:
+            # Before the time, which a host that goes on after a failure has no longer from here.
+            cure = "set a state that was saved before"
+            raise SimulationError(f"the simulation has stopped: {sim.stopped}", cure)
         if not self.timed:
             self.start_at(time)
         rounding = SHORTEST * sim.model.solver.interval
@@ -177,7 +181,7 @@ class Core:
             raise SimulationError(cause, "set the state that was saved there")
         self.stepped = True
         end = time - self.begin + length
-        if length > 0.0 and end - sim.time < rounding and not sim.stopped:
+        if length > 0.0 and end - sim.time < rounding:
             return
         for name, value in self.given.items():
             # What was given before and stays as it is needs no way to it. What was never given still goes by the scene.
@@ -189,7 +193,7 @@ class Core:
     # -- state ---------------------------------------------------------------------------------------------------------
 
     def save(self) -> dict[str, Any]:
-        """All that a state of the FMU is."""
+        """All that a state of the FMU is; raises SimulationError where no start is found with what was set."""
         return {
             "state": self.begun().save(), "sent": dict(self.sent), "given": dict(self.given),
             "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
@@ -224,6 +228,11 @@ class Core:
         self.initialised = saved["initialised"]
 
 
+def no_state(cause: str) -> dict[str, Any]:
+    """What a host, which would die of an error, is given for a state where there is none: it is refused where set."""
+    return {NO_STATE: cause}
+
+
 def to_bytes(saved: dict[str, Any]) -> bytes:
     """A state as bytes: numbers as JSON, then the block."""
     if NO_STATE in saved:
@@ -236,11 +245,11 @@ def to_bytes(saved: dict[str, Any]) -> bytes:
 
 
 def state_from_bytes(data: bytes) -> dict[str, Any]:
-    """The same for a host, which would die of an error: other bytes are a state that is refused where it is set."""
+    """The same for a host: other bytes are no state."""
     try:
         return from_bytes(data)
     except SimulationError as error:
-        return {NO_STATE: str(error)}
+        return no_state(str(error))
 
 
 def from_bytes(data: bytes) -> dict[str, Any]:
