@@ -12,6 +12,7 @@ import pytest
 
 import tautline
 from tautline.errors import TautlineError
+from tautline.live.fmu.needs import host_needs, python_library
 from tautline.live.fmu.unit import Core
 from tautline.live.fmu.writing import write_fmu
 
@@ -268,3 +269,33 @@ def test_a_unit_that_has_stopped_says_why_whatever_the_time_that_the_host_goes_o
     assert len(told) > 3 and all("TWO_BLOCKED at" in text for text in told), told
     core.restore(saved)
     core.step(0.0, 0.5)
+
+
+def test_the_needs_of_a_host_name_the_shared_library_of_python_that_linux_has_to_load(tmp_path):
+    """No library of PythonFMU is linked to it: a host that is no Python program finds no symbol of Python."""
+    path = tmp_path / "hoist.fmu"
+    (line,) = [need for need in write_fmu(DATA / "hoist.yaml", path, [], ["winch.tension"]) if "LD_PRELOAD" in need]
+    with zipfile.ZipFile(path) as file:
+        assert line in file.read("documentation/index.txt").decode()
+    named = Path(re.search("LD_PRELOAD=([^`]+)`", line)[1])
+    assert named.is_file() or "The Python that wrote this FMU has none" in line
+
+
+def test_a_python_without_a_shared_library_says_so(monkeypatch):
+    monkeypatch.setattr("sysconfig.get_config_vars", lambda: {"LDLIBRARY": "libpython3.11.a"})
+    told = "".join(host_needs())
+    assert "LD_PRELOAD=/path/to/libpython" in told and "The Python that wrote this FMU has none" in told
+
+
+def test_the_shared_library_of_python_is_found_where_python_was_built_with_one(tmp_path):
+    kind = tmp_path / "x86_64-linux-gnu"
+    kind.mkdir()
+    static = {"LIBDIR": str(tmp_path), "LDLIBRARY": "libpython3.11.a", "INSTSONAME": "libpython3.11.a"}
+    (tmp_path / "libpython3.11.a").touch()
+    shared = {"LIBDIR": str(tmp_path), "LDLIBRARY": "libpython3.11.so", "INSTSONAME": "libpython3.11.so.1.0"}
+    for config in ({}, {"LIBDIR": None, "LDLIBRARY": None}, static, shared):
+        assert python_library(config) is None
+    (kind / "libpython3.11.so.1.0").touch()
+    assert python_library({**shared, "MULTIARCH": kind.name}) == kind / "libpython3.11.so.1.0"
+    (tmp_path / "libpython3.11.so").touch()
+    assert python_library(shared) == tmp_path / "libpython3.11.so"

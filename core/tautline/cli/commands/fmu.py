@@ -46,7 +46,7 @@ def fmu(
     say(f"wrote {target}")
     say(f"the host needs, beside a master of FMI {fmi}.0:")
     for line in needs:
-        say(f"  {line.removeprefix('- ').rstrip(';.')}")
+        say(f"  {line}")
     if as_json:
         print_json(
             {"status": "done", "fmu": str(target), **{key[2:]: names for key, names in named.items()}, "needs": needs}

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tautline.live.errors import SimulationError
+from tautline.live.fmu.needs import host_needs, page_of
 from tautline.live.fmu.scripts import script_of
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
@@ -29,18 +30,6 @@ STATES = {
     2: {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, "canHandleVariableCommunicationStepSize": True},
     3: {"canGetAndSetFMUState": True, "canSerializeFMUState": True, "canHandleVariableCommunicationStepSize": True},
 }
-NEEDS = """Tautline {version} as an FMU for co-simulation, FMI {fmi}.0
-======================================================
-
-The scene, and the files that it names, lie in resources/. The host needs, on Linux or Windows, 64 bits:
-
-- Python {python} or another version for which Tautline is installed, found by the host (the `python` of its path);
-- `pip install "tautline[fmi]=={version}"` in that Python.
-
-A communication step is one advance: it is divided into equal steps that are no longer than solver.step. An input is
-reached at the end of the next communication step by a smooth curve. Parameters may be set before the initialisation
-and at any communication point. Get, set and serialise of the FMU state are there, also in another process.
-"""
 
 
 def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequence[str], fmi: int = 2) -> list[str]:
@@ -83,7 +72,6 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
             raise SimulationError(f"the output {name} has no numbers in this scene", "name another")
     _refuse_rivals(sim, inputs)
     name = _model_name(path)
-    needs = NEEDS.format(version=__version__, fmi=fmi, python=".".join(map(str, sys.version_info[:2])))
     with tempfile.TemporaryDirectory() as work:
         folder = Path(work)
         files = _files(sim.scene, folder)
@@ -96,7 +84,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
         notes = folder / "documentation"
         notes.mkdir()
-        (notes / "index.txt").write_text(needs, encoding="utf8")
+        (notes / "index.txt").write_text(page_of(fmi), encoding="utf8")
         try:
             # PythonFMU3 names the file itself, and both leave one behind where they fail.
             made = folder / "made"
@@ -110,7 +98,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
                 shutil.copyfile(made / f"{name}.fmu", waiting)
         except OSError as error:
             raise ResultError(path, f"cannot be written: {error.strerror or error}", "choose another place") from None
-    return [line for line in needs.splitlines()[5:7] if line]
+    return host_needs()
 
 
 def _builder(path: Path, fmi: int) -> Any:
