@@ -265,7 +265,9 @@ def tied(scene: HoseScene) -> HoseScene:
     """
     if scene.document is None or scene.coupling == "linear":
         return scene
-    values = {("coupling",): ("linear", "coupling"), ("stiffness",): (None, "stiffness")}
+    values: dict[tuple[str | int, ...], tuple[Any, str]] = {
+        ("coupling",): ("linear", "coupling"), ("stiffness",): (None, "stiffness"),
+    }  # fmt: skip
     return validate(HoseScene, scene.document.replaced(values))
 
 

@@ -130,13 +130,3 @@ def _form_of(made: Assembly, scene: HoseScene, speed: float, state: State) -> Fo
     starts = [made.layout.start[i + 1] for i in range(len(arc_lengths(scene)))]
     nodes = np.array(starts)[:, None] + np.arange(3)
     return Form(speed, state.full_q[nodes], state.full_q[nodes + 3], made.system, state)
-
-
-def _form_of(made: Assembly, scene: HoseScene, speed: float, state: State) -> Form:
-    starts = [made.layout.start[i + 1] for i in range(len(arc_lengths(scene)))]
-    nodes = np.array(starts)[:, None] + np.arange(3)
-    return Form(speed, state.full_q[nodes], state.full_q[nodes + 3], made.system, state)
-
-
-def _step_limit(scene: HoseScene) -> float:
-    return 0.5 * float(np.diff(arc_lengths(scene)).min())
