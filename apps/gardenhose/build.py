@@ -11,7 +11,7 @@ from gardenhose.cables import Stream, arc_lengths, cables_of, streams
 from gardenhose.estimates import average, speeds
 from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
-from gardenhose.scene import HoseScene
+from gardenhose.scene import HoseScene, tied
 from gardenhose.summary import FIGURES, headline
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
@@ -19,7 +19,10 @@ from tautline.cable.model.build import Assembly, assemble_cables
 from tautline.cable.model.handles import stiffnesses
 from tautline.cable.model.layout import Layout
 from tautline.elements.nodal.jet import JET, Jets
+from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.attainable import within_rounding
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.stability import Stability, find_stable_equilibrium
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.handles import Handles, inputs_of, outputs_of, prepared_of, same_as
 from tautline.system.model import Model
@@ -79,7 +82,8 @@ def build(scene: HoseScene) -> Model:
         limits=limits,
         figure_units=FIGURES,
         start=STARTS[scene.start],
-        step_limit=0.5 * float(np.diff(arc_lengths(scene)).min()),
+        step_limit=step_limit(scene),
+        settle=None if scene.coupling == "linear" else lambda state: begin_at_rest(scene, made, state),
         notes=notes,
         handles=lambda: _handles(made, model),
     )  # fmt: skip
@@ -95,6 +99,41 @@ def _handles(made: Assembly, model: Model) -> Handles:
         outputs["water.speed"] = same_as(outputs["flow_speed"], "water.speed")
     parameters = {one.name: one for one in stiffnesses(made.system.groups, "hose")}
     return Handles(inputs_of(made.layout.requests), outputs, parameters, prepared_of(made.layout.requests))
+
+
+def begin_at_rest(scene: HoseScene, made: Assembly, state: State) -> Stability:
+    """Bring a scene to rest in the shape that it has with hose and water `tied`, by which its stability is judged.
+
+    Parameters
+    ----------
+    made : Assembly
+        Of the scene as it is.
+    state : State
+        Where the equilibrium is left.
+
+    Raises
+    ------
+    StoppedEarly
+        NO_EQUILIBRIUM, where none was found at all.
+    """
+    alike = assembled(tied(scene))
+    there = new_state(alike.system)
+    judged = find_stable_equilibrium(alike.system, there, step_limit(scene))
+    full, of_hose = made.system.q.copy(), {i: i for i in range(1, len(arc_lengths(scene)) + 1)}
+    for stream in streams(scene):
+        of_hose |= {stream.first + k: i + 1 for k, i in enumerate(range(stream.start, stream.stop + 1))}
+    for node, hose in of_hose.items():
+        place, like = made.layout.start[node], alike.layout.start[hose]
+        full[place : place + 6] = there.full_q[like : like + 6]
+    moves = np.setdiff1d(np.arange(made.system.size), made.system.algebraic)
+    state.q[moves] = full[made.system.free[moves]]
+    find_equilibrium(made.system, state, step_limit(scene))
+    return judged
+
+
+def step_limit(scene: HoseScene) -> float:
+    """Largest change of an unknown in one iteration of a search for rest, m."""
+    return 0.5 * float(np.diff(arc_lengths(scene)).min())
 
 
 def assembled(scene: HoseScene, fused: bool = True) -> Assembly:

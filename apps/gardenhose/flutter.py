@@ -20,11 +20,10 @@ from scipy.optimize import brentq, linear_sum_assignment
 from gardenhose.estimates import average, onset
 from gardenhose.estimates import speeds as speeds_of
 from gardenhose.reduced import Reduced, peaks
-from gardenhose.scene import HoseScene
+from gardenhose.scene import SPRINGS, HoseScene, tied
 from gardenhose.static import Form, form
 from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
 from tautline.scene.errors import SceneError
-from tautline.scene.model import validate
 from tautline.threads import one_thread
 
 MODES = 8
@@ -56,8 +55,6 @@ ABOUT = 1.0e-6
 NEWTON = 1.0e-4
 """Step from there, relative, whose square is no more than that of a speed which is only told."""
 
-SPRINGS = ("penalty", "augmented")
-"""Couplings that tie hose and water by springs, alone or beside multipliers."""
 
 Plane = Literal["in", "out", "any"]
 
@@ -182,10 +179,7 @@ def _tied(scene: HoseScene, always: bool = False) -> HoseScene:
     none.
     """
     long = always or DOFS * scene.hose.element_count > DENSE
-    if scene.document is None or scene.coupling == "linear" or (scene.coupling not in SPRINGS and not long):
-        return scene
-    values = {("coupling",): ("linear", "coupling"), ("stiffness",): (None, "stiffness")}
-    return validate(HoseScene, scene.document.replaced(values))
+    return tied(scene) if long or scene.coupling in SPRINGS else scene
 
 
 @one_thread()

@@ -15,7 +15,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
 from tautline.scene.limits import Limits
-from tautline.scene.model import Model, Scene, UnitSystem, Whole, word
+from tautline.scene.model import Model, Scene, UnitSystem, Whole, validate, word
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault, raise_all
 from tautline.scene.solver import Output, Solver, check_output
@@ -24,6 +24,8 @@ from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import EARTH_GRAVITY, Direction, Gravity, Position, Vector, Velocity, unit
 
 MOST_ELEMENTS = 100_000
+SPRINGS = ("penalty", "augmented")
+"""Couplings that tie hose and water by springs, alone or beside multipliers."""
 FAR_AWAY = 1.0e9
 """Distance of the root from the origin, in lengths of an element, at which rounding would bend the hose."""
 PLAIN_HOSE = "{length: 0.5, elements: 10, axial_stiffness: 10, bending_stiffness: 0.00108, mass_per_length: 0.00313}"
@@ -254,6 +256,19 @@ def read(path: str | Path | Document) -> HoseScene:
         Listing every fault with its line, key and cure.
     """
     return HoseScene.read(path)
+
+
+def tied(scene: HoseScene) -> HoseScene:
+    """The scene with hose and water tied by what they share, without springs or multipliers: the same mechanics.
+
+    Beside springs that are stiff enough to tie, the stiffness of bending is lost in rounding.
+    """
+    if scene.document is None or scene.coupling == "linear":
+        return scene
+    values: dict[tuple[str | int, ...], tuple[Any, str]] = {
+        ("coupling",): ("linear", "coupling"), ("stiffness",): (None, "stiffness"),
+    }  # fmt: skip
+    return validate(HoseScene, scene.document.replaced(values))
 
 
 def with_speed(scene: HoseScene, value: float) -> HoseScene:

@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gardenhose.build import assembled
+from gardenhose.build import assembled, step_limit
 from gardenhose.cables import arc_lengths
-from gardenhose.scene import HoseScene, with_speed
+from gardenhose.scene import HoseScene, tied, with_speed
+from tautline.cable.model.build import Assembly
 from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
-from tautline.integrators.statics.stability import count_negative
+from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.hermite import SHAPE, table
 from tautline.system.system import System
@@ -42,6 +43,15 @@ class Form(NamedTuple):
         """Negative pivots of the tangent: 0 for a stable shape, -1 where they prove nothing, as with a free tip."""
         return count_negative(self.system, self.state).negative
 
+    @property
+    def sag(self) -> tuple[float, int]:
+        """How far the hose is from the straight line between its ends, m, and the number of the node where it is."""
+        chord = self.position[-1] - self.position[0]
+        along = chord / max(float(np.linalg.norm(chord)), 1e-300)
+        way = self.position - self.position[0]
+        away = np.linalg.norm(way - np.outer(way @ along, along), axis=1)
+        return float(away.max()), int(away.argmax())
+
     def curve(self, arc_length: np.ndarray) -> np.ndarray:
         """Points along the elements' own cubic (m, 3), m."""
         length = np.diff(arc_length)[:, None, None]
@@ -53,7 +63,7 @@ class Form(NamedTuple):
 
 
 def forms(scene: HoseScene, speeds: Sequence[float]) -> list[Form]:
-    """Shapes at rest at several speeds of flow, each sought from the one before.
+    """Shapes at rest at several speeds of flow, each sought from the one before, with hose and water `tied`.
 
     Raises
     ------
@@ -62,7 +72,7 @@ def forms(scene: HoseScene, speeds: Sequence[float]) -> list[Form]:
     StoppedEarly
         NO_EQUILIBRIUM, where none is found at a speed; its ``detail`` names it.
     """
-    found: list[Form] = []
+    scene, found = tied(scene), list[Form]()
     for speed in speeds:
         found.append(_next(scene, float(speed), found[-1] if found else None))
     return found
@@ -71,6 +81,18 @@ def forms(scene: HoseScene, speeds: Sequence[float]) -> list[Form]:
 def form(scene: HoseScene, speed: float, near: Form | None = None) -> Form:
     """The shape at rest at a speed, sought from another's."""
     return _next(scene, float(speed), near)
+
+
+def stable_beside(scene: HoseScene, one: Form) -> Form | None:
+    """A stable shape beside one of `forms` that is not, at the same speed; None where none is found."""
+    made = assembled(with_speed(tied(scene), one.speed))
+    state = new_state(made.system)
+    state.q[:] = one.state.q
+    try:
+        found = find_stable_equilibrium(made.system, state, step_limit(scene))
+    except StoppedEarly:
+        return None
+    return _form_of(made, scene, one.speed, state) if found.negative == 0 else None
 
 
 def _next(scene: HoseScene, speed: float, near: Form | None) -> Form:
@@ -97,10 +119,14 @@ def _next(scene: HoseScene, speed: float, near: Form | None) -> Form:
 
 def _find(scene: HoseScene, speed: float, near: Form | None) -> Form:
     made = assembled(with_speed(scene, speed))
-    system, state = made.system, new_state(made.system)
+    state = new_state(made.system)
     if near is not None:
         state.q[:] = near.state.q
-    lengths = np.diff(arc_lengths(scene))
-    find_equilibrium(system, state, 0.5 * float(lengths.min()))
-    nodes = np.array([made.layout.start[i + 1] for i in range(len(lengths) + 1)])[:, None] + np.arange(3)
-    return Form(speed, state.full_q[nodes], state.full_q[nodes + 3], system, state)
+    find_equilibrium(made.system, state, step_limit(scene))
+    return _form_of(made, scene, speed, state)
+
+
+def _form_of(made: Assembly, scene: HoseScene, speed: float, state: State) -> Form:
+    starts = [made.layout.start[i + 1] for i in range(len(arc_lengths(scene)))]
+    nodes = np.array(starts)[:, None] + np.arange(3)
+    return Form(speed, state.full_q[nodes], state.full_q[nodes + 3], made.system, state)

@@ -58,8 +58,8 @@ def static(
     figure = figure_place(output, f"{scene.stem}_static")
     found = searched(scene, as_json, lambda: forms(hose, speeds))
     negative = [one.negative for one in found]
-    _print_forms(found, hose.units)
-    _warn_of_unstable(found, negative, hose.units)
+    _print_forms(found, hose)
+    _warn_of_unstable(hose, found, negative)
     told = _of_shapes(hose, speeds, negative)
     _say_warnings(told)
     _draw_forms(hose, found, figure)
@@ -72,6 +72,7 @@ def static(
         print_json(
             report
             | {"speed": [one.speed for one in found], "tip": tips, "negative_pivots": pivots}
+            | {"sag": [one.sag[0] for one in found], "position": [one.position for one in found]}
             | {"warnings": [{"where": one.where, "text": one.text} for one in told]}
         )
 
@@ -177,7 +178,7 @@ def _up_to_fastest(hose: HoseScene) -> list[float]:
     return [0.0] if fastest == 0.0 else np.linspace(0.0, fastest, DEFAULT_SPEEDS).tolist()
 
 
-def _print_forms(found: list[Form], system: str) -> None:
+def _print_forms(found: list[Form], hose: HoseScene) -> None:
     from rich.markup import escape
     from rich.table import Table
 
@@ -185,25 +186,35 @@ def _print_forms(found: list[Form], system: str) -> None:
     from tautline.scene.values.systems import in_system
 
     # All in one unit, that of a metre: columns with feet and inches could not be compared.
-    per_length, length = in_system(1.0, "m", system)
-    per_speed, rate = in_system(1.0, "m/s", system)
+    per_length, length = in_system(1.0, "m", hose.units)
+    per_speed, rate = in_system(1.0, "m/s", hose.units)
     table = Table(box=None, padding=(0, 2, 0, 0))
-    for name in (f"flow [{rate}]", *(f"tip {axis} [{length}]" for axis in "xyz")):
+    # The tip of a hose that is held there is a support.
+    free = hose.hose.end == "free"
+    names = [f"tip {axis} [{length}]" for axis in "xyz"] if free else [f"sag [{length}]", "at node"]
+    for name in (f"flow [{rate}]", *names):
         table.add_column(escape(name), justify="right")
     for one in found:
-        table.add_row(f"{per_speed * one.speed:g}", *(f"{per_length * x + 0.0:.6f}" for x in one.tip))
+        numbers = one.tip if free else one.sag[:1]
+        words = [f"{per_length * x + 0.0:.6f}" for x in numbers] + ([] if free else [str(one.sag[1] + 1)])
+        table.add_row(f"{per_speed * one.speed:g}", *words)
     console().print(table)
 
 
-def _warn_of_unstable(found: list[Form], negative: list[int], system: str) -> None:
+def _warn_of_unstable(hose: HoseScene, found: list[Form], negative: list[int]) -> None:
+    from gardenhose.static import stable_beside
     from tautline.cli.output.console import say
     from tautline.scene.values.printed import shown
 
     for one, count in zip(found, negative, strict=True):
         if count > 0:
             pivots = "one negative pivot" if count == 1 else f"{count} negative pivots"
-            text = f"the shape at {shown(one.speed, 'm/s', system)} is unstable: the tangent has {pivots}"
-            text += "; the least push moves it away"
+            text = f"the shape at {shown(one.speed, 'm/s', hose.units)} is unstable: the tangent has {pivots}"
+            text += ". The least push moves it away"
+            beside = stable_beside(hose, one)
+            if beside is not None:
+                sag, node = beside.sag
+                text += f". Another shape is stable. Its sag is {shown(sag, 'm', hose.units)}, at node {node + 1}"
             say(text, "yellow")
 
 
@@ -382,6 +393,9 @@ def static_findings(scene: HoseScene, speeds: list[float]) -> dict[str, Finding]
         f"tip_{axis}": Finding([float(one.tip[k]) for one in found], "m", f"{axis} of the tip at rest", "speed")
         for k, axis in enumerate("xyz")
     }
+    made["sag"] = Finding(
+        [one.sag[0] for one in found], "m", "largest distance from the line between the ends", "speed"
+    )
     negative = [None if one.negative < 0 else float(one.negative) for one in found]
     made["negative_pivots"] = Finding(negative, "", NEGATIVE_PIVOTS, "speed")
     return made | {"speed": Finding([float(speed) for speed in speeds], "m/s", "flow speed", "speed")}

@@ -366,8 +366,7 @@ class Run:
         model, system, drawn = self.model, self.model.system, self.state.q.copy()
         try:
             if model.settle is not None:
-                model.settle(self.state)
-                found = count_negative(system, self.state)
+                found = model.settle(self.state) or count_negative(system, self.state)
             elif model.confined:
                 find_equilibrium(system, self.state, model.step_limit)
                 found = count_negative(system, self.state)
@@ -391,8 +390,8 @@ class Run:
         self.began = Start("relaxed", None if negative < 0 else negative == 0, pushed=found.pushes > 0)
 
     def _other_start(self) -> str:
-        """The way to begin that needs no equilibrium: ropes over sheaves have no relaxation."""
-        return "start: relaxed" if self.model.settle is None else "start: as drawn"
+        """The way to begin that needs no equilibrium."""
+        return f"start: {self.model.other_start}"
 
     def _judge_start(self, negative: int, worst: int, drawn: np.ndarray) -> None:
         """Refuse an equilibrium that the least disturbance would leave, and keep how far it lies from the drawing."""

@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 from physics.cables.rope_text import GRAVITY, PINNED, chain, model_of, node
-from physics.pipes.hoses import pipe
+from physics.pipes.hoses import pipe, scene
 from references.cables import catenary
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from crane.model.build import build as build_crane
 from crane.scene.scene import CraneScene
-from gardenhose.static import form
+from gardenhose.build import build
+from gardenhose.static import form, forms, stable_beside
 from tautline.integrators.state import new_state
 from tautline.integrators.statics import stability
 from tautline.integrators.statics.equilibrium import find_equilibrium
@@ -150,11 +151,109 @@ def test_whether_a_shape_with_a_free_tip_is_stable_is_not_told_by_pivots():
     assert form(pipe(0.25, 6), 2.0).negative == -1
 
 
+def column(n, share, slope=0.0, axial=1e6):
+    """A cantilever of 1 m and EJ = 7.26 N m^2, pressed by a share of Euler's load pi^2 EJ / 4 along its axis, pushed
+    sideways by a millionth of that; ``slope`` rad turns it about y."""
+    load = share * np.pi**2 * 7.26 / 4.0
+    along, aside = np.array([np.sin(slope), 0.0, np.cos(slope)]), np.array([np.cos(slope), 0.0, -np.sin(slope)])
+    force = (load * (1e-6 * aside - along)).tolist()
+    items = (
+        f"  - Node7Dof: {{id: 0, xyz: [0, 0, 0], xyz_d: {along.tolist()}, BC: [1, 1, 1, 1, 1, 1, 1]}}\n"
+        f"  - Node7Dof: {{id: 1, xyz: {along.tolist()}, BC: [0, 0, 0, 0, 0, 0, 1]}}\n"
+        f"  - CableLine: {{id: 0, nodes7: [0, 1], elements: {n}, length: 1, EA: {axial!r}, EJ: 7.26, rhoA: 1}}\n"
+        f"  - PointForce: {{id: 0, nodes7: [1], force: {force}}}\n"
+    )
+    return model_of(items, gravity=(0.0, 0.0, 0.0), start="static"), along, aside
+
+
+def tip_of(result):
+    return np.asarray(result["position"][0])[np.asarray(result["node"]).tolist().index(1)]
+
+
+def elastica(share):
+    """Where the tip of a column of length one is beyond Euler's load: along its axis and aside (Love, Mathematical
+    Theory of Elasticity, section 263)."""
+    m = brentq(lambda m: ellipk(m) - 0.5 * np.pi * np.sqrt(share), 1e-9, 1.0 - 1e-9)
+    return 2.0 * ellipe(m) / ellipk(m) - 1.0, 2.0 * np.sqrt(m) / ellipk(m)
+
+
+@pytest.mark.parametrize("n", [20, 80, 160, 250])
+@pytest.mark.parametrize("share", [1.5, 3.0])
+def test_a_column_beyond_eulers_load_falls_however_fine_its_mesh(n, share):
+    """The lowest stiffness of n elements is 1 / n^4 of that of a row: it is no rounding."""
+    model, along, aside = column(n, share)
+    result = simulate(model)
+    assert result.attributes["start"]["stable"]
+    tip = tip_of(result)
+    # The rope shortens by P / EA, and cubic elements are a little stiff.
+    np.testing.assert_allclose([tip @ along, tip @ aside], elastica(share), atol=2e-4)
+
+
+@pytest.mark.parametrize("n", [20, 250])
+def test_a_column_below_eulers_load_stands_however_fine_its_mesh(n):
+    """It bends by its side force H as a beam column: H L (tan u - u) / (P u), u = pi / 2 sqrt(P / P_E)."""
+    model, _, aside = column(n, 0.9)
+    result = simulate(model)
+    u = 0.5 * np.pi * np.sqrt(0.9)
+    assert result.attributes["start"]["negative_pivots"] == 0
+    assert tip_of(result) @ aside == pytest.approx(1e-6 * (np.tan(u) - u) / u, rel=2e-3)
+
+
+@pytest.mark.parametrize("slope", [0.0, np.pi / 6, np.pi / 4])
+@pytest.mark.parametrize("axial", [1e5, 1e8])
+def test_an_inclined_column_beyond_eulers_load_falls_however_stiff_its_rope(slope, axial):
+    """Along no axis of the coordinates the rows are stiff as EA: bending is 1e-10 of that."""
+    model, along, aside = column(20, 1.5, slope, axial)
+    tip = tip_of(simulate(model))
+    np.testing.assert_allclose([tip @ along, abs(tip @ aside)], elastica(1.5), atol=2e-3)
+
+
+@pytest.mark.parametrize("coupling", ["linear", "penalty", "augmented", "lagrange"])
+def test_a_hose_held_at_both_ends_is_judged_alike_however_its_water_is_coupled(coupling):
+    """Clamped at both ends: u = 2 pi (Paidoussis, section 3.4)."""
+    hose = pipe(0.25, 20, {"root_support": "clamped", "end": "clamped"}, coupling=coupling)
+    speeds = [share * 2.0 * np.pi / np.sqrt(0.25) for share in (0.97, 1.03)]
+    assert [one.negative for one in forms(hose, speeds)] == [0, 2]
+
+
+@pytest.mark.parametrize("coupling", ["linear", "penalty", "augmented", "lagrange"])
+def test_a_hose_starts_in_its_stable_shape_however_its_water_is_coupled(coupling):
+    """The size of the bend is that of the shape beside the straight one, for its ends are held."""
+    speed = {"speed": float(2.2 * np.pi / np.sqrt(0.25)), "mass_per_length": 0.25}
+    held = {"root_support": "clamped", "end": "clamped", "elements": 20, "mass_per_length": 0.75}
+    held |= {"length": 1.0, "axial_stiffness": 1e5, "bending_stiffness": 1.0, "damping": 0.0}
+    hose = scene(held, speed, {"end": 1e-3}, 1e-3, gravity=[0, 0, -1e-3], coupling=coupling, start="static")
+    result = simulate(build(hose))
+    z = np.asarray(result["position"])[0, :21, 2]
+    size = 2.0 / np.pi * np.sqrt(4.0 * np.pi**2 * (1.1**2 - 1.0) / 1e5)
+    assert result.attributes["start"]["stable"] and not result.attributes["start"]["far"]
+    assert z[10] == pytest.approx(-size, rel=0.03) and z[10] == z.min()
+
+
+@pytest.mark.parametrize("n", [20, 100, 200])
+def test_the_critical_flow_of_a_held_hose_does_not_depend_on_its_mesh(n):
+    hose = pipe(0.25, n, {"root_support": "clamped", "end": "clamped"})
+    speeds = [share * 2.0 * np.pi / np.sqrt(0.25) for share in (0.995, 1.005)]
+    assert [form(hose, speed).negative for speed in speeds] == [0, 2]
+
+
+def test_a_stable_shape_is_found_beside_a_straight_one_that_is_not():
+    """Beyond u = 2 pi it bends as a clamped column does whose ends are held: the stretch (pi a / 2 L)^2 of the bend
+    takes the thrust that is too much, M U^2 - 4 pi^2 EJ / L^2 = EA (pi a / 2 L)^2, for one of small size."""
+    hose = pipe(0.25, 20, {"root_support": "clamped", "end": "clamped"})
+    straight = form(hose, 1.1 * 2.0 * np.pi / np.sqrt(0.25))
+    bent = stable_beside(hose, straight)
+    assert straight.sag[0] < 1e-9 and straight.negative == 2
+    assert bent is not None and bent.negative == 0
+    too_much = 4.0 * np.pi**2 * (1.1**2 - 1.0)
+    assert bent.sag == (pytest.approx(2.0 / np.pi * np.sqrt(too_much / 1e7), rel=0.03), 10)
+
+
 def counted_both_ways(model, monkeypatch):
     state = new_state(model.system)
     find_equilibrium(model.system, state, model.step_limit)
-    matrix = stability._stiffness(model.system, state).matrix
-    full = stability._by_eigenvalues(model.system, matrix).negative
+    matrix, none = stability._stiffness(model.system, state).matrix, stability._nothing(model.system, state)
+    full = stability._by_eigenvalues(model.system, matrix, none).negative
     monkeypatch.setattr(stability, "SMALL", 0)
     return full, count_negative(model.system, state).negative
 

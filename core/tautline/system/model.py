@@ -80,7 +80,9 @@ class Model:
         Whether an unstable equilibrium is kept and warned of, as of a pressed string in its hole; others are left.
     settle : callable or None
         Brings the run's state to the static equilibrium that it starts from, where that takes more than finding it: a
-        rope of the length that makes its drawing true.
+        rope of the length that makes its drawing true. It may return the `Stability` of that.
+    other_start : str
+        What a scene's ``start`` may be where no equilibrium is found: ropes over sheaves have no relaxation.
     limits : callable or None
         Result -> records of what it is judged by (`tautline.results.assessment.limits`).
     remarks : callable or None
@@ -120,7 +122,8 @@ class Model:
     own: int = 0
     notes: list[str] = field(default_factory=list)
     confined: bool = False
-    settle: Callable[[Any], None] | None = None
+    settle: Callable[[Any], Any] | None = None
+    other_start: str = "relaxed"
     limits: Callable[[Any], list[dict[str, Any]]] | None = None
     figures: Callable[[Any, Collection[str]], dict[str, dict[str, Any]]] | None = None
     handles: Callable[[], Handles] | None = None

@@ -29,7 +29,9 @@ from tautline.system.system import System
 
 SHIFTS = (0.0, 1e-4, 1e-2, 1.0, 100.0)
 """Shifts to begin with, 1/s^2, from plain Newton to heavily damped: the next is tried where one fails."""
-ITERATIONS = 400
+ITERATIONS, PATIENT = 400, 2000
+"""Iterations of a search, and of one that leaves an unstable equilibrium: that may lead along a valley of the energy,
+where nearly nothing resists."""
 AHEAD = 160
 """Rows on either side of those out of balance that are let move with them: contacts come and go along a front."""
 PART_ITERATIONS = 100
@@ -138,12 +140,14 @@ def refuse_without_number(system: System, state: State) -> None:
 
 
 def search_from(system: System, state: State, step_limit: float, shift: float, tolerance: float = 1e-10) -> bool:
-    """One search with the mass matrix as a shift, 1/s^2, that fades; whether it found an equilibrium."""
-    return _search(system, state, step_limit, tolerance, shift).found
+    """One patient search with the mass matrix as a shift, 1/s^2, that fades; whether it found an equilibrium."""
+    return _search(system, state, step_limit, tolerance, shift, PATIENT).found
 
 
-def _search(system: System, state: State, step_limit: float, tolerance: float, first_shift: float) -> _Ended:
-    """One search."""
+def _search(
+    system: System, state: State, step_limit: float, tolerance: float, first_shift: float, most: int = ITERATIONS
+) -> _Ended:
+    """One search, of ``most`` iterations."""
     n, in_parts = system.size, system.window.size > 0 and system.size > 4 * AHEAD
     lever, origin = levers(system), state.q.copy()
     lever[system.algebraic] = 0.0  # a multiplier is no way gone: it may change as it must
@@ -154,9 +158,9 @@ def _search(system: System, state: State, step_limit: float, tolerance: float, f
     factors = system.spare_factors()
     search = Search(factors, system.at_rest, system.scale, lever, pairs, numbers, counts)
     stands = MORE
-    while stands == MORE and counts[ITERATION] < ITERATIONS:
+    while stands == MORE and counts[ITERATION] < most:
         # Between two iterations over all rows a part may be brought into balance.
-        counts[LEFT] = 1 if in_parts and numbers[SHIFT] == 0.0 else ITERATIONS - counts[ITERATION]
+        counts[LEFT] = 1 if in_parts and numbers[SHIFT] == 0.0 else most - counts[ITERATION]
         stands = search_on(system, state, search)
         if stands == MORE and in_parts and numbers[SHIFT] == 0.0:
             _balance_part(system, state, step_limit, tolerance, factors, np.zeros(n))

@@ -17,13 +17,17 @@ from tautline.kernels.matrix import (
     new_factors,
     new_matrix,
     replace_by_identity,
+    solve_matrix,
     sparse,
 )
 from tautline.system.system import System
 
-NEUTRAL = 1e-8
-"""Share of a row's own stiffness below which a negative stiffness counts as none: rounding and the balance's tolerance
-leave that much in a mode that nothing resists, such as a free rotation."""
+ROUNDING = 2e-14
+"""Share of a row's own stiffness that rounding may leave of a stiffness that is none. It must not be more: the lowest
+stiffness of a beam of n elements over that of its rows falls as 1 / n^4."""
+UNBALANCED = 1e-9
+"""Share of a row's force, over its lever, that a balance within its tolerance may leave in a mode that nothing resists,
+such as a free rotation: its stiffness is the residual force along it."""
 SKEW = 1e-6
 """Share of the stiffness of its two rows by which an entry may differ from its mirror. Beyond it a tangent is not
 symmetric: its forces have no potential, and the sign of its pivots proves nothing."""
@@ -32,8 +36,9 @@ SMALL = 600
 
 ALIKE = 1e-4
 """Share by which stiffnesses of two motions may differ that gain alike."""
-SPRING = 1e-6
-"""Softness of a constraint where pivots are counted, over that of the stiffest unknown."""
+SPRING = 1e-4
+"""Softness of a constraint where pivots are counted, over that of the stiffest unknown. What is left of a stiffness
+beside a spring is rounded as the spring is."""
 
 
 class Stability(NamedTuple):
@@ -52,6 +57,8 @@ UNKNOWN = Stability(-1, 0, np.zeros(0))
 LEAVING = ((2.0, 0.1), (2.0, 1.0), (10.0, 1.0))
 """With which a search leaves an unstable equilibrium: its shift over the square of the rate at which the motion grows,
 and the push over the largest change of an unknown. A step as long as the motion's own time follows it downhill."""
+LANCZOS = 100
+"""Restarts of the search for a motion of a large scene along which the energy falls."""
 SHIFTS = (1.0, 100.0, 1.0e4, 1.0e6, 1.0e8)
 """Shifts, 1/s^2, that are tried after those."""
 ASIDE = 0.1
@@ -108,14 +115,23 @@ def _growth(system: System, state: State, mode: np.ndarray) -> float:
 def count_negative(system: System, state: State) -> Stability:
     """Negative pivots of the stiffness at a state at rest, with t = 0; those that multipliers bring are left out.
 
-    The factors count them. Where there are some, the eigenvalues of a small scene show the motion that gains most.
+    The factors count them. Where there are some, the eigenvalues of a small scene show the motion that gains most. They
+    also judge what forces without a potential act on, but only along motions that multipliers take away.
     """
     if system.size == 0:
         return Stability(0, 0, np.zeros(0))
-    found = _by_pivots(system, _stiffness(system, state))
+    none = _nothing(system, state)
+    found = _by_pivots(system, _stiffness(system, state), none)
     if found.negative == 0 or system.size > SMALL:
         return found
-    return _by_eigenvalues(system, _stiffness(system, state).matrix)
+    return _by_eigenvalues(system, _stiffness(system, state).matrix, none)
+
+
+def _nothing(system: System, state: State) -> np.ndarray:
+    """What of a stiffness along each unknown (n,) counts as none, for the balance is not exact, N/m or N m."""
+    extent = max(float(np.ptp(np.delete(state.q, system.algebraic))), 1e-300)
+    is_slope = levers(system) < 1.0
+    return UNBALANCED * system.scale * np.where(is_slope, 1.0, 1.0 / extent)
 
 
 def _stiffness(system: System, state: State) -> Factors:
@@ -140,7 +156,7 @@ def _leave_out(matrix: Matrix, row: int) -> None:
     replace_by_identity(matrix, row)
 
 
-def _by_pivots(system: System, factors: Factors) -> Stability:
+def _by_pivots(system: System, factors: Factors, none: np.ndarray) -> Stability:
     """Count by the factors: as many pivots are negative as eigenvalues (Sylvester's law of inertia).
 
     A multiplier takes away a motion and brings one negative pivot. Its row is given a slight negative entry on the
@@ -153,7 +169,8 @@ def _by_pivots(system: System, factors: Factors) -> Stability:
         return UNKNOWN
     size = np.abs(np.concatenate([band[:, k], np.diagonal(corner)]))
     stiffest = max(float(size[: n - border].max(initial=0.0)), float(np.abs(corner).max(initial=0.0)), 1e-300)
-    shift = NEUTRAL * np.where(size > 0.0, size, 1.0)
+    shift = none + ROUNDING * size
+    shift[system.at_rest] = 0.0
     shift[system.algebraic] = -SPRING / stiffest
     band[:, k] += shift[: n - border]
     corner[np.arange(border), np.arange(border)] += shift[n - border :]
@@ -168,11 +185,42 @@ def _by_pivots(system: System, factors: Factors) -> Stability:
     if negative == 0:
         return Stability(0, n - 1, np.zeros(0))
     worst = np.setdiff1d(wrong, system.algebraic)
-    # Any disturbance has a part along the motion that grows.
-    mode = np.random.default_rng(1).uniform(-1.0, 1.0, n)
-    mode[system.at_rest] = 0.0
-    mode[system.algebraic] = 0.0
+    mode = _falling(system, factors, size, negative)
     return Stability(negative, int(worst[0]) if worst.size else n - 1, mode)
+
+
+def _falling(system: System, factors: Factors, size: np.ndarray, negative: int) -> np.ndarray:
+    """A motion (n,) along which the energy falls, of a stiffness that is factorised: the softest of its own.
+
+    Lanczos' method with the inverse finds those next to zero, some of which are negative. ``size`` (n,) are the
+    stiffnesses of the rows. Any disturbance has a part along a motion that grows: one at random serves where none is
+    found.
+    """
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+    n = size.size
+    still = np.concatenate([system.at_rest, system.algebraic]).astype(int)
+    any_way = np.random.default_rng(1).uniform(-1.0, 1.0, n)
+    any_way[still] = 0.0
+    # A multiplier weighs nothing, and moves nothing.
+    weight = np.where(size > 0.0, size, 1.0)
+    weight[still] = 0.0
+
+    def solve(force: np.ndarray) -> np.ndarray:
+        moved = force.copy()
+        solve_matrix(factors, moved)
+        return moved
+
+    shape, wanted = (n, n), min(negative, n - 2)
+    inverse = LinearOperator(shape, matvec=solve, dtype=float)
+    metric = LinearOperator(shape, matvec=lambda x: weight * x, dtype=float)
+    try:
+        _, modes = eigsh(inverse, wanted, metric, 0.0, "SA", any_way, maxiter=LANCZOS, OPinv=inverse)
+    except ArpackError:
+        return any_way
+    # Which of several motions rounding shows first must not decide.
+    mode = np.asarray(modes @ (modes.T @ (weight * any_way)))
+    return mode / max(float(np.abs(mode).max()), 1e-300)
 
 
 def _symmetric(matrix: Matrix, k: int) -> bool:
@@ -200,15 +248,15 @@ def _symmetric(matrix: Matrix, k: int) -> bool:
     return all(np.all(np.abs(low - high) <= SKEW * both) for low, high, both in border)
 
 
-def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
+def _by_eigenvalues(system: System, matrix: Matrix, none: np.ndarray) -> Stability:
     full = dense(matrix)
+    rows = np.delete(np.arange(system.size), [*system.algebraic, *system.at_rest])
+    full[rows, rows] += none[rows] + ROUNDING * np.abs(full[rows, rows])
     unit = np.abs(np.diagonal(full)).copy()
     unit[unit == 0.0] = 1.0
     unit[system.algebraic] = 1.0
     unit = 1.0 / np.sqrt(unit)
     full *= unit[:, None] * unit
-    if np.abs(full - full.T).max() > SKEW:
-        return UNKNOWN
     held = full[system.algebraic]
     moves = np.setdiff1d(np.arange(system.size), system.algebraic)
     free = np.eye(moves.size)
@@ -216,8 +264,11 @@ def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
         _, sizes, directions = np.linalg.svd(held[:, moves])
         rank = int((sizes > 1e-12 * sizes.max(initial=0.0)).sum())
         free = directions[rank:].T
-    values, modes = np.linalg.eigh(free.T @ full[np.ix_(moves, moves)] @ free)
-    negative = int((values < -NEUTRAL).sum())
+    inner = free.T @ full[np.ix_(moves, moves)] @ free
+    if np.abs(inner - inner.T).max(initial=0.0) > SKEW:
+        return UNKNOWN
+    values, modes = np.linalg.eigh(0.5 * (inner + inner.T))
+    negative = int((values < 0.0).sum())
     # A column may fall to any side alike. Which of such motions rounding shows first must not decide.
     alike = modes[:, values <= values[0] + ALIKE * np.abs(values[0])]
     any_way = np.random.default_rng(1).uniform(-1.0, 1.0, moves.size)

@@ -15,6 +15,8 @@ FAR = 0.1
 """Share of the size of a scene by which a start that lies further from its initial geometry is warned of."""
 PLACE = re.compile(r"[ r]([xyz])$")
 """Names of unknowns that are places in space."""
+MULTIPLIER = "multiplier"
+"""How names of multipliers begin, which are forces."""
 
 
 @dataclass(frozen=True)
@@ -133,4 +135,5 @@ def pivots(count: int) -> str:
 @functools.lru_cache(maxsize=4)
 def _in_space(names: tuple[str, ...]) -> list[tuple[int, str]]:
     """Those that are places in space, with their axes."""
-    return [(i, found[1]) for i, name in enumerate(names) if (found := PLACE.search(name))]
+    places = [(i, PLACE.search(name)) for i, name in enumerate(names) if not name.startswith(MULTIPLIER)]
+    return [(i, found[1]) for i, found in places if found]
