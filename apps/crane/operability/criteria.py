@@ -13,7 +13,8 @@ from pydantic_core import PydanticCustomError
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
 from tautline.scene.values.quantity import Quantity, as_in_a_file
-from tautline.sweeps.verbs import output_of, single, whole
+from tautline.sweeps.verbs import no_number, no_part, output_of
+from tautline.system.handles import word_of
 
 WRITTEN = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=?|>=?)\s*(?P<value>[^<>=]+?)\s*")
 OPTION, EXAMPLE = "--limit", 'write such as --limit "max_tension < 60 kN"'
@@ -79,7 +80,12 @@ class Criterion(NamedTuple):
         return {"output": self.name, "statistic": self.statistic, "name": self.column} if self.output else self.name
 
 
-def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Mapping[str, Any]) -> list[Criterion]:
+def read_criteria(
+    texts: Sequence[str],
+    figures: Mapping[str, str],
+    outputs: Mapping[str, Any],
+    instead: Mapping[str, str] | None = None,
+) -> list[Criterion]:
     """Read limits.
 
     Parameters
@@ -90,6 +96,8 @@ def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Map
         Figures that a run of the scene finds, by name, with their SI units.
     outputs : mapping
         Outputs of its simulation (`tautline.system.handles.Output`).
+    instead : mapping, optional
+        What to name for words that are no name here (`tautline.system.handles.Handles`).
 
     Raises
     ------
@@ -100,7 +108,7 @@ def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Map
     problems: list[Problem] = []
     for text in texts:
         try:
-            one = _read(text, figures, outputs)
+            one = _read(text, figures, outputs, instead or {})
         except SceneError as error:
             problems += error.problems
             continue
@@ -111,21 +119,24 @@ def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Map
     return found
 
 
-def _read(text: str, figures: Mapping[str, str], outputs: Mapping[str, Any]) -> Criterion:
+def _read(text: str, figures: Mapping[str, str], outputs: Mapping[str, Any], instead: Mapping[str, str]) -> Criterion:
     match = WRITTEN.fullmatch(text)
     if match is None:
         raise option_error(OPTION, text, "is no limit", EXAMPLE)
     name, unit, of_output = match["name"], figures.get(match["name"]), False
     if unit is None:
         try:
-            output, part = output_of(outputs, name)
+            output = output_of(outputs, name)
+        except IndexError as error:
+            raise option_error(OPTION, text, *no_part(name, error)) from None
         except KeyError:
             close = get_close_matches(name, [*figures, *outputs], n=1, cutoff=0.5)
             cure = f"did you mean '{close[0]}'?" if close else f"figures: {', '.join(figures)}"
+            cure = instead.get(word_of(name), cure)
             raise option_error(OPTION, text, f"a run of this scene finds no '{name}'", cure) from None
-        if not single(output, part) and not whole(output, part):
-            cause = f"{name} is no single number" if part is None else f"there is no {name}"
-            raise option_error(OPTION, text, cause, f"name one, {name.partition('[')[0]}[0] the first")
+        told = no_number(outputs, name)
+        if told is not None and output.has_components:
+            raise option_error(OPTION, text, *told)
         unit, of_output = output.unit, True
     try:
         value = float(Quantity(unit, any_size=True).read(as_in_a_file(match["value"])))

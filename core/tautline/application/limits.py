@@ -16,11 +16,9 @@ from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import LONGEST, Problem, SceneError
 from tautline.scene.limits import ABOVE, Limit
 from tautline.scene.values.quantity import Quantity
-from tautline.system.handles import PART, Handles, Output, outputs_of
+from tautline.system.handles import PART, Handles, Output, outputs_of, word_of
 from tautline.system.model import Model
 
-COMPONENTS = frozenset({"axis", "side", "part"})
-"""Dimensions of components: a bound of all of them together would mean nothing."""
 CLOSE, OFFERED, MOST_LISTED = 0.5, 3, 40
 """Likeness of names that are offered, and how many are."""
 
@@ -76,6 +74,7 @@ class _Reader:
         self.model, self.scene = model, scene
         handles = model.handles() if model.handles is not None else Handles(outputs=_plain(model))
         self.outputs: Mapping[str, Output] = handles.outputs
+        self.instead = handles.instead
         self.problems: list[Problem] = []
 
     def fault(self, key: tuple[str | int, ...], cause: str, cure: str) -> None:
@@ -136,6 +135,8 @@ class _Reader:
 
     def nearest(self, name: str) -> str:
         """The names that were probably meant, or those that there are."""
+        if word_of(name) in self.instead:
+            return self.instead[word_of(name)]
         known = sorted({*self.outputs, *self.model.figure_units})
         lower = {one.lower(): one for one in known}
         close = get_close_matches(name[:LONGEST].lower(), list(lower), OFFERED, CLOSE)
@@ -149,35 +150,26 @@ class _Reader:
         if output.source:
             whole = next(variable for variable in self.model.variables if variable.name == output.source)
             return _Read(output.unit, series_of(output), self.places(whole.dims[1:]), output.source, output.source)
-        if output.shape and (not output.dims or COMPONENTS & set(output.dims)):
-            indices = ",".join("0" for _ in output.shape)
-            cause = f"{output.name} has several components"
-            self.fault((i, "output"), cause, f"name one of its numbers: {output.name}[{indices}] is the first")
+        if output.has_components:
+            self.fault((i, "output"), f"{output.name} has several components", output.one_of_components)
             return None
         places = output.labels or (self.places(output.dims) if output.shape else (_thing(output.name),))
         return _Read(output.unit, series_of(output), places, variable=output.variable)
 
     def part(self, i: int, output: Output, at: tuple[int, ...]) -> _Read | None:
         """One number of an output, or those of its places that are left."""
-        left = output.dims[len(at) :]
-        if len(at) > len(output.shape) or (len(at) < len(output.shape) and (not left or COMPONENTS & set(left))):
-            cause = (
-                f"{output.name} has {_counted(len(output.shape))}" if output.shape else f"{output.name} is one number"
-            )
-            self.fault((i, "output"), cause, f"write {self.example(output)}")
+        try:
+            one = output.part(at)
+        except IndexError as error:
+            cause, _, cure = str(error).partition(": ")
+            self.fault((i, "output"), cause, cure)
             return None
-        for k, size in zip(at, output.shape, strict=False):
-            # A size of 0 is one that is not known.
-            if k >= size > 0:
-                self.fault((i, "output"), f"{output.name} has {size} of these", f"count from 0 to {size - 1}")
-                return None
-        all_of = series_of(output)
-        places = self.places(left) if left else (_thing(output.name),)
-        return _Read(output.unit, lambda frames: all_of(frames)[(slice(None), *at)], places)
-
-    def example(self, output: Output) -> str:
-        """How a number of an output is named."""
-        return f"{output.name}[{','.join('0' for _ in output.shape)}]" if output.shape else output.name
+        if one.has_components:
+            cause = f"{one.name} has several components"
+            self.fault((i, "output"), cause, output.one_of_components)
+            return None
+        places = self.places(one.dims) if one.shape else (_thing(output.name),)
+        return _Read(output.unit, series_of(one), places)
 
     def places(self, dims: Sequence[str]) -> tuple[str, ...]:
         """Names of all places of some dimensions, in the order of a value's numbers."""
@@ -213,10 +205,6 @@ def _plain(model: Model) -> dict[str, Output]:
 def _thing(name: str) -> str:
     """What an output belongs to, by its name: ``winch`` of ``winch.tension``; empty where it belongs to none."""
     return name.rpartition(".")[0]
-
-
-def _counted(axes: int) -> str:
-    return "one index" if axes == 1 else f"{axes} indices"
 
 
 def series_of(output: Output) -> Any:
