@@ -12,7 +12,15 @@ import numpy as np
 
 from crane.operability.allowable import Table, tabulate
 from crane.operability.conditions import Condition, SeaKeys, cases_of, highest, sea_keys, sea_notes
-from crane.operability.criteria import Criterion, lasting_notes, limits_of_scene, none_given, notes_on, read_criteria
+from crane.operability.criteria import (
+    Criterion,
+    bare_notes,
+    lasting_notes,
+    limits_of_scene,
+    none_given,
+    notes_on,
+    read_criteria,
+)
 from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
 from tautline.scene.errors import SceneError, option_error
@@ -108,6 +116,7 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     if not texts and asked.scatter is None:
         raise none_given(scene)
     criteria = read_criteria(texts, figures, handles.outputs, handles.instead)
+    of_command = criteria[: len(read_criteria(asked.limits, figures, handles.outputs))]
     collect = [one.collected for one in criteria]
     names = {one.column for one in criteria}
     collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
@@ -115,7 +124,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
     _check_seas(application, storm, keys, asked)
     notes = sea_notes(storm.replace(first), keys) + scale_notes(asked)
-    doubts = duration_notes(asked)
+    # Those of the scene are told with its other numbers without a unit.
+    doubts = duration_notes(asked) + bare_notes(of_command, scene.units)
     notes += notes_on(criteria, not storm.output.statistics)
     notes += lasting_notes(scene)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})

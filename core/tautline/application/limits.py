@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from itertools import product
@@ -13,9 +13,12 @@ from pydantic_core import PydanticCustomError
 
 from tautline.results.assessment.bounds import Bound
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
-from tautline.scene.errors import LONGEST, Problem, SceneError
+from tautline.scene.errors import LONGEST, Problem, SceneError, SceneWarning
 from tautline.scene.limits import ABOVE, Limit
+from tautline.scene.unit_slips import LISTED
+from tautline.scene.values.printed import quantity
 from tautline.scene.values.quantity import Quantity
+from tautline.scene.values.systems import usual_unit
 from tautline.system.handles import PART, Handles, Output, outputs_of, word_of
 from tautline.system.model import Model
 
@@ -53,6 +56,45 @@ def read_limits(limits: Sequence[Limit], model: Model, scene: Any) -> list[Bound
     if reader.problems:
         raise SceneError(reader.problems)
     return found
+
+
+def bare_limits(scene: Any, build: Callable[[Any], Model]) -> list[SceneWarning]:
+    """Warn of limits without a unit in a scene that is in other units than SI: they are read in SI.
+
+    Parameters
+    ----------
+    build : callable
+        Scene -> its model, which alone knows the units of outputs. It is called where there is such a limit only, and
+        what it refuses is left to who builds the scene in earnest.
+    """
+    system, limits = getattr(scene, "units", "si"), getattr(scene, "limits", ()) or ()
+    sides = [(i, limit, side) for i, limit in enumerate(limits) for side in limit.sides]
+    # Zero is zero in all units.
+    bare = [(i, side) for i, _, side in sides if not isinstance(side.written, str) and side.written != 0]
+    if system == "si" or not bare:
+        return []
+    try:
+        bounds = build(scene).bounds
+    except SceneError:
+        return []
+    document, readings = getattr(scene, "document", None), []
+    for (i, limit, side), bound in zip(sides, bounds, strict=True):
+        usual = usual_unit(bound.unit, system)
+        if (i, side) not in bare or not usual:
+            continue
+        line = document.line(("limits", i, side.key)) if document is not None else None
+        where, typed = f" (line {line})" if line else "", f"{side.written:.10g}"
+        other = quantity(float(Quantity(bound.unit, any_size=True).read(f"{typed} {usual}")), bound.unit)
+        also = f"not {typed} {usual}" if other == f"{typed} {usual}" else f"{typed} {usual} would be {other}"
+        readings.append(
+            f"limits[{i}].{side.key} = {typed}{where} of {limit.output} is {typed} {bound.unit}, and {also}"
+        )
+    if not readings:
+        return []
+    more = f"; and {len(readings) - LISTED} more" if len(readings) > LISTED else ""
+    count = "1 limit has" if len(readings) == 1 else f"{len(readings)} limits have"
+    text = f"{system}, and {count} no unit. A number without a unit is read in SI: {'; '.join(readings[:LISTED])}{more}"
+    return [SceneWarning("units", f"{text}. Write the unit that is meant")]
 
 
 @dataclass(frozen=True)
