@@ -133,7 +133,8 @@ def assembled(scene: CraneScene) -> Assembly:
     system = assemble(groups, layout.degrees, functions, velocity, *stencils, at_rest=at_rest)
     driven = system.dofs.driven
     system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first[system.dofs.motion[driven]]
-    return Assembly(layout, system, compensation, [*layout.path.warnings])
+    # What is wrong with the path is among the scene's warnings, and is not said twice.
+    return Assembly(layout, system, compensation, [])
 
 
 def _compiled(requests: tuple[FunctionRequest, ...]) -> tuple[TimeFunctions, np.ndarray]:
