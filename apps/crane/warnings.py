@@ -11,6 +11,7 @@ import numpy as np
 from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoisted_spans, reeled_of, supply_of
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
+from crane.assembly.held_loads import lacks
 from crane.assembly.layout import entries_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
@@ -59,7 +60,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
-        *_winches(found, actuator), *_start(found),
+        *_winches(found, actuator), *_let_go(found), *_start(found),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_turns_on(scene), *_never(scene),
     ]  # fmt: skip
@@ -418,6 +419,22 @@ def _winches(found: Estimate, actuator: Compensation | None) -> Sentences:
         yield from _empty(scene, drum, whole)
         yield from _full(scene, drum, whole)
     yield from _too_high(found)
+
+
+def _let_go(found: Estimate) -> Sentences:
+    """Brakes and motors that do not hold the load at rest."""
+    for one in lacks(found.scene, found.path, found.tension):
+        drum, braked = one.drum, one.brake is not None
+        load, needed, friction, motor = (sized(x, "N m") for x in (one.load, one.needed, one.friction, one.motor))
+        others = f"friction of {friction} and a motor with {motor}"
+        holds = f"A closed brake of {sized(one.brake or 0.0, 'N m')}, {others}" if braked else f"No brake, {others}"
+        helped = ", with the friction of the sheaves on its side" if one.helped else ""
+        text = (
+            "the drum does not hold the load, which falls from t = 0. The tension at rest, "
+            f"{sized(one.tension, 'N')} on a radius of {drum.radius:.4g} m, turns the drum with {load}{helped}. "
+            f"{holds} act against it. To hold the load at rest it takes {needed} or more; a load in motion pulls more"
+        )
+        yield where(found.scene, drum, "brake.torque" if braked else "torque"), text
 
 
 def _layers(scene: CraneScene, drum: Drum) -> Sentences:

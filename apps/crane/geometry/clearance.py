@@ -36,8 +36,15 @@ def cut_sheaves(wheels: Sequence[Wheel], spans: Sequence[Span], thickness: float
     for k, (one, two) in enumerate(pairwise(wheels)):
         start, end = one.center + spans[k].x1, two.center + spans[k].x2
         for wheel in wheels:
-            if wheel is not one and wheel is not two and _cuts(start, end, wheel, thickness):
-                found.append(f"the rope from {one.name!r} to {two.name!r} runs through {wheel.name!r}")
+            if wheel is one or wheel is two:
+                continue
+            inside = _inside(start, end, wheel, thickness)
+            if inside > GRAZES * wheel.radius:
+                found.append(
+                    f"the rope from {one.name!r} to {two.name!r} runs through {wheel.name!r}, up to {inside:.3g} m "
+                    f"inside its radius of {wheel.radius:.3g} m. In a run it passes there as if there were no sheave. "
+                    "Move the sheave, or the ends of that rope, aside along the axis of the sheave"
+                )
     return found
 
 
@@ -63,11 +70,10 @@ def _discs_meet(one: Wheel, two: Wheel) -> bool:
     return max(reach[0][0], reach[1][0]) < min(reach[0][1], reach[1][1])
 
 
-def _cuts(start: np.ndarray, end: np.ndarray, wheel: Wheel, thickness: float) -> bool:
-    """Whether a straight line runs through a disc of some thickness."""
-    radius = wheel.radius * (1.0 - GRAZES)
-    if radius <= 0.0:
-        return False
+def _inside(start: np.ndarray, end: np.ndarray, wheel: Wheel, thickness: float) -> float:
+    """How far a straight line comes inside the rim of a disc of some thickness, m; 0 where it does not."""
+    if wheel.radius <= 0.0:
+        return 0.0
     p, d = start - wheel.center, end - start
     height, climb = float(np.dot(p, wheel.axis)), float(np.dot(d, wheel.axis))
     half = max(0.5 * thickness, 1e-9 * (wheel.radius + float(np.linalg.norm(p))))
@@ -76,11 +82,11 @@ def _cuts(start: np.ndarray, end: np.ndarray, wheel: Wheel, thickness: float) ->
         ends = sorted(((-half - height) / climb, (half - height) / climb))
         lower, upper = max(lower, ends[0]), min(upper, ends[1])
     elif abs(height) > half:
-        return False
+        return 0.0
     if lower > upper:
-        return False
+        return 0.0
     flat, way = p - height * wheel.axis, d - climb * wheel.axis
     speed = float(np.dot(way, way))
     nearest = -float(np.dot(flat, way)) / speed if speed > 0.0 else lower
     nearest = min(upper, max(lower, nearest))
-    return float(np.linalg.norm(flat + nearest * way)) < radius
+    return max(0.0, wheel.radius - float(np.linalg.norm(flat + nearest * way)))

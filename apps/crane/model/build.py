@@ -17,6 +17,7 @@ from crane.groups.span import MATERIAL, STATION
 from crane.model.handles import handles
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
+from crane.results.slipping_brakes import remarks
 from crane.results.summary import JOINED, NOTHING, OF_PIECES, figure_units, figures_of_turns, headline
 from crane.results.two_blocking import two_blocking
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
@@ -71,6 +72,7 @@ def build(scene: CraneScene) -> Model:
         on_demand=observer.on_demand,
         headline=told,
         limits=lambda result: limits(result, scene),
+        remarks=lambda result: remarks(result, scene),
         figures=told,
         figure_units=layout.once("figure units", lambda: figure_units(scene)),
         nothing=NOTHING,
@@ -132,7 +134,8 @@ def assembled(scene: CraneScene) -> Assembly:
     system = assemble(groups, layout.degrees, functions, velocity, *stencils, at_rest=at_rest)
     driven = system.dofs.driven
     system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first[system.dofs.motion[driven]]
-    return Assembly(layout, system, compensation, [*layout.path.warnings])
+    # What is wrong with the path is among the scene's warnings, and is not said twice.
+    return Assembly(layout, system, compensation, [])
 
 
 def _compiled(requests: tuple[FunctionRequest, ...]) -> tuple[TimeFunctions, np.ndarray]:

@@ -13,7 +13,7 @@ from crane.groups.capstan_friction import BEARING, CAPSTAN, EFFICIENCY, Slips
 from crane.groups.masses import Bodies
 from crane.groups.span import Spans
 from crane.groups.winch import Drums
-from crane.scene.scene import CraneScene, Drum, Sheave
+from crane.scene.scene import CraneScene, Drum, End, Sheave
 from crane.scene.surroundings import Motion, Vessel
 from tautline.results.variable import Variable
 from tautline.scene.errors import SceneError
@@ -36,6 +36,10 @@ THINGS = {
     "winch_torque": "torque", "winch_power": "power",
 }  # fmt: skip
 """Variables of bodies, sheaves and drums, and what each is of one of them."""
+OF_FORCES = "max_sheave_load"
+"""Figure that is the largest size of the forces on sheaves."""
+MOST_FALLS = 4
+"""Spans that are told one by one."""
 VESSEL = "vessel."
 PLACES = {"position": "q", "velocity": "v"}
 
@@ -72,7 +76,26 @@ def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, 
         inputs = {name: one for name, one in inputs.items() if name not in moved}
     parameters = {one.name: one for one in _parameters(layout, made.system.groups)}
     prepared = prepared_of(layout.requests.of)
-    return Handles(inputs, _outputs(layout, variables, coordinates), parameters, prepared)
+    outputs = _outputs(layout, variables, coordinates)
+    return Handles(inputs, outputs, parameters, prepared, {"hook_load": hook_load_told(layout.scene)})
+
+
+def hook_load_told(scene: CraneScene) -> str:
+    """What to name for the load on the hook, of which a crane has no output of its own: a cure."""
+    hung = [i for i, item in enumerate(scene.path) if isinstance(item, (End, Sheave)) and getattr(item, "body", None)]
+    spans = sorted({k for i in hung for k in (i - 1, i) if 0 <= k < len(scene.path) - 1})
+    if not spans:
+        return "no body hangs on the rope: name tension, of all spans, or one such as tension[0,0]"
+    last = spans[-1]
+    told = ", ".join(f"tension[{k}]" for k in spans[:MOST_FALLS])
+    told += f" to tension[{last}]" if len(spans) > MOST_FALLS else ""
+    blocks = [f"{scene.path[i].name}.force[2]" for i in hung if isinstance(scene.path[i], Sheave)]
+    word = "the tension in the falls at the hook" if blocks else "the tension of the rope that the hook hangs on"
+    cure = f"no output of a crane is called so. For {word} name {told}"
+    if blocks:
+        few = ", ".join(blocks[:MOST_FALLS]) + (" and so on" if len(blocks) > MOST_FALLS else "")
+        cure += f"; for the rope's vertical force on a sheave of the block {few}"
+    return cure
 
 
 def _outputs(layout: Layout, variables: Sequence[Variable], coordinates: Mapping[str, Any]) -> dict[str, Output]:
@@ -81,6 +104,9 @@ def _outputs(layout: Layout, variables: Sequence[Variable], coordinates: Mapping
     tension = next(variable for variable in variables if variable.name == "tension")
     for name, text, choose in (("max_tension", "largest", np.max), ("min_tension", "smallest", np.min)):
         made[name] = extreme_of(tension, name, f"{text} tension at the ends of spans", choose)
+    for name in ("sheave_load", *(f"{sheave.name}.{THINGS['sheave_load']}" for sheave in scene.sheaves)):
+        if name in made:
+            made[name] = replace(made[name], size=OF_FORCES)
     known = {variable.name: variable for variable in variables}
     places = {body.name: (layout.body[body.name], "body_", k) for k, body in enumerate(scene.bodies)}
     places |= {

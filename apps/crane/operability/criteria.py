@@ -13,9 +13,12 @@ from pydantic_core import PydanticCustomError
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
 from tautline.scene.values.quantity import Quantity, as_in_a_file
-from tautline.sweeps.verbs import output_of, single, whole
+from tautline.scene.values.systems import usual_unit
+from tautline.sweeps.verbs import no_number, no_part, output_of
+from tautline.system.handles import word_of
 
 WRITTEN = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=?|>=?)\s*(?P<value>[^<>=]+?)\s*")
+SI, METRIC = "si", "metric"
 OPTION, EXAMPLE = "--limit", 'write such as --limit "max_tension < 60 kN"'
 
 
@@ -25,7 +28,7 @@ class Criterion(NamedTuple):
     Attributes
     ----------
     text : str
-        As it was written.
+        As it was written; a bare number with the unit that it was read in.
     name : str
         A figure of ``simulate``, or an output of the simulation.
     sense : str
@@ -34,6 +37,8 @@ class Criterion(NamedTuple):
     unit : str
     output : bool
         Whether it is an output over time, of which the largest or smallest counts.
+    bare : str
+        The number as it was typed, where it lacks a unit that it should have. Zero is zero in all units.
     """
 
     text: str
@@ -42,6 +47,7 @@ class Criterion(NamedTuple):
     limit: float
     unit: str
     output: bool
+    bare: str = ""
 
     @property
     def way(self) -> float:
@@ -79,7 +85,12 @@ class Criterion(NamedTuple):
         return {"output": self.name, "statistic": self.statistic, "name": self.column} if self.output else self.name
 
 
-def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Mapping[str, Any]) -> list[Criterion]:
+def read_criteria(
+    texts: Sequence[str],
+    figures: Mapping[str, str],
+    outputs: Mapping[str, Any],
+    instead: Mapping[str, str] | None = None,
+) -> list[Criterion]:
     """Read limits.
 
     Parameters
@@ -90,6 +101,8 @@ def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Map
         Figures that a run of the scene finds, by name, with their SI units.
     outputs : mapping
         Outputs of its simulation (`tautline.system.handles.Output`).
+    instead : mapping, optional
+        What to name for words that are no name here (`tautline.system.handles.Handles`).
 
     Raises
     ------
@@ -100,7 +113,7 @@ def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Map
     problems: list[Problem] = []
     for text in texts:
         try:
-            one = _read(text, figures, outputs)
+            one = _read(text, figures, outputs, instead or {})
         except SceneError as error:
             problems += error.problems
             continue
@@ -111,28 +124,55 @@ def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Map
     return found
 
 
-def _read(text: str, figures: Mapping[str, str], outputs: Mapping[str, Any]) -> Criterion:
+def _read(text: str, figures: Mapping[str, str], outputs: Mapping[str, Any], instead: Mapping[str, str]) -> Criterion:
     match = WRITTEN.fullmatch(text)
     if match is None:
         raise option_error(OPTION, text, "is no limit", EXAMPLE)
     name, unit, of_output = match["name"], figures.get(match["name"]), False
     if unit is None:
         try:
-            output, part = output_of(outputs, name)
+            output = output_of(outputs, name)
+        except IndexError as error:
+            raise option_error(OPTION, text, *no_part(name, error)) from None
         except KeyError:
             close = get_close_matches(name, [*figures, *outputs], n=1, cutoff=0.5)
             cure = f"did you mean '{close[0]}'?" if close else f"figures: {', '.join(figures)}"
+            cure = instead.get(word_of(name), cure)
             raise option_error(OPTION, text, f"a run of this scene finds no '{name}'", cure) from None
-        if not single(output, part) and not whole(output, part):
-            cause = f"{name} is no single number" if part is None else f"there is no {name}"
-            raise option_error(OPTION, text, cause, f"name one, {name.partition('[')[0]}[0] the first")
+        told = no_number(outputs, name)
+        if told is not None and output.has_components:
+            raise option_error(OPTION, text, *told)
         unit, of_output = output.unit, True
     try:
-        value = float(Quantity(unit, any_size=True).read(as_in_a_file(match["value"])))
+        given = as_in_a_file(match["value"])
+        value = float(Quantity(unit, any_size=True).read(given))
     except PydanticCustomError as error:
         raise option_error(OPTION, text, error.message(), str((error.context or {}).get("cure", ""))) from None
     sense = AT_MOST if match["sense"].startswith("<") else AT_LEAST
-    return Criterion(" ".join(text.split()), name, sense, value, unit, of_output)
+    bare = match["value"] if isinstance(given, float) and unit and value != 0.0 else ""
+    written = " ".join(text.split()) + (f" {unit}" if bare else "")
+    return Criterion(written, name, sense, value, unit, of_output, bare)
+
+
+def bare_notes(criteria: Sequence[Criterion], system: str) -> list[str]:
+    """What limits without a unit were read as, and how to write what is meant.
+
+    Parameters
+    ----------
+    system : str
+        The scene's ``units``: its usual unit is offered, or the metric one for SI.
+    """
+    found = []
+    for one in criteria:
+        if not one.bare:
+            continue
+        begin = one.text.removesuffix(f"{one.bare} {one.unit}")
+        other = usual_unit(one.unit, system if system != SI else METRIC)
+        also = f", or '{begin}{one.bare} {other}' if that is meant" if other else ""
+        found.append(
+            f"{OPTION} '{begin}{one.bare}' has no unit, and was read as {one.bare} {one.unit}. Write '{one.text}'{also}"
+        )
+    return found
 
 
 def limits_of_scene(scene: Any) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,12 +12,21 @@ import numpy as np
 
 from crane.operability.allowable import Table, tabulate
 from crane.operability.conditions import Condition, SeaKeys, cases_of, highest, sea_keys, sea_notes
-from crane.operability.criteria import Criterion, lasting_notes, limits_of_scene, none_given, notes_on, read_criteria
+from crane.operability.criteria import (
+    Criterion,
+    bare_notes,
+    lasting_notes,
+    limits_of_scene,
+    none_given,
+    notes_on,
+    read_criteria,
+)
 from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
 from tautline.scene.errors import SceneError, option_error
 from tautline.statistics.gumbel import FEWEST
 from tautline.sweeps.execution import Execution
+from tautline.system.handles import Handles
 
 PROBE = 3.0
 """Time, s, of a run that tells which figures there are, and their units."""
@@ -100,13 +109,14 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     vary = cases_of(asked.conditions, asked.seeds, keys)
     first = {key: values[0] for key, values in vary.items()}
     any_storm = scene.replace(first, origin="--hs, --tp, --heading, --seeds")
-    figures, outputs = _found_by(application, any_storm, execution.announce)
+    figures, handles = _found_by(application, any_storm, execution.announce)
     if asked.constant is not None and scene.rope.breaking_load is None:
         cause = "needs the breaking load of the rope, which the scene does not give"
         raise option_error("--sn-constant", f"{asked.constant:g}", cause, "give rope.breaking_load")
     if not texts and asked.scatter is None:
         raise none_given(scene)
-    criteria = read_criteria(texts, figures, outputs)
+    criteria = read_criteria(texts, figures, handles.outputs, handles.instead)
+    of_command = criteria[: len(read_criteria(asked.limits, figures, handles.outputs))]
     collect = [one.collected for one in criteria]
     names = {one.column for one in criteria}
     collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
@@ -114,7 +124,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
     _check_seas(application, storm, keys, asked)
     notes = sea_notes(storm.replace(first), keys) + scale_notes(asked)
-    doubts = duration_notes(asked)
+    # Those of the scene are told with its other numbers without a unit.
+    doubts = duration_notes(asked) + bare_notes(of_command, scene.units)
     notes += notes_on(criteria, not storm.output.statistics)
     notes += lasting_notes(scene)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
@@ -228,10 +239,8 @@ def _check(asked: Asked, limits: Sequence[str]) -> None:
         raise option_error("--simulate", f"{asked.simulated:g} s", f"is longer than {asked.duration:g} s", cure)
 
 
-def _found_by(
-    application: Any, scene: Any, announce: Callable[[int], Any] | None
-) -> tuple[dict[str, str], Mapping[str, Any]]:
-    """Figures that a run of the scene finds, with their units, and its outputs; by a run of a moment."""
+def _found_by(application: Any, scene: Any, announce: Callable[[int], Any] | None) -> tuple[dict[str, str], Handles]:
+    """Figures that a run of the scene finds, with their units, and its handles; by a run of a moment."""
     from tautline.live.simulation import handles_of
     from tautline.simulation import simulate
 
@@ -241,7 +250,7 @@ def _found_by(
     result = simulate(model, announce=announce)
     figures = {name: str(one.get("unit") or "") for name, one in result.headline.items()}
     sometimes = {name: unit for name, unit in model.figure_units.items() if name in NOTHING}
-    return {**sometimes, **figures}, handles_of(model).outputs
+    return {**sometimes, **figures}, handles_of(model)
 
 
 def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:

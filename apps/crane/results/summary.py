@@ -25,6 +25,8 @@ CANDIDATES = 3
 MOST_SHEAVES = 4
 """Sheaves up to which the largest tension is told of each side; of more only the largest of all."""
 MOST_BODIES = 4
+BARELY = 0.05
+"""Share of the tension of the load hanging free below which the rope hardly carries it at the start."""
 NO_ANGLE = 1.0e-9
 """Rounding of an angle, rad."""
 METRE, MOST_BINS = 1.0, 2000
@@ -135,7 +137,7 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
     peak, low = tension.at(int(np.argmax(values))), tension.at(int(np.argmin(values)))
     yield "max_tension", peak.value, "N", f"largest tension ({_told(peak)})"
     yield "min_tension", low.value, "N", f"smallest tension ({_told(low)})"
-    rest, word = _rest(result, layout)
+    rest, word = _hung(result, layout)
     amplified = amplification_of(tension, np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0))
     if amplified is not None:
         yield (
@@ -162,6 +164,34 @@ def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
         return first, ", by the load at the start" if result.attributes.get("parameters_changed") else ""
     found = static_tension(layout.scene, layout.path)
     return (np.zeros(first.size) if found is None else found.ravel()), ", tension at rest estimated"
+
+
+def _hung(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
+    """What the largest tension is amplified over, (n,) N, and a note on it.
+
+    It is the tension at rest. Where a load is lifted off the ground, or the rope hardly carries it at the start, that
+    says nothing of the lift: then it is an estimate of the tension with which the load hangs free, as drawn. No number
+    at all where a load stands on the ground and that is not known.
+    """
+    rest, word = _rest(result, layout)
+    if layout.scene.start != "static":
+        return rest, word
+    found = static_tension(layout.scene, layout.path)
+    grounded = _grounded(result, layout.scene)
+    if found is None:
+        return (np.zeros(rest.size), word) if grounded else (rest, word)
+    free = found.ravel()
+    if not grounded and rest.max(initial=0.0) >= BARELY * free.max():
+        return rest, word
+    return free, f"{word}, over the load hanging free, estimated"
+
+
+def _grounded(result: Any, scene: CraneScene) -> bool:
+    """Whether a body stands on the ground in the first frame."""
+    if scene.ground is None or "body_position" not in result:
+        return False
+    height = np.asarray(result["body_position"])[0, :, 2]
+    return any(z - body.bottom <= scene.ground.level for z, body in zip(height, scene.bodies, strict=True))
 
 
 def _places(scene: CraneScene) -> Iterator[tuple[str, list[int]]]:

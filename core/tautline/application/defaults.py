@@ -77,6 +77,7 @@ class Defaults:
             Of `own_warnings`, for a scene that cannot be run. Before it stand numbers that are probably in a wrong
             unit: they may be the cause.
         """
+        from tautline.application.limits import bare_limits
         from tautline.scene.content import too_fast
         from tautline.scene.errors import SceneError, SceneWarning
         from tautline.scene.gaps import gaps_of_records
@@ -96,7 +97,8 @@ class Defaults:
             raise SceneError([*doubtful, *error.problems]) from None
         found += [SceneWarning(self.step_key, text)] if text else []
         ours = [SceneWarning(one.where, in_words(one.text, system), line_of(document, one.where)) for one in found]
-        return list(dict.fromkeys(slips + reversed_limits(scene) + ours))
+        of_limits = bare_limits(scene, self.build) + reversed_limits(scene)
+        return list(dict.fromkeys(slips + of_limits + ours))
 
     step_key: str = "solver.step"
     """Key of the step in a scene."""

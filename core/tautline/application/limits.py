@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from itertools import product
@@ -13,14 +13,15 @@ from pydantic_core import PydanticCustomError
 
 from tautline.results.assessment.bounds import Bound
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
-from tautline.scene.errors import LONGEST, Problem, SceneError
+from tautline.scene.errors import LONGEST, Problem, SceneError, SceneWarning
 from tautline.scene.limits import ABOVE, Limit
+from tautline.scene.unit_slips import LISTED
+from tautline.scene.values.printed import quantity
 from tautline.scene.values.quantity import Quantity
-from tautline.system.handles import PART, Handles, Output, outputs_of
+from tautline.scene.values.systems import usual_unit
+from tautline.system.handles import PART, Handles, Output, outputs_of, word_of
 from tautline.system.model import Model
 
-COMPONENTS = frozenset({"axis", "side", "part"})
-"""Dimensions of components: a bound of all of them together would mean nothing."""
 CLOSE, OFFERED, MOST_LISTED = 0.5, 3, 40
 """Likeness of names that are offered, and how many are."""
 
@@ -57,6 +58,45 @@ def read_limits(limits: Sequence[Limit], model: Model, scene: Any) -> list[Bound
     return found
 
 
+def bare_limits(scene: Any, build: Callable[[Any], Model]) -> list[SceneWarning]:
+    """Warn of limits without a unit in a scene that is in other units than SI: they are read in SI.
+
+    Parameters
+    ----------
+    build : callable
+        Scene -> its model, which alone knows the units of outputs. It is called where there is such a limit only, and
+        what it refuses is left to who builds the scene in earnest.
+    """
+    system, limits = getattr(scene, "units", "si"), getattr(scene, "limits", ()) or ()
+    sides = [(i, limit, side) for i, limit in enumerate(limits) for side in limit.sides]
+    # Zero is zero in all units.
+    bare = [(i, side) for i, _, side in sides if not isinstance(side.written, str) and side.written != 0]
+    if system == "si" or not bare:
+        return []
+    try:
+        bounds = build(scene).bounds
+    except SceneError:
+        return []
+    document, readings = getattr(scene, "document", None), []
+    for (i, limit, side), bound in zip(sides, bounds, strict=True):
+        usual = usual_unit(bound.unit, system)
+        if (i, side) not in bare or not usual:
+            continue
+        line = document.line(("limits", i, side.key)) if document is not None else None
+        where, typed = f" (line {line})" if line else "", f"{side.written:.10g}"
+        other = quantity(float(Quantity(bound.unit, any_size=True).read(f"{typed} {usual}")), bound.unit)
+        also = f"not {typed} {usual}" if other == f"{typed} {usual}" else f"{typed} {usual} would be {other}"
+        readings.append(
+            f"limits[{i}].{side.key} = {typed}{where} of {limit.output} is {typed} {bound.unit}, and {also}"
+        )
+    if not readings:
+        return []
+    more = f"; and {len(readings) - LISTED} more" if len(readings) > LISTED else ""
+    count = "1 limit has" if len(readings) == 1 else f"{len(readings)} limits have"
+    text = f"{system}, and {count} no unit. A number without a unit is read in SI: {'; '.join(readings[:LISTED])}{more}"
+    return [SceneWarning("units", f"{text}. Write the unit that is meant")]
+
+
 @dataclass(frozen=True)
 class _Read:
     """What a name stands for: unit, and of an output how it is read of frames, and its places."""
@@ -76,6 +116,7 @@ class _Reader:
         self.model, self.scene = model, scene
         handles = model.handles() if model.handles is not None else Handles(outputs=_plain(model))
         self.outputs: Mapping[str, Output] = handles.outputs
+        self.instead = handles.instead
         self.problems: list[Problem] = []
 
     def fault(self, key: tuple[str | int, ...], cause: str, cure: str) -> None:
@@ -136,6 +177,8 @@ class _Reader:
 
     def nearest(self, name: str) -> str:
         """The names that were probably meant, or those that there are."""
+        if word_of(name) in self.instead:
+            return self.instead[word_of(name)]
         known = sorted({*self.outputs, *self.model.figure_units})
         lower = {one.lower(): one for one in known}
         close = get_close_matches(name[:LONGEST].lower(), list(lower), OFFERED, CLOSE)
@@ -149,35 +192,26 @@ class _Reader:
         if output.source:
             whole = next(variable for variable in self.model.variables if variable.name == output.source)
             return _Read(output.unit, series_of(output), self.places(whole.dims[1:]), output.source, output.source)
-        if output.shape and (not output.dims or COMPONENTS & set(output.dims)):
-            indices = ",".join("0" for _ in output.shape)
-            cause = f"{output.name} has several components"
-            self.fault((i, "output"), cause, f"name one of its numbers: {output.name}[{indices}] is the first")
+        if output.has_components:
+            self.fault((i, "output"), f"{output.name} has several components", output.one_of_components)
             return None
         places = output.labels or (self.places(output.dims) if output.shape else (_thing(output.name),))
         return _Read(output.unit, series_of(output), places, variable=output.variable)
 
     def part(self, i: int, output: Output, at: tuple[int, ...]) -> _Read | None:
         """One number of an output, or those of its places that are left."""
-        left = output.dims[len(at) :]
-        if len(at) > len(output.shape) or (len(at) < len(output.shape) and (not left or COMPONENTS & set(left))):
-            cause = (
-                f"{output.name} has {_counted(len(output.shape))}" if output.shape else f"{output.name} is one number"
-            )
-            self.fault((i, "output"), cause, f"write {self.example(output)}")
+        try:
+            one = output.part(at)
+        except IndexError as error:
+            cause, _, cure = str(error).partition(": ")
+            self.fault((i, "output"), cause, cure)
             return None
-        for k, size in zip(at, output.shape, strict=False):
-            # A size of 0 is one that is not known.
-            if k >= size > 0:
-                self.fault((i, "output"), f"{output.name} has {size} of these", f"count from 0 to {size - 1}")
-                return None
-        all_of = series_of(output)
-        places = self.places(left) if left else (_thing(output.name),)
-        return _Read(output.unit, lambda frames: all_of(frames)[(slice(None), *at)], places)
-
-    def example(self, output: Output) -> str:
-        """How a number of an output is named."""
-        return f"{output.name}[{','.join('0' for _ in output.shape)}]" if output.shape else output.name
+        if one.has_components:
+            cause = f"{one.name} has several components"
+            self.fault((i, "output"), cause, output.one_of_components)
+            return None
+        places = self.places(one.dims) if one.shape else (_thing(output.name),)
+        return _Read(output.unit, series_of(one), places)
 
     def places(self, dims: Sequence[str]) -> tuple[str, ...]:
         """Names of all places of some dimensions, in the order of a value's numbers."""
@@ -213,10 +247,6 @@ def _plain(model: Model) -> dict[str, Output]:
 def _thing(name: str) -> str:
     """What an output belongs to, by its name: ``winch`` of ``winch.tension``; empty where it belongs to none."""
     return name.rpartition(".")[0]
-
-
-def _counted(axes: int) -> str:
-    return "one index" if axes == 1 else f"{axes} indices"
 
 
 def series_of(output: Output) -> Any:

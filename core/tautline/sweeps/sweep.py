@@ -241,6 +241,8 @@ class _Sweep:
         self.named = False
         # Figures that some cases have and others not, since what varies are no numbers: a rope without a breaking load.
         self.of_some: dict[str, Finding] = {}
+        # Those that no case may have, such as a snap: their column is there, and empty.
+        self.of_none: dict[str, Finding] = {}
         self.loop_time = self.elsewhere = 0.0
         self.process = os.getpid()
         self.lost: list[Row] = []
@@ -308,9 +310,12 @@ class _Sweep:
         if model is not None:
             check_outputs(self.read, model)
             self.named = check_figures(self.read, model, getattr(self.application, "sometimes", ()))
+            asked = [one for one in self.collected if one.figure in model.figure_units]
+            named = {one.name: Finding(None, model.figure_units[one.figure], one.figure) for one in asked}
             if not all(one.numeric for one in self.cases.parameters):
-                asked = (one for one in self.collected if one.figure in model.figure_units)
-                self.of_some = {one.name: Finding(None, model.figure_units[one.figure], one.figure) for one in asked}
+                self.of_some = named
+            sometimes = getattr(self.application, "sometimes", ())
+            self.of_none = {name: one for name, one in named.items() if one.text in sometimes}
 
     def _with_bounds(self, problem: Problem) -> Problem:
         """Add to what a distribution makes, and the scene cannot have, that there are others with bounds."""
@@ -439,7 +444,7 @@ class _Sweep:
         """Write result and table of all that is known."""
         if self.journal is not None and not self.journal.begun and (self.kept or self.journal.done):
             self._begin()
-        known = self.of_some | self.columns
+        known = self.of_none | self.of_some | self.columns
         columns = {one.name: known[one.name] for one in self.collected if one.name in known}
         attributes = {
             "scene": self.scene.document.told, "application": self.application.name, "verb": self.read.verb,

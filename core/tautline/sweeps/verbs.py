@@ -11,6 +11,7 @@ import numpy as np
 
 from tautline.results.tables.finding import Finding, Table
 from tautline.sweeps.file import SIMULATE, Collected, SweepFile, percentile
+from tautline.system.handles import Handles, Output, part_named, word_of
 
 RUN = {
     "step": ("s", "time step"),
@@ -30,7 +31,6 @@ OF_LIMIT = "limit."
 """Begins the names of what a limit of the scene came to: ``limit.overload.margin``."""
 OF_ONE = re.compile(r" \(.*\)$")
 """Place and time at the end of a figure's text."""
-PART = re.compile(r"(.+)\[(\d+)\]")
 
 
 def tables_of(application: Any) -> Mapping[str, Table]:
@@ -98,7 +98,7 @@ class Watch:
 
     def __init__(self, model: Any, collected: Sequence[Collected]) -> None:
         self.asked = [one for one in collected if one.output]
-        self.outputs = {one.name: output_of(_handles(model), one.output) for one in self.asked}
+        self.outputs = {one.name: output_of(_handles(model).outputs, one.output) for one in self.asked}
         # Of an output of several numbers the largest, or the smallest, of all of them.
         self.over = {one.name: np.min if one.statistic == "min" else np.max for one in self.asked}
         self.rows: dict[str, list[np.ndarray]] = {one.name: [] for one in self.asked}
@@ -111,13 +111,13 @@ class Watch:
 
     def _look(self, frames: Any, variables: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         self.times.append(np.array(frames.time, float))
-        for name, (output, part) in self.outputs.items():
+        for name, output in self.outputs.items():
             if output.places is not None:
                 vector, places = output.places
                 values = getattr(frames, vector)[:, places]
             else:
                 values = output.one_by_one(variables, len(frames.time))
-            values = np.array(values if part is None else values[:, part], float).reshape(len(frames.time), -1)
+            values = np.array(values, float).reshape(len(frames.time), -1)
             self.rows[name].append(self.over[name](values, axis=1))
         return variables
 
@@ -130,7 +130,7 @@ class Watch:
         return {
             one.name: Finding(
                 statistic(np.concatenate(self.rows[one.name])[counts], time[counts], one.statistic),
-                self.outputs[one.name][0].unit, f"{one.statistic} of {one.output}",
+                self.outputs[one.name].unit, f"{one.statistic} of {one.output}",
             )
             for one in self.asked
         }  # fmt: skip
@@ -188,10 +188,10 @@ def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
     return found
 
 
-def _handles(model: Any) -> Mapping[str, Any]:
+def _handles(model: Any) -> Handles:
     from tautline.live.simulation import handles_of
 
-    return handles_of(model).outputs
+    return handles_of(model)
 
 
 def check_outputs(read: SweepFile, model: Any) -> None:
@@ -203,18 +203,24 @@ def check_outputs(read: SweepFile, model: Any) -> None:
     if not asked:
         return
     handles, problems = _handles(model), []
+    outputs = handles.outputs
     for i, one in asked:
         key = ("collect", i, "output")
         try:
-            output, part = output_of(handles, one.output)
+            output = output_of(outputs, one.output)
         except KeyError as error:
             name = str(error.args[0])
-            problems.append(read.problem_at(key, f"there is no output '{name}'", nearest(name, sorted(handles))))
+            cure = handles.instead.get(word_of(name)) or nearest(name, sorted(outputs))
+            problems.append(read.problem_at(key, f"there is no output '{name}'", cure))
             continue
-        if not single(output, part) and not (whole(output, part) and one.statistic in OVER_PLACES):
-            cure = f"name one of its numbers, {one.output.partition('[')[0]}[0] the first"
-            cure += "; max and min take all of them" if whole(output, part) else ""
-            problems.append(read.problem_at(key, f"{one.output} is no single number", cure))
+        except IndexError as error:
+            problems.append(read.problem_at(key, *no_part(one.output, error)))
+            continue
+        told = no_number(outputs, one.output)
+        if told and (output.has_components or one.statistic not in OVER_PLACES):
+            cause, cure = told
+            cure += "" if output.has_components else "; max and min take all of them"
+            problems.append(read.problem_at(key, cause, cure))
     if problems:
         raise SceneError(problems)
 
@@ -233,11 +239,15 @@ def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) ->
     known = (*model.figure_units, *sometimes, *RUN)
     if not model.figure_units:
         return False
+    instead = _handles(model).instead
     problems = [
-        read.problem_at(("collect", i), f"the verb finds no '{one.figure}'", nearest(one.figure, known))
+        read.problem_at(
+            ("collect", i), f"the verb finds no '{one.figure}'",
+            instead.get(word_of(one.figure)) or nearest(one.figure, known),
+        )
         for i, one in enumerate(read.collected())
         if one.figure and one.figure not in known and not asks_limits(one.figure)
-    ]
+    ]  # fmt: skip
     if problems:
         raise SceneError(problems)
     # What a limit of the scene is called is looked up in a run.
@@ -248,29 +258,40 @@ OVER_PLACES = ("max", "min")
 """Statistics that an output of several numbers has as a whole: the largest, and the smallest, of all of them."""
 
 
-def single(output: Any, part: int | None) -> bool:
-    """Whether an output, or the part of it that is named, is one number."""
-    if not output.shape:
-        return True
-    return part is not None and len(output.shape) == 1 and not (output.shape[0] and part >= output.shape[0])
+def output_of(outputs: Mapping[str, Output], name: str) -> Output:
+    """An output, or the part of it that its indices name.
 
-
-def whole(output: Any, part: int | None) -> bool:
-    """Whether an output stands for all its places, such as the tension at both ends of all spans.
-
-    The three coordinates of a position are no places: the largest of them says nothing.
+    Raises
+    ------
+    KeyError
+        For a name that there is not.
+    IndexError
+        For indices that the output has not.
     """
-    return bool(output.shape) and part is None and output.places is None
+    found = part_named(outputs, name)
+    if found is None:
+        raise KeyError(name)
+    return found
 
 
-def output_of(outputs: Mapping[str, Any], name: str) -> tuple[Any, int | None]:
-    """An output and which of its numbers is meant; KeyError for a name that there is not."""
-    if name in outputs:
-        return outputs[name], None
-    match = PART.fullmatch(name)
-    if match and match[1] in outputs:
-        return outputs[match[1]], int(match[2])
-    raise KeyError(name)
+def no_part(name: str, error: IndexError) -> tuple[str, str]:
+    """Cause and cure of indices that an output has not."""
+    cause, _, cure = str(error).partition(": ")
+    return f"there is no {name}: {cause}", cure
+
+
+def no_number(outputs: Mapping[str, Output], name: str) -> tuple[str, str] | None:
+    """Cause and cure of an output, by its name, that is no single number; None of one that is.
+
+    The largest of several places is one, as of the tensions at the ends of all spans. That of several components is
+    none: of a force or a position it says nothing.
+    """
+    output = output_of(outputs, name)
+    if not output.shape:
+        return None
+    whole = outputs[name] if name in outputs else outputs[name.rpartition("[")[0]]
+    several = ": it has several components" if output.has_components else ""
+    return f"{name} is no single number{several}", whole.one_of_components
 
 
 def statistic(values: np.ndarray, time: np.ndarray, name: str) -> float:

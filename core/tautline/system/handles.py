@@ -13,6 +13,8 @@ from tautline.system.time_functions import FunctionRequest, Steering, all_reques
 
 PART = re.compile(r"(.+)\[(\d+(?:\s*,\s*\d+)*)\]")
 """One of the numbers of an output: ``payload.position[2]``."""
+COMPONENTS = frozenset({"axis", "side", "part"})
+"""Dimensions of components, such as those of a force: the largest of them together means nothing."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,8 @@ class Output:
         where its own do.
     labels : tuple of str
         Names of its places, where they are others than those of its dimensions.
+    size : str
+        Figure of a run that is the largest size of such vectors; empty where there is none.
     """
 
     name: str
@@ -74,6 +78,26 @@ class Output:
     source: str = ""
     judged_by: tuple[str, str] = ("", "")
     labels: tuple[str, ...] = ()
+    size: str = ""
+
+    @property
+    def has_components(self) -> bool:
+        """Whether its numbers are components, and not places: no bound, and no largest, of all of them has a sense.
+
+        So it is where its dimensions are not known.
+        """
+        return bool(self.shape) and (not self.dims or bool(COMPONENTS & set(self.dims)))
+
+    @property
+    def example(self) -> str:
+        """How the first of its numbers is named: one index a dimension."""
+        return f"{self.name}[{','.join('0' for _ in self.shape)}]" if self.shape else self.name
+
+    @property
+    def one_of_components(self) -> str:
+        """What to name in place of a vector: a cure."""
+        size = f"name {self.size}, the largest of all sizes, or " if self.size else "name "
+        return f"{size}one of its numbers: {self.example} is the first"
 
     def number(self, at: tuple[int, ...]) -> Output:
         """One of its numbers, by its indices, as an output of its own.
@@ -88,14 +112,32 @@ class Output:
                 "is one number" if not self.shape else f"has {len(self.shape)} index" + "es" * (len(self.shape) > 1)
             )
             raise IndexError(f"{self.name} {counted}")
-        for k, size in zip(at, self.shape, strict=True):
-            if k >= size:
+        if 0 in self.shape:
+            raise IndexError(f"{self.name} has none of these")
+        return self.part(at)
+
+    def part(self, at: tuple[int, ...]) -> Output:
+        """One of its numbers, or all those that its first indices leave, as an output of its own.
+
+        Raises
+        ------
+        IndexError
+            Saying which indices it has.
+        """
+        if len(at) > len(self.shape):
+            axes = len(self.shape)
+            counted = "is one number" if not axes else f"has {'one index' if axes == 1 else f'{axes} indices'}"
+            raise IndexError(f"{self.name} {counted}: write {self.example}")
+        for k, size in zip(at, self.shape, strict=False):
+            # A size of 0 is one that is not known.
+            if k >= size > 0:
                 raise IndexError(f"{self.name} has {size} of these: count from 0 to {size - 1}")
         whole, series, index = self.value, self.series, f"[{','.join(map(str, at))}]"
         in_each: Any = (slice(None), *at)
         above, below = (other and other + index for other in self.judged_by)
         return replace(
-            self, name=self.name + index, shape=(), dims=(), labels=(), value=lambda frame: whole(frame)[at],
+            self, name=self.name + index, shape=self.shape[len(at) :], dims=self.dims[len(at) :], labels=(),
+            value=lambda frame: whole(frame)[at],
             places=None if self.places is None else (self.places[0], np.asarray(self.places[1][at])),
             series=None if series is None else lambda frames: series(frames)[in_each], judged_by=(above, below),
         )  # fmt: skip
@@ -172,12 +214,21 @@ class Prepared:
 
 @dataclass
 class Handles:
-    """All of a model's, by name; and the functions of time that are `prepared`."""
+    """All of a model's, by name; and the functions of time that are `prepared`.
+
+    ``instead`` tells of words of the field that are no name here, as `word_of` writes them, what to name for them.
+    """
 
     inputs: dict[str, Input] = field(default_factory=dict)
     outputs: dict[str, Output] = field(default_factory=dict)
     parameters: dict[str, Parameter] = field(default_factory=dict)
     prepared: tuple[Prepared, ...] = ()
+    instead: dict[str, str] = field(default_factory=dict)
+
+
+def word_of(name: str) -> str:
+    """A name as `Handles.instead` has it: ``hook_load`` for ``Hook load``."""
+    return re.sub(r"[\s_-]+", "_", name.strip().lower())
 
 
 def output_named(outputs: Mapping[str, Output], name: str) -> Output | None:
@@ -188,12 +239,23 @@ def output_named(outputs: Mapping[str, Output], name: str) -> Output | None:
     IndexError
         For indices that an output does not have.
     """
+    return _named(outputs, name, Output.number)
+
+
+def part_named(outputs: Mapping[str, Output], name: str) -> Output | None:
+    """The same, or all the numbers that the first indices leave."""
+    return _named(outputs, name, Output.part)
+
+
+def _named(
+    outputs: Mapping[str, Output], name: str, take: Callable[[Output, tuple[int, ...]], Output]
+) -> Output | None:
     if name in outputs:
         return outputs[name]
     part = PART.fullmatch(name)
     if part is None or part[1] not in outputs:
         return None
-    return outputs[part[1]].number(tuple(int(k) for k in part[2].split(",")))
+    return take(outputs[part[1]], tuple(int(k) for k in part[2].split(",")))
 
 
 def prepared_of(requests: Sequence[FunctionRequest]) -> tuple[Prepared, ...]:

@@ -178,7 +178,14 @@ def _left_out(outcome: Outcome) -> list[str]:
         told.append(f"percentiles are those of the {outcome.done} cases that came to their end: they may be biased")
     if outcome.percentiles is not None and outcome.interrupted:
         told.append(f"percentiles are those of the {outcome.done} cases so far, of {len(outcome.cases)}")
-    return told + _without_number(outcome) + _along(outcome)
+    return told + _empty(outcome) + _without_number(outcome) + _along(outcome)
+
+
+def _empty(outcome: Outcome) -> list[str]:
+    """Collected numbers that no case has, though some came to their end: without slack there is no snap."""
+    numbers = ((name, one) for name, one in outcome.data.data_vars.items() if one.values.dtype.kind == "f")
+    empty = [str(name) for name, one in numbers if one.dims == outcome.cases.dims and not one.is_number]
+    return [f"{name}: no case has one; its column is empty" for name in empty] if outcome.done else []
 
 
 def _along(outcome: Outcome) -> list[str]:

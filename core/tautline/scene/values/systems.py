@@ -54,6 +54,12 @@ SMALL_PRESSURE = 10_000.0
 """Pressures up to so many psi are written in psi: a pump's 3500 psi is not 3.5 ksi to anyone."""
 
 
+def usual_unit(unit: str, system: str) -> str:
+    """The unit that a system writes for one of SI, the largest of several; empty where that is no other."""
+    first = SYSTEMS[system].get(unit, (unit,))[0]
+    return first if first != unit else ""
+
+
 def in_system(value: float, unit: str, system: str) -> tuple[float, str]:
     """Convert a figure for display.
 
