@@ -53,6 +53,18 @@ def test_two_blocking_is_seen_before_it_comes():
     )
 
 
+def test_a_computer_without_time_to_look_ahead_is_told_and_one_with_time_is_not():
+    """Runs ahead get what time the rows leave: here none from 4 s to 8 s, three answers' worth and more."""
+    twin, told = weight_twin(start="5 t", map=WEIGHT), {}
+    for row in rows_of(tautline.read(HOIST), 0, 10.0):
+        for line in twin.add(*row):
+            told[line["time"]] = [one["text"] for one in line["alarms"] if one["name"] == "cannot look ahead"]
+        if not 4.0 < row[0] < 8.0:
+            twin.work()
+    assert not any(text for at, text in told.items() if not 4.5 < at < 8.5)
+    assert all("no time" in told[at][0] for at in told if 4.7 < at < 8.1)
+
+
 def test_an_overload_by_a_sudden_stop_is_seen_ahead_and_a_measured_one_at_once(settled):
     twin, rest = settled(end=11.0)
     rows = changed(rest, lambda t, r: {**r, "rope_tension": r["rope_tension"] + 45.0 * (10.0 < t < 10.55)})

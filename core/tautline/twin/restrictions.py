@@ -63,6 +63,7 @@ class Outlook:
         self._due: tuple[float, Mapping[str, np.ndarray]] | None = None
         self._shown: Mapping[str, np.ndarray] = {}
         self._next_forecast = self._next_restrict = -np.inf
+        self._asked = (np.inf, -np.inf)
 
     def foresee(
         self, time: float, inputs: Mapping[str, np.ndarray], shown: Mapping[str, np.ndarray] | None = None
@@ -74,6 +75,9 @@ class Outlook:
         shown : mapping, optional
             Inputs that the simulation is behind with -> the states (3,) that their sensors show.
         """
+        first, last = self._asked
+        # A twin that waited was not late.
+        self._asked = (first if time - last <= self._good_for else time, time)
         if self.forecast is None or self._job is not None:
             return
         if self._due is None:
@@ -98,11 +102,22 @@ class Outlook:
     def drop(self, found: Found | None = None) -> None:
         """Leave what is under way: the machine is not where it was. What is known of the time ahead is `found`."""
         self._job, self._due, self.found = None, None, found
+        self._asked = (np.inf, -np.inf)
+
+    @property
+    def _good_for(self) -> float:
+        """For how long an answer holds good, s."""
+        return FRESH * self.plan.forecast_every
+
+    def late(self, time: float) -> bool:
+        """Whether runs ahead are asked for, and the last answer is too old: the computer has no time for them."""
+        begun = self.found.begun if self.found is not None else -np.inf
+        return self.forecast is not None and time - max(begun, self._asked[0]) > self._good_for
 
     def fresh(self, time: float) -> Found | None:
         """What was found, if that is not too long ago."""
         found = self.found
-        return found if found is not None and time - found.begun <= FRESH * self.plan.forecast_every else None
+        return found if found is not None and time - found.begun <= self._good_for else None
 
     def _run(
         self, forecast: Forecast, time: float, inputs: Mapping[str, np.ndarray], shown: Mapping[str, np.ndarray]

@@ -26,7 +26,7 @@ CATCHING_UP = "catching up"
 """Name of the alarm that what is computed is not judged."""
 NOT_AHEAD = "cannot look ahead"
 """Name of the alarm that nothing is foreseen: the simulation stops on the way ahead, and not because of what the
-machine does, or an input that the driver moves is not measured."""
+machine does, an input that the driver moves is not measured, or the computer has no time."""
 SURE = 2.0
 """Standard deviations by which a computed value is beyond its bound for sure."""
 UNSEEN = 1.0
@@ -65,6 +65,8 @@ class Compared:
         Time until which an input did not go as its sensor says, s.
     blind : bool
         Whether an input that the machine's driver moves is not measured.
+    late : bool
+        Whether the computer has no time to look ahead.
     """
 
     time: float
@@ -80,6 +82,7 @@ class Compared:
     judged_from: float = -np.inf
     led_until: float = -np.inf
     blind: bool = False
+    late: bool = False
 
     @property
     def foreseen(self) -> Found | None:
@@ -219,7 +222,10 @@ class Watch:
         if stopped is not None and cut:
             why, lasting = stopped[1].lower().replace("_", " "), 0.0
             text = f"the simulation stops {stopped[0]:.2g} s ahead ({why}): what comes after that is not foreseen"
-        self.alarms.judge(NOT_AHEAD, cut or row.blind, row.time, text, lasting)
+        elif row.late and not row.blind:
+            text = "the last run ahead is too old: the computer has no time for one. No danger is foreseen"
+            lasting = 0.0
+        self.alarms.judge(NOT_AHEAD, cut or row.blind or row.late, row.time, text, lasting)
 
     def _believes(self, row: Compared, status: str) -> bool:
         """Whether a stop ahead is one of the machine: by its place also while that is caught up with."""

@@ -53,6 +53,25 @@ def events(address, count, timeout=5.0):
     return found
 
 
+def test_the_page_ends_at_once_and_without_a_word_though_readers_do_not_read(caplog):
+    """What was sent fills all buffers on the way: who sends more waits for the reader."""
+    made = Page(0, "a hoist", UNITS, Crane())
+    for k in range(3000):
+        made.publish(line(0.1 * k, long="x" * 4000))
+    readers = [socket.create_connection((made.host, made.port)) for _ in range(3)]
+    for one in readers:
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+        one.sendall(b"GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        assert one.recv(15) == b"HTTP/1.1 200 OK"
+    time.sleep(0.5)
+    begun = time.monotonic()
+    made.close()
+    assert time.monotonic() - begun < 4.0
+    assert not caplog.records, "they would be printed where nobody asks for them"
+    for one in readers:
+        one.close()
+
+
 def test_one_who_comes_late_gets_all_lines_so_far_and_then_those_that_come(page):
     for k in range(5):
         page.publish(line(0.1 * k))

@@ -87,8 +87,8 @@ function trace(canvas, shown, { points, line, band, unit }) {
   const [pen, w, h] = cleared(canvas);
   const end = shown[shown.length - 1].time, begin = end - SPAN, left = 52, bottom = h - 4;
   let low = Infinity, high = -Infinity;
-  // What is long past may leave the picture: a start that was far off would make all else a line.
-  const recent = end - 0.5 * Math.min(SPAN, end - shown[0].time);
+  // Of an estimate, what is long past may leave the picture: a start that was far off would make all else a line.
+  const recent = band ? end - 0.5 * Math.min(SPAN, end - shown[0].time) : begin;
   const reach = (v) => { if (v !== null && v !== undefined && isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); } };
   for (const one of shown) {
     if (one.time < recent) continue;

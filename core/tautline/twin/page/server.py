@@ -29,6 +29,8 @@ WAITING = 400
 """Lines that wait for a browser before the oldest are left out."""
 DRAWN_EVERY = 0.5
 """Time between two pictures, s."""
+FAREWELL = 0.3
+"""Time that browsers have to go after they were told that it has ended, s."""
 STARTS_WITHIN = 10.0
 """How long the server may take to start, s."""
 
@@ -105,7 +107,9 @@ class Page:
         """End the server; browsers are told that it has ended."""
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._send, "ended", "{}")
-        self._server.should_exit = True
+            self._loop.call_soon_threadsafe(self._loop.call_later, FAREWELL, self._hang_up)
+        else:
+            self._server.should_exit = True
         self._thread.join(5.0)
         self._socket.close()
 
@@ -127,6 +131,13 @@ class Page:
             if queue.full():
                 queue.get_nowait()
             queue.put_nowait((kind, text))
+
+    def _hang_up(self) -> None:
+        """End the server; who has not gone by itself is cut off, for uvicorn logs each of those as an error."""
+        for one in list(self._server.server_state.connections):
+            if one.transport is not None:
+                one.transport.abort()
+        self._server.should_exit = True
 
     async def _draw(self) -> None:
         """Draw the newest frame again and again, while somebody looks."""
@@ -161,6 +172,8 @@ class Page:
                     yield ": still here\n\n"
                     continue
                 yield _event(kind, text)
+                if kind == "ended":
+                    break
         finally:
             self._watching.discard(queue)
 
