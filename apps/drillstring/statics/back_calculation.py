@@ -65,7 +65,8 @@ class Fit(NamedTuple):
     of what the loads are off, N; ``pick_up`` and ``slack_off`` are the open hole's factors that fit each alone, NaN
     where there are too few loads. ``cased`` and ``cased_spread`` are None in a hole without casing. ``unexplained`` are
     the loads that no factor explains. ``model_error`` is what the model itself may be off by, which residuals do not
-    tell: it moves all loads together, and the factor with them.
+    tell: it moves all loads together, and the factor with them. ``elements_error`` is what half the elements would
+    change in the factors, the largest, and about what more of them would.
     """
 
     friction: float
@@ -79,6 +80,7 @@ class Fit(NamedTuple):
     unexplained: tuple[Unexplained, ...] = ()
     model_error: float = 0.0
     cased_model_error: float | None = None
+    elements_error: float = 0.0
 
     @property
     def error(self) -> float:
@@ -175,9 +177,9 @@ def fit(
     Where the scene has a casing, its factor and that of the open hole are sought together. The loads are those of the
     statics of the lumped model (statics.py). The spread is the standard error: the square root of the diagonal of
     s^2 (J^T J)^-1 with s^2 the squares of the residuals over n - m, J the derivatives of the n loads with respect to
-    the m factors. The model's own error is what half the elements, or the soft string, would change in the factors, the
-    larger of both: the first falls with the number of elements, and what the second leaves is clearance, stretch and
-    stiffness, which a soft string lacks.
+    the m factors. The model's own error is what half the elements, or the soft string that crosses the hole from side
+    to side, would change in the factors, the larger of both: the first falls with the number of elements, and what the
+    second leaves is stretch and stiffness, which a soft string lacks.
 
     Raises
     ------
@@ -213,11 +215,13 @@ def fit(
     residual = float(np.sqrt(errors @ errors / n))
     both = (float(factors[1]), float(spread[1])) if shoe > 0.0 else (None, None)
     together = Factors(float(factors[0]), float(factors[-1]), shoe)
-    off = _model_error(scene, rows, together, errors, slopes, count)
+    by_elements, by_soft = _model_error(scene, rows, together, errors, slopes, count)
+    off = np.maximum(by_elements, by_soft)
     return Fit(
         float(factors[0]), float(spread[0]), residual, alone["pick_up"], alone["slack_off"], n, *both,
         unexplained=_unexplained(rows), model_error=float(off[0]),
         cased_model_error=float(off[1]) if shoe > 0.0 else None,
+        elements_error=float(by_elements.max()),
     )  # fmt: skip
 
 
@@ -226,14 +230,15 @@ def _model_error(
     scene: DrillstringScene, rows: list[tuple[Statics, str, float]], factors: Factors, errors: np.ndarray,
     slopes: np.ndarray, count: int,
 ) -> np.ndarray:  # fmt: skip
-    """By how much other models would have other factors (m,), the larger: half the elements, and the soft string.
+    """By how much other models would have other factors (2, m): half the elements, and the soft string.
 
-    Each is solved once, at the factors that were fitted: its change of the loads is one of the factors by the slopes
-    of the fit, and no other fit is made. Where elements cannot be halved, twice the change to twice as many tells the
-    same.
+    The soft string crosses the hole as this one does (crossings.py): that a string without clearance does not is known,
+    and no error. Each is solved once, at the factors that were fitted: its change of the loads is one of the factors by
+    the slopes of the fit, and no other fit is made. Where elements cannot be halved, twice the change to twice as many
+    tells the same.
     """
     if len(rows) < slopes.shape[1] or not slopes.size:
-        return np.full(2, np.nan)
+        return np.full((2, 2), np.nan)
     fewer = count // 2
     # A string has an element for each of its sections at least.
     other, share = (fewer, 1.0) if fewer >= len(scene.string) else (2 * count, 2.0)
@@ -244,16 +249,15 @@ def _model_error(
     by_soft = np.array([_soft_hook_load(string, way, factors) for string, way, _ in rows]) - loads
     # A soft string that locks up has no load to compare with.
     back = np.linalg.pinv(slopes, rcond=TOLD)
-    changes = [np.abs(back @ np.nan_to_num(each)) for each in (by_elements, by_soft)]
-    found: np.ndarray = np.maximum(*changes)
-    return found
+    return np.array([np.abs(back @ np.nan_to_num(each)) for each in (by_elements, by_soft)])
 
 
 def _soft_hook_load(string: Statics, way: str, factors: Factors) -> float:
     """Hook load of the soft string, N."""
-    return soft_string(
-        string.well, string.tubes, string.weight, factors, way, string.bit_force, string.diameter
-    ).hook_load
+    found = soft_string(
+        string.well, string.tubes, string.weight, factors, way, string.bit_force, string.diameter, crosses=True
+    )
+    return found.hook_load
 
 
 @one_thread()

@@ -55,9 +55,6 @@ class SlidingBeam:
         What pulls at the bit, and what more friction there is at the contacts: see :meth:`press`.
     """
 
-    buckles = True
-    """A pushed beam is to be braced: see :meth:`brace`."""
-
     def __init__(self, system: System, lumps: Lumps, well: Wellbore, depth: float, above: float) -> None:
         self.system, self.lumps, self.well = system, lumps, well
         (self.contact,) = (g for g in system.groups if isinstance(g, BeamContact))
@@ -98,8 +95,11 @@ class SlidingBeam:
         self.braces = self.braces._replace(law=law)
         return self.contact._replace(law=law), self.braces, self.loads
 
-    def brace(self, pushed: np.ndarray) -> bool:
-        """Keep elements under a compression (n,) N from buckling; returns whether that changed anything."""
+    def brace(self, pushed: np.ndarray, limit: np.ndarray) -> bool:
+        """Keep elements under a compression (n,) N from buckling; returns whether that changed anything.
+
+        All that are pushed are braced, and not those beyond their ``limit`` (n,) N alone.
+        """
         stiffness = longest = UNBENT * pushed / self.lumps.length**2
         if self.rigidity is not None:
             size = pushed * self.lumps.length**2 / self.rigidity
@@ -108,6 +108,9 @@ class SlidingBeam:
         before = self.braces.springs.stiffness.copy()
         self.braces.springs.stiffness = self.spread(BRACED * stiffness)
         return not np.array_equal(before, self.braces.springs.stiffness)
+
+    jump = 0.0
+    """What a brace jumps by on the axis, N: see the lumps. A beam's nodes are held there by its bending."""
 
     def bit_depth(self, q: np.ndarray) -> float:
         """Measured depth of the bit, m."""
@@ -124,6 +127,9 @@ class SlidingBeam:
         nodes[:, :AXES] = self.well.point(s - up, u, v)
         nodes[:, AXES : 2 * AXES] = np.einsum("iab,ia->ib", after, slope)
         state.q[:] = q[self.system.free]
+
+    def move_aside(self, state: State) -> None:
+        """A beam may lie on the hole's axis: its nodes hold it there."""
 
     def measured_depth(self, q: np.ndarray) -> np.ndarray:
         """Of the places, (k,) m."""

@@ -1,5 +1,7 @@
 """The soft string: hook load and torque by integration along the hole, without bending and without clearance.
 
+What clearance takes off where the string crosses the hole can be counted too (crossings.py).
+
 With the effective tension T, the unit tangent t(s) down the hole, and w the buoyed weight per length, the string's
 load on the wall per length is
 
@@ -22,6 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.statics.crossings import lost_at_turns, lost_at_zero
 from drillstring.statics.helix import LOCKED_STRAIN, helix_force, limits_at
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.string.factors import Factors, same
@@ -90,6 +93,7 @@ def soft_string(
     bit_force: float = 0.0,
     hole: float | None = None,
     step: float = STEP,
+    crosses: bool = False,
 ) -> SoftString:
     """Integrate tension and torque from the bit up, with the wall force of a helix where the string is one (helix.py).
 
@@ -110,6 +114,8 @@ def soft_string(
         Diameter of the hole, m; without it the string does not buckle.
     step : float
         Longest step of the integration, m.
+    crosses : bool
+        Whether the wall force is less where the string crosses the hole of that diameter from side to side.
 
     Returns
     -------
@@ -130,15 +136,47 @@ def soft_string(
     pushed = np.maximum(0.0, -np.minimum(found.tension[1:], found.tension[:-1]))
     # The limits take time, and most strings are nowhere near them.
     near, middle = pushed > 0.0, 0.5 * (s[1:] + s[:-1])
-    if not near.any() or (pushed[near] < _helical(well, each, weights, middle, hole, near)).all():
-        return found
-    return _integrate(s, each, holes, slide, _buckling(well, each, weights, middle, hole), bit_force)
+    buckles = near.any() and not (pushed[near] < _helical(well, each, weights, middle, hole, near)).all()
+    if buckles:
+        lying = _buckling(well, each, weights, middle, hole)
+        found = _integrate(s, each, holes, slide, lying, bit_force)
+    if crosses and found.locked is None:
+        lost = _lost(well, found, each, weights, hole) / slide.lifted
+        found = _integrate(s, each, holes, slide, lying, bit_force, lost)
+    return found
+
+
+def _lost(well: Wellbore, found: SoftString, each: list[Tube], weights: np.ndarray, hole: float) -> np.ndarray:
+    """Wall force that each step lacks where the string crosses the hole (n,), N."""
+    s, tension = found.measured_depth, found.tension
+    k1, k2 = well.curvature(0.5 * (s[1:] + s[:-1]))
+    m1, m2, t = well.frame(s)
+    across = np.array([0.0, 0.0, 1.0]) - t[:, 2:] * t
+    # Of each step, as its curvature and weight are, at its upper and at its lower end.
+    upper, lower = (
+        tension[at, None] * (k1[:, None] * m1[at] + k2[:, None] * m2[at]) + weights[:, None] * across[at]
+        for at in (slice(None, -1), slice(1, None))
+    )
+    clearance = np.array([max(0.0, 0.5 * (hole - tube.contact_od)) for tube in each])
+    above, below = lost_at_turns(tension[1:-1], 0.5 * (clearance[1:] + clearance[:-1]), lower[:-1], upper[1:])
+    lost = np.append(above, 0.0) + np.append(0.0, below)
+    zero = (upper * lower).sum(axis=1) < 0.0
+    growth = np.linalg.norm(lower - upper, axis=1)[zero] / np.diff(s)[zero]
+    lost[zero] += 2.0 * lost_at_zero(0.5 * (tension[1:] + tension[:-1])[zero], clearance[zero], growth)
+    return lost
 
 
 def _integrate(
-    s: np.ndarray, each: list[Tube], holes: list[_Hole], slide: _Slide, pipes: list[_Pipe], bit_force: float
+    s: np.ndarray,
+    each: list[Tube],
+    holes: list[_Hole],
+    slide: _Slide,
+    pipes: list[_Pipe],
+    bit_force: float,
+    lost: np.ndarray | None = None,
 ) -> SoftString:
-    """From the bit up, by Runge and Kutta's steps of fourth order."""
+    """From the bit up, by Runge and Kutta's steps of fourth order; without wall force that each step lacks, (n,) N."""
+    lacking = np.zeros(s.size - 1) if lost is None else lost
     tension, torque, side = (np.full(s.size, np.nan) for _ in range(3))
     tension[-1], torque[-1] = bit_force, 0.0
     for i in range(s.size - 2, -1, -1):
@@ -149,12 +187,13 @@ def _integrate(
         middle = low + 0.5 * h * b
         c = _growth(middle, pipe, arc, 1, along, up)
         high = low + h / 6.0 * (a + 2.0 * b + 2.0 * c + _growth(low + h * c, pipe, arc, 2, along, up))
+        high -= along * float(lacking[i])
         if high < -LOCKED_STRAIN * each[i].youngs_modulus * each[i].area:
             return SoftString(s, tension, torque, side, float(s[i]))
         tension[i] = high
         loads = [_load(x, pipe, arc, j, up) for j, x in enumerate((low, middle, high))]
         arm = -0.5 * each[i].contact_od * slide.around[i]
-        torque[i] = torque[i + 1] + arm * h / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2])
+        torque[i] = torque[i + 1] + arm * (h / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2]) - float(lacking[i]))
         side[i] = loads[2]
         if i == s.size - 2:
             side[-1] = loads[0]

@@ -39,8 +39,12 @@ AT_DEPTH = 1.0e-7
 """Distance of the bit from its depth, m, that is left."""
 PLACINGS = 8
 """Times that the block is set anew."""
+BALANCE = 1.0e-10
+"""Residual over its scale that counts as balance where nothing is braced."""
 PASSES, SETTLED = 200, 1.0e-7
 """Passes in which the friction of helices is found, and its relative change that ends them."""
+IN_TURN = 40
+"""Passes after which what is a helix stays one."""
 BRACINGS, ENOUGH = 5, 1.1
 """Times that braces are sought that hold, and the compression over that which they are made for up to which they do."""
 FOLDED = 0.02
@@ -146,17 +150,17 @@ class Statics:
         self.lumps = cut(self.tubes, elements)
         self.weight = weight_per_length(hung, self.tubes)
         self.model = build(hung)
-        system = self.model.system
+        self.system = system = self.model.system
         self.string = _kind_of(hung)(system, self.lumps, self.well, depth, above)
         contact = self.string.contact
         self.radius = contact.springs.radius
         self.rows = records(contact.springs.size, SLIDING)
-        others = (g for g in system.groups if g is not contact and not isinstance(g, Loads))
-        self.system = replace(system, groups=(*others, *self.string.slide(self.rows)), linked={})
+        self._slide()
         self.bit_force, self.diameter = scene.bit.load, scene.well.diameter
         self.block = int(np.flatnonzero(self.system.dofs.motion == BLOCK)[0])
         self.shoe = 0.0 if scene.well.wall is None or scene.well.wall.casing is None else scene.well.wall.casing.shoe
         self.free: tuple[np.ndarray, float] | None = None
+        self.begun: tuple[np.ndarray, float] | None = None
         self.pipes = [self.tubes[k] for k in self.lumps.section]
         self.clearance = 0.5 * (scene.well.diameter - np.array([tube.contact_od for tube in self.pipes]))
         middle = self.lumps.measured_depth[:-1] + 0.5 * self.lumps.length - above
@@ -187,12 +191,11 @@ class Statics:
         self.rows.along, self.rows.around = moved.friction(self.radius)
         state = new_state(self.system)
         factors = same(friction, self.shoe)
-        if not self.string.buckles:
-            return self._found(state, factors)
         braced = np.maximum(self._pushed(factors, moved), self._pushed(same(0.0), moved))
         for _ in range(BRACINGS):
-            if self.string.brace(braced):
-                self.free = None
+            if self.string.brace(braced, self.limits.sinusoidal):
+                self.begun, self.free = self.free or self.begun, None
+                self._slide()
             profile = self._found(state, factors)
             pushed = np.maximum(0.0, -profile.tension)
             if np.all(pushed <= np.maximum(ENOUGH * braced, self.limits.sinusoidal)):
@@ -200,6 +203,14 @@ class Statics:
             # It has buckled between its braces, and what that adds in friction has pushed it beyond them.
             braced = np.maximum(braced, pushed)
         raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "the string that is pushed", f"bit at {self.depth:g} m")
+
+    def _slide(self) -> None:
+        """Have the system slide, with the braces that the string has by now."""
+        contact, groups = self.string.contact, self.model.system.groups
+        others = tuple(g for g in groups if g is not contact and not isinstance(g, Loads))
+        sliding = self.string.slide(self.rows)
+        if len(others) + len(sliding) != len(self.system.groups) or self.system is self.model.system:
+            self.system = replace(self.model.system, groups=(*others, *sliding), linked={})
 
     def _found(self, state: State, factors: Factors) -> Profile:
         self.string.press(np.zeros(self.rows.size), np.zeros(self.rows.size), state.full_q)
@@ -220,7 +231,12 @@ class Statics:
         """Where every search starts."""
         if self.free is None:
             self.rows.factor = 0.0
-            self._shift(state, self.above)
+            if self.begun is None:
+                self._shift(state, self.above)
+                self.string.move_aside(state)
+            else:
+                # With other braces it lies nearly as it did.
+                state.q[:], self.system.dofs.offset[self.block] = self.begun
             self._place(state)
             self.free = state.q.copy(), float(self.system.dofs.offset[self.block])
         state.q[:], self.system.dofs.offset[self.block] = self.free
@@ -248,14 +264,16 @@ class Statics:
         """With the friction of helices, by substitution: what a helix adds changes the compression above it alone."""
         stiffness = np.array([tube.youngs_modulus * tube.area for tube in self.pipes])
         rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in self.pipes])
-        added = np.zeros(self.rows.size)
-        for _ in range(PASSES):
+        added, helical = np.zeros(self.rows.size), np.zeros(rigidity.size, dtype=bool)
+        for done in range(PASSES):
             profile = self._profile(state)
             pushed = np.maximum(0.0, -profile.tension)
             gone = pushed > LOCKED_STRAIN * stiffness
             if gone.any():
                 raise LockedUp(float(profile.link_depth[gone].max()))
-            helix = helix_force(pushed, self.clearance, rigidity) * (pushed >= self.limits.helical)
+            # A link whose helix takes it below its limit, and so its helix away, would be in turn one and none.
+            helical = (pushed >= self.limits.helical) | (helical & (done >= IN_TURN))
+            helix = helix_force(pushed, self.clearance, rigidity) * helical
             wall, length = self.string.spread(helix), self.string.tributary
             wanted = np.maximum(0.0, wall - profile.side_force * length)[-added.size :]
             if np.abs(wanted - added).max() <= SETTLED * max(1.0, float(np.abs(wanted).max())):
@@ -273,12 +291,16 @@ class Statics:
     def _place(self, state: State) -> None:
         """Equilibrium with the bit at its depth: the block gives way by what the bit is off."""
         for _ in range(PLACINGS):
-            find_equilibrium(self.system, state, self.model.step_limit)
+            find_equilibrium(self.system, state, self.model.step_limit, self._balance())
             off = self.string.bit_depth(state.full_q) - self.depth
             if abs(off) < AT_DEPTH:
                 self._check(state)
                 return
             self._shift(state, off)
+
+    def _balance(self) -> float:
+        """Residual over its scale that counts as balance: a force below what a brace jumps by is none."""
+        return max(BALANCE, 2.0 * self.string.jump / float(self.system.scale.max()))
 
     def _shift(self, state: State, up: float) -> None:
         """Move block and string up the hole as a whole, so that the next search is a short one."""

@@ -37,7 +37,9 @@ TORQUES = {"rotating": "torque", "reaming_up": "torque_up", "reaming_down": "tor
 """What the torque of a motion is called."""
 MOST_SENTENCES = 8
 FEW_LINKS, COARSE = 40, 0.02
-"""Links below which, and share of the hook load from which on, a mesh is said to be coarse."""
+"""Links below which, and share of hook load or torque from which on, a mesh is said to be coarse."""
+NOTHING = 1.0
+"""Force, N, or torque, N m, that is none: nothing is a share of it."""
 NO_STROKE = 1e-6
 """Stroke, m, below which no friction holds the bit."""
 
@@ -171,7 +173,7 @@ def _share(ours: float, soft: float) -> float:
 
 
 def _off(ours: float, soft: float) -> str:
-    if not np.isfinite([ours, soft]).all() or abs(soft) < 1.0:
+    if not np.isfinite([ours, soft]).all() or abs(soft) < NOTHING:
         return "–"
     # Without a sign before what is zero as written.
     share = round(100.0 * (ours / soft - 1.0), 2)
@@ -217,19 +219,31 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
 def _coarse(points: list[Point], system: str) -> list[str]:
     """Whether so few links are too few: a lump touches the wall for half a link on either side, the first for half."""
     few = [point for point in points if point.model == LUMPED and point.link_depth.size < FEW_LINKS]
-    off = [
-        (abs(point.hook_load(way) - point.soft[way].hook_load) / abs(point.soft["pick_up"].hook_load), point)
-        for point in few
-        for way in ("pick_up", "slack_off")
-        if np.isfinite([point.hook_load(way), point.soft[way].hook_load]).all() and point.soft["pick_up"].hook_load
-    ]
-    share, worst = max(off, key=lambda pair: pair[0], default=(0.0, None))
+    found = [(*_furthest(point), point) for point in few]
+    share, what, worst = max(found, key=lambda one: one[0], default=(0.0, "", None))
     if worst is None or share < COARSE:
         return []
-    few_are = f"{worst.link_depth.size} links are few, and the hook load is {100.0 * share:.0f} % off"
+    few_are = f"{worst.link_depth.size} links are few, and the {what} is {100.0 * share:.0f} % off"
     return [
         f"{_head(worst, points, system)}: {few_are} that of the soft string; give more with --elements, such as 100"
     ]
+
+
+def _furthest(point: Point) -> tuple[float, str]:
+    """Share by which hook load or torque is off that of the soft string, and which of the two is off by more.
+
+    Hook loads are measured by the one picking up, for slacking off may leave next to none.
+    """
+    up = point.soft["pick_up"].hook_load
+    loads = [
+        abs(point.hook_load(way) - point.soft[way].hook_load) / abs(up) if up else 0.0
+        for way in ("pick_up", "slack_off")
+    ]
+    turning = point.soft["rotating"].surface_torque
+    # In a vertical hole there is no torque to compare.
+    torque = _share(point.torque("rotating"), turning) if abs(turning) >= NOTHING else 0.0
+    shares = [(share, what) for share, what in zip((*loads, torque), (*["hook load"] * 2, "torque"), strict=True)]
+    return max((one for one in shares if np.isfinite(one[0])), default=(0.0, ""))
 
 
 def _of(point: Point, points: list[Point]) -> str:
@@ -303,9 +317,12 @@ def _of_model(fitted: Fit) -> str:
     if not told:
         return ""
     model, loads = max(told)
+    said = f"; of the error, {model:.2g} is that of the model and {loads:.2g} the scatter of the loads. "
+    if fitted.elements_error >= model:
+        return f"{said}With half the elements the factor is that much different: more make this smaller (--elements)"
     return (
-        f"; of the error, {model:.2g} is that of the model, as half the elements and the soft string tell it, and "
-        f"{loads:.2g} the scatter of the loads: more elements may make the first smaller (--elements)"
+        f"{said}A soft string, which has no stretch and no stiffness, gives a factor that is that much different. "
+        f"More elements change it by about {fitted.elements_error:.1g}"
     )
 
 

@@ -36,6 +36,9 @@ model: {elements: 40}
 solver: {step: 10 ms, end: 1}
 output: {interval: 0.1}
 """
+BUILD = SLANT.replace("  inclination: 60 deg\n", "").replace(
+    "{hold: 3000 m}", "{hold: 900 m}, {build: {rate: 3 deg/30m, to: 45 deg}}, {hold: 1100 m}"
+)
 FEW = ("--elements", "20")
 COARSE = ("--elements", "10")
 """Enough for what is compared with nothing but other results of the same mesh."""
@@ -48,6 +51,17 @@ def test_so_few_links_that_the_hook_load_is_off_are_told(folder, capsys):
         code, _, err = here("torque-drag", "slant.yaml", "--elements", elements)
         assert code == 0
         assert ("2 links are few" in " ".join(err.split())) == told
+
+
+def test_so_few_links_that_only_the_torque_is_off_are_told(folder, capsys):
+    # hook loads are within 1.5 % there, torque is 5 % below the soft string's
+    (folder / "build.yaml").write_text(BUILD)
+    here = commands_of(Drillstring(), capsys)
+    for elements, told in (("25", True), ("50", False)):
+        code, _, err = here("torque-drag", "build.yaml", "--friction", "0.3", "--elements", elements)
+        assert code == 0
+        text = f"{elements} links are few, and the torque is 5 % off that of the soft string"
+        assert (text in " ".join(err.split())) == told, err
 
 
 @pytest.fixture
