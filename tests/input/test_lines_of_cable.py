@@ -287,3 +287,14 @@ def test_moments_too_close_for_numbers_are_refused_by_their_place():
     motion = "  - Function_VelocityDefined: {id: 1, timeList: [0, 1.0e-300], velocityList: [0, 5]}\n"
     with pytest.raises(SceneError, match=r"timeList\[1\].*is no time after the one before"):
         parse(text(f"nodes7: [0, 1], elements: 4, {SECTION}", more=motion))
+
+
+@pytest.mark.parametrize(("elements", "degrees"), [(1, 80), (2, 40), (3, 31), (4, None), (16, None)])
+def test_a_hanging_line_whose_elements_turn_far_is_told_by_how_much_and_how_many_are_better(elements, degrees):
+    """110 m over 100 m: its ends slope by 40.1 degrees, sinh(50 / a) a = 55 m."""
+    scene = parse(text(f"nodes7: [0, 1], elements: {elements}, length: 110, {SECTION}", last="[100, 0, 0]"))
+    texts = [one.text for one in Installed().of(scene).warnings(scene) if "too few for the bend" in one.text]
+    if degrees is None:
+        assert not texts
+    else:
+        assert len(texts) == 1 and f"turns by {degrees} degrees" in texts[0] and "or more, and compare" in texts[0]

@@ -25,6 +25,12 @@ from tautline.scene.warnings import warning
 
 STIFF_PENALTY = 1.0e6
 """Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
+FEW = 12
+"""Elements of a line from which on a bend is short beside the line: it says little of the forces elsewhere."""
+MOST_TURN, GOOD_TURN = math.radians(30.0), math.radians(15.0)
+"""Angle by which an element of a line may turn without a warning, and by which it turns in a mesh that is fine enough:
+the lowest force of a catenary of 110 m over 100 m is off by 8 % with two elements, which turn by 40 degrees, by 0.6 %
+with four and by 0.3 % with six."""
 PRESTRETCHED = 0.05
 """Strain at the start that is more likely a slip of the pen than meant."""
 RIGHT = -1.0e-9
@@ -184,6 +190,29 @@ def _frames(scene: CableScene) -> Sentences:
             f"taken is {solver.interval / math.ceil(ratio):.6g} s"
         )
         yield place, text
+
+
+@warning("cable")
+def _coarse_lines(scene: CableScene) -> Sentences:
+    """Lines whose elements turn far: their forces are those of a shape that a cubic does not have."""
+    drawn = drawn_of(scene)
+    sizes = np.linalg.norm(drawn.first, axis=1) * np.linalg.norm(drawn.second, axis=1)
+    along = (drawn.first * drawn.second).sum(axis=1) / np.where(sizes > 0.0, sizes, 1.0)
+    turned: dict[Place, float] = {}
+    # Those that turn by more than a right angle are told of by their lengths.
+    for i in np.flatnonzero(~drawn.linear & (sizes > 0.0) & (along >= 0.0) & (along < math.cos(MOST_TURN))).tolist():
+        place = scene.elements[i].place
+        if place[-1] == "CableLine":
+            turned[place] = max(turned.get(place, 0.0), math.acos(along[i]))
+    for place, turn in turned.items():
+        count = sum(element.place == place for element in scene.elements)
+        if count >= FEW:
+            continue
+        text = (
+            f"are too few for the bend of the cable: one turns by {math.degrees(turn):.0f} degrees. Its forces may be "
+            f"some per cent off. Give {math.ceil(count * turn / GOOD_TURN)} or more, and compare"
+        )
+        yield (*place, "elements"), text
 
 
 @warning("cable")
