@@ -61,7 +61,7 @@ def use_units(figure: Figure, system: str) -> Figure:
 def _convert(axis: Axis, usual: str, system: str) -> None:
     text = axis.get_label_text()
     found = UNIT.search(text)
-    if isinstance(axis.get_major_locator(), UnitLocator) or (text and not found) or not (found or usual):
+    if (text and not found) or not (found or usual):
         return
     # A bar of colours that lifts what is weak has a function for a scale.
     if axis.get_scale() not in ("linear", "function", "log"):
@@ -72,7 +72,8 @@ def _convert(axis: Axis, usual: str, system: str) -> None:
     if found:
         axis.set_label_text(in_words(text[: found.start()], system) + f"[{name}]")
     factor = value / size
-    if factor == 1.0:
+    # Panels that share an axis share its ticks, which the first of them converts; each has a label of its own.
+    if factor == 1.0 or isinstance(axis.get_major_locator(), UnitLocator):
         return
     if axis.get_scale() == "log":
         axis.set_major_locator(UnitLocator(LogLocator(), factor))
