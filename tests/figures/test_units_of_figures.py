@@ -132,6 +132,23 @@ def test_a_bar_of_colours_that_lifts_what_is_weak_is_in_inches():
     plt.close(figure)
 
 
+def test_figures_in_legends_and_beside_curves_are_converted_like_the_axis_below_them():
+    figure, plot = plt.subplots()
+    plot.plot([0.0, 80.0], [0.0, 1.0], label="equivalent range 44.48 kN, 12 cycles")
+    plot.plot([0.0, 80.0], [0.0, 1.0], label="bob: 0.0254 m at 2.74 Hz")
+    plot.text(0.5, 0.5, "breaks at 3.048 m/s")
+    plot.set_xlabel("range of tension [kN]")
+    plot.legend(title="of 30.48 m of rope")
+    figure.legend(loc="outside lower center")
+    use_units(figure, "field")
+    said = ["equivalent range 10 kip, 12 cycles", "bob: 1 in at 2.74 Hz"]
+    for legend in (plot.get_legend(), figure.legends[0]):
+        assert [text.get_text() for text in legend.get_texts()] == said
+    assert plot.get_legend().get_title().get_text() == "of 100 ft of rope"
+    assert plot.texts[0].get_text() == "breaks at 10 ft/s" and plot.get_xlabel() == "range of tension [kip]"
+    plt.close(figure)
+
+
 def test_figures_in_headings_are_converted_with_their_prefixes_and_other_words_are_kept():
     assert in_words("lump 3, 1240 m", "field") == "lump 3, 4068 ft"
     assert in_words("bit, 3773 m", "field") == "bit, 12379 ft"

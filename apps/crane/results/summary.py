@@ -359,10 +359,10 @@ def _bending(result: Any, course: Course) -> Iterator[Row]:
         return
     worst = found.most_worked()
     if worst is None:
-        yield "max_bending_cycles", 0.0, "", "most bending cycles of a metre of rope"
+        yield "max_bending_cycles", 0.0, "", "most bending cycles of a piece of rope"
     else:
         k, name = worst
-        text = f"most bending cycles of a metre of rope ({found.edges[k]:g} to {found.edges[k + 1]:g} m, {name})"
+        text = f"most bending cycles of a piece of rope ({found.edges[k]:g} to {found.edges[k + 1]:g} m, {name})"
         yield "max_bending_cycles", float(found.cycles[k]), "", text
     if found.ratio is not None and np.isfinite(found.ratio).any():
         yield "smallest_bending_ratio", float(found.ratio.min()), "", "smallest bending ratio D/d"

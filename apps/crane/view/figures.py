@@ -280,7 +280,7 @@ def rainflow(runs: Sequence[_Run]) -> Figure:
 
 
 def bending(runs: Sequence[_Run]) -> Figure:
-    """Bending cycles of every metre of rope."""
+    """Bending cycles along the rope."""
     (run,) = runs
     figure = bending_figure(run.result, run.course, title_of_runs(runs))
     if figure is None:
@@ -304,7 +304,7 @@ DRAWINGS: Mapping[str, Drawing] = {
     "spectrum": Drawing("spectra of the tension and of the load's height", spectrum),
     "energy": energies("work of winches and frames"),
     "rainflow": Drawing("ranges of tension of the most worked span end", rainflow, False),
-    "bending": Drawing("bending cycles of every metre of rope", bending, False),
+    "bending": Drawing("bending cycles along the rope", bending, False),
 }
 FIGURES: Mapping[str, str] = {name: drawing.text for name, drawing in DRAWINGS.items()}
 """Names for ``--what``."""

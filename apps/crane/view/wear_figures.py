@@ -1,4 +1,4 @@
-"""What a run did to its rope: ranges of tension, and bending metre by metre."""
+"""What a run did to its rope: ranges of tension, and bending piece by piece."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def rainflow_figure(time: np.ndarray, tension: np.ndarray, names: list[str], tit
 
 @styled
 def bending_figure(result: Any, course: Course, title: str) -> Figure | None:
-    """Bending cycles of every metre of rope by the wheel that made them, and the tension while bent; None for none."""
+    """Bending cycles of every piece of rope by the wheel that made them, and the tension while bent; None for none."""
     found = bending_of(result, course)
     if found is None:
         return None
@@ -82,7 +82,7 @@ def bending_figure(result: Any, course: Course, title: str) -> Figure | None:
     lower.step(found.edges, np.r_[found.tension, found.tension[-1:]] / factor, where="post", color=COLOURS[6], lw=1.1)
     lower.set_ylim(0.0, max(1e-3, 1.1 * float(found.tension.max()) / factor))
     lower.set_ylabel(label("largest tension\nwhile bent", unit))
-    lower.set_xlabel(label("metre of rope: material coordinate p", "m"))
+    lower.set_xlabel(label("piece of rope: material coordinate p", "m"))
     lower.set_xlim(found.edges[0], found.edges[-1])
     _ratio(upper, found.ratio)
     upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2)

@@ -1,4 +1,4 @@
-"""Other units on a figure that was drawn in SI: labels, ticks and headings; the drawn data stay as they are.
+"""Other units on a figure that was drawn in SI: labels, ticks, headings and legends; the drawn data stay as they are.
 
 Ticks stand where the other unit has round numbers. Units are read off the labels, ``hook load [MN]``, so whatever an
 application draws is converted, and what has no other unit in the system (seconds, shares) is left alone.
@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import copy
 import re
+from collections.abc import Iterator
 from typing import Any
 
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, Locator, LogFormatterMathtext, LogLocator, MaxNLocator, NullFormatter
 
 from tautline.scene.values.printed import converted, in_words
@@ -55,13 +57,25 @@ def use_units(figure: Figure, system: str) -> Figure:
         for place in ("left", "center", "right"):
             if text := plot.get_title(loc=place):
                 plot.set_title(in_words(text, system), loc=place, fontsize=plot.title.get_fontsize())
+    for words in _words_beside_curves(figure):
+        words.set_text(in_words(words.get_text(), system))
     return figure
+
+
+def _words_beside_curves(figure: Figure) -> Iterator[Text]:
+    """Texts of the legends of a figure and of its panels, and those that stand within the panels."""
+    legends = [*figure.legends, *(plot.get_legend() for plot in figure.axes)]
+    for legend in legends:
+        if legend is not None:
+            yield from (legend.get_title(), *legend.get_texts())
+    for plot in figure.axes:
+        yield from plot.texts
 
 
 def _convert(axis: Axis, usual: str, system: str) -> None:
     text = axis.get_label_text()
     found = UNIT.search(text)
-    if isinstance(axis.get_major_locator(), UnitLocator) or (text and not found) or not (found or usual):
+    if (text and not found) or not (found or usual):
         return
     # A bar of colours that lifts what is weak has a function for a scale.
     if axis.get_scale() not in ("linear", "function", "log"):
@@ -72,7 +86,8 @@ def _convert(axis: Axis, usual: str, system: str) -> None:
     if found:
         axis.set_label_text(in_words(text[: found.start()], system) + f"[{name}]")
     factor = value / size
-    if factor == 1.0:
+    # Panels that share an axis share its ticks, which the first of them converts; each has a label of its own.
+    if factor == 1.0 or isinstance(axis.get_major_locator(), UnitLocator):
         return
     if axis.get_scale() == "log":
         axis.set_major_locator(UnitLocator(LogLocator(), factor))
