@@ -5,10 +5,18 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from uuid import uuid4
+
+DEVICES = (("/", "dev"), ("/", "proc"))
+"""Where names are that lead to what a process has open: /dev/stdout may be a file, which others write too."""
+KEPT = (errno.EPERM, errno.EACCES, errno.EBUSY, errno.EXDEV)
+"""Errors of a name that may not be taken, though its file may be written."""
+LONGEST = 200
+"""Bytes of a name that its waiting file has too: names may have 255."""
 
 
 @contextlib.contextmanager
@@ -25,7 +33,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     Yields
     ------
     Path
-        A name in the same folder, with the same ending.
+        A name in the same folder, with the ending that was asked for.
 
     Raises
     ------
@@ -54,10 +62,11 @@ def name_beside(path: Path) -> Path:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if path.exists() and not os.access(path, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
-    if path.exists() and not path.is_file():
-        return path
     place = Path(os.path.realpath(path))  # a link stays one
-    return place.with_name(f".{place.stem}.{uuid4().hex[:8]}.part{place.suffix}")
+    if path.exists() and not (path.is_file() and os.access(place.parent, os.W_OK) and path.parts[:2] not in DEVICES):
+        return path
+    stem = place.stem.encode()[:LONGEST].decode(errors="ignore")
+    return place.with_name(f".{stem}.{uuid4().hex[:8]}.part{path.suffix}")
 
 
 def take_name(waiting: Path, path: Path) -> None:
@@ -67,4 +76,16 @@ def take_name(waiting: Path, path: Path) -> None:
     place = os.path.realpath(path)
     with contextlib.suppress(OSError):
         shutil.copymode(place, waiting)
-    os.replace(waiting, place)
+    try:
+        os.replace(waiting, place)
+    except OSError as error:
+        if error.errno not in KEPT or not os.path.isfile(place):
+            raise
+        shutil.copyfile(waiting, place)  # its folder, or what is mounted there, keeps it from being replaced
+        os.unlink(waiting)
+
+
+def reason_of(error: OSError) -> str:
+    """Why a file cannot be written, in one line and without the name that it waits under, both of which HDF5 adds."""
+    told = re.search(r"error message = '([^']*)'", str(error))
+    return error.strerror or (told[1] if told else str(error).partition("\n")[0].partition(" (file ")[0])

@@ -145,15 +145,15 @@ def test_tables_take_their_names_when_all_of_them_are_whole(span, monkeypatch):
         if file.endswith(".csv"):
             (span.parent / file).write_bytes(before[file] + before[file].splitlines(keepends=True)[-1])
     earlier = {file: (span.parent / file).read_bytes() for file in before}
-    opened, write = table._open, []
+    opened, write = table._begun, []
 
-    def full(file, waiting):
+    def full(file):
         write.append(file)
         if len(write) == 3:
             raise ResultError(file, "cannot be written: No space left on device")
-        opened(file, waiting)
+        return opened(file)
 
-    monkeypatch.setattr(table, "_open", full)
+    monkeypatch.setattr(table, "_begun", full)
     with pytest.raises(ResultError, match="No space"):
         export(CATALOGUE, span, None, False, True, (), Look(), False)
     assert {file: (span.parent / file).read_bytes() for file in files_of(span.parent)} == earlier

@@ -249,10 +249,23 @@ def test_a_stable_shape_is_found_beside_a_straight_one_that_is_not():
     assert bent.sag == (pytest.approx(2.0 / np.pi * np.sqrt(too_much / 1e7), rel=0.03), 10)
 
 
+@pytest.mark.parametrize("n", [100, 1000])
+@pytest.mark.parametrize("axial", [1e3, 1e9])
+def test_a_rope_without_tension_is_not_pressed_by_the_rounding_of_its_coordinates(n, axial):
+    """Drawn as long as it is, on no axis of the coordinates: every motion sideways is neutral."""
+    p = np.linspace(0.0, 100.0, n + 1)
+    items = chain(np.outer(p, [0.6, 0.48, -0.64]), p, {0: PINNED, n: PINNED}, linear=True, EA=axial)
+    model = model_of(items, gravity=(0.0, 0.0, 0.0))
+    state = new_state(model.system)
+    found = find_stable_equilibrium(model.system, state, model.step_limit)
+    assert found.negative == 0
+
+
 def counted_both_ways(model, monkeypatch):
     state = new_state(model.system)
     find_equilibrium(model.system, state, model.step_limit)
-    matrix, none = stability._stiffness(model.system, state).matrix, stability._nothing(model.system, state)
+    matrix = stability._stiffness(model.system, state).matrix
+    none = stability._nothing(model.system, state, matrix)
     full = stability._by_eigenvalues(model.system, matrix, none).negative
     monkeypatch.setattr(stability, "SMALL", 0)
     return full, count_negative(model.system, state).negative

@@ -59,10 +59,31 @@ def test_a_computer_without_time_to_look_ahead_is_told_and_one_with_time_is_not(
     for row in rows_of(tautline.read(HOIST), 0, 10.0):
         for line in twin.add(*row):
             told[line["time"]] = [one["text"] for one in line["alarms"] if one["name"] == "cannot look ahead"]
-        if not 4.0 < row[0] < 8.0:
+        twin.work(0.0 if 4.0 < row[0] < 8.0 else None)
+    assert not any(text for at, text in told.items() if not 4.9 < at < 8.7)
+    assert all("no time" in told[at][0] for at in told if 5.9 < at < 8.1)
+
+
+def test_a_danger_that_was_foreseen_is_not_over_while_the_computer_has_no_time_to_look_again():
+    scene = tautline.read(HOIST).replace({"bodies[0].position": [12.4, 0, 13]})
+    twin = Twin(scene, WEIGHT.replace("START", "5 t").replace("ahead: 2 s", "ahead: 5 s"))
+    lines = []
+    for row in rows_of(scene, 0, 8.6):
+        lines += twin.add(*row)
+        twin.work(None if row[0] < 5.6 else 0.0)
+    told = {line["time"]: [one for one in line["alarms"] if one["name"] == "two-blocking ahead"] for line in lines}
+    assert all(told[at] for at in told if at > 5.0)
+    assert all("no time to look again" in told[at][0]["text"] and not told[at][0]["known"] for at in told if at > 7.5)
+
+
+@pytest.mark.parametrize("rate, worked", [(0.5, True), (20.0, False)])
+def test_a_computer_with_time_for_slow_rows_or_that_is_not_asked_for_any_is_not_called_late(rate, worked):
+    twin, lines = weight_twin(start="5 t", map=WEIGHT), []
+    for row in [row for row in rows_of(tautline.read(HOIST), 0, 8.0) if round(20 * row[0]) % round(20 / rate) == 0]:
+        lines += twin.add(*row)
+        if worked:
             twin.work()
-    assert not any(text for at, text in told.items() if not 4.5 < at < 8.5)
-    assert all("no time" in told[at][0] for at in told if 4.7 < at < 8.1)
+    assert "cannot look ahead" not in alarms(lines)
 
 
 def test_an_overload_by_a_sudden_stop_is_seen_ahead_and_a_measured_one_at_once(settled):

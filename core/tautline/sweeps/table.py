@@ -19,7 +19,7 @@ from tautline.results.tables.rows import heads_of, write_rows
 from tautline.sweeps.cases import Row
 from tautline.sweeps.plans import CASE, SAMPLED, Cases, word_of
 from tautline.version import __version__
-from tautline.whole_file import whole_file
+from tautline.whole_file import reason_of, whole_file
 
 if TYPE_CHECKING:
     import xarray
@@ -251,7 +251,7 @@ def write_netcdf(data: Variables, path: Path) -> Path:
         with whole_file(path) as waiting:
             _write_netcdf(data, waiting)
     except OSError as error:
-        raise WriteError(path, f"cannot be written: {error.strerror or error}", CURE) from None
+        raise WriteError(path, f"cannot be written: {reason_of(error)}", CURE) from None
     return path
 
 

@@ -63,7 +63,7 @@ class Outlook:
         self._due: tuple[float, Mapping[str, np.ndarray]] | None = None
         self._shown: Mapping[str, np.ndarray] = {}
         self._next_forecast = self._next_restrict = -np.inf
-        self._asked = (np.inf, -np.inf)
+        self._waiting, self._begun = np.inf, False
 
     def foresee(
         self, time: float, inputs: Mapping[str, np.ndarray], shown: Mapping[str, np.ndarray] | None = None
@@ -75,9 +75,6 @@ class Outlook:
         shown : mapping, optional
             Inputs that the simulation is behind with -> the states (3,) that their sensors show.
         """
-        first, last = self._asked
-        # A twin that waited was not late.
-        self._asked = (first if time - last <= self._good_for else time, time)
         if self.forecast is None or self._job is not None:
             return
         if self._due is None:
@@ -86,9 +83,12 @@ class Outlook:
             self._next_forecast = time + self.plan.forecast_every
         # Rows may come before there is time for it: then it begins from the last of them, where the simulation stands.
         self._due, self._shown = (time, inputs), shown or {}
+        if np.isinf(self._waiting):
+            self._waiting, self._begun = time, False
 
     def work(self, seconds: float | None = None) -> bool:
         """Look ahead for at most so many seconds, or to the end; whether something is left."""
+        self._begun = True
         end = np.inf if seconds is None else clock.perf_counter() + seconds
         while (self._job is not None or self._due is not None) and clock.perf_counter() < end:
             if self._job is None and self._due is not None and self.forecast is not None:
@@ -96,13 +96,13 @@ class Outlook:
             try:
                 next(self._job or iter(()))
             except StopIteration:
-                self._job = None
+                self._job, self._waiting = None, np.inf
         return self._job is not None or self._due is not None
 
     def drop(self, found: Found | None = None) -> None:
         """Leave what is under way: the machine is not where it was. What is known of the time ahead is `found`."""
         self._job, self._due, self.found = None, None, found
-        self._asked = (np.inf, -np.inf)
+        self._waiting = np.inf
 
     @property
     def _good_for(self) -> float:
@@ -110,9 +110,11 @@ class Outlook:
         return FRESH * self.plan.forecast_every
 
     def late(self, time: float) -> bool:
-        """Whether runs ahead are asked for, and the last answer is too old: the computer has no time for them."""
-        begun = self.found.begun if self.found is not None else -np.inf
-        return self.forecast is not None and time - max(begun, self._asked[0]) > self._good_for
+        """Whether a run ahead was given time, and is not done for longer than its answer would hold good.
+
+        Rows may be answered many at once, between which it is given none, and who never gives it any asks for nothing.
+        """
+        return self._begun and time - self._waiting > self._good_for
 
     def fresh(self, time: float) -> Found | None:
         """What was found, if that is not too long ago."""

@@ -114,6 +114,7 @@ class Watch:
         self.system = system
         self.plan, self.health, self.operation = plan, health, operation
         self.alarms = Alarms()
+        self._told_ahead: set[str] = set()
 
     def judge(self, row: Compared) -> None:
         """Judge all alarms."""
@@ -169,6 +170,11 @@ class Watch:
             left = max(0.0, ahead.begun + after - row.time)
             text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
             holds, certain = True, surely_beyond(value, sd, one)
+        if row.late and not holds and one.name in self._told_ahead:
+            told_ahead = "not known any more: this was foreseen, and the computer has no time to look again"
+            self.alarms.judge(one.name, True, row.time, told_ahead, one.lasting, False)
+            return
+        (self._told_ahead.add if holds and not now else self._told_ahead.discard)(one.name)
         if not certain:
             text += f". That is not certain. {doubt} is {self._teller(one)(sd)}"
         self.alarms.judge(one.name, holds, row.time, text, one.lasting, certain)
@@ -206,7 +212,8 @@ class Watch:
         stopped = ahead.stopped if ahead is not None else None
         if stopped is not None and not self._believes(row, stopped[1]):
             stopped = None
-        unknown = row.blind or row.time <= row.led_until
+        unknown = row.blind or row.late or row.time <= row.led_until
+        why = "the computer has no time to look again" if row.late else "an input is not followed now"
         for status, name in TOLD.items():
             holds = stopped is not None and stopped[1] == status
             left = max(0.0, ahead.begun + stopped[0] - row.time) if holds and ahead and stopped else 0.0
@@ -215,7 +222,7 @@ class Watch:
             if not holds and unknown and name in self.alarms.active:
                 # Where nothing shows where the machine goes, a danger that was seen is not over.
                 holds, known = True, False
-                text = f"not known any more: {what} was foreseen, and an input is not followed now"
+                text = f"not known any more: {what} was foreseen, and {why}"
             self.alarms.judge(name, holds, row.time, text, known=known)
         cut = stopped is not None and stopped[1] not in TOLD
         text, lasting = "an input that the driver moves is not measured: nothing shows where the machine goes", UNSEEN
@@ -223,7 +230,9 @@ class Watch:
             why, lasting = stopped[1].lower().replace("_", " "), 0.0
             text = f"the simulation stops {stopped[0]:.2g} s ahead ({why}): what comes after that is not foreseen"
         elif row.late and not row.blind:
-            text = "the last run ahead is too old: the computer has no time for one. No danger is foreseen"
+            text = (
+                "the last look ahead is too old: the computer has no time for another. Dangers ahead are not seen now"
+            )
             lasting = 0.0
         self.alarms.judge(NOT_AHEAD, cut or row.blind or row.late, row.time, text, lasting)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
-from tautline.integrators.statics.equilibrium import find_equilibrium, levers, search_from
+from tautline.integrators.statics.equilibrium import find_equilibrium, levers, neighbours, search_from
 from tautline.kernels.matrix import (
     Factors,
     Matrix,
@@ -31,6 +31,9 @@ such as a free rotation: its stiffness is the residual force along it."""
 SKEW = 1e-6
 """Share of the stiffness of its two rows by which an entry may differ from its mirror. Beyond it a tangent is not
 symmetric: its forces have no potential, and the sign of its pivots proves nothing."""
+EPSILON = 4.0 * float(np.finfo(float).eps)
+"""Force that rounding leaves in a row, over the sum of its stiffnesses times positions."""
+AXES = 3
 SMALL = 600
 """Unknowns up to which eigenvalues are taken in full: they show the motion that lowers the energy most."""
 
@@ -57,6 +60,8 @@ UNKNOWN = Stability(-1, 0, np.zeros(0))
 LEAVING = ((2.0, 0.1), (2.0, 1.0), (10.0, 1.0))
 """With which a search leaves an unstable equilibrium: its shift over the square of the rate at which the motion grows,
 and the push over the largest change of an unknown. A step as long as the motion's own time follows it downhill."""
+MOST_MODES = 10
+"""Motions of a large scene, at most, of which one is mixed along which the energy falls."""
 LANCZOS = 100
 """Restarts of the search for a motion of a large scene along which the energy falls."""
 SHIFTS = (1.0, 100.0, 1.0e4, 1.0e6, 1.0e8)
@@ -120,18 +125,32 @@ def count_negative(system: System, state: State) -> Stability:
     """
     if system.size == 0:
         return Stability(0, 0, np.zeros(0))
-    none = _nothing(system, state)
-    found = _by_pivots(system, _stiffness(system, state), none)
+    factors = _stiffness(system, state)
+    none = _nothing(system, state, factors.matrix)
+    found = _by_pivots(system, factors, none)
     if found.negative == 0 or system.size > SMALL:
         return found
     return _by_eigenvalues(system, _stiffness(system, state).matrix, none)
 
 
-def _nothing(system: System, state: State) -> np.ndarray:
-    """What of a stiffness along each unknown (n,) counts as none, for the balance is not exact, N/m or N m."""
-    extent = max(float(np.ptp(np.delete(state.q, system.algebraic))), 1e-300)
+def _nothing(system: System, state: State, matrix: Matrix) -> np.ndarray:
+    """What of a stiffness along each unknown (n,) counts as none, N/m or N m, for the balance is not exact.
+
+    Nor are forces: rounding of coordinates leaves a tension, which resists sideways by itself over the length of an
+    element. A rope without tension would else be pressed by rounding.
+    """
     is_slope = levers(system) < 1.0
-    return UNBALANCED * system.scale * np.where(is_slope, 1.0, 1.0 / extent)
+    extent = max(float(np.ptp(np.delete(state.q, system.algebraic))), 1e-300)
+    none = UNBALANCED * system.scale * np.where(is_slope, 1.0, 1.0 / extent)
+    pairs, _ = neighbours(system)
+    pairs = pairs[(pairs >= 0).all(axis=1)]
+    if pairs.size:
+        # Of lines in all directions: the mean distance along the three axes.
+        length = AXES * float(np.abs(state.q[pairs[:, 0]] - state.q[pairs[:, 1]]).mean())
+        left = EPSILON * (np.abs(sparse(matrix)) @ np.abs(state.q))
+        none += np.where(is_slope, 0.0, left / max(length, 1e-12 * extent))
+    none[system.algebraic] = 0.0
+    return none
 
 
 def _stiffness(system: System, state: State) -> Factors:
@@ -211,7 +230,7 @@ def _falling(system: System, factors: Factors, size: np.ndarray, negative: int) 
         solve_matrix(factors, moved)
         return moved
 
-    shape, wanted = (n, n), min(negative, n - 2)
+    shape, wanted = (n, n), min(negative, MOST_MODES, n - 2)
     inverse = LinearOperator(shape, matvec=solve, dtype=float)
     metric = LinearOperator(shape, matvec=lambda x: weight * x, dtype=float)
     try:

@@ -10,7 +10,7 @@ from typing import Any
 
 from tautline.results.errors import ResultError
 from tautline.version import __version__
-from tautline.whole_file import whole_file
+from tautline.whole_file import reason_of, whole_file
 
 
 def heads_of(names: Sequence[str], units: Mapping[str, str]) -> list[str]:
@@ -45,7 +45,7 @@ def write_rows(
             writer.writerow(heads)
             writer.writerows([["" if _lacks(x) else x for x in row] for row in rows])
     except OSError as error:
-        cause = f"cannot be written: {error.strerror or error}"
+        cause = f"cannot be written: {reason_of(error)}"
         raise error_type(path, cause, cure) from None
     return path
 
@@ -65,5 +65,5 @@ def write_dataset(
         with whole_file(path) as waiting:
             xarray.Dataset(columns, coordinates, kept).to_netcdf(waiting, engine="h5netcdf")
     except OSError as error:
-        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
+        raise ResultError(path, f"cannot be written: {reason_of(error)}", "name another with -o") from None
     return path
