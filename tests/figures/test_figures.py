@@ -79,10 +79,16 @@ def test_torque_is_left_out_where_there_is_none():
     assert len(draw([result(None, turning=True)], ["overview"])["overview"].axes) == 4
 
 
-def test_stuck_phases_of_the_bit_are_shaded():
+def test_where_the_bit_rests_along_the_hole_is_shaded():
     plot = draw([result(None)], ["overview"])["overview"].axes[0]
-    assert "bit stuck" in plot.get_legend_handles_labels()[1]
+    assert "bit at rest along the hole" in plot.get_legend_handles_labels()[1]
     assert len(plot.patches) == 5
+
+
+def test_two_figures_of_one_run_call_a_bit_that_does_not_move_along_the_hole_and_one_that_does_not_turn_by_two_names():
+    drawn = draw([result(None, drilling=True)], ["overview", "drilling"])
+    words = [set(figure.axes[0].get_legend_handles_labels()[1]) for figure in drawn.values()]
+    assert words == [{"block", "bit", "bit at rest along the hole"}, {"drive", "bit", "bit stuck"}]
 
 
 def test_a_drilling_bit_is_drawn_beside_its_drive_and_shaded_where_it_stands():

@@ -62,6 +62,34 @@ def test_a_lower_line_beside_a_higher_one_is_not_the_largest():
     assert frequency[largest_line(size)] == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.parametrize("fast", [0.9, 1.0, 1.2, 2.0])
+def test_a_line_on_the_slope_of_something_slow_and_larger_is_named_before_a_smaller_one_further_off(fast):
+    """As of a load that is landed: 10 s of a slow change of 10 kN, with a line of 0.55 kN and a faster one of 0.23."""
+    time = np.arange(0.0, 20.0, 0.02)
+    slow = 10.0 * np.sin(2 * np.pi * 0.25 * time) + 2e-4 * time**4
+    lines = 0.55 * np.sin(2 * np.pi * fast * time) + 0.23 * np.sin(2 * np.pi * (fast + 0.8) * time)
+    frequency, size = late_spectrum(time, slow + lines, 0.5)
+    place = largest_line(size)
+    assert place is not None and frequency[place] == pytest.approx(fast, abs=0.03)
+    assert size[place] == pytest.approx(0.55, rel=0.05)
+
+
+def test_a_legend_says_above_which_frequency_its_line_is_the_largest_where_something_slower_is_larger():
+    made = run(20.0, 0.02)
+    height = 3.0 * np.sin(2 * np.pi * 0.25 * made.time) + 0.5 * np.sin(2 * np.pi * 2.0 * made.time)
+    curve, *marks = spectrum_figure([made], {("height", "m"): [("load", height)]}).axes[0].get_lines()
+    words = curve.get_label()
+    assert words == "load: 0.5 m at 2 Hz, largest above 0.4 Hz" and len(marks) == 1
+    assert "above" not in drawn(run(80.0))[0]
+
+
+def test_a_slow_change_alone_has_no_line_on_its_slope():
+    time = np.arange(0.0, 20.0, 0.02)
+    for turns in (0.15, 0.2, 0.25, 0.3):
+        _, size = late_spectrum(time, 10.0 * np.sin(2 * np.pi * turns * time) + 2e-4 * time**4, 0.5)
+        assert largest_line(size) is None
+
+
 def test_what_stands_still_beside_what_swings_is_said_to_stand_still():
     made = run(80.0)
     panels = {("height", "m"): [("load", made["height"]), ("anchor", np.full(len(made.time), 3.0))]}

@@ -78,7 +78,8 @@ def overview(results: Sequence[Result]) -> Figure:
             shown[plot].append(values)
     if len(results) == 1:
         for plot in plots[:, 0]:
-            text = "bit stuck" if plot is moved else ""
+            # A bit that drills is stuck where it does not turn: its own figure shades that.
+            text = "bit at rest along the hole" if plot is moved else ""
             shade(plot, results[0].time, np.abs(results[0]["bit_speed"]) < STUCK, text=text)
     moved.set_ylabel("displacement\ndown the hole [m]")
     load.set_ylabel(label("hook load", force_unit))

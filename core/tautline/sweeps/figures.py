@@ -11,6 +11,7 @@ import numpy as np
 
 from tautline.scene.values.printed import shown as printed
 from tautline.sweeps.indices import PARAMETER
+from tautline.sweeps.missing import Missing, listed_shortly
 from tautline.sweeps.plans import AS_IN_THE_SCENE, GRID, ONE, Cases, Parameter, word_of
 from tautline.sweeps.table import DATASET, PERCENTILES, TABLE, TIMES, Column, Variables
 from tautline.view.figures.figure import (
@@ -25,6 +26,7 @@ from tautline.view.figures.figure import (
     legend_above,
     save,
     scale_in,
+    shades_between,
     shortened,
     styled,
 )
@@ -42,6 +44,10 @@ DEPTH = "depth"
 HEIGHT, WIDTH = 3.2, 6.4
 NARROW, WIDE, BESIDE = 26, 60, 40
 """Letters in a line of an axis' label, and of a name beside bars: keys are long."""
+FAILED = "#B00000"
+"""Colour of crosses at cases without a number."""
+MUCH, VERY_MUCH = 10.0, 30.0
+"""Largest over smallest from which on an axis of equal ratios, and any of uneven steps, is logarithmic."""
 
 GRACE, MOST_OF_WIDTH, ROUNDS = 0.15, 0.6, 60
 """What texts at the ends of bars get more than their width, the share of an axis that they may take up, and how often
@@ -87,6 +93,11 @@ def not_drawn(data: Variables, cases: Cases) -> list[str]:
             f"{DATASET} and {TABLE} hold all numbers. For figures vary {MOST_LONG} parameters at most"
         )
         return told
+    if cases.plan.name == GRID and not _long(cases) and names:
+        told.append(f"no figures are drawn of one case. {TABLE} holds its numbers. For figures give a key two values")
+        return told
+    if cases.plan.name == ONE and not cases.indices:
+        told += _without_a_tornado(data, names)
     left = names[MOST_FIGURES:] + (_bands(data)[MOST_FIGURES:] if _is_scattered(cases) else [])
     if left:
         told.append(
@@ -100,6 +111,18 @@ def not_drawn(data: Variables, cases: Cases) -> list[str]:
             "The keys that stand first under vary are drawn"
         )
     return told
+
+
+def _without_a_tornado(data: Variables, names: list[str]) -> list[str]:
+    """A sentence on the numbers that have none: there is nothing to compare with, or nothing that is compared."""
+    known = {name: np.isfinite(data[name].values) for name in names[:MOST_FIGURES]}
+    reasons = {
+        "The case with the scene's own values has no number": [name for name, there in known.items() if not there[0]],
+        "Only the case with the scene's own values has a number": [
+            name for name, there in known.items() if there[0] and not there[1:].any()
+        ],
+    }
+    return [f"not drawn: {', '.join(left)}. {reason}" for reason, left in reasons.items() if left]
 
 
 def _names(data: Variables, cases: Cases) -> list[str]:
@@ -138,13 +161,20 @@ def _slug(name: str) -> str:
 def _scaled(data: Variables, name: str) -> tuple[np.ndarray, str]:
     """Values of a variable in the unit that keeps labels short, and the label of their axis."""
     values, unit = data[name].values, str(data[name].attrs.get("units") or "")
-    factor, unit = scale_in(str(data.attrs.get("units") or "si"), [values[np.isfinite(values)]], unit)
-    return values / factor, label(name.replace("_", " "), unit)
+    factor, unit = scale_in(_system(data), [values[np.isfinite(values)]], unit)
+    return values / factor, label(shortened(name.replace("_", " "), WIDE), unit, NARROW)
 
 
-def _title(data: Variables, name: str) -> str:
+def _system(data: Variables) -> str:
+    return str(data.attrs.get("units") or "si")
+
+
+def _title(data: Variables, name: str, cases: Cases | None = None) -> str:
+    """Heading of a figure; below it the cases that the figure has no number of."""
     title = str(data.attrs.get("title") or "")
-    return f"{title}: {name.replace('_', ' ')}" if title else name.replace("_", " ")
+    heading = f"{title}: {name.replace('_', ' ')}" if title else name.replace("_", " ")
+    missing = Missing.of(data, name).sentence(cases, _system(data)) if cases is not None else ""
+    return f"{heading}\n{missing}" if missing else heading
 
 
 @styled
@@ -152,28 +182,49 @@ def _lines(data: Variables, cases: Cases, name: str) -> Any:
     """A curve over the first parameter with several values; of a second that has no numbers one for each value."""
     long = sorted(_long(cases), key=lambda k: not cases.parameters[k].numeric)
     values, text = _scaled(data, name)
-    values = np.moveaxis(values.reshape(cases.shape), long, range(len(long)))
-    values = values.reshape(cases.shape[long[0]], -1)
+    missing = Missing.of(data, name)
+    values, lacking = (
+        np.moveaxis(array.reshape(cases.shape), long, range(len(long))).reshape(cases.shape[long[0]], -1)
+        for array in (values, missing.cases)
+    )
     one, curves = cases.parameters[long[0]], values.shape[1]
     rows = min(curves, LINES)
-    figure, plots = axes(1, 1, WIDTH, max(HEIGHT, 1.0 + LINE * rows), _title(data, name))
+    figure, plots = axes(1, 1, WIDTH, max(HEIGHT, 1.0 + LINE * rows), _title(data, name, cases))
     plot = plots[0, 0]
     places, text_of_places = _places(one, data)
     order = np.argsort(places)
-    places, values = places[order], values[order]
+    places, values, lacking = places[order], values[order], lacking[order]
     for k, column in enumerate(values.T):
         # Of more curves than there are colours neighbours have shades that differ little, and other lines.
         style = "-" if curves <= len(COLOURS) else STYLES[k % len(STYLES)]
+        # Between two words there is nothing.
+        style = style if one.numeric else ""
         word = shortened(word_of(cases.parameters[long[1]].values[k])) if len(long) > 1 else None
         plot.plot(places, column, f"o{style}", ms=3.5, color=colour(k, curves), label=word)
+    for k, column in enumerate(lacking.T):
+        # Of few curves each has its own row of crosses, and its colour.
+        own = {"color": colour(k, curves)} if 1 < curves <= len(COLOURS) else {}
+        _crosses(plot, places[column], missing.word, 0.04 * k if own else 0.0, **own)
     _ticks(plot, one, text_of_places)
     plot.set_ylabel(text)
-    if len(long) > 1:
+    if len(long) == 1:
+        legend_above(plot)
+    else:
         columns = -(-curves // LINES)
         heading = _in_lines(cases.parameters[long[1]].key, "", NARROW)
         figure.legend(title=heading, loc="outside right upper", ncols=columns, alignment="left")
         figure.set_figwidth(WIDTH + 1.5 * columns)
     return figure
+
+
+def _crosses(plot: Any, places: np.ndarray, word: str, height: float = 0.0, **look: Any) -> None:
+    """Mark places that have no number by crosses on the lower axis, or a share of its height above it."""
+    if places.size:
+        named = word not in plot.get_legend_handles_labels()[1]
+        plot.plot(
+            places, np.full(places.size, height), "x", ms=6, mew=1.6, clip_on=False, zorder=5,
+            transform=plot.get_xaxis_transform(), label=word if named else None, **({"color": FAILED} | look),
+        )  # fmt: skip
 
 
 def _places(
@@ -186,7 +237,7 @@ def _places(
     if not one.numeric:
         return np.arange(len(one.values), dtype=float), _in_lines(one.key, "", letters)
     numbers = np.array(one.numbers, float) if numbers is None else numbers
-    factor, unit = scale_in(str(data.attrs.get("units") or "si"), [numbers[np.isfinite(numbers)]], one.unit)
+    factor, unit = scale_in(_system(data), [numbers[np.isfinite(numbers)]], one.unit)
     return numbers / factor, _in_lines(one.key, unit, letters)
 
 
@@ -208,16 +259,20 @@ def _ticks(plot: Any, one: Any, text: str, along: str = "x") -> None:
 
 
 def _logarithmic(numbers: np.ndarray) -> bool:
-    """Whether numbers rise by equal ratios, and by much."""
-    if numbers.size < 3 or not (numbers > 0.0).all() or numbers.max() < 10.0 * numbers.min():
+    """Whether numbers rise by equal ratios, and by much, or by uneven steps, and by very much."""
+    if numbers.size < 3 or not (numbers > 0.0).all() or numbers.max() < MUCH * numbers.min():
         return False
+    numbers = np.sort(numbers)
+    if numbers[-1] > VERY_MUCH * numbers[0]:
+        steps = np.diff(numbers)
+        return not np.allclose(steps, steps[0], rtol=1e-6)
     ratios = np.diff(np.log(numbers))
     return bool(np.allclose(ratios, ratios[0], rtol=1e-6))
 
 
 @styled
 def _map(data: Variables, cases: Cases, name: str) -> Any:
-    """Colours over two parameters; cases that failed are left white."""
+    """Colours over two parameters; cases without a number are left white, with a cross."""
     from tautline.view.figures.waterfall import edges_of
 
     across, up = _long(cases)
@@ -227,7 +282,7 @@ def _map(data: Variables, cases: Cases, name: str) -> Any:
     )
     one, two = cases.parameters[across], cases.parameters[up]
     order_x, order_y = np.argsort(one.numbers), np.argsort(two.numbers)
-    figure, plots = axes(1, 1, WIDTH, HEIGHT + 0.8, _title(data, name))
+    figure, plots = axes(1, 1, WIDTH, HEIGHT + 0.8, _title(data, name, cases))
     plot = plots[0, 0]
     (x, text_x), (y, text_y) = _places(one, data), _places(two, data, NARROW)
     x, y = x[order_x], y[order_y]
@@ -241,11 +296,20 @@ def _map(data: Variables, cases: Cases, name: str) -> Any:
         np.exp(edges_of(np.log(at))) if each.numeric and _logarithmic(np.array(each.numbers)) else edges_of(at)
         for at, each in ((x, one), (y, two))
     )
-    plot.pcolormesh(x_edges, y_edges, shown, cmap=SHADES, vmin=low, vmax=high)
+    by_ratio = low > 0.0 and high > VERY_MUCH * low
+    plot.pcolormesh(x_edges, y_edges, shown, cmap=SHADES, norm=shades_between(low, high, by_ratio))
     plot.grid(False)
     _ticks(plot, one, text_x)
     _ticks(plot, two, text_y, "y")
-    bar_of_shades(figure, plot, low, high, text)
+    # A mesh does not widen an axis for cells without a number.
+    plot.set_xlim(*sorted((x_edges[0], x_edges[-1])))
+    plot.set_ylim(*sorted((y_edges[0], y_edges[-1])))
+    if (rows_and_columns := np.nonzero(np.ma.getmaskarray(shown)))[0].size:
+        rows, columns = rows_and_columns
+        word = f"white: {Missing.of(data, name).word}"
+        plot.plot(x[columns], y[rows], "x", color=FAILED, ms=6, mew=1.6, label=word)
+        legend_above(plot)
+    bar_of_shades(figure, plot, low, high, text, by_ratio)
     return figure
 
 
@@ -258,18 +322,20 @@ def _tornado(data: Variables, cases: Cases, name: str) -> Any:
     values, text = _scaled(data, name)
     if not np.isfinite(values[0]):
         return None
-    system = str(data.attrs.get("units") or "si")
-    spans = [_Span.of(one, cases, values, system) for one in cases.parameters]
-    spans = sorted((span for span in spans if span.moved.size), key=lambda span: span.reach(values[0]))
-    if not spans:
+    system, missing = _system(data), Missing.of(data, name)
+    spans = [_Span.of(one, cases, values, system, missing) for one in cases.parameters]
+    if not any(span.moved.size for span in spans):
         return None
+    spans = sorted((span for span in spans if span.words or span.lacking), key=lambda span: span.reach(values[0]))
     most = max(span.most_on_a_side(values[0]) for span in spans)
-    figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + max(0.42, LINE * most) * len(spans), _title(data, name))
+    heading = _title(data, name, cases)
+    high = max(0.42, LINE * most, LINE * max(span.lines for span in spans))
+    figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + LINE * heading.count("\n") + high * len(spans), heading)
     plot = plots[0, 0]
     for place, span in enumerate(spans):
         _bars(plot, place, span, values[0])
     plot.axvline(values[0], color=QUIET, lw=1.0)
-    plot.set_yticks(range(len(spans)), [_in_lines(span.one.key, "", BESIDE) for span in spans])
+    plot.set_yticks(range(len(spans)), [span.name for span in spans])
     plot.grid(axis="y", visible=False)
     plot.set_xlabel(text)
     numeric = [span.one for span in spans if span.one.numeric]
@@ -280,26 +346,43 @@ def _tornado(data: Variables, cases: Cases, name: str) -> Any:
 
 
 class _Span(NamedTuple):
-    """What a parameter alone makes of a number: for each value the number, the value in SI, and as it is told."""
+    """What a parameter alone makes of a number: for each value the number, the value in SI, and as it is told.
+
+    `lacking` says of which of its values there is no number, and why; it is empty where there is one of each.
+    """
 
     one: Parameter
     moved: np.ndarray
     numbers: np.ndarray
     words: list[str]
+    lacking: str
 
     @classmethod
-    def of(cls, one: Parameter, cases: Cases, values: np.ndarray, system: str) -> _Span:
+    def of(cls, one: Parameter, cases: Cases, values: np.ndarray, system: str, missing: Missing) -> _Span:
         """Of the cases that vary a parameter and have a number, from the smallest value to the largest."""
         own = cases.values[one.key]
         its = [k for k, value in enumerate(own) if value is not AS_IN_THE_SCENE and np.isfinite(values[k])]
         its = sorted(its, key=lambda k: cases.numbers[one.key][k]) if one.numeric else its
         numbers = cases.numbers[one.key][its]
         words = [printed(float(number), one.unit, system) for number in numbers]
-        return cls(one, values[its], numbers, words if one.numeric else [word_of(own[k]) for k in its])
+        lost = missing.values_of(one, cases, system)
+        lacking = f"{missing.word}: {listed_shortly(lost)}" if lost else ""
+        return cls(one, values[its], numbers, words if one.numeric else [word_of(own[k]) for k in its], lacking)
+
+    @property
+    def name(self) -> str:
+        """Its key, and below it the values without a number."""
+        key = _in_lines(self.one.key, "", BESIDE)
+        return f"{key}\n{label(self.lacking, '', BESIDE)}" if self.lacking else key
+
+    @property
+    def lines(self) -> int:
+        """Of its name."""
+        return self.name.count("\n") + 1
 
     def reach(self, base: float) -> float:
         """From the smallest number to the largest, that of the scene among them."""
-        return float(max(self.moved.max(), base) - min(self.moved.min(), base))
+        return float(np.max(self.moved, initial=base) - np.min(self.moved, initial=base))
 
     def most_on_a_side(self, base: float) -> int:
         """How many bars share the height of a place."""
@@ -369,7 +452,8 @@ def _scatter(data: Variables, cases: Cases, name: str) -> Any:
     values, text = _scaled(data, name)
     columns = min(PANELS, len(shown))
     rows = -(-len(shown) // columns)
-    figure, plots = axes(rows, columns, 1.0 + 2.9 * columns, HEIGHT * rows, _title(data, name), sharey=True)
+    figure, plots = axes(rows, columns, 1.0 + 2.9 * columns, HEIGHT * rows, _title(data, name, cases), sharey=True)
+    missing = Missing.of(data, name)
     for plot in plots.ravel()[len(shown) :]:
         plot.remove()
     for plot, one in zip(plots.ravel(), shown, strict=False):
@@ -381,9 +465,12 @@ def _scatter(data: Variables, cases: Cases, name: str) -> Any:
             text_of_places = _in_lines(one.key, "", NARROW)
             plot.set_xticks(range(len(words)), [shortened(word, NARROW // 2) for word in words])
         plot.plot(places, values, ".", ms=4)
+        _crosses(plot, places[missing.cases], missing.word)
         plot.set_xlabel(text_of_places)
     for plot in plots[:, 0]:
         plot.set_ylabel(text)
+    if missing.cases.any():
+        figure.legend(*plots[0, 0].get_legend_handles_labels(), loc="outside lower right")
     return figure
 
 
@@ -394,7 +481,7 @@ def _band(data: Variables, name: str) -> Any:
     values, text = _scaled(data, name)
     places = data[along].values if along in data.coords else np.arange(values.shape[1])
     unit = str(data[along].attrs.get("units") or "") if along in data.coords else ""
-    factor, unit = scale_in(str(data.attrs.get("units") or "si"), [places], unit)
+    factor, unit = scale_in(_system(data), [places], unit)
     downwards, places = along == DEPTH, places / factor
     figure, plots = axes(1, 1, WIDTH, HEIGHT + (1.2 if downwards else 0.0), _title(data, name))
     plot, (low, middle, high) = plots[0, 0], values

@@ -17,7 +17,7 @@ from cycler import cycler
 from matplotlib.axes import Axes as Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure as Page
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -221,7 +221,14 @@ def shade(plot: Axes, time: np.ndarray, flags: np.ndarray, colour: str = SHADE, 
         plot.axvspan(edges[first], edges[last], color=colour, lw=0, zorder=0, label=words)
 
 
-def bar_of_shades(figure: Figure, plots: Any, low: float, high: float, text: str, **look: Any) -> Colorbar:
+def shades_between(low: float, high: float, by_ratio: bool = False) -> Normalize:
+    """What gives values their share of `SHADES`: by their differences, or of positive ones by their ratios."""
+    return LogNorm(low, high) if by_ratio else Normalize(low, high)
+
+
+def bar_of_shades(
+    figure: Figure, plots: Any, low: float, high: float, text: str, by_ratio: bool = False, **look: Any
+) -> Colorbar:
     """Put a bar of `SHADES` below plots, from one value to another.
 
     Parameters
@@ -230,10 +237,12 @@ def bar_of_shades(figure: Figure, plots: Any, low: float, high: float, text: str
         What gives it room.
     text : str
         Its label.
+    by_ratio : bool
+        Whether it is logarithmic.
     **look
         Passed on to ``Figure.colorbar``: ``shrink``, ``pad`` and so on.
     """
-    colours = ScalarMappable(Normalize(low, high), SHADES)
+    colours = ScalarMappable(shades_between(low, high, by_ratio), SHADES)
     bar = figure.colorbar(colours, ax=plots, location="bottom", aspect=40, **look)
     bar.set_label(text)
     return bar

@@ -149,7 +149,8 @@ def spectrum_figure(results: Sequence[Result], panels: Panels) -> Figure:
 
 def _named(frequency: np.ndarray, size: np.ndarray, unit: str, largest: int | None) -> str:
     """What a legend says of a spectrum's largest line."""
+    slowest = frequency[min(LOBE, len(frequency) - 1)]
     if largest is None:
-        slowest = frequency[min(LOBE, len(frequency) - 1)]
         return f"slower than {slowest:.2g} Hz, the run is too short to tell it from drift"
-    return f"{size[largest]:.3g} {unit} at {frequency[largest]:.3g} Hz"
+    slower = f", largest above {slowest:.2g} Hz" if size[: LOBE + 1].max() > size[largest] else ""
+    return f"{size[largest]:.3g} {unit} at {frequency[largest]:.3g} Hz{slower}"

@@ -13,7 +13,7 @@ WINDOWS, SHORTEST, LONGEST = 12, 32, 512
 FINENESS = 4
 """Steps of a spectrum's frequency in what the run's length allows."""
 LOBE = 4 * FINENESS
-"""Steps to either side over which a line with the second window reaches: what is highest there alone is a line."""
+"""Steps to either side over which a line with the second window reaches: the highest peak there alone is a line."""
 LEAST_OF_LARGEST = 0.01
 """Share of the largest amplitude below which what is highest beside it is not named."""
 
@@ -69,8 +69,8 @@ def late_spectrum(time: np.ndarray, signal: np.ndarray, share: float) -> tuple[n
 def largest_line(size: np.ndarray) -> int | None:
     """Place of the largest line in a spectrum by `late_spectrum`.
 
-    What is left of a drift stands at the slow end, and its lobe reaches as far as that of a line; whatever is within a
-    lobe of something higher belongs to that.
+    What is left of a drift stands at the slow end, and its lobe reaches as far as that of a line. A peak within a lobe
+    of a higher peak belongs to that; one that only has the slope of a higher one beside it is a line of its own.
 
     Parameters
     ----------
@@ -84,9 +84,11 @@ def largest_line(size: np.ndarray) -> int | None:
     """
     from scipy.ndimage import maximum_filter1d
 
-    highest = size == maximum_filter1d(size, 2 * LOBE + 1, mode="nearest")
+    beside = np.pad(size, 1, constant_values=-np.inf)
+    peak = np.where((size >= beside[:-2]) & (size >= beside[2:]), size, 0.0)
+    highest = peak == maximum_filter1d(peak, 2 * LOBE + 1, mode="nearest")
     highest[: LOBE + 1] = highest[-1:] = False
-    highest &= (size > 0.0) & (size >= LEAST_OF_LARGEST * size.max(initial=0.0))
+    highest &= (peak > 0.0) & (size >= LEAST_OF_LARGEST * size.max(initial=0.0))
     return int(np.where(highest, size, 0.0).argmax()) if highest.any() else None
 
 
