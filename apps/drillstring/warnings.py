@@ -80,7 +80,9 @@ Check = Callable[[DrillstringScene, Prepared], Sentences]
 def warnings(scene: DrillstringScene) -> list[SceneWarning]:
     """Warnings of a scene, each with its cause and a cure; raises SceneError where well and string do not fit."""
     ready = prepared(scene)
-    return [SceneWarning(place, text) for check in CHECKS for place, text in check(scene, ready)]
+    return [
+        SceneWarning(place, text, of_a_run=check in OF_A_RUN) for check in CHECKS for place, text in check(scene, ready)
+    ]
 
 
 # steps and frames
@@ -592,10 +594,12 @@ def _finer(scene: DrillstringScene, well: Wellbore, now: int) -> str:
 
 
 CHECKS: tuple[Check, ...] = (
-    _steps, _survey, _dogleg, _floating, soft_wall, _friction, _block, _casing, _yielding, _off_bottom, _weight_on_bit,
-    _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
+    _steps, _survey, _dogleg, _floating, soft_wall, _friction, _block, _casing, _yielding, _off_bottom,
+    _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
+OF_A_RUN = frozenset({_steps, _friction, _block, _torque_on_bit, _penetration, _sticking, _chatter, _buckling})
+"""Those of what the run of a scene does or does not show: its steps, its motions, and how the bit answers them."""
 
 
 def figures(scene: DrillstringScene) -> dict[str, Any]:

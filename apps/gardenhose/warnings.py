@@ -37,8 +37,10 @@ def warnings(scene: HoseScene) -> list[SceneWarning]:
     """Warnings of a scene, each with its cause and a cure."""
     speed = speeds(scene)
     hose = average(scene, float(np.abs(speed).max()))
-    found = [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed), *_ends(scene, speed), *_rest(scene)]
-    return [SceneWarning(where, text) for where, text in found]
+    # Statics and flutter look at speeds of their own: `momentum_at` and `mesh_at` warn of these.
+    of_a_run = [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed)], _rest(scene)
+    before, behind = ([SceneWarning(*one, of_a_run=True) for one in found] for found in of_a_run)
+    return [*before, *(SceneWarning(*one) for one in _ends(scene, speed)), *behind]
 
 
 def _steps(scene: HoseScene, hose: Average) -> Sentences:

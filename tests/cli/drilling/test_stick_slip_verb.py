@@ -24,7 +24,7 @@ DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8").replace("elements
 KEYS = {
     "scene", "status", "speed", "weight", "severity", "stuck", "bit_speed_mean", "bit_speed_min", "bit_speed_max",
     "torque_on_bit", "weight_on_bit", "rate_of_penetration", "outcome", "sticking_ends", "failures", "files",
-    "warnings",
+    "warnings", "scene_warnings",
 }  # fmt: skip
 RPM = 2.0 * math.pi / 60.0
 FEW = ("--speed", "60,170", "--weight", "60 kN,1e5", "--end", "20 s")
