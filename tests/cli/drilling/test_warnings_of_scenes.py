@@ -88,3 +88,42 @@ def test_stick_slip_tells_the_warnings_of_the_scene_that_it_runs(here):
     report = only_object(out)
     assert code == 0 and "mud.density" in [one["where"] for one in report["scene_warnings"]]
     assert "warning: mud.density: 10 kg/m^3" in err and report["warnings"] == []
+
+
+PIPE, HEAVY, COLLAR = (
+    "{name: dp, od: 5 in, id: 4.276 in, mass_per_length: 33, length: %s}",
+    "{name: hwdp, od: 5 in, id: 3 in, mass_per_length: 74, length: 200 m}",
+    "{name: collar, od: 6.5 in, id: 2.8125 in, mass_per_length: 136, length: 100 m}",
+)
+LIGHT = "{name: light, od: 3.5 in, id: 2.764 in, mass_per_length: 21, length: 400 m}"
+SLANTED = "well.sections=[{hold: 1000 m}, {build: {radius: 500 m, to: 60 deg, azimuth: 0 deg}}, {hold: 1500 m}]"
+REST, MORE = PIPE % "rest", PIPE % "500 m"
+
+
+@pytest.mark.parametrize(
+    ("sections", "warned"),
+    [
+        pytest.param([COLLAR, HEAVY, REST], True, id="from the bit up"),
+        pytest.param([HEAVY, COLLAR, REST], True, id="heavy at the top in another order"),
+        pytest.param([REST, HEAVY, COLLAR], False, id="from the table down"),
+        pytest.param([REST, HEAVY, MORE], False, id="heavier in the middle"),
+        pytest.param([HEAVY, REST, COLLAR], False, id="heavy at both ends"),
+        pytest.param([REST, LIGHT], False, id="tapered"),
+        pytest.param([COLLAR.replace("100 m", "12 m"), REST], False, id="a kelly"),
+    ],
+)
+def test_a_string_with_its_heavy_pipe_at_the_table_alone_is_asked_whether_it_was_written_from_the_bit_up(
+    here, sections, warned
+):
+    string = f"[{', '.join(sections)}]"
+    report = only_object(here("check", "jwell.yaml", "--set", f"string={string}", "--set", SLANTED, "--json")[1])
+    text = " ".join(one["text"] for one in report["warnings"] if one["where"] == "string")
+    assert ("Then reverse it" in text) == warned
+
+
+def test_heavy_pipe_above_light_pipe_in_a_horizontal_hole_is_on_purpose(here):
+    change = ("--set", f"string=[{HEAVY}, {REST}]")
+    slanted, level = (
+        only_object(here("check", "jwell.yaml", *change, *hole, "--json")[1]) for hole in (("--set", SLANTED), ())
+    )
+    assert "string" in places(slanted) and "string" not in places(level)
