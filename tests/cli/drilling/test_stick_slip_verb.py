@@ -179,6 +179,13 @@ def cell(speed, stuck=0.0, severity=0.1, status="done"):
     return Cell(speed * RPM, 1e5, *numbers, status, "", 0.1)
 
 
+def test_of_a_bit_that_never_turned_it_is_not_said_that_it_sticks():
+    """Runs that end before the twist of the drive has come to the bit."""
+    still = Cell(100.0 * RPM, 1e5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1e5, 0.0, "done", "", 0.1)
+    ((text, style),) = sentences(Map((100.0 * RPM,), (1e5,), ((still,),)), "si")
+    assert "has not begun to turn when the runs end. Give a longer --end" in text and style == "yellow"
+
+
 @pytest.mark.parametrize(
     ("cells", "ends", "said"),
     [
