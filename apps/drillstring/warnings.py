@@ -54,6 +54,13 @@ OFF = 0.05
 """Difference of the block's speed from the rate of penetration, over the latter, that is reported."""
 UPRIGHT = np.radians(10.0)
 """Inclination below which a pipe in compression is not held by the hole."""
+THICK, HEAVIER = 0.7, 1.25
+"""Inner over outer diameter up to which a pipe is a collar or heavy-weight pipe (0.35 to 0.65; drill pipe has 0.75 to
+0.9), and its mass over that of drill pipe from which it is heavy."""
+A_STAND = 27.0
+"""Length of three joints, m: shorter heavy pipe at the table is a kelly or part of a top drive."""
+HORIZONTAL = np.radians(75.0)
+"""Inclination at the end of a hole above which heavy pipe stands higher up on purpose."""
 UNDAMPED = 0.95
 """Spectral radius at infinity above which the torque oscillates after the shock of a bit that sticks."""
 OF_THE_BOTTOM = ("weight", "torque", "penetration", "cutting", "rock", "slip_speed")
@@ -80,7 +87,9 @@ Check = Callable[[DrillstringScene, Prepared], Sentences]
 def warnings(scene: DrillstringScene) -> list[SceneWarning]:
     """Warnings of a scene, each with its cause and a cure; raises SceneError where well and string do not fit."""
     ready = prepared(scene)
-    return [SceneWarning(place, text) for check in CHECKS for place, text in check(scene, ready)]
+    return [
+        SceneWarning(place, text, of_a_run=check in OF_A_RUN) for check in CHECKS for place, text in check(scene, ready)
+    ]
 
 
 # steps and frames
@@ -183,6 +192,29 @@ def dogleg_severity(curvature: float, system: str) -> str:
 
 
 # pipe
+def _upside_down(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """Collars or heavy-weight pipe at the rotary table and drill pipe at the bit: a list that goes from the bit up.
+
+    Drill pipe has a thin wall, the others a thick one, so that tapered strings do not count, and no heavier pipe in the
+    middle of a string. In a horizontal hole heavy pipe is put above light pipe on purpose, to push it.
+    """
+    tubes = ready.lumps.tubes
+    thick = [tube.id <= THICK * tube.od for tube in tubes]
+    count = thick.index(False) if False in thick else 0
+    if count == 0 or any(thick[count:]) or scene.well.diameter < DRILLED:
+        return
+    heavy = sum(tube.length for tube in tubes[:count])
+    if heavy < A_STAND or min(t.mass_per_length for t in tubes[:count]) < HEAVIER * tubes[-1].mass_per_length:
+        return
+    if float(ready.well.inclination(np.array([ready.well.length]))[0]) > HORIZONTAL:
+        return
+    text = (
+        f"sections go from the rotary table down. This string has its heavy pipe at the top: {tubes[0].name} stands at "
+        f"the table, and {tubes[-1].name} at the bit. Was the list written from the bit up? Then reverse it"
+    )
+    yield "string", text
+
+
 def _floating(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """Sections that float, and are held down by the others."""
     for i, tube in enumerate(ready.lumps.tubes):
@@ -592,10 +624,12 @@ def _finer(scene: DrillstringScene, well: Wellbore, now: int) -> str:
 
 
 CHECKS: tuple[Check, ...] = (
-    _steps, _survey, _dogleg, _floating, soft_wall, _friction, _block, _casing, _yielding, _off_bottom, _weight_on_bit,
-    _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
+    _steps, _survey, _dogleg, _upside_down, _floating, soft_wall, _friction, _block, _casing, _yielding, _off_bottom,
+    _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
+OF_A_RUN = frozenset({_steps, _friction, _block, _torque_on_bit, _penetration, _sticking, _chatter, _buckling})
+"""Those of what the run of a scene does or does not show: its steps, its motions, and how the bit answers them."""
 
 
 def figures(scene: DrillstringScene) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Rough estimates of a hose: where it loses its stability, how fast it swings, which step of RK4 is stable.
 
-Onset and frequency are those of a uniform pipe without gravity, damping or tip mass; a hose of several sections is
-averaged. They are good enough to choose a step and a mesh; `gardenhose flutter` computes.
+Onset and frequency are those of a uniform pipe without gravity or damping; a hose of several sections is averaged. A
+mass and a nozzle at the tip count. They are good enough to choose a step and a mesh; `gardenhose flutter` computes.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -47,6 +48,16 @@ SUPPORTS = {
 }
 """Beams by their supports: first natural frequency and largest sag under a uniform load, over sqrt(EJ / m L^4) and
 w L^4 / EJ; and the u of divergence, that of Euler's column under the thrust M U^2, where both ends are held."""
+
+POLYNOMIALS = 12
+"""Of the Galerkin solution of a cantilever with a mass or a nozzle at its tip."""
+HIGHEST, STRIDE = 20.0, 0.5
+"""Largest u at which that solution looks for flutter, and from one u to the next."""
+HEAVIEST = 10.0
+"""Mass at the tip over that of hose and water above which the onset is not estimated: the tip hardly moves, growth is
+so slow that the least damping stops it, and the estimate without damping is per cents too low."""
+GROWING = 1.0e-8
+"""Growth rate over the size of the eigenvalue that is no rounding."""
 
 SAMPLES = 4001
 FASTEST = 1.0e60
@@ -128,10 +139,102 @@ def average(scene: HoseScene, speed: float) -> Average:
     )
 
 
+@lru_cache(maxsize=1)
+def _shapes() -> tuple[np.ndarray, ...]:
+    """Products of x^2 P_k(2 x - 1) over a cantilever of length one: mass, stiffness, slope, curvature; the tip."""
+    x, weight = np.polynomial.legendre.leggauss(POLYNOMIALS + 4)
+    x, weight = 0.5 * (x + 1.0), 0.5 * weight
+    line, square = np.polynomial.Polynomial([-1.0, 2.0]), np.polynomial.Polynomial([0.0, 0.0, 1.0])
+    made = []
+    for k in range(POLYNOMIALS):
+        legendre = np.polynomial.legendre.leg2poly([0.0] * k + [math.sqrt(2.0 * k + 1.0)])
+        shape = square * np.polynomial.Polynomial(legendre)(line)
+        made.append([shape(x), shape.deriv(1)(x), shape.deriv(2)(x), np.full(1, shape(1.0))])
+    value, slope, curvature, tip = (np.array(one) for one in zip(*made, strict=True))
+    weighted = value * weight
+    return weighted @ value.T, (curvature * weight) @ curvature.T, weighted @ slope.T, weighted @ curvature.T, tip[:, 0]
+
+
+def _cantilever(heavy: float) -> tuple[np.ndarray, ...]:
+    """Stiffness, slope and curvature of a cantilever in shapes of mass one; `heavy` is its tip's over its own."""
+    mass, *others, tip = _shapes()
+    root = np.linalg.inv(np.linalg.cholesky(mass + heavy * np.outer(tip, tip)))
+    return tuple(root @ one @ root.T for one in others)
+
+
+@lru_cache(maxsize=8)
+def onset_of_a_cantilever(beta: float, heavy: float = 0.0, outlet: float = 1.0) -> tuple[float | None, float | None]:
+    """Lowest u of flutter and omega L^2 sqrt((m + M) / EJ) there; None without flutter up to u = 20.
+
+    Galerkin's solution of y'''' + outlet u^2 y'' + 2 sqrt(beta) u y'. + y.. = 0, clamped and free: the jet of a nozzle
+    takes M U times its own speed with it, so that its reaction, which follows the tip, adds M U^2 (outlet - 1) to
+    M U^2 (Gregory and Paidoussis, 1966; Paidoussis, Fluid-Structure Interactions 1, chapter 3).
+
+    Parameters
+    ----------
+    beta : float
+        M / (m + M).
+    heavy : float
+        Mass at the tip over that of hose and water.
+    outlet : float
+        Speed of the jet over that in the hose.
+    """
+    if not heavy <= HEAVIEST or not outlet <= FASTEST:
+        return None, None
+    stiffness, slope, curvature = _cantilever(heavy)
+    n = len(stiffness)
+    matrix = np.zeros((2 * n, 2 * n))
+    matrix[:n, n:] = np.eye(n)
+
+    def fastest(u: float) -> complex:
+        """The eigenvalue that grows most for its size."""
+        matrix[n:, :n] = -stiffness - outlet * u * u * curvature
+        matrix[n:, n:] = -2.0 * math.sqrt(beta) * u * slope
+        values = np.linalg.eigvals(matrix)
+        return complex(values[np.argmax(values.real / np.abs(values))])
+
+    def grows(u: float) -> bool:
+        value = fastest(u)
+        return value.real > GROWING * abs(value)
+
+    # A nozzle brings the onset nearer to no speed: the strides are of the thrust's root.
+    stride = STRIDE / max(1.0, math.sqrt(outlet))
+    for count in range(1, round(HIGHEST / STRIDE) + 1):
+        if grows(count * stride):
+            below, above = (count - 1) * stride, count * stride
+            break
+    else:
+        return None, None
+    while above - below > 1e-4 * above:
+        middle = 0.5 * (below + above)
+        below, above = (below, middle) if grows(middle) else (middle, above)
+    return above, abs(fastest(above).imag)
+
+
 def onset(scene: HoseScene, hose: Average) -> tuple[float | None, float | None]:
+    """Estimate u and frequency (Hz) at which the hose loses its stability, as `plain_onset`; mass and nozzle count.
+
+    None, too, where mass and nozzle leave no flutter up to u = 20, and with a mass above `HEAVIEST`.
+    """
+    plain = plain_onset(scene, hose)
+    outlet = scene.water.outlet if scene.water is not None else 1.0
+    heavy = tip_share(scene, hose)
+    if plain[1] in (None, 0.0) or (heavy == 0.0 and outlet == 1.0):
+        return plain
+    u, omega = onset_of_a_cantilever(hose.mass_ratio, heavy, outlet)
+    return u, None if omega is None else omega / (2.0 * math.pi * hose.time_scale)
+
+
+def tip_share(scene: HoseScene, hose: Average) -> float:
+    """Mass at a free tip over that of hose and water."""
+    return scene.hose.tip_mass / ((hose.mass + hose.water) * hose.length) if scene.hose.end == "free" else 0.0
+
+
+def plain_onset(scene: HoseScene, hose: Average) -> tuple[float | None, float | None]:
     """Estimate u and frequency (Hz) at which the hose loses its stability: flutter, or divergence (0 Hz) if held.
 
-    None where there is no estimate: without water or bending stiffness, and for a hose that swings about its root.
+    Nothing at the tip counts. None where there is no estimate: without water or bending stiffness, and for a hose that
+    swings about its root.
     """
     support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
     if support is None or hose.water == 0.0 or hose.bending == 0.0:
@@ -144,11 +247,19 @@ def onset(scene: HoseScene, hose: Average) -> tuple[float | None, float | None]:
 
 
 def first_frequency(scene: HoseScene, hose: Average) -> float | None:
-    """First natural frequency at rest, Hz, without gravity; None for a hose that swings or cannot bend back."""
+    """First natural frequency at rest, Hz, without gravity; None for a hose that swings or cannot bend back.
+
+    The mass at the tip counts; one that is much heavier than the hose hangs on a spring 3 EJ / L^3.
+    """
     support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
     if support is None or hose.bending == 0.0:
         return None
-    return support[0] / (2.0 * math.pi * hose.time_scale)
+    omega, heavy = support[0], tip_share(scene, hose)
+    if heavy > HEAVIEST:
+        omega = math.sqrt(3.0 / (heavy + 33.0 / 140.0))  # Rayleigh's mass of the beam
+    elif heavy > 0.0:
+        omega = math.sqrt(np.linalg.eigvalsh(_cantilever(heavy)[0])[0])
+    return omega / (2.0 * math.pi * hose.time_scale)
 
 
 def _unit_matrix(first: int, points: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import brentq, linear_sum_assignment
 
-from gardenhose.estimates import average, onset
+from gardenhose.estimates import average, plain_onset
 from gardenhose.estimates import speeds as speeds_of
 from gardenhose.reduced import Reduced, peaks
 from gardenhose.scene import SPRINGS, HoseScene, tied
@@ -399,7 +399,7 @@ def direction_of(scene: HoseScene) -> float:
 def _guess(scene: HoseScene) -> float:
     """A speed near the critical one, m/s: by the table of straight uniform hoses, else from thrust and stiffness."""
     hose = average(scene, 1.0)
-    u, _ = onset(scene, hose)
+    u, _ = plain_onset(scene, hose)
     if u is not None and hose.dimensionless_speed:
         return u / hose.dimensionless_speed
     pull = (hose.mass + hose.water) * float(np.linalg.norm(scene.gravity)) * hose.length

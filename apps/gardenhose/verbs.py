@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tautline.cli.output.findings import figure_place, write_figure
+from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
@@ -56,12 +57,14 @@ def static(
     hose = changed(read(scene), changes)
     speeds = parse_speeds(speed) if speed is not None else _up_to_fastest(hose)
     figure = figure_place(output, f"{scene.stem}_static")
+    of_scene = warnings_without_a_run(hose)
+    print_warnings(of_scene)
     found = searched(scene, as_json, lambda: forms(hose, speeds))
     negative = [one.negative for one in found]
     _print_forms(found, hose)
     _warn_of_unstable(hose, found, negative)
     told = _of_shapes(hose, speeds, negative)
-    _say_warnings(told)
+    print_warnings(told)
     _draw_forms(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -73,7 +76,7 @@ def static(
             report
             | {"speed": [one.speed for one in found], "tip": tips, "negative_pivots": pivots}
             | {"sag": [one.sag[0] for one in found], "position": [one.position for one in found]}
-            | {"warnings": [{"where": one.where, "text": one.text} for one in told]}
+            | {"warnings": warning_records([*of_scene, *told])}
         )
 
 
@@ -93,10 +96,12 @@ def flutter(
     hose = changed(read(scene), changes)
     speeds = parse_speeds(speed) if speed is not None else None
     figure = figure_place(output, f"{scene.stem}_flutter")
+    of_scene = warnings_without_a_run(hose)
+    print_warnings(of_scene)
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found, hose.units)
     told = [*_of_speeds(hose, found, speeds), *_between(found, speeds, hose.units)]
-    _say_warnings(told)
+    print_warnings(told)
     _draw_stability(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -116,7 +121,7 @@ def flutter(
                 "windows": [{"from": one.begin, "to": one.end} for one in found.windows],
                 "resolution": found.resolution,
                 "direction": _way(found),
-                "warnings": [{"where": one.where, "text": one.text} for one in told],
+                "warnings": warning_records([*of_scene, *told]),
                 "speed": found.speed,
                 "eigenvalues": [[[x.real, x.imag] for x in row] for row in found.eigenvalues.tolist()],
                 "out_of_plane": found.out_of_plane,
@@ -357,13 +362,6 @@ def _between(found: Stability, speeds: list[float] | None, system: str) -> list[
         )
         for one in hidden
     ]
-
-
-def _say_warnings(told: list[SceneWarning]) -> None:
-    from tautline.cli.output.console import say
-
-    for one in told:
-        say(f"warning: {one.where}: {one.text}", "yellow")
 
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:

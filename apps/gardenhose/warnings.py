@@ -37,8 +37,10 @@ def warnings(scene: HoseScene) -> list[SceneWarning]:
     """Warnings of a scene, each with its cause and a cure."""
     speed = speeds(scene)
     hose = average(scene, float(np.abs(speed).max()))
-    found = [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed), *_ends(scene, speed), *_rest(scene)]
-    return [SceneWarning(where, text) for where, text in found]
+    # Statics and flutter look at speeds of their own: `momentum_at` and `mesh_at` warn of these.
+    of_a_run = [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed)], _rest(scene)
+    before, behind = ([SceneWarning(*one, of_a_run=True) for one in found] for found in of_a_run)
+    return [*before, *(SceneWarning(*one) for one in _ends(scene, speed)), *behind]
 
 
 def _steps(scene: HoseScene, hose: Average) -> Sentences:
@@ -219,6 +221,13 @@ def _rest(scene: HoseScene) -> Sentences:
     yield "disturbance" if scene.hose.end == "free" else "gravity", text
 
 
+def _droop(scene: HoseScene, hose: Average, across: float) -> float:
+    """Sag of a beam of small deflections under its weight and that of the mass at a free tip, m."""
+    support = SUPPORTS[scene.hose.root_support, scene.hose.end]
+    tip = scene.hose.tip_mass / (3.0 * hose.length) if scene.hose.end == "free" else 0.0
+    return (support[1] * (hose.mass + hose.water) + tip) * across * hose.length**4 / hose.bending
+
+
 def figures(scene: HoseScene) -> dict[str, Any]:
     """Figures of hose and flow for ``check --json``, SI; None where there is no such thing.
 
@@ -242,7 +251,7 @@ def figures(scene: HoseScene) -> dict[str, Any]:
             "water": hose.water * hose.length,
             "mass_ratio": hose.mass_ratio,
             "gravity": load * math.hypot(*scene.gravity) * hose.length**3 / hose.bending if stiff else None,
-            "droop": support[1] * load * across * hose.length**4 / hose.bending if stiff and support else None,
+            "droop": _droop(scene, hose, across) if stiff and support else None,
             "first_frequency": first_frequency(scene, hose),
         },
         "flow": {

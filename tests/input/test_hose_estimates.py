@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, root
 
-from gardenhose.estimates import ONSET, SUPPORTS
+from gardenhose.estimates import ONSET, SUPPORTS, average, first_frequency, onset_of_a_cantilever
+from gardenhose.scene import read
+from gardenhose.warnings import figures
+from tautline.scene.reading.document import Document
 
 CONDITIONS = {"clamped": (0, 1), "pinned": (0, 2), "free": (2, 3)}
 """Derivatives of the deflection that are zero at an end."""
@@ -92,3 +95,79 @@ def test_the_sag_of_a_beam_is_the_largest_of_its_polynomial_under_a_uniform_load
     matrix = [[part.deriv(order)(x) for part in basis] for x, order in conditions]
     shape = load + np.polynomial.Polynomial(np.linalg.solve(matrix, [-load.deriv(order)(x) for x, order in conditions]))
     assert SUPPORTS[root_support, end][1] == pytest.approx(shape(np.linspace(0.0, 1.0, 10001)).max(), rel=1e-4)
+
+
+TIP = """
+hose: {{length: 1 m, elements: 20, axial_stiffness: 10 kN, bending_stiffness: 0.01 N m^2, mass_per_length: 0.08,
+  tip_mass: {mass}, direction: [0, 0, -1]}}
+water: {{mass_per_length: 0.12, speed: 5, outlet: {outlet}}}
+gravity: 0
+disturbance: [1 mm/s, 0, 0]
+solver: {{step: 1 ms, end: 5 s}}
+output: {{interval: 5 ms}}
+"""
+
+
+def hose_with(mass=0.0, outlet=1.0):
+    """A hose of EJ = 0.01 N m^2, 1 m long, of 0.2 kg with its water, with so much at its tip."""
+    return read(Document.parse(TIP.format(mass=mass, outlet=outlet), "hose.yaml"))
+
+
+def determinant_of_a_tip(beta, u, omega, heavy, outlet):
+    """As `free_end`, with the inertia of a mass in the shear of the tip and the follower thrust of a nozzle."""
+    roots = np.roots([1.0, 0.0, outlet * u**2, 2.0 * math.sqrt(beta) * u * 1j * omega, -(omega**2)])
+    clamp = np.array([roots**0, roots])
+    ends = np.array([roots**2, roots**3 + heavy * omega**2]) * np.exp(roots)
+    return np.linalg.det(np.vstack((clamp, ends))) / np.linalg.det(np.vander(roots))
+
+
+@pytest.mark.parametrize("heavy", [0.0, 0.1, 1.0, 10.0])
+@pytest.mark.parametrize("outlet", [1.0, 1.5])
+@pytest.mark.parametrize("beta", [0.2, 0.6])
+def test_an_onset_with_a_mass_or_a_nozzle_at_the_tip_solves_the_equation_of_pipe_and_tip(beta, heavy, outlet):
+    u, omega = onset_of_a_cantilever(beta, heavy, outlet)
+
+    def residue(factors):
+        value = determinant_of_a_tip(beta, factors[0] * u, factors[1] * omega, heavy, outlet)
+        return value.real, value.imag
+
+    solution = root(residue, [1.0, 1.0])
+    assert solution.success
+    np.testing.assert_allclose(solution.x, 1.0, atol=1e-3)
+
+
+@pytest.mark.parametrize("beta", [0.05, 0.25, 0.5, 0.8])
+def test_without_a_mass_and_a_nozzle_the_solution_of_the_tip_is_that_of_the_table(beta):
+    row = ONSET[ONSET[:, 0] == beta][0]
+    assert onset_of_a_cantilever(beta) == pytest.approx(tuple(row[1:]), rel=2e-3)
+
+
+@pytest.mark.parametrize(("mass", "outlet", "speed"), [(0.2, 1.0, 0.5326), (0.0, 1.5, 2.069), (0.0, 1.0, 2.884)])
+def test_the_critical_speed_of_check_is_that_of_flutter_with_what_is_at_the_tip(mass, outlet, speed):
+    """The speeds are what `gardenhose flutter` finds of the elements."""
+    assert figures(hose_with(mass, outlet))["flow"]["critical_speed"] == pytest.approx(speed, rel=5e-3)
+
+
+@pytest.mark.parametrize(("mass", "outlet"), [(0.0, 0.5), (20.0, 1.0)])
+def test_a_hose_that_a_wide_outlet_keeps_stable_and_one_with_a_heavy_tip_have_no_estimate_of_the_onset(mass, outlet):
+    flow = figures(hose_with(mass, outlet))["flow"]
+    assert flow["critical_speed"] is None and flow["critical_frequency"] is None
+
+
+@pytest.mark.parametrize("heavy", [0.05, 1.0, 9.9, 10.1, 1e6])
+def test_the_first_frequency_with_a_mass_at_the_tip_is_that_of_its_frequency_equation(heavy):
+    """1 + cos b cosh b = heavy b (sin b cosh b - cos b sinh b) of a cantilever with a mass at its end."""
+
+    def equation(b):
+        shear = math.sin(b) * math.cosh(b) - math.cos(b) * math.sinh(b)
+        return 1.0 + math.cos(b) * math.cosh(b) - heavy * b * shear
+
+    scene = hose_with(0.2 * heavy)
+    expected = brentq(equation, 1e-3, 1.8751) ** 2 * math.sqrt(0.01 / 0.2) / (2.0 * math.pi)
+    assert first_frequency(scene, average(scene, 1.0)) == pytest.approx(expected, rel=1e-4)
+
+
+def test_the_droop_counts_the_weight_of_the_mass_at_the_tip():
+    scene = hose_with(0.3).replace({"gravity": [9.81, 0, 0]})
+    expected = 9.81 * (0.2 / 8.0 + 0.3 / 3.0) / 0.01
+    assert figures(scene)["hose"]["droop"] == pytest.approx(expected)

@@ -79,7 +79,11 @@ def test_feet_are_read_as_the_header_names_them_and_a_depth_column_in_other_unit
             {},
             "one another; write inc [deg] in the header",
         ),
-        ("MD (kip),Inc (deg),Azi (deg)", {}, "1: md: 'kip' is not a unit like m; write md [m]"),
+        (
+            "MD (kip),Inc (deg),Azi (deg)",
+            {},
+            "1: md: 'kip' is not a unit like m; write the unit that the numbers are in",
+        ),
         (
             "MD (ft),Inc (deg),Azi (deg)",
             {"md": "m"},

@@ -14,6 +14,7 @@ from tautline.cli.verbs import Changes, GoOn, Json, Quiet, Scene, Scheduler, Wor
 
 if TYPE_CHECKING:
     from crane.operability.storms import Asked, Found
+    from tautline.scene.errors import SceneWarning
 
 Heights = Annotated[
     str | None,
@@ -93,11 +94,11 @@ def operability(
     """Storms over sea states: extremes, and the allowable significant wave height against period and heading."""
     from crane.operability.storms import occurring
     from crane.operability.storms import operability as run
-    from tautline.cli.commands.simulate import print_warnings
     from tautline.cli.options.changes import changed
     from tautline.cli.output.console import say
     from tautline.cli.output.first_run import compiling
     from tautline.cli.output.progress import Counter
+    from tautline.cli.output.scene_warnings import print_warnings
     from tautline.sweeps.execution import Execution
 
     application, found = context.obj.read(scene)
@@ -110,18 +111,18 @@ def operability(
     whole = read_options(given, read.gravity)
     asked = occurring(whole, read)
     folder = output or Path(f"{scene.stem}-operability")
-    told = [] if quiet else application.warnings(read)
+    told = application.warnings(read)
 
     def begin() -> None:
         # What cannot be is refused first: before that nothing should read as a start.
+        print_warnings(told)
         if not quiet:
-            print_warnings(told)
             _introduce(asked, len(whole.conditions) - len(asked.conditions))
 
     with Counter("storms", shown=not quiet) as bar:
         execution = Execution(jobs, dask, folder, resume, progress=bar, announce=compiling, begin=begin)
         found = run(application, read, asked, execution if quiet else replace(execution, say=say))
-    _report(scene, read, asked, found, folder, as_json, quiet, output is not None)
+    _report(scene, read, asked, found, folder, told, as_json, quiet, output is not None)
 
 
 def _introduce(asked: Asked, absent: int) -> None:
@@ -143,12 +144,14 @@ def _introduce(asked: Asked, absent: int) -> None:
 
 
 def _report(
-    scene: Path, read: Any, asked: Asked, found: Found, folder: Path, as_json: bool, quiet: bool, named: bool
-) -> None:
+    scene: Path, read: Any, asked: Asked, found: Found, folder: Path, of_scene: list[SceneWarning], as_json: bool,
+    quiet: bool, named: bool,
+) -> None:  # fmt: skip
     from crane.operability.output import draw, write_all
     from crane.operability.scatter import told
     from tautline.cli.commands.sweep import failures
     from tautline.cli.output.console import console, print_json, say
+    from tautline.cli.output.scene_warnings import warning_records
     from tautline.cli.output.summary import two_columns
     from tautline.cli.run import Ended, ExitCode
 
@@ -186,7 +189,7 @@ def _report(
             **{name: str(path) for name, path in written.items()}, "figures": [str(path) for path in figures],
             "limits": _allowed(found), "all_limits": _least(found),
             "fatigue": None if found.fatigue is None else told(found.fatigue), "notes": found.notes,
-            "warnings": found.warnings,
+            "warnings": found.warnings, "scene_warnings": warning_records(of_scene),
             "wall_time": outcome.wall_time, "cpu_time": outcome.cpu_time,
         })  # fmt: skip
     if outcome.interrupted:

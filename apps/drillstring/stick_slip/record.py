@@ -97,6 +97,10 @@ def _word(cell: Cell) -> str:
     return cell.told + (f"\u00a0{100.0 * cell.stuck:.0f}%" if cell.sticks else "")
 
 
+STILL = 1.0e-3
+"""Share of the rotary speed below which a bit that never was faster has not turned."""
+
+
 def sentences(found: Map, system: str) -> list[tuple[str, str]]:
     """Where sticking ends for each weight, and what was not found: text and style."""
     said = []
@@ -104,6 +108,9 @@ def sentences(found: Map, system: str) -> list[tuple[str, str]]:
         if all(cell.status != "done" for cell in row):
             continue
         at = shown(weight, "N", system)
+        if all(cell.status != "done" or cell.largest <= STILL * cell.speed for cell in row):
+            said.append((f"{at}: the bit has not begun to turn when the runs end. Give a longer --end", "yellow"))
+            continue
         low, high = (quantity(x / RPM, "rpm") if x is not None else "" for x in (sticks, turns))
         if sticks is None:
             said.append((f"{at}: the bit does not stick from {high} up", "green"))

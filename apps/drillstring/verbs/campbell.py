@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tautline.cli.output.findings import figure_place, say_sentences, write_figure, write_table
+from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
@@ -107,6 +108,8 @@ def campbell(
     upper = parse_depth(drillstring, top)
     held = parse_held(drillstring, hold)
     figure, table = figure_place(output, f"{scene.stem}_campbell"), check_table(csv, "mode,kind,plane")
+    warnings = warnings_without_a_run(drillstring)
+    print_warnings(warnings)
     found = searched(scene, as_json, lambda: compute(drillstring, speeds, lines, kinds, highest, upper, held))
     _print(drillstring, found)
     _draw(drillstring, scene, found, figure)
@@ -116,7 +119,7 @@ def campbell(
         from tautline.cli.output.console import print_json
 
         said = {"scene": str(scene), "status": "done", "figure": str(figure), "csv": None if csv is None else str(csv)}
-        print_json(said | report(found))
+        print_json(said | report(found) | {"warnings": warning_records(warnings)})
 
 
 def _check_sideways(kinds: tuple[str, ...], asked: dict[str, str | None]) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tautline.cli.output.findings import figure_place, write_figure, write_table
+from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture
 from tautline.scene.errors import option_error
@@ -68,6 +69,9 @@ def form(
     read_scenes = [changed(read(path), changes) for path in scenes]
     name = f"{scenes[0].stem}_form" if len(scenes) == 1 else "forms"
     figure, table = figure_place(output, name), check_table(csv, "scene,model,elements,node")
+    warned = [warnings_without_a_run(scene) for scene in read_scenes]
+    for path, warnings in zip(scenes, warned, strict=True):
+        print_warnings(warnings, path if len(scenes) > 1 else None)
     found = []
     for path, scene in zip(scenes, read_scenes, strict=True):
         search = partial(find_form, scene, meshes, way, most or MOST_STEPS, kinds)
@@ -82,7 +86,10 @@ def form(
         from tautline.cli.output.console import print_json
 
         said = {"status": "done", "figure": str(figure), "csv": None if table is None else str(table)}
-        reports = [report(path, one) for path, one in zip(scenes, found, strict=True)]
+        reports = [
+            report(path, one) | {"warnings": warning_records(warnings)}
+            for path, one, warnings in zip(scenes, found, warned, strict=True)
+        ]
         print_json(reports[0] | said if len(reports) == 1 else {"scenes": reports} | said)
 
 

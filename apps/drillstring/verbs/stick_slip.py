@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from tautline.cli.output.findings import say_sentences
+from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.verbs import Changes, Json, Scene, Stem
 from tautline.scene.errors import option_error
 from tautline.scene.values.units import RPM
@@ -16,6 +17,7 @@ from tautline.scene.values.units import RPM
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
     from drillstring.stick_slip.severity_map import Map
+    from tautline.scene.errors import SceneWarning
 
 SPEEDS, SHARES = "40:160:20", (0.5, 1.0, 1.5, 2.0)
 """Rotary speeds where none are given, rpm, and weights over the scene's own."""
@@ -60,6 +62,7 @@ def stick_slip(
     """Map stick-slip of the bit over rotary speed and weight on bit, one run to each, on all cores."""
     from drillstring.scene.scene import read
     from drillstring.stick_slip.severity_map import require_bit, stick_slip_map
+    from tautline.application.installed import Installed
     from tautline.cli.commands.study import stem_of
     from tautline.cli.options.changes import changed
     from tautline.cli.options.lists import number
@@ -77,9 +80,11 @@ def stick_slip(
         )
     length = None if end is None else number(end, "--end", "s")
     stem = stem_of(scene, output, "stick_slip")
+    warnings = Installed().of(drillstring).warnings(drillstring)
+    print_warnings(warnings)
     with Counter("runs") as counter:
         found = stick_slip_map(drillstring, speeds, weights, length, jobs, counter, announce=compiling)
-    _report(scene, drillstring, found, stem, as_json, _doubts(weight))
+    _report(scene, drillstring, found, stem, as_json, _doubts(weight), warnings)
     if found.interrupted:
         raise Ended(ExitCode.INTERRUPTED)
     if found.failures:
@@ -132,8 +137,9 @@ def _doubts(weight: str | None) -> list[str]:
 
 
 def _report(
-    path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json: bool, warnings: Sequence[str]
-) -> None:
+    path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json: bool, warnings: Sequence[str],
+    of_scene: Sequence[SceneWarning],
+) -> None:  # fmt: skip
     from drillstring.stick_slip.record import sentences, table, whole_record, write_csv, write_netcdf
     from drillstring.view.stick_slip_figures import stick_slip_figure
     from tautline.cli.commands.study import named
@@ -153,5 +159,6 @@ def _report(
         say(f"wrote {file}", "green")
     if as_json:
         status = "interrupted" if found.interrupted else "stopped: some runs" if found.failures else "done"
-        ends = {"files": [str(f) for f in files], "warnings": list(warnings)}
+        ends: dict[str, Any] = {"files": [str(f) for f in files], "warnings": list(warnings)}
+        ends["scene_warnings"] = warning_records(of_scene)
         print_json({"scene": str(path), "status": status} | whole_record(found) | ends)

@@ -11,6 +11,7 @@ import typer
 
 from drillstring.verbs.form import Models, parse_models
 from tautline.cli.output.findings import figure_place, say_sentences, write_figure, write_table
+from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
@@ -107,6 +108,8 @@ def torque_drag(
     reamed = parse_reaming(reaming, rotary)
     depths = parse_depths(depth) if depth is not None else None
     _check_elements(drillstring, elements)
+    warnings = warnings_without_a_run(_as_computed(drillstring, elements))
+    print_warnings(warnings)
     loads, fitted = _fitted(drillstring, measured, elements, as_json)
     if fitted is not None:
         factors = [fitted.factors(own.shoe)] if factors is None else factors
@@ -123,7 +126,7 @@ def torque_drag(
         status = "stopped: no equilibrium in places" if failures else "done"
         told = report(cases, fitted, failures, drillstring.top.weight)
         files = {"figure": str(figure), "csv": None if csv is None else str(csv)}
-        print_json({"scene": str(scene), "status": status} | files | told)
+        print_json({"scene": str(scene), "status": status} | files | told | {"warnings": warning_records(warnings)})
     if failures:
         raise Ended(ExitCode.STOPPED_EARLY)
 
@@ -207,6 +210,14 @@ def _check_elements(scene: DrillstringScene, elements: int | None) -> None:
     if elements is not None and elements < len(scene.string):
         cause = f"fewer than the {len(scene.string)} sections of the string"
         raise option_error("--elements", str(elements), cause, "give one for each section at least")
+
+
+def _as_computed(scene: DrillstringScene, elements: int | None) -> DrillstringScene:
+    """The scene with as many elements as its string is computed with: warnings are of these."""
+    from drillstring.statics.torque_drag import links
+
+    count = links(scene) if elements is None else elements
+    return scene if count == scene.model.elements else scene.with_values({("model", "elements"): (count, "--elements")})
 
 
 def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as_json: bool) -> tuple[Any, Fit | None]:

@@ -210,7 +210,7 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
             f"margin of overpull at {shown(least.depth, 'm', system)}, "
             f"friction {least.friction:.3g}{_of(least, points)}: "
             f"{shown(least.overpull.margin, 'N', system)}, then {least.overpull.section} yields at "
-            f"{shown(least.overpull.measured_depth, 'm', system)}"
+            f"{shown(least.overpull.measured_depth, 'm', system)} by axial tension alone"
         )
         found.append((text, "green" if least.overpull.margin > 0.0 else "red"))
     return found

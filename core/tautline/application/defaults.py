@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,7 +97,7 @@ class Defaults:
             doubtful = [document.problem(slip.where, slip.text) for slip in slips if document is not None]
             raise SceneError([*doubtful, *error.problems]) from None
         found += [SceneWarning(self.step_key, text)] if text else []
-        ours = [SceneWarning(one.where, in_words(one.text, system), line_of(document, one.where)) for one in found]
+        ours = [replace(one, text=in_words(one.text, system), line=line_of(document, one.where)) for one in found]
         of_limits = bare_limits(scene, self.build) + reversed_limits(scene)
         return list(dict.fromkeys(slips + of_limits + ours))
 

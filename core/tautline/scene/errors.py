@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from tautline.errors import TautlineError
 
@@ -92,11 +92,15 @@ def option_error(option: str, value: str, cause: str, cure: str = "") -> SceneEr
 
 @dataclass(frozen=True)
 class SceneWarning:
-    """A warning of ``check``: the key in the scene and its line, and what is large compared with what."""
+    """A warning of ``check``: the key in the scene and its line, and what is large compared with what.
+
+    One `of_a_run` counts in a run of the scene alone, as that of a long step does. Statics and modes do not give it.
+    """
 
     where: str
     text: str
     line: int | None = None
+    of_a_run: bool = field(default=False, compare=False)
 
     def __str__(self) -> str:
         line = f" (line {self.line})" if self.line else ""

@@ -21,8 +21,9 @@ def warning(application: str) -> Callable[[C], C]:
     """Register a function that warns of scenes of an application.
 
     It is called with the scene that the application has read, and gives pairs of a key path, as text or as a tuple such
-    as ``("solver", "step")``, and a text: what is large compared with what, and what to do. ``check`` and ``simulate``
-    print them. A function of the same module and name takes the place of an earlier one, as in a notebook.
+    as ``("solver", "step")``, and a text: what is large compared with what, and what to do. Every
+    verb that reads a scene prints them. A function of the same module and name takes the place of an earlier one, as in
+    a notebook.
 
     Parameters
     ----------

@@ -26,6 +26,7 @@ KEYS = {
     "status",
     "figure",
     "csv",
+    "warnings",
 }
 
 

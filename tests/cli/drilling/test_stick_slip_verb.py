@@ -24,7 +24,7 @@ DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8").replace("elements
 KEYS = {
     "scene", "status", "speed", "weight", "severity", "stuck", "bit_speed_mean", "bit_speed_min", "bit_speed_max",
     "torque_on_bit", "weight_on_bit", "rate_of_penetration", "outcome", "sticking_ends", "failures", "files",
-    "warnings",
+    "warnings", "scene_warnings",
 }  # fmt: skip
 RPM = 2.0 * math.pi / 60.0
 FEW = ("--speed", "60,170", "--weight", "60 kN,1e5", "--end", "20 s")
@@ -177,6 +177,13 @@ def test_ctrl_c_keeps_what_was_run(drillstring_, monkeypatch):
 def cell(speed, stuck=0.0, severity=0.1, status="done"):
     numbers = [severity, stuck, 10.0, 5.0, 12.0, 4e3, 1e5, 5e-3] if status == "done" else [math.nan] * 8
     return Cell(speed * RPM, 1e5, *numbers, status, "", 0.1)
+
+
+def test_of_a_bit_that_never_turned_it_is_not_said_that_it_sticks():
+    """Runs that end before the twist of the drive has come to the bit."""
+    still = Cell(100.0 * RPM, 1e5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1e5, 0.0, "done", "", 0.1)
+    ((text, style),) = sentences(Map((100.0 * RPM,), (1e5,), ((still,),)), "si")
+    assert "has not begun to turn when the runs end. Give a longer --end" in text and style == "yellow"
 
 
 @pytest.mark.parametrize(

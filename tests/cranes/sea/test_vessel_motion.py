@@ -143,7 +143,7 @@ FAULTS = {
     "degrees as radians": (replaced(1, "pitch [deg]", "pitch [rad]"), None, "pitch", "more than 90 deg, here and in"),
     "heave in centimetres": (column("heave", 100.0), 2, "heave", "more than 30 m, here and in"),
     "a roll in metres": (replaced(1, "roll [deg]", "roll [m]"), 1, "roll", "'m' is not a unit like rad"),
-    "an unknown unit": (replaced(1, "roll [deg]", "roll [furlongs]"), 1, "roll", "roll [rad]"),
+    "an unknown unit": (replaced(1, "roll [deg]", "roll [furlongs]"), 1, "roll", "roll [deg]"),
     "a record that ends early": (without(180, 202), 179, "t", "the record ends 2.3 s before the run"),
     "a record that begins late": (column("t", -1.0), None, "t", "earlier than line 2"),
 }
@@ -290,7 +290,7 @@ FAULTY_TABLES = {
     "no phase": (PLAIN.rpartition(",")[0], ["0.2, 1", "4, 1"], 1, "no column of its phase"),
     "a phase without a unit": (PLAIN.replace(" [deg]", ""), ["0.2, 1, 0", "4, 1, 0"], 1, "no unit"),
     "a rotation without a unit": (
-        "frequency [rad/s], roll, roll phase [deg]", ["0.2, 1, 0", "4, 1, 0"], 1, "roll [rad/m]",
+        "frequency [rad/s], roll, roll phase [deg]", ["0.2, 1, 0", "4, 1, 0"], 1, "roll [deg/m]",
     ),
     "degrees as radians": (
         "frequency [rad/s], roll [rad/m], roll phase [deg]", ["0.2, 0.1, 0", "4, 3, 0"], 3, "more than any vessel's",

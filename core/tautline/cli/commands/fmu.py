@@ -9,6 +9,7 @@ from typing import Any
 from tautline.application.installed import Catalogue, Installed
 from tautline.cli.options.changes import changed
 from tautline.cli.output.console import print_json, say
+from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.scene.errors import option_error
 
 
@@ -31,7 +32,8 @@ def fmu(
     from tautline.live.errors import SimulationError
     from tautline.live.fmu.writing import write_fmu
 
-    scene = changed(catalogue.read(path)[1], changes)
+    application, found = catalogue.read(path)
+    scene = changed(found, changes)
     target = output or Path(f"{path.stem}.fmu")
     named = {
         "--inputs": _names(inputs, lambda name: _has(scene, "inputs", name)),
@@ -43,6 +45,8 @@ def fmu(
         kinds = {"output": "--outputs", "FMI": "--fmi"}
         option = next((one for word, one in kinds.items() if word in error.cause), "--inputs")
         raise option_error(option, "", error.cause, error.cure) from None
+    warnings = application.warnings(scene)
+    print_warnings(warnings)
     say(f"wrote {target}")
     say(f"the host needs, beside a master of FMI {fmi}.0:")
     for line in needs:
@@ -50,6 +54,7 @@ def fmu(
     if as_json:
         print_json(
             {"status": "done", "fmu": str(target), **{key[2:]: names for key, names in named.items()}, "needs": needs}
+            | {"scene_warnings": warning_records(warnings)}
         )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,6 +15,7 @@ from tautline.cli.output.duration import total_time
 from tautline.cli.output.first_run import compiling
 from tautline.cli.output.numba_version import version_note
 from tautline.cli.output.progress import Bar
+from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.output.summary import limit_said, limits_of_scene, table, two_columns
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import option_error
@@ -79,9 +80,8 @@ def check(
     following = typed(catalogue.name, "simulate", scene) + as_given(changes)
     say(f"{scene} can be run{warned}. Next: {following}", "green")
     if as_json:
-        warnings = [{"where": warning.where, "text": warning.text} for warning in warnings]
         drawn = {} if figure is None else {"figure": str(figure)}
-        print_json({"scene": str(scene), "status": "good", "warnings": warnings} | drawn | figures)
+        print_json({"scene": str(scene), "status": "good", "warnings": warning_records(warnings)} | drawn | figures)
 
 
 def _draw(application: Application, scene: Any, figure: Path) -> None:
@@ -92,12 +92,6 @@ def _draw(application: Application, scene: Any, figure: Path) -> None:
     if draw is None:
         raise ResultError("--figure", f"scenes of {application.name} are not drawn", "leave it out")
     say(f"wrote {draw(scene, figure)}", "green")
-
-
-def print_warnings(warnings: Iterable[SceneWarning]) -> None:
-    """Print warnings, one to a line."""
-    for warning in warnings:
-        say(f"warning: {warning}", "yellow")
 
 
 def simulate(
@@ -365,7 +359,7 @@ def _report(scene: Path, result: Result | None, end: float | None, warnings: Seq
     report["warnings"] = result.warnings if result is not None else []
     report["start"] = attributes.get("start") or None
     report["limits"] = result.limits if result is not None else []
-    report["scene_warnings"] = [{"where": warning.where, "text": warning.text} for warning in warnings]
+    report["scene_warnings"] = warning_records(warnings)
     # The loop's time is not what a person waits for; it is told when all else is known.
     report["total_time"] = None
     report |= {"end": attributes.get("end", end), "frames": len(times)}

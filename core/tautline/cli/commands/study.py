@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.commands.simulate import print_warnings
 from tautline.cli.options.changes import changed
 from tautline.cli.options.lists import number, numbers, one_of, words
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
+from tautline.cli.output.scene_warnings import print_warnings
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.methods import named as method_named

@@ -8,19 +8,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue, refuse_scene
-from tautline.cli.commands.simulate import print_warnings
 from tautline.cli.options.changes import as_given, changed
 from tautline.cli.output.called import typed
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
 from tautline.cli.output.numba_version import version_note
 from tautline.cli.output.progress import Counter
+from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.output.summary import two_columns
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.values.printed import quantity, shown, significant
 
 if TYPE_CHECKING:
+    from tautline.scene.errors import SceneWarning
     from tautline.sweeps.sweep import Outcome
     from tautline.sweeps.table import Variables
 
@@ -66,8 +67,9 @@ def sweep(
             raise option_error("--set", change, cause, "leave it out here, or under vary")
     scene = changed(found, changes)
     folder = output or Path(file.stem)
+    warnings = application.warnings(scene)
+    print_warnings(warnings)
     if not quiet:
-        print_warnings(application.warnings(scene))
         for note in notes_of(read):
             say(f"note: {note}")
     if note := version_note():
@@ -82,7 +84,7 @@ def sweep(
             execution = replace(execution, announce=compiling, say=say)
         outcome = run_sweep(read, application, scene, execution)
     figures, undrawn = _draw(outcome, folder)
-    _report(catalogue, file, outcome, figures, undrawn, as_json, quiet, changes)
+    _report(catalogue, file, outcome, figures, undrawn, warnings, as_json, quiet, changes)
 
 
 def _draw(outcome: Outcome, folder: Path) -> tuple[list[Path], list[str]]:
@@ -98,8 +100,8 @@ def _draw(outcome: Outcome, folder: Path) -> tuple[list[Path], list[str]]:
 
 
 def _report(
-    catalogue: Catalogue, file: Path, outcome: Outcome, figures: list[Path], undrawn: list[str], as_json: bool,
-    quiet: bool, changes: Sequence[str] | None,
+    catalogue: Catalogue, file: Path, outcome: Outcome, figures: list[Path], undrawn: list[str],
+    warnings: Sequence[SceneWarning], as_json: bool, quiet: bool, changes: Sequence[str] | None,
 ) -> None:  # fmt: skip
     if not quiet:
         console().print(two_columns(_rows(outcome)))
@@ -133,6 +135,7 @@ def _report(
                 "earlier_results": None if outcome.aside is None else str(outcome.aside),
                 "figures": [str(path) for path in figures],
                 "not_drawn": undrawn,
+                "scene_warnings": warning_records(warnings),
                 "wall_time": outcome.wall_time,
                 "cpu_time": outcome.cpu_time,
                 "overhead": outcome.overhead,

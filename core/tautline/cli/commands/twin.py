@@ -20,6 +20,7 @@ from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.options.changes import as_given, changed
 from tautline.cli.output.called import typed
 from tautline.cli.output.console import finite, print_json, print_text, say
+from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import SceneError, option_error
 
@@ -97,10 +98,12 @@ def twin(
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
-    scene = changed(catalogue.read(path)[1], changes)
+    application, found = catalogue.read(path)
+    scene = changed(found, changes)
     read, resume = _read_map(map), given.resume
     if given.output is not None and given.resume is None and not given.force:
         check_found(given.output)
+    print_warnings(application.warnings(scene))
     silence_library_logs()
     units = {one.column: one.unit for one in read.sensors}
     with (
@@ -415,11 +418,14 @@ def record(
     from tautline.results.output_path import check_record
     from tautline.twin.record import record as recorded
 
-    scene = changed(catalogue.read(path)[1], changes)
+    application, found = catalogue.read(path)
+    scene = changed(found, changes)
     read = _read_map(map)
     sensing = _sensing(given)
     until = _number("--end", given.end, "s", float("nan"))
     check_record(output, force)
+    warnings = application.warnings(scene)
+    print_warnings(warnings)
     rows = recorded(scene, read, sensing, None if until != until else until)
     try:
         first = next(rows, None)
@@ -442,7 +448,8 @@ def record(
     kept = "" if written.status == "done" else ", what there was until then"
     say(f"wrote {output}: {written.rows} rows{kept}. Next: {following}", "green")
     if as_json:
-        print_json({"status": written.status, "scene": str(path), "record": str(output), "rows": written.rows})
+        report = {"status": written.status, "scene": str(path), "record": str(output), "rows": written.rows}
+        print_json(report | {"scene_warnings": warning_records(warnings)})
     if written.status != "done":
         raise Ended(unfinished)
 

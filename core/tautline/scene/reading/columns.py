@@ -35,6 +35,12 @@ THOUSANDS = re.compile(r"[+-]?\d{1,3}(\.\d{3})+", re.ASCII)
 """A number that may have points as marks of thousands."""
 SEPARATOR_LINE = re.compile(r"\s*\"?sep=(.)\"?\s*", re.IGNORECASE)
 """The first line of files that a spreadsheet writes for itself: it states what stands between cells."""
+FORCE_OF_MASS = {
+    **dict.fromkeys(("lb", "lbs", "lbm"), ("a pound", "lbf")),
+    **dict.fromkeys(("klb", "klbs", "klbm"), ("a thousand pounds", "klbf")),
+    **dict.fromkeys(("kg", "kgs"), ("a kilogram", "kgf")), **dict.fromkeys(("t", "tonne", "tonnes"), ("a tonne", "tf")),
+}  # fmt: skip
+"""Units of mass that stand for a force in many a sheet: what they are, and the unit of their weight."""
 WORDS = {
     "°": "deg", "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "dega": "deg",
     "rad": "rad", "rads": "rad", "radian": "rad", "radians": "rad", "grad": "gon", "hz": "Hz",
@@ -203,8 +209,7 @@ class Columns:
         unit = unit_named(written or asked or default or "")
         if not unit and wanted and not (written or asked or default):
             cause = "no unit: degrees and radians would be taken for one another" if wanted == "rad" else "no unit"
-            example = {"rad": "deg", "N": "kN"}.get(wanted, wanted)
-            cure = f"write {name} [{example}] in the header"
+            cure = f"write {name} [{_usual(wanted)}] in the header, or with the unit that the numbers are in"
             cure += f", or `{beside}` in the scene" if beside else ""
             self.add(self.header_line, name, None, cause, cure)
             return 1.0
@@ -215,7 +220,15 @@ class Columns:
         except (UnknownUnit, Uncounted) as error:
             cause = f"'{unit}' {error}" if isinstance(error, Uncounted) else str(error)
         if cause:
-            self.add(self.header_line, name, None, cause, f"write {name} [{wanted}]")
+            force = FORCE_OF_MASS.get(unit) if wanted == "N" else None
+            if force is not None:
+                what, forces = force
+                self.add(self.header_line, name, None, f"'{unit}': {what} is a mass", f"write {name} [{forces}]")
+            else:
+                usual = f"{name} [{_usual(wanted)}]"
+                self.add(
+                    self.header_line, name, None, cause, f"write the unit that the numbers are in, such as {usual}"
+                )
             return 1.0
         return factor
 
@@ -277,6 +290,11 @@ def thousand(cell: str) -> str:
     if not THOUSANDS.fullmatch(cell):
         return ""
     return f", or is the point a mark of thousands? Then write {cell.replace('.', '')} without it"
+
+
+def _usual(unit: str) -> str:
+    """A unit in which sheets have what is computed in an SI unit: kN for N, deg/m for rad/m."""
+    return "kN" if unit == "N" else unit.replace("rad", "deg") if unit.startswith("rad") else unit
 
 
 def _cell(row: list[str], place: int) -> str:
