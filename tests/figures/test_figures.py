@@ -14,7 +14,7 @@ from of_the_suite import studies
 
 from drillstring.view.figures import FIGURES, draw, figures
 from tautline.results.errors import ResultError
-from tautline.view.figures.figure import save, scale
+from tautline.view.figures.figure import LONGEST_NAME, save, scale, shortened
 from tautline.view.figures.spectrum import full_spectra
 
 BIT = ("drilling", "phase")
@@ -205,6 +205,17 @@ def test_orbits_of_lumps_that_are_named_tell_how_they_whirl():
     ]
     with pytest.raises(ResultError, match=r"there is no lump '99'.*from 0 to 12, or bit"):
         draw([run], ["orbit:99"])
+
+
+def test_the_bar_of_spectra_says_what_is_white():
+    plots = draw([result(None, frames=800, turning=True)], ["whirl"])["whirl"].axes
+    assert "amplitude; white: below\n0.004 of the largest [mm]" in [plot.get_ylabel() for plot in plots]
+
+
+def test_a_long_name_keeps_its_front_and_more_of_its_end():
+    name = "main hoisting winch of the starboard pedestal crane no. 2"
+    assert shortened(name) == "main hoisting…board pedestal crane no. 2" and len(shortened(name)) == LONGEST_NAME
+    assert shortened(name[:LONGEST_NAME]) == name[:LONGEST_NAME]
 
 
 def test_whirl_of_a_lump_that_does_not_go_around_is_drawn_where_it_is_named():

@@ -90,3 +90,10 @@ def test_the_numbers_of_every_axis_have_the_unit_that_its_label_says(kind):
             assert numbers == pytest.approx(places * factor, rel=1e-6, abs=1e-9), (name, unit, own)
             looked_at += unit != own
     assert looked_at >= 3
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_an_axis_without_ticks_such_as_that_across_a_bar_of_colours_gets_none(kind):
+    bare = [(name, axis) for name, plain, axis in drawn_twice(kind) if not len(plain.get_majorticklocs())]
+    assert [name for name, axis in bare if len(axis.get_majorticklocs())] == []
+    assert bare or kind != "hose"

@@ -17,6 +17,8 @@ from tautline.view.figures.spectrum import full_spectra
 
 LEAST_MOTION = 1e-7
 """Motion across the hole below which there is no whirl to show, m."""
+LETTERS = 26
+"""In a line of the label of the bar of spectra."""
 FAINT = 4e-3
 """Share of the largest amplitude below which spectra are blank."""
 SEEN = 0.02
@@ -141,4 +143,4 @@ def _spectra(figure: Figure, plot: Axes, one: Whirl) -> None:
     plot.axhline(0.0, color="black", lw=0.8)
     plot.set_xlabel(label("time", "s"))
     plot.set_ylabel(label("frequency, clockwise", "Hz"))
-    bar_beside(figure, plot, image, label("amplitude", "mm"))
+    bar_beside(figure, plot, image, label(f"amplitude; white: below {FAINT:.2g} of the largest", "mm", LETTERS))

@@ -125,8 +125,9 @@ def axes(
 
 
 def shortened(name: str, most: int = LONGEST_NAME) -> str:
-    """A name of at most so many letters; what tells names apart is more often at their ends."""
-    return name if len(name) <= most else "…" + name[1 - most :]
+    """A name of at most so many letters: its first ones, and more of its last, which more often tell names apart."""
+    first = most // 3
+    return name if len(name) <= most else f"{name[:first].rstrip()}…{name[first + 1 - most :].lstrip()}"
 
 
 def colour(number: int, count: int) -> Any:

@@ -77,6 +77,9 @@ def _convert(axis: Axis, usual: str, system: str) -> None:
     found = UNIT.search(text)
     if (text and not found) or not (found or usual):
         return
+    # Across a bar of colours there are neither label nor ticks.
+    if not text and not len(axis.get_majorticklocs()):
+        return
     # A bar of colours that lifts what is weak has a function for a scale.
     if axis.get_scale() not in ("linear", "function", "log"):
         return
