@@ -205,6 +205,7 @@ class Twin:
             self.estimate.horizon.begin_again()
             self._rest()
         inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
+        self.notes += self.readings.remarks()
         if not self.estimate.log.begun:
             self._begin_at(row, inputs)
         try:

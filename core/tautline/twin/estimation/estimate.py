@@ -371,9 +371,10 @@ class Estimate:
                     next(self._job)
             except StopIteration:
                 self._job = None
-            except StoppedEarly as error:
+            except StoppedEarly:
+                # Only from where the estimate would put it the simulation cannot go on: no accident of the machine,
+                # and nothing that anybody could do. What was found before stays.
                 self._job = None
-                self.notes.append(f"the window could not be gone through anew: {error}")
 
     @property
     def relinearising(self) -> bool:
