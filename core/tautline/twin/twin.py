@@ -203,6 +203,8 @@ class Twin:
             if guided.scene is not None or self.paused:
                 self._go_on(guided.scene)
             use = guided.use
+        if self._is_astray(row.time):
+            self._leave_bounce(row.time)
         if self.estimate.from_rest:
             self.estimate.horizon.begin_again()
             self._rest()
@@ -289,6 +291,20 @@ class Twin:
             raise StoppedEarly(again.status, row.time, "the twin, begun again where the sensors are") from again
         self.unsettled = row.time + max(SETTLING, self.plan.window)
         self.settling.disturb(row.time)
+
+    def _is_astray(self, time: float) -> bool:
+        """Whether the load bounces in the simulation as the machine's does not, with inputs that go as measured."""
+        follows = time >= self.unsettled and not self.settling.catching_up and not self.readings.made_up
+        return follows and self.estimate.converged and self.estimate.astray
+
+    def _leave_bounce(self, time: float) -> None:
+        """Begin again from rest, and know nothing for certain until the window is full anew."""
+        self.restarts += 1
+        self.notes.append(
+            f"at {time:.1f} s the load bounced in the simulation as the measured one does not: the simulation was "
+            "begun again from rest"
+        )
+        self.estimate.from_rest = True
 
     def _pass_over(self, row: Row) -> None:
         """Begin again from rest behind a long gap, with the estimate as it is: an hour at rest is not simulated."""
