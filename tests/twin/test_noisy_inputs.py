@@ -223,11 +223,12 @@ def test_the_step_of_an_encoder_is_found_whatever_the_speed_and_stays_known():
             )
 
 
-def test_no_step_is_seen_in_fine_readings_noise_constants_and_motions_at_a_steady_speed():
+def test_no_step_is_seen_in_fine_readings_noise_constants_and_motions_at_a_steady_speed_or_acceleration():
     t = 0.05 * np.arange(400)
     noise = 0.002 * np.random.default_rng(0).standard_normal(t.size)
     fine = [
         0.5 * np.sin(t), t + 0.1 * np.sin(t), 1.2 * t, noise, 1.2 * t + noise, np.full(400, 5.0),
         np.round(1.2 * t + 0.1 * np.sin(t), 3), np.floor(t / 3.0), np.cumsum(0.06 * (np.arange(400) // 60 % 2)),
+        0.25 * np.minimum(t, 2.0) ** 2 + np.maximum(t - 2.0, 0.0),
     ]  # fmt: skip
     assert not any(any(steps_in(one)) for one in fine)

@@ -21,8 +21,9 @@ OFF = 0.05
 """How far a difference may be off a multiple, in steps."""
 ROUNDING = 1e-9
 """Differences that are alike, over the largest value: digits of a float."""
-TURNS = 8
-"""How often the number of steps from sample to sample has to change: a steady speed is no step."""
+TURNS = 4
+"""How often the number of steps from sample to sample has to turn from growing to falling, or back: a steady speed
+shows no step, nor does a steady acceleration."""
 PLACES = 6
 """Different places that have to be seen."""
 LARGEST = 40.0
@@ -101,7 +102,10 @@ def step_of(changes: np.ndarray, alike: float) -> float:
         counts = np.round(changes / step)
         if _off(changes, step) > OFF * step + alike:
             continue
-        enough = np.count_nonzero(np.diff(counts)) >= TURNS and np.unique(np.cumsum(counts)).size >= PLACES
+        # A steady acceleration changes them as well, and always the same way.
+        bends = np.diff(counts)
+        signs = np.sign(bends[bends != 0.0])
+        enough = np.count_nonzero(np.diff(signs)) >= TURNS and np.unique(np.cumsum(counts)).size >= PLACES
         return step if enough else 0.0
     return 0.0
 
