@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from of_the_suite import studies
-from twin.rehearsal import CALM, at, finite, hoist, lines_of, rows_of, weight_twin
+from twin.rehearsal import CALM, alarms, at, finite, hoist, lines_of, rows_of, weight_twin
 
 from tautline.twin.storage import load, save
 
@@ -137,3 +137,24 @@ def test_a_damaged_or_foreign_state_is_refused(tmp_path):
     save(other, tmp_path / "other.state")
     with pytest.raises(ResultError, match="another scene or another map"):
         load(twin, tmp_path / "other.state")
+
+
+def test_rows_behind_an_hour_without_any_are_answered_at_once_from_rest_with_the_same_estimate(settled):
+    # The state of a twin whose host was off for an hour, and a clock that steps forward, are the same to it.
+    twin, rows = settled(14.0)
+    known = twin.estimate.horizon.mean[0]
+    lines = lines_of(twin, [(stamp + 3600.0, readings) for stamp, readings in rows])
+    # The simulations did not go through the hour: that held a twin up for half a minute.
+    assert twin.estimate.family.time < 60.0
+    assert twin.restarts == 1
+    assert any(note.startswith("no rows came for 3600 s") for note in twin.notes)
+    assert lines[0]["estimates"]["payload.mass"]["value"] == pytest.approx(known, rel=0.01)
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.02)
+    assert "catching up" in alarms(lines[:1]) and "catching up" not in alarms(lines[-1:])
+
+
+def test_a_gap_of_a_minute_is_gone_through(settled):
+    twin, rows = settled(9.0)
+    lines_of(twin, [(stamp + 60.0, readings) for stamp, readings in rows])
+    assert twin.restarts == 0
+    assert twin.estimate.family.time > 60.0

@@ -5,26 +5,37 @@ import pytest
 from twin.test_inputs_that_come_back import MAP, QUIET, RATE, UNTRUE
 
 import tautline
+from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 from tautline.twin.map import read_map
 from tautline.twin.record import Sensing, read_input_noise, record
 from tautline.twin.signals.smoothing import smooth_widely
+from tautline.twin.signals.steps import Steps
 from tautline.twin.twin import Twin
 from tautline.twin.watch import Compared
 
 HOIST = "data/hoist.yaml"
 TRUE_MASS = 5300.0
+TWO_BLOCKED = 12.982
+"""When two blocks come together in the finer model, s."""
 
 
-def noisy(size):
-    """Lines of a twin of the finer model's rows, with noise of both inputs, m."""
+def noisy(size, step=0.0):
+    """Lines of a twin of the finer model's rows, with noise of both inputs, m, and an encoder in steps, m."""
+    return twin_of_noise(size, step)[0]
+
+
+def twin_of_noise(size, step=0.0):
+    """The same, and the twin."""
     fine = {"mesh.elements_per_span": 8, "solver.step": "2 ms", "bodies[0].mass": "5.3 t"}
     sensing = Sensing(seed=1, rate=RATE, input_noise={"winch_pos": size, "heave": size})
     twin, lines = Twin(HOIST, MAP), []
     for stamp, readings in record(tautline.read(HOIST).replace(fine), read_map(MAP), sensing, 12.0):
+        if step:
+            readings["winch_pos"] = step * round(readings["winch_pos"] / step)
         lines += twin.add(stamp, readings)
         twin.work()
-    return lines + twin.finish()
+    return lines + twin.finish(), twin
 
 
 def test_a_millimetre_of_noise_of_the_inputs_moves_the_tension_by_little_and_raises_no_alarm():
@@ -157,3 +168,67 @@ def test_a_computed_overload_is_told_and_known_only_where_it_is_beyond_doubt(com
     ))  # fmt: skip
     told = twin.watch.alarms.active["overload"]
     assert told.known == known and ("not certain" in told.text) != known
+
+
+def test_a_simulation_that_bounces_by_itself_begins_again_from_rest_and_goes_on_as_the_load_does():
+    lines, twin = twin_of_noise(0.005)
+    late = [line for line in lines if line["time"] > QUIET]
+    off = [line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late]
+    # The bounce of the first seconds stayed: 12 kN, where the readings swing by 4 kN.
+    assert np.std(off) < 3e3
+    assert twin.restarts == 1
+    assert any("begun again from rest" in note for note in twin.notes)
+    assert not [one for line in late for one in line["alarms"] if one["name"] in UNTRUE and one["known"]]
+
+
+def test_a_replay_that_cannot_go_on_is_not_told_as_an_accident(monkeypatch):
+    twin = Twin(HOIST, MAP)
+
+    def stops():
+        raise StoppedEarly(Status.TWO_BLOCKED, 13.685, "two blocks together")
+        yield
+
+    monkeypatch.setattr(twin.estimate, "_job", stops())
+    twin.estimate.relinearise()
+    assert not twin.notes
+    assert not twin.estimate.relinearising
+
+
+@pytest.mark.parametrize("step", [0.01, 0.03, 0.045, 0.05])
+def test_an_encoder_in_steps_moves_the_tension_by_little_and_two_blocking_is_told_a_second_before(step):
+    lines, twin = twin_of_noise(0.0, step)
+    late = [line for line in lines if line["time"] > QUIET]
+    off = [line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late]
+    assert np.std(off) < 2e3
+    stopped = TWO_BLOCKED - 1.0
+    ahead = next(line for line in reversed(lines) if line["time"] <= stopped)["alarms"]
+    assert "two-blocking ahead" in {one["name"] for one in ahead}
+    said = [note for note in twin.notes if "is told in steps of" in note]
+    assert len(said) <= 1 and all(f"steps of {step:g} m." in note for note in said)
+
+
+def steps_in(values):
+    """Steps that are seen in places (n,), m, that come 20 times a second, one after the other."""
+    steps = Steps()
+    return [steps.look(0.05 * np.arange(k - 12, k), values[k - 12 : k]) or steps.step for k in range(12, len(values))]
+
+
+def test_the_step_of_an_encoder_is_found_whatever_the_speed_and_stays_known():
+    t = 0.05 * np.arange(300)
+    place = 30.0 - 0.5 * np.minimum(t, 1.2) ** 2 - 1.2 * np.maximum(t - 1.2, 0.0) + 0.1 * np.sin(t)
+    for step in (0.005, 0.007, 0.0314159, 0.045, 0.05):
+        for digits in (12, 4):
+            assert steps_in(np.round(step * np.round(place / step), digits))[40:] == pytest.approx(
+                np.full(248, step), rel=2e-3
+            )
+
+
+def test_no_step_is_seen_in_fine_readings_noise_constants_and_motions_at_a_steady_speed_or_acceleration():
+    t = 0.05 * np.arange(400)
+    noise = 0.002 * np.random.default_rng(0).standard_normal(t.size)
+    fine = [
+        0.5 * np.sin(t), t + 0.1 * np.sin(t), 1.2 * t, noise, 1.2 * t + noise, np.full(400, 5.0),
+        np.round(1.2 * t + 0.1 * np.sin(t), 3), np.floor(t / 3.0), np.cumsum(0.06 * (np.arange(400) // 60 % 2)),
+        0.25 * np.minimum(t, 2.0) ** 2 + np.maximum(t - 2.0, 0.0),
+    ]  # fmt: skip
+    assert not any(any(steps_in(one)) for one in fine)

@@ -35,6 +35,8 @@ MANY = 5.0
 """Standard deviations of a sensor from which on a computed value is not known well, and health is degraded."""
 NOISE_SHOWN = 12
 """Rows that show how much noise inputs have before a load is moved by them."""
+LONG_GAP = 120.0
+"""Time without rows that is not simulated, s: the rows behind it would wait for that."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
 
@@ -201,10 +203,15 @@ class Twin:
             if guided.scene is not None or self.paused:
                 self._go_on(guided.scene)
             use = guided.use
+        if self._is_astray(row.time):
+            self._leave_bounce(row.time)
         if self.estimate.from_rest:
             self.estimate.horizon.begin_again()
             self._rest()
+        if row.after_gap and row.time - self.now > LONG_GAP and self.estimate.log.begun:
+            self._pass_over(row)
         inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
+        self.notes += self.readings.remarks()
         if not self.estimate.log.begun:
             self._begin_at(row, inputs)
         try:
@@ -283,6 +290,30 @@ class Twin:
         except StoppedEarly as again:
             raise StoppedEarly(again.status, row.time, "the twin, begun again where the sensors are") from again
         self.unsettled = row.time + max(SETTLING, self.plan.window)
+        self.settling.disturb(row.time)
+
+    def _is_astray(self, time: float) -> bool:
+        """Whether the load bounces in the simulation as the machine's does not, with inputs that go as measured."""
+        follows = time >= self.unsettled and not self.settling.catching_up and not self.readings.made_up
+        return follows and self.estimate.converged and self.estimate.astray
+
+    def _leave_bounce(self, time: float) -> None:
+        """Begin again from rest, and know nothing for certain until the window is full anew."""
+        self.restarts += 1
+        self.notes.append(
+            f"at {time:.1f} s the load bounced in the simulation as the measured one does not: the simulation was "
+            "begun again from rest"
+        )
+        self.estimate.from_rest = True
+
+    def _pass_over(self, row: Row) -> None:
+        """Begin again from rest behind a long gap, with the estimate as it is: an hour at rest is not simulated."""
+        self.restarts += 1
+        self.notes.append(
+            f"no rows came for {row.time - self.now:.0f} s: the simulation was begun again from rest at "
+            f"{row.time:.1f} s"
+        )
+        self._rest()
         self.settling.disturb(row.time)
 
     def _rest(self) -> None:

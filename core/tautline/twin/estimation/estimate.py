@@ -51,6 +51,9 @@ LATE = 8
 """Means of rows that are held against all others of a window."""
 FEWEST = 5
 """Rows that are worth going through anew."""
+ASTRAY, ASTRAY_SD, ASTRAY_SHARE = 2.0, 5.0, 0.6
+"""What the best estimate leaves of a window, over what the readings swing about a line, and over the sensor's noise,
+from which on the simulation bounces by itself, as the machine does not; and share of the window that has to tell."""
 STRUCK_STEP, STRUCK_STEPS, STRUCK_MOST = 0.02, 150, 1500
 """Interval, s, and number of looks at a load that was struck, to see how fast it bounces: as a rule, and at most."""
 LARGE = 0.1
@@ -371,14 +374,43 @@ class Estimate:
                     next(self._job)
             except StopIteration:
                 self._job = None
-            except StoppedEarly as error:
+            except StoppedEarly:
+                # Only from where the estimate would put it the simulation cannot go on: no accident of the machine,
+                # and nothing that anybody could do. What was found before stays.
                 self._job = None
-                self.notes.append(f"the window could not be gone through anew: {error}")
 
     @property
     def relinearising(self) -> bool:
         """Whether a window is being gone through anew."""
         return self._job is not None
+
+    @property
+    def astray(self) -> bool:
+        """Whether a load that does not swing at all would explain the readings better than the simulation does.
+
+        Its bounce is then its own: from noise of inputs before that was known, or from a blow that was guessed wrong.
+        A bounce that large is no longer in proportion to blows, and dies away within minutes only. Of what sticks and
+        slips, and of means of rows, this says nothing.
+        """
+        h = self.horizon
+        if not self.blows or self._mean or not h.samples:
+            return False
+        if h.samples[-1].time - h.samples[0].time < ASTRAY_SHARE * h.window:
+            return False
+        use = np.array([one.use & np.isfinite(one.y) for one in h.samples])
+        if not np.all(use.sum(axis=0) >= ASTRAY_SHARE * len(h.samples)):
+            return False
+        time = np.array([one.time for one in h.samples])
+        line = np.stack([np.ones(time.size), time - time.mean()], axis=1)
+        y, y0 = np.array([one.y for one in h.samples]), np.array([one.y0 for one in h.samples])
+        told = y0 + np.array([one.J for one in h.samples]) @ (h.mean - h.theta0)
+        worse = []
+        for m, sd in enumerate(h.deviations(h.samples[-1].y0)):
+            own, measured, basis = told[use[:, m], m], y[use[:, m], m], line[use[:, m]]
+            swung = measured - basis @ np.linalg.lstsq(basis, measured, rcond=None)[0]
+            left = measured - own - np.mean(measured - own)
+            worse.append(left @ left > max(ASTRAY**2 * (swung @ swung), left.size * (ASTRAY_SD * sd) ** 2))
+        return bool(worse) and all(worse)
 
     def _has_moved(self) -> bool:
         h, p = self.horizon, self._parameters

@@ -15,6 +15,7 @@ import numpy as np
 from tautline.twin.map import Channel
 from tautline.twin.signals.rows import Row
 from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth, smooth_widely, third_of
+from tautline.twin.signals.steps import Steps
 
 JOIN = 3.0
 """Shortest time in which a difference is made up for, s."""
@@ -67,6 +68,8 @@ class InputTrack:
         Whether a difference is being made up for.
     bounce : float
         Period in which a load bounces on its rope, s; 0 as long as none is known.
+    steps : Steps
+        The step in which its sensor tells it.
     """
 
     def __init__(self, channel: Channel, number: int) -> None:
@@ -81,6 +84,7 @@ class InputTrack:
         self._noises: deque[float] = deque(maxlen=NOISES)
         self._bends: deque[float] = deque(maxlen=NOISES)
         self._thirds: deque[float] = deque(maxlen=NOISES)
+        self.steps = Steps()
         self._break = np.nan
         self._seen, self.noise = 0.0, 0.0
 
@@ -97,6 +101,8 @@ class InputTrack:
     @property
     def shakes(self) -> bool:
         """Whether its noise would make a load bounce: by its size, at the frequency of the bounce."""
+        if self.stepped:
+            return True
         if not self.bounce > 0.0 or not self.noise * (2.0 * np.pi / self.bounce) ** 2 > SHAKEN:
             return False
         if not self._noises:  # a noise that the map states, before any has been seen
@@ -104,12 +110,18 @@ class InputTrack:
         # A motion changes less from the third difference to the fifth; noise is the same in all of them.
         return bool(np.median(self._noises) > LIKE_NOISE * np.median(self._thirds))
 
+    @property
+    def stepped(self) -> bool:
+        """Whether the step in which it is told would make a load bounce."""
+        return self.bounce > 0.0 and self.steps.noise * (2.0 * np.pi / self.bounce) ** 2 > SHAKEN
+
     def part(self, time: float) -> None:
         """Take notice that what was followed until a time is not believed: the input has to join its sensor anew."""
         self._break = time
 
     def begin(self, value: float, time: float) -> None:
-        """Stand at rest at a value: where the simulation begins."""
+        """Stand at rest at a value: where the simulation begins. Nothing is made up for any more."""
+        self.missing, self._from = False, -np.inf
         self.state, self.time = np.array([value, 0.0, 0.0]), time
 
     def follow(
@@ -178,7 +190,8 @@ class InputTrack:
 
     def look(self, values: np.ndarray) -> None:
         """See how much noise samples (n,) have, the newest last."""
-        self.noise = self._noise(values)
+        # Where most steps are alike no difference shows them.
+        self.noise = max(self._noise(values), self.steps.noise)
 
     def _noise(self, values: np.ndarray) -> float:
         """Standard deviation of the sensor: as the map says, or as the samples show.
@@ -221,11 +234,14 @@ class InputTrack:
         """What a later process needs to go on."""
         state = ("state", "time", "missing", "fastest", "_seen", "noise")
         names = (*state, "_apart", "_from", "_over", "_held", "_held_at", *LEARNED)
-        return {name: np.asarray(getattr(self, name)).tolist() for name in names}
+        return {name: np.asarray(getattr(self, name)).tolist() for name in names} | {"steps": self.steps.memory()}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""
         for name, value in memory.items():
+            if name == "steps":
+                self.steps.recall(value)
+                continue
             if name in LEARNED:
                 setattr(self, name, deque(value, maxlen=NOISES))
                 continue

@@ -55,6 +55,7 @@ class Readings:
         self.zeros: dict[int, float] = {}
         self.far: dict[str, float] = {}
         self._remarks: list[str] = []
+        self._stepped: set[int] = set()
 
     def checked(self, row: Row) -> np.ndarray:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
@@ -170,6 +171,7 @@ class Readings:
             values = np.array([self._in_si(one, track.number) for one in around])
             if self.health[track.number].is_place:
                 values = self._without_stops(np.array([one.time for one in around]), values, self.health[track.number])
+                self._look_for_steps(track, np.array([one.time for one in around]), values)
             if begun:
                 state = track.follow(around, values, row, reach, widest)
             else:
@@ -180,6 +182,15 @@ class Readings:
                 self.waves[track.channel.name].add(row.time, state, track.missing)
         self.rows.wanted = SMOOTHED * bounce if self.shaken else 0.0
         return found
+
+    def _look_for_steps(self, track: InputTrack, times: np.ndarray, values: np.ndarray) -> None:
+        """See whether a place is told in steps, and say so once."""
+        seen = np.isfinite(values)
+        track.steps.look(times[seen], values[seen])
+        if track.stepped and track.number not in self._stepped:
+            self._stepped.add(track.number)
+            step = track.channel.told(track.steps.step)
+            self._remarks.append(f"{track.channel.name} is told in steps of {step}. They are smoothed as noise is")
 
     @property
     def shaken(self) -> bool:
