@@ -147,10 +147,19 @@ def _nothing(system: System, state: State, matrix: Matrix) -> np.ndarray:
     if pairs.size:
         # Of lines in all directions: the mean distance along the three axes.
         length = AXES * float(np.abs(state.q[pairs[:, 0]] - state.q[pairs[:, 1]]).mean())
-        left = EPSILON * (np.abs(sparse(matrix)) @ np.abs(state.q))
+        left = EPSILON * _forces_without_signs(matrix, np.abs(state.q))
         none += np.where(is_slope, 0.0, left / max(length, 1e-12 * extent))
     none[system.algebraic] = 0.0
     return none
+
+
+def _forces_without_signs(matrix: Matrix, size: np.ndarray) -> np.ndarray:
+    """|K| |q| (n,) of sizes |q| (n,): what of forces rounding is a share of."""
+    n, width = matrix.band.shape
+    inner, edge = size[:n], size[n:]
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(inner, width // 2), width)
+    band = np.einsum("ij,ij->i", np.abs(matrix.band), around) + np.abs(matrix.right).T @ edge
+    return np.concatenate([band, np.abs(matrix.lower) @ inner + np.abs(matrix.corner) @ edge])
 
 
 def _stiffness(system: System, state: State) -> Factors:
