@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import crane
 import tautline
 from tautline.errors import TautlineError
 from tautline.live.fmu.needs import host_needs, python_library
@@ -57,7 +58,9 @@ print(told[0])
 def test_a_simulation_steps_in_a_thread_that_may_handle_no_signals():
     """No signals can be heard there; the reference is the same simulation in the thread that started Python."""
     scene = str(DATA / "hoist.yaml")
-    script = OTHER_THREAD.format(path=sys.path, scene=scene)
+    # Where it is installed for work on it, a finder of `site` knows the way.
+    ways = [str(Path(of.__file__).parents[1]) for of in (tautline, crane)]
+    script = OTHER_THREAD.format(path=[*ways, *sys.path], scene=scene)
     # Without `site`: it would import `threading`.
     ran = subprocess.run(
         [sys.executable, "-S", "-c", script], capture_output=True, text=True, timeout=300, env={**os.environ}
