@@ -20,7 +20,7 @@ from scipy.optimize import brentq, linear_sum_assignment
 from gardenhose.estimates import average, plain_onset
 from gardenhose.estimates import speeds as speeds_of
 from gardenhose.reduced import Reduced, peaks
-from gardenhose.scene import SPRINGS, HoseScene, tied
+from gardenhose.scene import HoseScene, tied
 from gardenhose.static import Form, form
 from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
 from tautline.scene.errors import SceneError
@@ -28,8 +28,8 @@ from tautline.threads import one_thread
 
 MODES = 8
 """Pairs of eigenvalues that are followed."""
-DOFS, SLOWEST = 6, 60
-"""Unknowns of an element, and how many motions are sought of a hose that has too many for all."""
+SLOWEST = 30
+"""Pairs, at least, that are sought of a hose that has too many for all: twice as many as are followed, and some."""
 SPEEDS = 48
 """Intervals, about, of a range of speeds that is not told, from zero to half as much again as the critical one."""
 PRECISION = 1.0e-10
@@ -115,10 +115,13 @@ def normal_of(scene: HoseScene) -> np.ndarray | None:
 
 
 class _Linear:
-    """A scene's eigenvalues at any speed, each static shape sought from the nearest one known."""
+    """Eigenvalues at any speed of a hose that shares r and r' with its water, each static shape from the nearest."""
 
-    def __init__(self, scene: HoseScene, always: bool = False) -> None:
-        self.scene, self.normal = _tied(scene, always), normal_of(scene)
+    def __init__(self, scene: HoseScene, modes: int = MODES) -> None:
+        # Multipliers change no motion, and make too many unknowns of a few elements. Springs are so stiff that bending
+        # would be lost in the rounding of eigenvalues.
+        self.scene, self.normal = tied(scene), normal_of(scene)
+        self.count = max(SLOWEST, 3 * modes)
         self.known: dict[float, Form] = {}
         self.solved: dict[float, tuple[Vibrations, np.ndarray]] = {}
 
@@ -129,7 +132,7 @@ class _Linear:
         near = min(self.known.values(), key=lambda one: abs(one.speed - speed), default=None)
         found = form(self.scene, speed, near)
         self.known[speed] = found
-        motions = vibrations(found.system, found.state, None if found.system.size <= DENSE else SLOWEST)
+        motions = vibrations(found.system, found.state, None if found.system.size <= DENSE else self.count)
         if self.normal is None:
             motions = _of_one_plane(motions)
         self.solved[speed] = motions, self._share(motions.shape)
@@ -171,17 +174,6 @@ def _of_one_plane(motions: Vibrations) -> Vibrations:
     return Vibrations(value[kept], motions.shape[:, kept], motions.rounding[kept])
 
 
-def _tied(scene: HoseScene, always: bool = False) -> HoseScene:
-    """The scene with hose and water tied without springs, on which entering water excites a fast mode of its own.
-
-    Springs that support multipliers are so stiff that bending would be lost in the rounding of eigenvalues. A hose of
-    many elements has no multipliers either: of its motions only the slowest are sought. Nor has one that ``always`` has
-    none.
-    """
-    long = always or DOFS * scene.hose.element_count > DENSE
-    return tied(scene) if long or scene.coupling in SPRINGS else scene
-
-
 @one_thread()
 def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: int = MODES) -> Stability:
     """Eigenvalues over a range of speeds, and where motions begin to grow.
@@ -207,7 +199,7 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     if scene.water is None:
         cure = "add `water: {mass_per_length: ..., speed: ...}`"
         raise SceneError([scene.problem("water", "is missing: nothing can flow", cure)])
-    linear = _Linear(scene)
+    linear = _Linear(scene, modes)
     grid = np.unique(np.array(speeds, float)) if speeds is not None else _range(linear)
     planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
     scans = _scans(linear, grid, planes)
@@ -246,9 +238,6 @@ def _scans(linear: _Linear, grid: np.ndarray, planes: Sequence[Plane]) -> dict[P
     """What tells where to look between speeds, for each plane; nothing where there is but one speed."""
     if grid.size < 2:
         return dict.fromkeys(planes)
-    if linear.scene.coupling != "linear":
-        # Multipliers change no motion: those that hose and water share tell as much.
-        linear = _Linear(linear.scene, always=True)
     guess = abs(_guess(linear.scene))
     nodes = _filled(grid, max(guess / APART, float(grid[-1] - grid[0]) / MOST_BETWEEN))
     step = max(guess / SCANNED, float(grid[-1] - grid[0]) / MOST_SCANNED)

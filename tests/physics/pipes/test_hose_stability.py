@@ -294,6 +294,37 @@ def test_hose_of_many_elements_flutters_where_one_of_few_does(monkeypatch):
         monkeypatch.undo()
 
 
+@pytest.mark.parametrize("damping", [0.0, 1e-5, 0.0031])
+@pytest.mark.parametrize("speed", [0.0, 30.0])
+def test_sparse_algebra_finds_all_slow_and_all_growing_motions_to_the_rounding_that_it_states(
+    monkeypatch, damping, speed
+):
+    # below 1/c and the 20 slowest; the rounding that was stated before, eps times the value, was 1e4 times too small
+    rest = at_rest(scene({"elements": 24, "damping": damping}), speed)
+    dense = found_by.vibrations(rest.system, rest.state)
+    monkeypatch.setattr(found_by, "DENSE", 10)
+    few = found_by.vibrations(rest.system, rest.state, 30)
+    slow = dense.value[:20][np.abs(dense.value[:20]) < 0.6 / max(damping, 1e-9)]
+    assert slow.size >= 6
+    for value, rounding in zip(dense.value, dense.rounding, strict=True):
+        if value in slow or value.real > 1e-6 * abs(value):
+            nearest = np.argmin(np.abs(few.value - value))
+            assert abs(few.value[nearest] - value) < 100.0 * (few.rounding[nearest] + rounding)
+
+
+def test_a_hose_of_sixty_elements_tied_by_multipliers_flutters_where_one_of_ten_does():
+    (few, many) = (
+        crossings(scene({"elements": n}, coupling="lagrange"), [13.5, 14.2], "in")[0].speed for n in (10, 60)
+    )
+    assert many == pytest.approx(few, rel=1e-4)
+
+
+def test_what_nothing_holds_is_no_growth_in_a_hose_of_many_elements():
+    # a hose on a pin without gravity turns as it likes: that is an eigenvalue of zero twice, which rounding parts
+    pinned = scene({"elements": 64, "root_support": "pinned"}, gravity=[0, 0, 0])
+    assert not stability(pinned, [0.0, 5.0, 12.0]).grows.any()
+
+
 def test_hose_without_water_has_the_frequencies_of_a_cantilever():
     # the first three in both planes; measured 1e-7, 5e-6, 4e-5 at 16 elements
     hose = {"length": 1.0, "elements": 16, "axial_stiffness": 1e6, "bending_stiffness": 1.0, "mass_per_length": 1.0}

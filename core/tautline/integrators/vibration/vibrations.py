@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eig, null_space
 from scipy.sparse import bmat, eye_array
-from scipy.sparse.linalg import eigs
+from scipy.sparse.linalg import ArpackNoConvergence, eigs, norm, splu
 
 from tautline.errors import ArgumentError
 from tautline.integrators.linearise import evaluate
@@ -17,12 +17,29 @@ from tautline.kernels.matrix import dense, new_matrix, sparse
 from tautline.system.system import System
 from tautline.threads import one_thread
 
-DENSE = 700
+DENSE = 300
 """Unknowns up to which all eigenvalues are found by dense algebra."""
+GROWING = 24
+"""Eigenvalues sought of more unknowns, farthest towards growth, beside the slowest ones."""
+RESTARTS = 3
+"""Restarts of Arnoldi's method after which those eigenvalues are taken that have converged.
+
+Damping in proportion to stiffness, c, gathers values of fast motions at -1/c, more and more: few of these converge.
+"""
 TWIN = 1.0e-9
 """Imaginary part, relative, below which an eigenvalue is real."""
 APART = 1.0e-8
 """Share of the largest eigenvalue that one may be off before it is refined."""
+NEAR = 1.0e-3
+"""Share of itself that one of a few may be off before it is refined."""
+ROUGHLY, UNHELD = 4, 2
+"""Inverse iterations for the size of the slowest frequency, and motions that nothing may hold: a hose about its pin."""
+HELD, BESIDE = 1.0e-14, 1.0e-9
+"""Stiffness, relative, that holds what nothing holds, and how far beside an eigenvalue its vectors are sought."""
+SHIFT = 0.01
+"""About which eigenvalues are sought, over the slowest frequency: not zero, where motions that nothing holds are."""
+SAME = 1.0e-6
+"""Relative difference below which an eigenvalue that is found twice is one."""
 
 
 class Vibrations(NamedTuple):
@@ -53,7 +70,9 @@ def vibrations(system: System, state: State, count: int | None = None) -> Vibrat
     state : State
         In equilibrium at t = 0.
     count : int or None
-        How many, those nearest to zero; None for all, which only a small scene allows.
+        How many, those nearest to zero; None for all, which only a small scene allows. Of a large scene some that grow
+        are sought beside them. Fast motions whose damping is in proportion to stiffness, c, have values that lie ever
+        closer about -1/c: of a large scene few of these are found.
 
     Raises
     ------
@@ -92,14 +111,18 @@ def _all(mass, damping, stiffness, algebraic):
     inverse = np.linalg.solve(m, np.hstack([k, c]))
     value, left, right = eig(np.block([[np.zeros((n, n)), np.eye(n)], [-inverse[:, :n], -inverse[:, n:]]]), left=True)
     # The last n rows of a left vector are those of M^T y.
-    value, rounding = _refined(m, c, k, value, right[:n], np.linalg.solve(m.T, left[n:]))
+    value, change, rounding = _refined(m, c, k, value, right[:n], np.linalg.solve(m.T, left[n:]))
+    # Two values that meet have no vectors of their own: there the sums tell nothing.
+    size = np.abs(value).max(initial=0.0)
+    known = np.isfinite(rounding) & (np.abs(change) < APART * size)
+    value, rounding = np.where(known, value, value - change), np.where(known, rounding, np.finfo(float).eps * size)
     shape = np.zeros((len(mass), 2 * n), complex)
     shape[free] = basis @ right[:n]
     return unit * value, shape, unit * rounding
 
 
 def _refined(m, c, k, value, x, y):
-    """Values as good as the matrices, and how good that is, from values that are as good as the largest of them.
+    """Values as good as the matrices, by how much they are changed, and how good they are.
 
     The eigenvalues of a matrix are found to the rounding of its size, which damping that grows with frequency squared
     makes large. y* (lambda^2 M + lambda C + K) x = 0 with the vectors of both sides errs by the square of theirs, and
@@ -112,21 +135,67 @@ def _refined(m, c, k, value, x, y):
     with np.errstate(divide="ignore", invalid="ignore"):
         change = -(value**2 * a + value * b + d) / slope
         rounding = np.finfo(float).eps * sums / np.abs(slope)
-    # Two values that meet have no vectors of their own: there the sums tell nothing.
-    known = np.isfinite(change) & np.isfinite(rounding) & (np.abs(change) < APART * size.max(initial=0.0))
-    whole = np.finfo(float).eps * size.max(initial=0.0)
-    return np.where(known, value + change, value), np.where(known, rounding, whole)
+    change = np.where(np.isfinite(change), change, 0.0)
+    return value + change, change, rounding
 
 
 def _sizes(part, x, y):
     """|y|^T |A| |x| of each pair of vectors."""
-    return np.einsum("ik,ik->k", np.abs(y), np.abs(part) @ np.abs(x))
+    return np.einsum("ik,ik->k", np.abs(y), abs(part) @ np.abs(x))
 
 
 def _nearest(mass, damping, stiffness, count):
-    """Those nearest to zero, by shift and invert."""
+    """Those nearest to zero, and those that grow, by shift and invert."""
     n = mass.shape[0]
+    # Time in units in which slow motions have eigenvalues near one: only then is lambda x as large as x.
+    unit = _slowness(mass, stiffness)
+    m, c, k = mass, damping / unit, stiffness / unit**2
+    # Of 1 / (lambda - SHIFT) the largest are of slow motions, those of positive real part of motions that grow.
+    value, shape = _converged(m, c, k, 2 * count, "LM")
+    growing, of_growing = _converged(m, c, k, GROWING, "LR")
+    new = [bool((np.abs(value - one) > SAME * abs(one)).all()) for one in growing]
+    value, shape = np.concatenate([value, growing[new]]), np.hstack([shape, of_growing[:, new]])
+    x, y = _vectors(m, c, k, value, shape[:n])
+    better, change, rounding = _refined(m, c, k, value, x, y)
+    # A motion that nothing holds has an eigenvalue of zero twice: of that no more than its size is known.
+    known = np.isfinite(rounding) & (np.abs(change) < NEAR * np.abs(value))
+    value, rounding = np.where(known, better, value), np.where(known, rounding, np.abs(value))
+    return unit * value, x, unit * rounding
+
+
+def _slowness(mass, stiffness):
+    """Angular frequency, about, of the slowest motion that is held, without damping, 1/s, by inverse iteration."""
+    held = HELD * norm(stiffness) / norm(mass)
+    factors = splu((stiffness + held * mass).tocsc())
+    x = np.random.default_rng(0).standard_normal((mass.shape[0], UNHELD + 1))
+    for _ in range(ROUGHLY):
+        x, sizes = np.linalg.qr(factors.solve(mass @ x))
+    return 1.0 / np.sqrt(np.abs(np.diag(sizes)).min())
+
+
+def _converged(m, c, k, count, which):
+    """Eigenvalues that Arnoldi's method finds of those sought, and their vectors (x, lambda x)."""
+    n = m.shape[0]
     one = eye_array(n)
-    left = bmat([[None, one], [-stiffness, -damping]], format="csc")
-    value, vector = eigs(left, count, bmat([[one, None], [None, mass]], format="csc"), sigma=0.0)
-    return value, vector[:n], np.finfo(float).eps * np.abs(value)
+    left, right = bmat([[None, one], [-k, -c]], format="csc"), bmat([[one, None], [None, m]], format="csc")
+    start = np.random.default_rng(0).standard_normal(2 * n)
+    try:
+        return eigs(left, min(count, n), right, sigma=SHIFT, which=which, v0=start, maxiter=RESTARTS)
+    except ArpackNoConvergence as found:
+        return found.eigenvalues, found.eigenvectors
+
+
+def _vectors(m, c, k, value, start):
+    """Vectors of both sides of values that are nearly right, by two inverse iterations from one side's."""
+    right, left = np.empty(start.shape, complex), np.empty(start.shape, complex)
+    for i, near in enumerate(value):
+        # Where it is right to the last digit nothing can be factored.
+        near += BESIDE * (1.0 + abs(near))
+        factors = splu((near**2 * m + near * c + k).tocsc())
+        slope = 2.0 * near * m + c
+        x = y = start[:, i]
+        for _ in range(2):
+            x, y = factors.solve(slope @ x), factors.solve(slope.conj().T @ y, "H")
+            x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
+        right[:, i], left[:, i] = x, y
+    return right, left
