@@ -261,7 +261,8 @@ def test_both_models_stand_beside_each_other_in_table_json_and_figure(drillstrin
     assert beam["pick_up"] == pytest.approx(lumps["pick_up"], rel=5e-3)
     # a beam touches at two points of each element and at the bit
     assert len(beam["profile"]["pick_up"]["side_force"]) == 41 and len(lumps["profile"]["pick_up"]["side_force"]) == 21
-    lines = err.splitlines()
+    warned, *lines = err.splitlines()
+    assert warned.startswith("warning: model.elements: ale-ancf, 20 elements")
     assert lines[0].split()[0] == "model" and all(len(line.rstrip()) <= 80 for line in lines[:9]) and "…" not in err
     assert "friction 0.2, ale-ancf, bit at" in " ".join(err.split())
     assert "friction 0.2, ale-ancf" in Path("both.svg").read_text()
