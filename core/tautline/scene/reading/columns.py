@@ -18,6 +18,7 @@ from typing import NoReturn
 import numpy as np
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.force_units import not_a_force, unit_of_force
 from tautline.scene.reading.text import decode
 from tautline.scene.refusal import nearest
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE
@@ -35,12 +36,6 @@ THOUSANDS = re.compile(r"[+-]?\d{1,3}(\.\d{3})+", re.ASCII)
 """A number that may have points as marks of thousands."""
 SEPARATOR_LINE = re.compile(r"\s*\"?sep=(.)\"?\s*", re.IGNORECASE)
 """The first line of files that a spreadsheet writes for itself: it states what stands between cells."""
-FORCE_OF_MASS = {
-    **dict.fromkeys(("lb", "lbs", "lbm"), ("a pound", "lbf")),
-    **dict.fromkeys(("klb", "klbs", "klbm"), ("a thousand pounds", "klbf")),
-    **dict.fromkeys(("kg", "kgs"), ("a kilogram", "kgf")), **dict.fromkeys(("t", "tonne", "tonnes"), ("a tonne", "tf")),
-}  # fmt: skip
-"""Units of mass that stand for a force in many a sheet: what they are, and the unit of their weight."""
 WORDS = {
     "°": "deg", "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "dega": "deg",
     "rad": "rad", "rads": "rad", "radian": "rad", "radians": "rad", "grad": "gon", "hz": "Hz",
@@ -219,16 +214,12 @@ class Columns:
             factor = 1.0 if cause else converted(found, meant).si(Fraction(1))
         except (UnknownUnit, Uncounted) as error:
             cause = f"'{unit}' {error}" if isinstance(error, Uncounted) else str(error)
+            if wanted == "N" and isinstance(error, UnknownUnit):
+                cause = not_a_force(unit)
         if cause:
-            force = FORCE_OF_MASS.get(unit) if wanted == "N" else None
-            if force is not None:
-                what, forces = force
-                self.add(self.header_line, name, None, f"'{unit}': {what} is a mass", f"write {name} [{forces}]")
-            else:
-                usual = f"{name} [{_usual(wanted)}]"
-                self.add(
-                    self.header_line, name, None, cause, f"write the unit that the numbers are in, such as {usual}"
-                )
+            usual = f"write the unit that the numbers are in, such as {name} [{_usual(wanted)}]"
+            told = unit_of_force(unit, name) if wanted == "N" else None
+            self.add(self.header_line, name, None, *(told or (cause, usual)))
             return 1.0
         return factor
 
