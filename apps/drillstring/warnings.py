@@ -60,6 +60,11 @@ THICK, HEAVIER = 0.7, 1.25
 0.9), and its mass over that of drill pipe from which it is heavy."""
 A_STAND = 27.0
 """Length of three joints, m: shorter heavy pipe at the table is a kelly or part of a top drive."""
+STINGER = 0.5
+"""Diameter of the pipe at the bit over that of the heavy pipe above, below which neither order drills: no drill pipe
+carries collars more than twice as wide (9 1/2 in below 5 in)."""
+A_COLLAR = 1.15
+"""Diameter of a collar over that of drill pipe, at least; heavy-weight pipe is about as wide as the pipe."""
 HORIZONTAL = np.radians(75.0)
 """Inclination at the end of a hole above which heavy pipe stands higher up on purpose."""
 UNDAMPED = 0.95
@@ -189,23 +194,38 @@ def _upside_down(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """Collars or heavy-weight pipe at the rotary table and drill pipe at the bit: a list that goes from the bit up.
 
     Drill pipe has a thin wall, the others a thick one, so that tapered strings do not count, and no heavier pipe in the
-    middle of a string. In a horizontal hole heavy pipe is put above light pipe on purpose, to push it.
+    middle of a string. In a horizontal hole heavy pipe is put above light pipe on purpose, to push it. Nor is a string
+    asked about that carries a casing, or ends in a stinger: wider than its heavy pipe, or much narrower, or shorter.
     """
-    tubes = ready.lumps.tubes
-    thick = [tube.id <= THICK * tube.od for tube in tubes]
-    count = thick.index(False) if False in thick else 0
-    if count == 0 or any(thick[count:]) or scene.well.diameter < DRILLED:
+    tubes, count, end = ready.lumps.tubes, *_ends_of_light_pipe(ready.lumps)
+    heavy, light, motor = tubes[:count], tubes[count:end], tubes[end:]
+    if not heavy or not light or scene.well.diameter < DRILLED:
         return
-    heavy = sum(tube.length for tube in tubes[:count])
-    if heavy < A_STAND or min(t.mass_per_length for t in tubes[:count]) < HEAVIER * tubes[-1].mass_per_length:
+    length, last, widest = sum(tube.length for tube in heavy), light[-1], max(tube.od for tube in heavy)
+    if length < A_STAND or min(tube.mass_per_length for tube in heavy) < HEAVIER * last.mass_per_length:
+        return
+    if not STINGER * heavy[-1].od <= last.od <= widest or length > sum(tube.length for tube in light):
+        return
+    # Below drill pipe a motor alone may hang; collars at the table then are a slip, but heavy-weight pipe need not be.
+    if motor and (sum(tube.length for tube in motor) >= A_STAND or widest < A_COLLAR * last.od):
         return
     if float(ready.well.inclination(np.array([ready.well.length]))[0]) > HORIZONTAL:
         return
+    below = f"{last.name} has only {motor[0].name} below it" if motor else f"{last.name} at the bit"
     text = (
         f"sections go from the rotary table down. This string has its heavy pipe at the top: {tubes[0].name} stands at "
-        f"the table, and {tubes[-1].name} at the bit. Was the list written from the bit up? Then reverse it"
+        f"the table, and {below}. Was the list written from the bit up? Then reverse it"
     )
     yield "string", text
+
+
+def _ends_of_light_pipe(lumps: Lumps) -> tuple[int, int]:
+    """First section with a thin wall, and the one behind the last; both 0 where one with a thick wall is between."""
+    thick = [tube.id <= THICK * tube.od for tube in lumps.tubes]
+    if all(thick):
+        return 0, 0
+    begin, end = thick.index(False), len(thick) - thick[::-1].index(False)
+    return (0, 0) if any(thick[begin:end]) else (begin, end)
 
 
 def _floating(scene: DrillstringScene, ready: Prepared) -> Sentences:

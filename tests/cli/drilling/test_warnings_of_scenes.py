@@ -97,6 +97,10 @@ PIPE, HEAVY, COLLAR = (
 )
 LIGHT = "{name: light, od: 3.5 in, id: 2.764 in, mass_per_length: 21, length: 400 m}"
 SLANTED = "well.sections=[{hold: 1000 m}, {build: {radius: 500 m, to: 60 deg, azimuth: 0 deg}}, {hold: 1500 m}]"
+LINER = "{name: liner, od: 7 in, id: 6.184 in, mass_per_length: 43, length: rest}"
+TUBING = "{name: tubing, od: 2.875 in, id: 2.441 in, mass_per_length: 9.7, length: %s}"
+SLIM = "{name: slim pipe, od: 3.5 in, id: 2.764 in, mass_per_length: 21, length: rest}"
+MOTOR = "{name: motor, od: 6.75 in, id: 4 in, mass_per_length: 115, length: 9 m}"
 REST, MORE = PIPE % "rest", PIPE % "500 m"
 
 
@@ -110,6 +114,14 @@ REST, MORE = PIPE % "rest", PIPE % "500 m"
         pytest.param([HEAVY, REST, COLLAR], False, id="heavy at both ends"),
         pytest.param([REST, LIGHT], False, id="tapered"),
         pytest.param([COLLAR.replace("100 m", "12 m"), REST], False, id="a kelly"),
+        pytest.param([HEAVY, LINER], False, id="a liner on heavy pipe"),
+        pytest.param([COLLAR, TUBING % "rest"], False, id="tubing below collars"),
+        pytest.param([COLLAR, SLIM], True, id="slim pipe from the bit up"),
+        pytest.param([HEAVY.replace("200 m", "rest"), LIGHT], False, id="a stinger below heavy pipe"),
+        pytest.param([COLLAR, REST, MOTOR], True, id="collars, pipe and a motor"),
+        pytest.param([COLLAR, HEAVY, REST, MOTOR], True, id="collars, heavy pipe, pipe and a motor"),
+        pytest.param([HEAVY, REST, MOTOR], False, id="heavy pipe, pipe and a motor"),
+        pytest.param([MOTOR, COLLAR, REST], True, id="from the bit up with its motor"),
     ],
 )
 def test_a_string_with_its_heavy_pipe_at_the_table_alone_is_asked_whether_it_was_written_from_the_bit_up(
