@@ -36,6 +36,8 @@ THOUSANDS = re.compile(r"[+-]?\d{1,3}(\.\d{3})+", re.ASCII)
 """A number that may have points as marks of thousands."""
 SEPARATOR_LINE = re.compile(r"\s*\"?sep=(.)\"?\s*", re.IGNORECASE)
 """The first line of files that a spreadsheet writes for itself: it states what stands between cells."""
+WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+"""First bytes of the files of spreadsheets: .xlsx and .ods are archives, .xls is older."""
 WORDS = {
     "°": "deg", "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "dega": "deg",
     "rad": "rad", "rads": "rad", "radian": "rad", "radians": "rad", "grad": "gon", "hz": "Hz",
@@ -117,10 +119,15 @@ class Columns:
             if (size := self.path.stat().st_size) > largest:
                 cause = f"is {size / 1e6:.0f} MB long, and {largest / 1e6:.0f} MB are the most"
                 self.stop(None, "", None, cause, "keep only the rows that are needed")
-            text = decode(self.path.read_bytes(), self.path, legacy=True)
+            data = self.path.read_bytes()
         except (OSError, ValueError) as error:
             cause = f"cannot be read: {getattr(error, 'strerror', None) or error}"
             self.stop(None, "", None, cause, "check the path and its permissions")
+        if data.startswith(WORKBOOKS):
+            self.stop(
+                None, "", None, "is a workbook of a spreadsheet, and no text", "save it as CSV, and name that file"
+            )
+        text = decode(data, self.path, legacy=True)
         if not text.strip():
             self.stop(None, "", None, "is empty", "write a header and rows of numbers into it")
         lines = [(i, s) for i, s in enumerate(text.splitlines(), 1) if s.strip(" \t;,\x1a") and s.lstrip()[0] != "#"]
