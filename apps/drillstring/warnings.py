@@ -10,15 +10,16 @@ import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, rate_at, torque_at, weight_at
 from drillstring.drilling.end_groups import BLOCK, ROTATION
+from drillstring.mesh import ELEMENTS, too_long
 from drillstring.model.build import requests
 from drillstring.model.lumped_string import lateral_mass
-from drillstring.model.prepared import Prepared, prepared, tubes_of
+from drillstring.model.prepared import Prepared, prepared
 from drillstring.results.limits import SNUG
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics.helix import limits_at
 from drillstring.string.buoyancy import CURE, buoyed_mass
 from drillstring.string.fluid import fluid_of, weight_in
-from drillstring.string.lumps import Lumps, cut
+from drillstring.string.lumps import Lumps
 from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
 from tautline.kernels.time_function import sample, value_at
@@ -59,6 +60,11 @@ THICK, HEAVIER = 0.7, 1.25
 0.9), and its mass over that of drill pipe from which it is heavy."""
 A_STAND = 27.0
 """Length of three joints, m: shorter heavy pipe at the table is a kelly or part of a top drive."""
+STINGER = 0.5
+"""Diameter of the pipe at the bit over that of the heavy pipe above, below which neither order drills: no drill pipe
+carries collars more than twice as wide (9 1/2 in below 5 in)."""
+A_COLLAR = 1.15
+"""Diameter of a collar over that of drill pipe, at least; heavy-weight pipe is about as wide as the pipe."""
 HORIZONTAL = np.radians(75.0)
 """Inclination at the end of a hole above which heavy pipe stands higher up on purpose."""
 UNDAMPED = 0.95
@@ -72,14 +78,6 @@ TO_A_HALF_WAVE = {LUMPED: 4, BEAM: 2}
 (pi / 2 n)^2 / 3 too low, 5 % with four; a cubic element bends by itself."""
 FLAT = 1.0e-6
 """Size of the hole's directions out of a plane, over that within it, below which the hole lies in the plane."""
-SIDE_FORCE, HOOK_LOAD, NOTHING = 0.25, 1.9, 7.0
-"""How far, m, the hole may leave a straight line between points of contact until side force or hook load may be off by
-more than 1 per cent, and until there may be no equilibrium at all."""
-PLACES = 8
-"""Of each element, at which the hole's curvature is taken."""
-MOST_ELEMENTS = 2000
-"""Elements up to which a mesh that follows the hole is looked for."""
-
 Sentences = Iterator[tuple[str, str]]
 Check = Callable[[DrillstringScene, Prepared], Sentences]
 
@@ -196,23 +194,38 @@ def _upside_down(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """Collars or heavy-weight pipe at the rotary table and drill pipe at the bit: a list that goes from the bit up.
 
     Drill pipe has a thin wall, the others a thick one, so that tapered strings do not count, and no heavier pipe in the
-    middle of a string. In a horizontal hole heavy pipe is put above light pipe on purpose, to push it.
+    middle of a string. In a horizontal hole heavy pipe is put above light pipe on purpose, to push it. Nor is a string
+    asked about that carries a casing, or ends in a stinger: wider than its heavy pipe, or much narrower, or shorter.
     """
-    tubes = ready.lumps.tubes
-    thick = [tube.id <= THICK * tube.od for tube in tubes]
-    count = thick.index(False) if False in thick else 0
-    if count == 0 or any(thick[count:]) or scene.well.diameter < DRILLED:
+    tubes, count, end = ready.lumps.tubes, *_ends_of_light_pipe(ready.lumps)
+    heavy, light, motor = tubes[:count], tubes[count:end], tubes[end:]
+    if not heavy or not light or scene.well.diameter < DRILLED:
         return
-    heavy = sum(tube.length for tube in tubes[:count])
-    if heavy < A_STAND or min(t.mass_per_length for t in tubes[:count]) < HEAVIER * tubes[-1].mass_per_length:
+    length, last, widest = sum(tube.length for tube in heavy), light[-1], max(tube.od for tube in heavy)
+    if length < A_STAND or min(tube.mass_per_length for tube in heavy) < HEAVIER * last.mass_per_length:
+        return
+    if not STINGER * heavy[-1].od <= last.od <= widest or length > sum(tube.length for tube in light):
+        return
+    # Below drill pipe a motor alone may hang; collars at the table then are a slip, but heavy-weight pipe need not be.
+    if motor and (sum(tube.length for tube in motor) >= A_STAND or widest < A_COLLAR * last.od):
         return
     if float(ready.well.inclination(np.array([ready.well.length]))[0]) > HORIZONTAL:
         return
+    below = f"{last.name} has only {motor[0].name} below it" if motor else f"{last.name} at the bit"
     text = (
         f"sections go from the rotary table down. This string has its heavy pipe at the top: {tubes[0].name} stands at "
-        f"the table, and {tubes[-1].name} at the bit. Was the list written from the bit up? Then reverse it"
+        f"the table, and {below}. Was the list written from the bit up? Then reverse it"
     )
     yield "string", text
+
+
+def _ends_of_light_pipe(lumps: Lumps) -> tuple[int, int]:
+    """First section with a thin wall, and the one behind the last; both 0 where one with a thick wall is between."""
+    thick = [tube.id <= THICK * tube.od for tube in lumps.tubes]
+    if all(thick):
+        return 0, 0
+    begin, end = thick.index(False), len(thick) - thick[::-1].index(False)
+    return (0, 0) if any(thick[begin:end]) else (begin, end)
 
 
 def _floating(scene: DrillstringScene, ready: Prepared) -> Sentences:
@@ -300,15 +313,19 @@ def _friction(scene: DrillstringScene, ready: Prepared) -> Sentences:
         yield "well.wall.friction.slip_velocity", text
 
 
-def _casing(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """A casing that is longer than the hole, and a string that moves past its shoe."""
+def _shoe(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A casing that is longer than the hole."""
     casing = None if scene.well.wall is None else scene.well.wall.casing
-    if casing is None:
-        return
-    if casing.shoe > ready.well.length:
+    if casing is not None and casing.shoe > ready.well.length:
         end = f"{ready.well.length:.0f} m"
         cause = f"{casing.shoe:g} m is below the end of the hole at {end}: all of it is taken as cased"
         yield "well.wall.casing.shoe", f"{cause}; give the measured depth of the shoe"
+
+
+def _past_the_shoe(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A string that moves past the shoe of its casing."""
+    if scene.well.wall is None or scene.well.wall.casing is None:
+        return
     highest, lowest = _reach_of_block(scene)
     moved, longest = lowest - highest, float(ready.lumps.length.max())
     if moved > longest:
@@ -557,78 +574,18 @@ def _flatness(well: Wellbore) -> str | None:
 # mesh
 def _mesh(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """Elements that are too long for the hole, or for the string."""
-    lumps = ready.lumps
-    if scene.model.kind == BEAM and (text := _beam_off_the_line(scene, ready)):
-        yield "model.elements", text
-        return
-    longest = float(lumps.length.max())
-    if longest > 0.25 * lumps.total and lumps.total > 500.0:
-        text = (
-            f"an element is {longest:.0f} m long, {100 * longest / lumps.total:.0f} % of the string: friction and "
-            "curvature are coarse; take more elements"
-        )
-        yield "model.elements", text
-
-
-def off_the_line(well: Wellbore, lumps: Lumps) -> np.ndarray:
-    """How far the hole leaves a straight line between the points of contact of each element, (n,) m.
-
-    An element is a cubic that touches the wall in the middles of its halves. Between two of these points the hole
-    leaves the straight line by about phi h / 32, phi being what it turns by over the length h of the element:
-    h^2 / (32 R) in an arc. Where that is decimetres a beam cuts across the hole's bends and their ends.
-
-    Measured with friction 0.2, picking up, slacking off and turning, in the wells of jwell, iscwsa, field_well and
-    tripping, on arcs of 300 m and of 100 m to the horizontal and of 600 m to 45 deg, with 2 to 96 elements beside 160:
-    up to 0.25 m the wall's side force in all differs by 0.6 % at most, from 0.28 m on by up to 1.6 %, at 1 m by up to
-    4 %. Hook loads differ by 0.7 % at most up to 1.9 m, and by up to 2.8 % at 6 m; above 7 m half of the strings found
-    no equilibrium, or were tens of per cent off.
-    """
-    share = (np.arange(PLACES) + 0.5) / PLACES
-    places = lumps.measured_depth[:-1, None] + lumps.length[:, None] * share
-    k1, k2 = well.curvature(places.ravel())
-    turn = np.hypot(k1, k2).reshape(places.shape).mean(axis=1) * lumps.length
-    return turn * lumps.length / 32.0
-
-
-def _beam_off_the_line(scene: DrillstringScene, ready: Prepared) -> str:
-    """What is wrong with a beam that is too coarse for its hole, and with how many elements it is not; else nothing."""
-    if scene.well.wall is None:
-        return ""
-    lumps = ready.lumps
-    off = off_the_line(ready.well, lumps)
-    worst = int(np.argmax(off))
-    if off[worst] <= SIDE_FORCE:
-        return ""
-    length, away = (shown(float(value), "m", scene.units) for value in (lumps.length[worst], off[worst]))
-    cause = f"an element of {length} is long for its hole, which leaves the straight line between the element's points"
-    cause += f" of contact by {away}"
-    if off[worst] > NOTHING:
-        wrong = "there may be no equilibrium, or one that is tens of per cent off"
-    elif off[worst] > HOOK_LOAD:
-        wrong = "hook loads may be off by more than 1 %, the side force by more than 5 %"
-    else:
-        wrong = "the side force of the wall may be off by more than 1 %, hook loads by less"
-    return f"{cause}: {wrong}; {_finer(scene, ready.well, lumps.length.size)}"
-
-
-def _finer(scene: DrillstringScene, well: Wellbore, now: int) -> str:
-    free = scene.model_copy(update={"string": tuple(s.model_copy(update={"elements": None}) for s in scene.string)})
-    tubes = tubes_of(free, well.length)
-    count = now
-    while count < MOST_ELEMENTS and off_the_line(well, cut(tubes, count)).max() > SIDE_FORCE:
-        count += max(1, count // 50)
-    if count >= MOST_ELEMENTS:
-        return "take shorter elements where the hole bends, or kind: lumped"
-    stated = any(section.elements for section in scene.string)
-    return f"take {count} elements" + (" and let the sections share them" if stated else "") + ", or kind: lumped"
+    if text := too_long(scene, ready):
+        yield ELEMENTS, text
 
 
 CHECKS: tuple[Check, ...] = (
-    _steps, _survey, _dogleg, _upside_down, _floating, soft_wall, _friction, _block, _casing, _yielding, _off_bottom,
-    _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
+    _steps, _survey, _dogleg, _upside_down, _floating, soft_wall, _friction, _block, _shoe, _past_the_shoe, _yielding,
+    _off_bottom, _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
-OF_A_RUN = frozenset({_steps, _friction, _block, _torque_on_bit, _penetration, _sticking, _chatter, _buckling})
+OF_A_RUN = frozenset(
+    {_steps, _friction, _block, _past_the_shoe, _torque_on_bit, _penetration, _sticking, _chatter, _buckling}
+)
 """Those of what the run of a scene does or does not show: its steps, its motions, and how the bit answers them."""
 
 

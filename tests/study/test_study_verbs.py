@@ -12,6 +12,7 @@ from study.oscillators import OMEGA, chain, oscillator, rk4
 from tautline.cable.application import Cable
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
+from tautline.scene.errors import SceneWarning
 from tautline.study.robustness import variants as variants_module
 
 STUDY = ("study", "bar.yaml", "--methods", "newmark", "--steps", "10 ms,5ms", "--repeat", "1")
@@ -258,6 +259,18 @@ def test_stability_tells_what_limits_the_step_and_what_breaks(cable, few, folder
                   "energy drift", "tangent", "none ended wrong without saying so"):  # fmt: skip
         assert words in err
     assert "constraint drift" not in err
+
+
+@pytest.mark.parametrize("verb", ["study", "stability"])
+def test_warnings_of_the_scene_stand_in_json_as_they_are_printed(cable, few, sketched, monkeypatch, verb):
+    told = SceneWarning("mass", "10 kg is unusual")
+    monkeypatch.setattr(Cable, "warnings", lambda self, scene: [told])
+    words = STUDY if verb == "study" else (verb, "bar.yaml")
+    _, out, err = cable(*words, "--json")
+    assert only_object(out)["scene_warnings"] == [{"where": "mass", "text": "10 kg is unusual"}]
+    assert f"warning: {told}" in err
+    code, out, _ = cable("study", "stops.yaml", "--methods", "rk4", "--steps", "0.5", "--json")
+    assert code == 3 and only_object(out)["scene_warnings"] == [{"where": "mass", "text": "10 kg is unusual"}]
 
 
 def test_stability_of_a_scene_with_ties_tells_what_multipliers_do(cable, few, sketched):

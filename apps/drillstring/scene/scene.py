@@ -5,6 +5,7 @@ The models below hold what the file says, in SI, validated; `Wellbore` and the b
 
 from __future__ import annotations
 
+from itertools import takewhile
 from math import hypot
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -90,6 +91,9 @@ class Section(Model):
         if not isinstance(words, str):
             kind = "is empty" if words is None else "must be a text"
             raise fault("tubular", kind, f"give a tubular {EXAMPLE}; `drillstring tubulars` lists all")
+        if behind := _cut_off(data):
+            name = ", ".join([words, *behind])
+            raise fault("tubular", f"is cut at a comma, before '{behind[0]}'", f"write the name in quotes: '{name}'")
         try:
             standard = find(words)
         except NoSuchTubular as none:
@@ -107,6 +111,15 @@ class Section(Model):
             cause = f"the centre of gravity is {hypot(*self.eccentricity):g} m off the axis, outside of the pipe"
             raise fault("eccentricity", cause, "give some millimetres, such as [0, 2 mm]")
         return self
+
+
+def _cut_off(data: dict[str, Any]) -> list[str]:
+    """Words of a tubular behind a comma, which braces take for keys without a value."""
+    keys = list(data)
+    behind = takewhile(
+        lambda key: data[key] is None and key not in Section.model_fields, keys[keys.index("tubular") + 1 :]
+    )
+    return [str(key) for key in behind]
 
 
 def _diameter(data: dict[str, Any], key: str) -> float | None:

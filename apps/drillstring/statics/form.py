@@ -166,7 +166,7 @@ def find_form(
     StoppedEarly
         Where the string does not come to rest; its sentence names the mesh.
     """
-    forms = tuple(at_rest(one, by, most) for one in _meshes(scene, elements, kinds))
+    forms = tuple(at_rest(one, by, most) for one in meshes(scene, elements, kinds))
     return Finding(scene.title or "", by, forms, reference_of(scene, forms[0]))
 
 
@@ -294,7 +294,8 @@ def _doubt(rod: Rod, pieces: Sequence[Piece]) -> str:
     return f"; pressed by {pressed:.3g} N, beyond Euler's {euler:.3g} N, it has other shapes too, which lumps may find"
 
 
-def _meshes(scene: DrillstringScene, elements: Sequence[int], kinds: Sequence[str]) -> list[DrillstringScene]:
+def meshes(scene: DrillstringScene, elements: Sequence[int], kinds: Sequence[str]) -> list[DrillstringScene]:
+    """The scene with each kind of model and number of elements; raises SceneError where it cannot have them."""
     if not elements and not kinds:
         return [scene]
     changes = [

@@ -17,7 +17,7 @@ from drillstring.statics.buckling import Limits
 from drillstring.statics.helix import LockedUp
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.statics.soft_string import SoftString, soft_string
-from drillstring.statics.statics import Profile, Statics
+from drillstring.statics.statics import Profile, Statics, shortened
 from drillstring.statics.strokes import BreakAway, break_away
 from drillstring.string.factors import Factors, factors_of, same
 from drillstring.string.strength import extreme_tension
@@ -173,6 +173,21 @@ def own_friction(scene: DrillstringScene) -> Factors:
 def links(scene: DrillstringScene) -> int:
     """Links of the string where they are not given: the scene's, if it has more than the default."""
     return max(ELEMENTS, scene.model.elements)
+
+
+def meshes(
+    scene: DrillstringScene, depths: Sequence[float] | None, elements: int | None, kinds: Sequence[str]
+) -> list[DrillstringScene]:
+    """The string as `torque_drag` computes it at the deepest of its depths, where elements are longest, of each kind.
+
+    Raises
+    ------
+    SceneError
+        As `torque_drag` does.
+    """
+    deepest = own_depth(scene) if depths is None else max(depths)
+    length, count = well_of(scene).length, links(scene) if elements is None else elements
+    return [shortened(of_kind(scene, kind), length, deepest, count) for kind in kinds]
 
 
 def torque_drag(

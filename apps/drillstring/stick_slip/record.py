@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -97,28 +98,15 @@ def _word(cell: Cell) -> str:
     return cell.told + (f"\u00a0{100.0 * cell.stuck:.0f}%" if cell.sticks else "")
 
 
-STILL = 1.0e-3
-"""Share of the rotary speed below which a bit that never was faster has not turned."""
-
-
 def sentences(found: Map, system: str) -> list[tuple[str, str]]:
     """Where sticking ends for each weight, and what was not found: text and style."""
     said = []
-    for weight, row, (sticks, turns) in zip(found.weights, found.cells, found.ends(), strict=True):
-        if all(cell.status != "done" for cell in row):
-            continue
+    for weight, row, ends in zip(found.weights, found.cells, found.ends(), strict=True):
         at = shown(weight, "N", system)
-        if all(cell.status != "done" or cell.largest <= STILL * cell.speed for cell in row):
-            said.append((f"{at}: the bit has not begun to turn when the runs end. Give a longer --end", "yellow"))
-            continue
-        low, high = (quantity(x / RPM, "rpm") if x is not None else "" for x in (sticks, turns))
-        if sticks is None:
-            said.append((f"{at}: the bit does not stick from {high} up", "green"))
-        elif turns is None:
-            of = "that was run" if any(cell.status != "done" for cell in row) else "of all"
-            said.append((f"{at}: the bit sticks up to the highest speed {of}, {low}", "yellow"))
-        else:
-            said.append((f"{at}: sticking ends between {low} and {high}", "yellow"))
+        said += [(f"{at}: {text}", "yellow") for text in _unjudged([c for c in row if c.status == "done"], system)]
+        if any(cell.judged for cell in row):
+            text, style = _where_it_ends(row, *ends)
+            said.append((f"{at}: {text}", style))
     said += [
         (f"stopped at {quantity(cell.speed / RPM, 'rpm')}, {shown(cell.weight, 'N', system)}: {cell.status}, "
          f"{cell.sentence}", "red")
@@ -127,3 +115,40 @@ def sentences(found: Map, system: str) -> list[tuple[str, str]]:
     if found.interrupted:
         said.append(("interrupted: some of the map was not run", "yellow"))
     return said
+
+
+def _unjudged(cells: Sequence[Cell], system: str) -> Iterator[str]:
+    """Why some runs of one weight do not tell whether the bit sticks, and what to do."""
+    stalled = [cell for cell in cells if not cell.turns and not isnan(cell.stall)]
+    if stalled:
+        least, most = (shown(pick(c.stall for c in stalled), "N m", system, digits=3) for pick in (min, max))
+        torque = most if least == most else f"{least} to {most}"
+        cause = f"the bit does not turn{_at(stalled, cells)}. The drive stalls at {torque}"
+        yield f"{cause}. Give more torque or less weight"
+    waiting = [cell for cell in cells if not cell.turns and isnan(cell.stall)]
+    if waiting:
+        yield f"the bit has not begun to turn when the runs end{_at(waiting, cells)}. Give a longer --end"
+    late = [cell for cell in cells if cell.turns and cell.late]
+    if late:
+        cause = f"the bit begins to turn in the last half of the runs only{_at(late, cells)}, which is judged"
+        yield f"{cause}. Give a longer --end"
+
+
+def _at(some: Sequence[Cell], cells: Sequence[Cell]) -> str:
+    """Speeds of some of the runs of one weight; nothing if it is all of them."""
+    if len(some) == len(cells):
+        return ""
+    return f" at {', '.join(significant(cell.speed / RPM) for cell in some)} rpm"
+
+
+def _where_it_ends(row: Sequence[Cell], sticks: float | None, turns: float | None) -> tuple[str, str]:
+    """Up to which speed the bit of one weight sticks, and the style of that sentence."""
+    low, high = (quantity(x / RPM, "rpm") if x is not None else "" for x in (sticks, turns))
+    if sticks is None:
+        return f"the bit does not stick from {high} up", "green"
+    if turns is not None:
+        return f"sticking ends between {low} and {high}", "yellow"
+    of = "that was run" if any(cell.status != "done" for cell in row) else "of all"
+    if of == "of all" and not all(cell.judged for cell in row):
+        of = "that is judged"
+    return f"the bit sticks up to the highest speed {of}, {low}", "yellow"

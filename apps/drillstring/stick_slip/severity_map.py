@@ -11,7 +11,7 @@ import math
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -40,13 +40,22 @@ START_PERIODS = 1.0
 CYCLES = 20.0
 """Least length of a run, over that period: half of it tells."""
 NOT_RUN = "not run"
+STILL = 1.0e-3
+"""Share of the rotary speed below which a bit that never was faster has not turned."""
+HALTED = 0.05
+"""Mean speed of a drive over the one asked for, below which it stalls if its torque does not rise either: on its limit
+it swings on the string to and fro."""
+RISEN = 1.02
+"""Mean torque of a drive in a run's last quarter over that in the one before, from which it rises."""
 
 
 class Cell(NamedTuple):
-    """One run, in SI; numbers of a run that did not come to its end are NaN, and the severity of a bit that rocks.
+    """One run, in SI; numbers of a run that did not come to its end are NaN, and the severity of a bit that rocks,
+    does not turn, or first turns in the part of the run that is judged.
 
     Rotary speed and weight asked for; of the bit's rotary speed severity, share of time stuck, mean, least and largest;
-    means of torque on bit, weight on bit and rate of penetration; how it ended, and why if early; run time.
+    means of torque on bit, weight on bit and rate of penetration; how it ended, and why if early; run time; the torque
+    at which its drive stalls, NaN if it does not; whether the bit first turned in the part that is judged.
     """
 
     speed: float
@@ -62,16 +71,32 @@ class Cell(NamedTuple):
     status: str
     sentence: str
     wall_time: float
+    stall: float = math.nan
+    late: bool = False
 
     @property
     def told(self) -> str:
         """The severity in figures, or that there is none."""
+        if not self.turns:
+            return "not turning"
+        if self.late:
+            return "too short"
         return "rocks" if math.isnan(self.severity) else f"{self.severity:.2f}"
 
     @property
+    def turns(self) -> bool:
+        """Whether the bit turns at all in the part that is judged; False where that is not known."""
+        return max(self.largest, -self.least) > STILL * self.speed
+
+    @property
+    def judged(self) -> bool:
+        """Whether the run tells if the bit sticks: it came to its end, and the bit had begun to turn by its half."""
+        return self.status == "done" and self.turns and not self.late
+
+    @property
     def sticks(self) -> bool:
-        """Whether the bit comes to rest; False where that is not known."""
-        return self.stuck > 0.0
+        """Whether a bit that turns comes to rest; False where that is not known."""
+        return self.judged and self.stuck > 0.0
 
 
 NUMBERS = ("severity", "stuck", "mean", "least", "largest", "torque", "weight_mean", "rate")
@@ -95,7 +120,7 @@ class Map:
         """For each weight the highest speed that sticks and the lowest above it that does not; None where none does."""
         found = []
         for row in self.cells:
-            known = [cell for cell in row if cell.status == "done"]
+            known = [cell for cell in row if cell.judged]
             sticking = [cell.speed for cell in known if cell.sticks]
             highest = max(sticking) if sticking else None
             above = [cell.speed for cell in known if highest is None or cell.speed > highest]
@@ -161,13 +186,29 @@ def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | 
         return _empty(speed, weight, status, told, time.perf_counter() - begun)
     except SceneError as error:
         return _empty(speed, weight, "bad input", str(error), time.perf_counter() - begun)
-    last, found = last_part(result.time), stick_slip(result.time, result["rotation_rate"][:, -1])
+    last, spin = last_part(result.time), result["rotation_rate"][:, -1]
+    found = stick_slip(result.time, spin)
     hole, seconds = result["hole_depth"][last], result.time[last]
-    return Cell(
+    cell = Cell(
         speed, weight, found["severity"], found["stuck"], found["mean"], found["least"], found["largest"],
         float(result["torque_on_bit"][last].mean()), float(result["weight_on_bit"][last].mean()),
         float((hole[-1] - hole[0]) / (seconds[-1] - seconds[0])), "done", "", time.perf_counter() - begun,
+        late=not (np.abs(spin[~last]) > STILL * speed).any(),
     )  # fmt: skip
+    if cell.judged:
+        return cell
+    return cell._replace(severity=math.nan, stall=math.nan if cell.turns else _stall(result, speed))
+
+
+def _stall(result: Mapping[str, Any], speed: float) -> float:
+    """Torque of a drive that neither turns nor gains torque any more while the bit stands, N m; NaN of another."""
+    if "drive_torque" not in result:
+        return math.nan
+    last = last_part(result["time"])
+    torque, turned = result["drive_torque"][last], result["drive_speed"][last]
+    before, after = np.array_split(torque, 2)
+    halts = abs(turned.mean()) < HALTED * speed and after.mean() < RISEN * before.mean()
+    return float(torque.mean()) if halts else math.nan
 
 
 def _empty(speed: float, weight: float, status: str = NOT_RUN, sentence: str = "", wall: float = 0.0) -> Cell:

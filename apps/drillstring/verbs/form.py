@@ -16,7 +16,9 @@ from tautline.scene.errors import option_error
 from tautline.scene.values.systems import length_unit
 
 if TYPE_CHECKING:
+    from drillstring.scene.scene import DrillstringScene
     from drillstring.statics.form import Finding, Form
+    from tautline.scene.errors import SceneWarning
 
 MOST_MESHES = 20
 DECIMALS = 4
@@ -69,7 +71,7 @@ def form(
     read_scenes = [changed(read(path), changes) for path in scenes]
     name = f"{scenes[0].stem}_form" if len(scenes) == 1 else "forms"
     figure, table = figure_place(output, name), check_table(csv, "scene,model,elements,node")
-    warned = [warnings_without_a_run(scene) for scene in read_scenes]
+    warned = [_warnings(scene, meshes, kinds) for scene in read_scenes]
     for path, warnings in zip(scenes, warned, strict=True):
         print_warnings(warnings, path if len(scenes) > 1 else None)
     found = []
@@ -91,6 +93,15 @@ def form(
             for path, one, warnings in zip(scenes, found, warned, strict=True)
         ]
         print_json(reports[0] | said if len(reports) == 1 else {"scenes": reports} | said)
+
+
+def _warnings(scene: DrillstringScene, elements: list[int], kinds: list[str]) -> list[SceneWarning]:
+    """Warnings of a scene, and of the meshes that are computed in place of its own."""
+    from drillstring.mesh import ELEMENTS, mesh_warnings
+    from drillstring.statics.form import meshes
+
+    found = [one for one in warnings_without_a_run(scene) if one.where != ELEMENTS]
+    return found + mesh_warnings(meshes(scene, elements, kinds))
 
 
 def report(path: Path, found: Finding) -> dict[str, Any]:

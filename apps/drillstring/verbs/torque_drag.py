@@ -90,8 +90,9 @@ def torque_drag(
     as_json: Json = False,
 ) -> None:
     """Find hook loads, surface torque, side force and buckling, at one depth or many, for several friction factors."""
+    from drillstring.mesh import ELEMENTS, mesh_warnings
     from drillstring.scene.scene import of_kind, read
-    from drillstring.statics.torque_drag import own_friction
+    from drillstring.statics.torque_drag import meshes, own_friction
     from drillstring.statics.torque_drag import torque_drag as compute
     from tautline.cli.options.changes import changed
     from tautline.cli.output.console import print_json, say
@@ -108,7 +109,9 @@ def torque_drag(
     reamed = parse_reaming(reaming, rotary)
     depths = parse_depths(depth) if depth is not None else None
     _check_elements(drillstring, elements)
-    warnings = warnings_without_a_run(_as_computed(drillstring, elements))
+    # The mesh is not the scene's, and there may be several: warnings are of those that are computed.
+    warnings = [one for one in warnings_without_a_run(drillstring) if one.where != ELEMENTS]
+    warnings += mesh_warnings(meshes(drillstring, depths, elements, kinds))
     print_warnings(warnings)
     loads, fitted = _fitted(drillstring, measured, elements, as_json)
     if fitted is not None:
@@ -210,14 +213,6 @@ def _check_elements(scene: DrillstringScene, elements: int | None) -> None:
     if elements is not None and elements < len(scene.string):
         cause = f"fewer than the {len(scene.string)} sections of the string"
         raise option_error("--elements", str(elements), cause, "give one for each section at least")
-
-
-def _as_computed(scene: DrillstringScene, elements: int | None) -> DrillstringScene:
-    """The scene with as many elements as its string is computed with: warnings are of these."""
-    from drillstring.statics.torque_drag import links
-
-    count = links(scene) if elements is None else elements
-    return scene if count == scene.model.elements else scene.with_values({("model", "elements"): (count, "--elements")})
 
 
 def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as_json: bool) -> tuple[Any, Fit | None]:

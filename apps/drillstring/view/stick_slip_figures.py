@@ -60,7 +60,8 @@ def draw(found: Map, title: str, system: str = "si") -> Figure:
                 continue
             if severity.size <= MOST_NUMBERS:
                 dark = cell.severity < 0.6 * MOST_SEVERE
-                plot.text(*middle, cell.told, ha="center", va="center", fontsize=8, color="w" if dark else "k")
+                words = cell.told.replace(" ", "\n")
+                plot.text(*middle, words, ha="center", va="center", fontsize=8, color="w" if dark else "k")
             if cell.sticks:
                 sticks = True
                 _frame(plot, across[k : k + 2], up[i : i + 2])
@@ -72,8 +73,10 @@ def draw(found: Map, title: str, system: str = "si") -> Figure:
     bar.set_label("severity, (max − min) / (2 mean) of the bit's speed")
     bar.outline.set_visible(False)
     handles = [sample_line("the bit sticks", color=FRAME, lw=2)] if sticks else []
-    if found.failures:
-        handles.append(sample_line("grey: stopped early", color=QUIET, lw=6))
+    cells = [cell for row in found.cells for cell in row if cell.status == "done" and not cell.judged]
+    causes = ["stopped early"] if found.failures else []
+    if grey := causes + sorted({cell.told for cell in cells}):
+        handles.append(sample_line(f"grey: {', '.join(grey)}", color=QUIET, lw=6))
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure

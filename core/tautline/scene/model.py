@@ -158,7 +158,10 @@ def _decimal_comma(data: Any, key: str) -> tuple[str, str]:
     if not whole and not (isinstance(before, str) and re.fullmatch(r"-0+", before)):
         return "", ""
     name = str(keys[keys.index(key) - 1])
-    return f"is it a decimal comma? Write {before}.{key} with a point, for {name}", name
+    cure = f"is it a decimal comma? Write {before}.{key} with a point, for {name}"
+    if re.match(r"\d{3}(?!\d)", key) and re.fullmatch(r"-?[1-9]\d{0,2}", str(before)):
+        cure += f". Does it mark thousands? Then write {before}{key}"
+    return cure, name
 
 
 def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetails:
@@ -599,6 +602,9 @@ class OneOf:
             raise refusal(f"gives both {chosen[0]} and {chosen[1]}", f"keep one: {cure}")
         if chosen:
             odd = next(key for key in value if key not in self.keyed)
+            comma, _ = _decimal_comma(value, str(odd))
+            if comma:
+                raise refusal(f"'{odd}' stands beside {chosen[0]}", comma)
             meant = nearest(str(odd), chosen) if str(odd).lower() != chosen[0] else ""
             cure = meant if meant.startswith("did") else f"indent it below {chosen[0]}, or remove it"
             raise refusal(f"'{odd}' stands beside {chosen[0]}", cure)

@@ -245,3 +245,60 @@ def test_a_weight_that_is_probably_meant_in_another_unit_is_asked_about_in_json_
     (asked,) = only_object(out)["warnings"]
     assert code == 0 and "50 N is unusual for a weight on bit" in asked
     assert " ".join(asked.split()) in " ".join(err.split())
+
+
+def still(speed, stall=math.nan):
+    return Cell(speed * RPM, 1e5, math.nan, 1.0, 0.0, 0.0, 0.0, 0.0, 1e5, 0.0, "done", "", 0.1, stall)
+
+
+@pytest.mark.parametrize(
+    ("cells", "said"),
+    [
+        ((still(60), cell(90)), ["when the runs end at 60 rpm. Give a longer --end", "from 90 rpm up"]),
+        ((cell(60, 0.2), still(90)), ["at 90 rpm. Give a longer --end", "the highest speed that is judged, 60 rpm"]),
+        ((still(60, 6e3),), ["100 kN: the bit does not turn. The drive stalls at 6 kN m. Give more torque or less"]),
+        ((still(60, 6e3), cell(90)), ["does not turn at 60 rpm. The drive stalls at 6 kN m", "from 90 rpm up"]),
+        ((cell(60, 0.5)._replace(late=True), cell(90)), ["last half of the runs only at 60 rpm", "from 90 rpm up"]),
+    ],
+)  # fmt: skip
+def test_each_cell_that_does_not_turn_is_told_with_what_would_turn_it(cells, said):
+    texts = [text for text, _ in sentences(Map(tuple(c.speed for c in cells), (1e5,), (tuple(cells),)), "si")]
+    assert len(texts) == len(said) and all(part in text for part, text in zip(said, texts, strict=True)), texts
+    assert not any("longer --end" in text for text in texts if "stalls" in text)
+
+
+@pytest.mark.parametrize("end", ["40 s", "80 s"])
+def test_a_drive_that_stalls_below_what_the_bit_needs_is_told_however_long_the_runs_are(drillstring_, end):
+    limit = ("--set", "top.rotation.controller.torque_limit=5 kN m")
+    words = ("--speed", "120", "--weight", "1e5", "--end", end, "--jobs", "1", "--json")
+    code, out, err = drillstring_("stick-slip", "drilling.yaml", *limit, *words)
+    told = " ".join(err.split())
+    assert code == 0 and only_object(out)["severity"] == [[None]]
+    assert "The drive stalls at 5 kN m. Give more torque or less weight" in told and "longer --end" not in told
+
+
+def test_a_bit_that_does_not_turn_before_the_runs_end_has_no_severity_and_does_not_count_as_sticking(drillstring_):
+    words = ("--speed", "60,120", "--weight", "50e3,100e3", "--end", "1 s", "--jobs", "1", "--json")
+    code, out, err = drillstring_("stick-slip", "drilling.yaml", *words)
+    report, told = only_object(out), " ".join(err.split())
+    assert code == 0 and report["severity"] == [[None, None]] * 2
+    assert all(one["sticks_at"] is one["turns_at"] is None for one in report["sticking_ends"])
+    assert "not turning" in told.replace("\u00a0", " ") and told.count("Give a longer --end") == 2
+    assert "sticks up to" not in told and "0.00" not in told
+    with Path("drilling_stick_slip.csv").open(newline="", encoding="utf8") as file:
+        assert all(row["severity"] in ("", "nan") for row in csv.DictReader(file))
+
+
+def test_a_bit_that_first_turns_in_the_half_that_is_judged_is_not_said_to_stick(drillstring_):
+    words = ("--speed", "60,120", "--weight", "50e3,100e3", "--end", "3 s", "--jobs", "1", "--json")
+    code, out, err = drillstring_("stick-slip", "drilling.yaml", *words)
+    told = " ".join(err.split())
+    assert code == 0 and "too short" in told.replace("\u00a0", " ") and only_object(out)["severity"][1] == [None, None]
+    assert "sticks up to" not in told and told.count("Give a longer --end") >= 2
+
+
+def test_a_cell_that_does_not_turn_is_grey_in_the_figure_and_its_legend_says_so():
+    figure = draw(Map((60 * RPM,), (1e5,), ((still(60),),)), "one cell")
+    assert "not\nturning" in [text.get_text() for text in figure.axes[0].texts]
+    assert figure.legends[0].get_texts()[0].get_text() == "grey: not turning"
+    assert figure.axes[0].collections[0].get_array().mask.all()

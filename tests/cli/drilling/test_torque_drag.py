@@ -261,7 +261,8 @@ def test_both_models_stand_beside_each_other_in_table_json_and_figure(drillstrin
     assert beam["pick_up"] == pytest.approx(lumps["pick_up"], rel=5e-3)
     # a beam touches at two points of each element and at the bit
     assert len(beam["profile"]["pick_up"]["side_force"]) == 41 and len(lumps["profile"]["pick_up"]["side_force"]) == 21
-    lines = err.splitlines()
+    warned, *lines = err.splitlines()
+    assert warned.startswith("warning: model.elements: ale-ancf, 20 elements")
     assert lines[0].split()[0] == "model" and all(len(line.rstrip()) <= 80 for line in lines[:9]) and "…" not in err
     assert "friction 0.2, ale-ancf, bit at" in " ".join(err.split())
     assert "friction 0.2, ale-ancf" in Path("both.svg").read_text()
@@ -482,6 +483,33 @@ def test_bad_row_of_measured_loads_is_named_by_its_number(loads, drillstring_, r
     code, _, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "loads.csv", *FEW)
     text = " ".join(err.split())
     assert code == 2 and f"loads.csv:{line}" in text and words in text and "Traceback" not in err
+
+
+POUNDS, TONNES = "write pick_up [klbf]", "write pick_up [tf]"
+MASSES = dict.fromkeys(("KLB", "klb", "KLBS", "Klbs.", "k lbs", "k.lbs", "1000 lb", "1,000 lbs", "x1000 lb"), POUNDS)
+MASSES |= dict.fromkeys(("MT", "mT", "mt", "te", "Te", "T", "t", "Tonnes", "metric tons", "1000 kg"), TONNES)
+MASSES |= {"Lbs": "write pick_up [lbf]", "lb.": "write pick_up [lbf]", "KG": "write pick_up [kgf]"}
+TONS = dict.fromkeys(
+    ("ton", "tons", "Tons", "TONF"), f"for tonnes {TONNES}; for short tons multiply the numbers by 2 and "
+)
+FORCES = {"KN": "write pick_up [kN]", "KLBF": POUNDS, "kips": "", "Kips": "write pick_up [kip]", "DAN": "pick_up [daN]"}
+
+
+@pytest.mark.parametrize(
+    ("unit", "cure"), [*(MASSES | TONS | FORCES).items(), ("foos", "'foos' is not a unit of force")]
+)
+def test_a_mass_over_hook_loads_is_answered_with_the_force_that_is_meant_however_it_is_written(tmp_path, unit, cure):
+    path = tmp_path / "loads.csv"
+    path.write_text(f"depth [m];pick_up [{unit}]\n2600;640\n", encoding="utf8")
+    if not cure:
+        assert read_measured(path).pick_up == pytest.approx([640 * 4448.2216], rel=1e-6)
+        return
+    with pytest.raises(SceneError) as caught:
+        read_measured(path)
+    text = str(caught.value)
+    assert cure in text and ("[kN]" not in text or "kN" in cure or unit == "foos")
+    for mass in ("'klb'", "'lb'", "'lbs'", "'t'", "'tonne'", "'kg'"):
+        assert f"did you mean {mass}" not in text
 
 
 def test_empty_cells_and_a_missing_column_are_loads_that_were_not_measured(folder):

@@ -97,6 +97,10 @@ PIPE, HEAVY, COLLAR = (
 )
 LIGHT = "{name: light, od: 3.5 in, id: 2.764 in, mass_per_length: 21, length: 400 m}"
 SLANTED = "well.sections=[{hold: 1000 m}, {build: {radius: 500 m, to: 60 deg, azimuth: 0 deg}}, {hold: 1500 m}]"
+LINER = "{name: liner, od: 7 in, id: 6.184 in, mass_per_length: 43, length: rest}"
+TUBING = "{name: tubing, od: 2.875 in, id: 2.441 in, mass_per_length: 9.7, length: %s}"
+SLIM = "{name: slim pipe, od: 3.5 in, id: 2.764 in, mass_per_length: 21, length: rest}"
+MOTOR = "{name: motor, od: 6.75 in, id: 4 in, mass_per_length: 115, length: 9 m}"
 REST, MORE = PIPE % "rest", PIPE % "500 m"
 
 
@@ -110,6 +114,14 @@ REST, MORE = PIPE % "rest", PIPE % "500 m"
         pytest.param([HEAVY, REST, COLLAR], False, id="heavy at both ends"),
         pytest.param([REST, LIGHT], False, id="tapered"),
         pytest.param([COLLAR.replace("100 m", "12 m"), REST], False, id="a kelly"),
+        pytest.param([HEAVY, LINER], False, id="a liner on heavy pipe"),
+        pytest.param([COLLAR, TUBING % "rest"], False, id="tubing below collars"),
+        pytest.param([COLLAR, SLIM], True, id="slim pipe from the bit up"),
+        pytest.param([HEAVY.replace("200 m", "rest"), LIGHT], False, id="a stinger below heavy pipe"),
+        pytest.param([COLLAR, REST, MOTOR], True, id="collars, pipe and a motor"),
+        pytest.param([COLLAR, HEAVY, REST, MOTOR], True, id="collars, heavy pipe, pipe and a motor"),
+        pytest.param([HEAVY, REST, MOTOR], False, id="heavy pipe, pipe and a motor"),
+        pytest.param([MOTOR, COLLAR, REST], True, id="from the bit up with its motor"),
     ],
 )
 def test_a_string_with_its_heavy_pipe_at_the_table_alone_is_asked_whether_it_was_written_from_the_bit_up(
@@ -127,3 +139,60 @@ def test_heavy_pipe_above_light_pipe_in_a_horizontal_hole_is_on_purpose(here):
         only_object(here("check", "jwell.yaml", *change, *hole, "--json")[1]) for hole in (("--set", SLANTED), ())
     )
     assert "string" in places(slanted) and "string" not in places(level)
+
+
+STATED = tuple(
+    word
+    for key, value in (("string[0].elements", 16), ("string[1].elements", 3), ("string[2].elements", 5))
+    for word in ("--set", f"{key}={value}")
+)
+"""Elements of every section of the string of drilling.yaml."""
+
+
+@pytest.mark.parametrize("options", [(), ("--elements", "12"), ("--depth", "2500")], ids=["own", "fewer", "depth"])
+def test_torque_drag_of_sections_that_all_state_their_elements_is_not_refused(here, options):
+    code, out, err = here("torque-drag", "drilling.yaml", *STATED, "--set", "model.elements=24", *options, "--json")
+    assert code == 0, err
+    assert "model.elements" not in places(only_object(out))
+
+
+BUILD = (
+    "--set", "well.sections=[{hold: 600 m}, {build: {rate: 6 deg/30m, to: 85 deg, azimuth: 0 deg}}, {hold: 400 m}]",
+    "--set", "string=[{name: dp, od: 5 in, id: 4.276 in, mass_per_length: 33, length: rest}]",
+)  # fmt: skip
+"""A hole that eight elements of the beam cut across, while eight links of lumps are enough for it."""
+BEAM_OF_60 = ("--set", "model.kind=ale-ancf", "--set", "model.elements=60")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        pytest.param(("torque-drag", "--model", "lumped,ale-ancf", "--elements", "8"), ["ale-ancf, 8"], id="second"),
+        pytest.param(
+            ("torque-drag", "--set", "model.kind=ale-ancf", "--elements", "8", "--model", "lumped"), [], id="no beam"
+        ),
+        pytest.param(("form", "--set", "model.elements=3", "--elements", "40"), [], id="more than the scene's"),
+        pytest.param(("form", *BEAM_OF_60, "--elements", "6"), ["an element of"], id="fewer than the scene's"),
+        pytest.param(("form", *BEAM_OF_60, "--elements", "6,60"), ["ale-ancf, 6 elements"], id="one of two"),
+    ],
+)
+def test_a_mesh_is_warned_of_as_it_is_computed_and_its_cure_is_the_option_that_counts(here, words, told):
+    verb, *options = words
+    code, out, _ = here(verb, "jwell.yaml", *BUILD, *options, "--json")
+    found = [one["text"] for one in only_object(out)["warnings"] if one["where"] == "model.elements"]
+    assert code == 0 and len(found) == len(told)
+    for text, begin in zip(found, told, strict=True):
+        assert text.startswith(begin) and "give --elements " in text and "or give --model lumped" in text
+        wanted = re.search(r"give --elements (\d+)", text)[1]
+        cured = [word if word not in ("8", "6") else wanted for word in options if word != "6,60"]
+        cured += [wanted] if "6,60" in options else []
+        code, out, _ = here(verb, "jwell.yaml", *BUILD, *cured, "--json")
+        assert code == 0 and "model.elements" not in places(only_object(out))
+
+
+def test_a_block_that_moves_past_the_shoe_counts_in_a_run_alone(here):
+    changes = ("--set", "well.wall.casing={shoe: 1500 m, friction: 0.15}", "--set", "model.elements=100")
+    changes += ("--set", "top.block={velocity: {ramp: {to: -5 m/s, over: 1 s}}}", "--set", "solver.end=40 s")
+    assert "well.wall.casing" in places(only_object(here("check", "jwell.yaml", *changes, "--json")[1]))
+    code, out, _ = here("torque-drag", "jwell.yaml", *changes, "--elements", "20", "--json")
+    assert code == 0 and "well.wall.casing" not in places(only_object(out))

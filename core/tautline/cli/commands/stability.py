@@ -19,6 +19,7 @@ from tautline.cli.commands.study import (
     working,
 )
 from tautline.cli.output.console import print_json, say
+from tautline.cli.output.scene_warnings import warning_records
 from tautline.cli.output.summary import two_columns
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.values.printed import significant
@@ -26,6 +27,7 @@ from tautline.scene.values.printed import significant
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from tautline.scene.errors import SceneWarning
     from tautline.study.robustness.stability import Stability
     from tautline.study.robustness.variants import Variant
 
@@ -52,7 +54,7 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: Opti
     from tautline.study.robustness.stability import stability as run
 
     tolerance = percentage(asked.tolerance, "--tolerance")
-    subject, stem = prepared(catalogue, path, asked), stem_of(path, output, "stability")
+    (subject, warnings), stem = prepared(catalogue, path, asked), stem_of(path, output, "stability")
     budget = min(asked.budget, QUICK_BUDGET) if asked.quick else asked.budget
     try:
         with working() as progress:
@@ -60,7 +62,7 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: Opti
     except Interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
-    _report(path, stem, found, as_json)
+    _report(path, stem, found, as_json, warnings)
     if found.interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED)
@@ -68,7 +70,7 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: Opti
         raise Ended(ExitCode.STOPPED_EARLY)
 
 
-def _report(path: Path, stem: Path, found: Stability, as_json: bool) -> None:
+def _report(path: Path, stem: Path, found: Stability, as_json: bool, warnings: Sequence[SceneWarning]) -> None:
     from tautline.study.figures import stability_figure
     from tautline.study.record import stability_record, write_csv
 
@@ -89,7 +91,8 @@ def _report(path: Path, stem: Path, found: Stability, as_json: bool) -> None:
         say(f"wrote {file}")
     if as_json:
         status = {"status": "interrupted"} if found.interrupted else stop_record(found.stop)
-        print_json({"scene": str(path)} | status | whole | {"files": [str(file) for file in files]})
+        ends = {"files": [str(file) for file in files], "scene_warnings": warning_records(warnings)}
+        print_json({"scene": str(path)} | status | whole | ends)
 
 
 def _count(variants: Sequence[Variant]) -> None:

@@ -15,7 +15,7 @@ from tautline.cli.options.changes import changed
 from tautline.cli.options.lists import number, numbers, one_of, words
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
-from tautline.cli.output.scene_warnings import print_warnings
+from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.methods import named as method_named
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from tautline.integrators.status import StoppedEarly
+    from tautline.scene.errors import SceneWarning
     from tautline.study.accuracy.precision import Grid, Row, Study
     from tautline.study.trials.trial import Subject
 
@@ -83,7 +84,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: StudyOpt
     from tautline.integrators.status import Interrupted, StoppedEarly
     from tautline.study.accuracy.precision import study as run
 
-    subject, grid = prepared(catalogue, path, asked), _grid(asked)
+    (subject, warnings), grid = prepared(catalogue, path, asked), _grid(asked)
     stem = stem_of(path, output, "study")
     budget = asked.budget if not asked.quick else min(asked.budget, QUICK_BUDGET)
     try:
@@ -94,7 +95,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: StudyOpt
                 reduced=asked.quick,
             )  # fmt: skip
     except StoppedEarly as stop:
-        stopped(path, stop, as_json)
+        stopped(path, stop, as_json, warnings)
     except Interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
@@ -102,7 +103,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: StudyOpt
     if refused and len(refused) == len(found.rows):
         cause = f"no setting can be run: {refused[0]}"
         raise SceneError([Problem(str(path), None, "", None, cause, "give other steps, methods or elements")])
-    _report(path, stem, found, as_json)
+    _report(path, stem, found, as_json, warnings)
     if found.interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED)
@@ -110,13 +111,14 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: StudyOpt
         raise Ended(ExitCode.STOPPED_EARLY)
 
 
-def prepared(catalogue: Catalogue, path: Path, asked: Options) -> Subject:
-    """Read a scene for a study; raises SceneError."""
+def prepared(catalogue: Catalogue, path: Path, asked: Options) -> tuple[Subject, list[SceneWarning]]:
+    """Read a scene for a study, and print its warnings, which are handed on; raises SceneError."""
     from tautline.study.trials.trial import Subject
 
     application, found = catalogue.read(path)
     scene = changed(found, asked.changes)
-    print_warnings(application.warnings(scene))
+    warnings = list(application.warnings(scene))
+    print_warnings(warnings)
     end, whole = asked.end, None
     if end is None and asked.quick:
         solver = application.build(scene).solver
@@ -128,7 +130,7 @@ def prepared(catalogue: Catalogue, path: Path, asked: Options) -> Subject:
         announced.append(kernels)
         return compiling(kernels) if len(announced) == 1 else None
 
-    return Subject(application, scene, end=end, whole=whole, announce=announce)
+    return Subject(application, scene, end=end, whole=whole, announce=announce), warnings
 
 
 @contextmanager
@@ -165,11 +167,11 @@ def named(stem: Path, ending: str) -> Path:
     return stem.parent / (stem.name + ending)
 
 
-def stopped(path: Path, stop: Any, as_json: bool) -> None:
+def stopped(path: Path, stop: Any, as_json: bool, warnings: Sequence[SceneWarning]) -> None:
     """Report that a scene does not come to its end, neither as it stands nor otherwise; always raises Ended."""
     tell_of(path, stop)
     if as_json:
-        print_json({"scene": str(path)} | stop_record(stop))
+        print_json({"scene": str(path)} | stop_record(stop) | {"scene_warnings": warning_records(warnings)})
     raise Ended(ExitCode.STOPPED_EARLY) from None
 
 
@@ -232,7 +234,7 @@ def _reference(asked: StudyOptions) -> Any:
     )
 
 
-def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
+def _report(path: Path, stem: Path, found: Study, as_json: bool, warnings: Sequence[SceneWarning]) -> None:
     from tautline.study.figures import work_precision
     from tautline.study.record import run_record, study_record, write_csv, write_netcdf
 
@@ -264,7 +266,8 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
         say(f"wrote {file}")
     if as_json:
         status = {"status": "interrupted"} if found.interrupted else stop_record(found.stop)
-        print_json({"scene": str(path)} | status | whole | {"files": [str(file) for file in files]})
+        ends = {"files": [str(file) for file in files], "scene_warnings": warning_records(warnings)}
+        print_json({"scene": str(path)} | status | whole | ends)
 
 
 def _reason(row: Row) -> str:

@@ -18,6 +18,7 @@ from typing import NoReturn
 import numpy as np
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.force_units import not_a_force, unit_of_force
 from tautline.scene.reading.text import decode
 from tautline.scene.refusal import nearest
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE
@@ -35,12 +36,8 @@ THOUSANDS = re.compile(r"[+-]?\d{1,3}(\.\d{3})+", re.ASCII)
 """A number that may have points as marks of thousands."""
 SEPARATOR_LINE = re.compile(r"\s*\"?sep=(.)\"?\s*", re.IGNORECASE)
 """The first line of files that a spreadsheet writes for itself: it states what stands between cells."""
-FORCE_OF_MASS = {
-    **dict.fromkeys(("lb", "lbs", "lbm"), ("a pound", "lbf")),
-    **dict.fromkeys(("klb", "klbs", "klbm"), ("a thousand pounds", "klbf")),
-    **dict.fromkeys(("kg", "kgs"), ("a kilogram", "kgf")), **dict.fromkeys(("t", "tonne", "tonnes"), ("a tonne", "tf")),
-}  # fmt: skip
-"""Units of mass that stand for a force in many a sheet: what they are, and the unit of their weight."""
+WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+"""First bytes of the files of spreadsheets: .xlsx and .ods are archives, .xls is older."""
 WORDS = {
     "°": "deg", "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "dega": "deg",
     "rad": "rad", "rads": "rad", "radian": "rad", "radians": "rad", "grad": "gon", "hz": "Hz",
@@ -122,10 +119,15 @@ class Columns:
             if (size := self.path.stat().st_size) > largest:
                 cause = f"is {size / 1e6:.0f} MB long, and {largest / 1e6:.0f} MB are the most"
                 self.stop(None, "", None, cause, "keep only the rows that are needed")
-            text = decode(self.path.read_bytes(), self.path, legacy=True)
+            data = self.path.read_bytes()
         except (OSError, ValueError) as error:
             cause = f"cannot be read: {getattr(error, 'strerror', None) or error}"
             self.stop(None, "", None, cause, "check the path and its permissions")
+        if data.startswith(WORKBOOKS):
+            self.stop(
+                None, "", None, "is a workbook of a spreadsheet, and no text", "save it as CSV, and name that file"
+            )
+        text = decode(data, self.path, legacy=True)
         if not text.strip():
             self.stop(None, "", None, "is empty", "write a header and rows of numbers into it")
         lines = [(i, s) for i, s in enumerate(text.splitlines(), 1) if s.strip(" \t;,\x1a") and s.lstrip()[0] != "#"]
@@ -219,16 +221,12 @@ class Columns:
             factor = 1.0 if cause else converted(found, meant).si(Fraction(1))
         except (UnknownUnit, Uncounted) as error:
             cause = f"'{unit}' {error}" if isinstance(error, Uncounted) else str(error)
+            if wanted == "N" and isinstance(error, UnknownUnit):
+                cause = not_a_force(unit)
         if cause:
-            force = FORCE_OF_MASS.get(unit) if wanted == "N" else None
-            if force is not None:
-                what, forces = force
-                self.add(self.header_line, name, None, f"'{unit}': {what} is a mass", f"write {name} [{forces}]")
-            else:
-                usual = f"{name} [{_usual(wanted)}]"
-                self.add(
-                    self.header_line, name, None, cause, f"write the unit that the numbers are in, such as {usual}"
-                )
+            usual = f"write the unit that the numbers are in, such as {name} [{_usual(wanted)}]"
+            told = unit_of_force(unit, name) if wanted == "N" else None
+            self.add(self.header_line, name, None, *(told or (cause, usual)))
             return 1.0
         return factor
 

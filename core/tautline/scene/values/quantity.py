@@ -13,6 +13,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.refusal import nearest, refusal
+from tautline.scene.values.habits import flow_for_speed, habit
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
 from tautline.scene.values.ranges import RANGES
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
@@ -147,12 +148,16 @@ class Quantity:
             raise refusal("is text, not a number", f"remove the quotes, or add the unit: {self.cure}")
         if re.match(r"(\d+\s*)?/\s*\d", unit):
             raise refusal("is a fraction, and nothing is computed", f"{_without_fraction(written)}{self.cure}")
+        if told := habit(number, unit, self.unit):
+            raise refusal(*told)
         try:
             read = read_unit(unit)
         except UnknownUnit as error:
             raise refusal(str(error), self.cure) from error
         wanted = read_unit(self.unit) if self.unit else read_unit("%")
         if read.dimension != wanted.dimension:
+            if told := flow_for_speed(unit, read, self.unit):
+                raise refusal(*told)
             if POUND.search(unit) and read.dimension == (wanted * PER_GRAVITY).dimension:
                 raise refusal("a pound is a mass", f"write lbf, klbf or ft-lbf for a force: {self.cure}")
             raise refusal(
