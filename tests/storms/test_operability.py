@@ -527,7 +527,7 @@ def test_limits_of_the_scene_are_those_that_storms_are_judged_by(scene):
     limited = scene.replace({"limits": [
         {"output": "max_tension", "above": "60 kN", "name": "overload"}, {"output": "min_tension", "below": 500.0},
     ]})  # fmt: skip
-    assert limits_of_scene(limited) == ["max_tension < 60 kN", "min_tension > 500.0"]
+    assert limits_of_scene(limited) == ["max_tension <= 60 kN", "min_tension >= 500.0"]
     assert limits_of_scene(scene) == []
 
 
@@ -653,7 +653,7 @@ def test_a_limit_of_the_scene_on_an_array_is_judged_at_all_its_places(applicatio
     ]})  # fmt: skip
     found = operability(application, limited, asked((0.5,), 3, 10.0, limits=["max_tension < 60 kN"]), ALONE)
     texts = [one.text for one in found.criteria]
-    assert texts == ["max_tension < 60 kN", "tension < 60 kN", "tension > 1 kN"]
+    assert texts == ["max_tension < 60 kN", "tension <= 60 kN", "tension >= 1 kN"]
     # A span has two ends, and the rope's largest tension is at one of them.
     assert found.table.values[1].tolist() == found.table.values[0].tolist()
     assert (found.table.values[2] < found.table.values[1]).all()
