@@ -11,7 +11,18 @@ import xarray
 from cli.in_process import commands_of, leave_out_pixels, only_object
 
 from crane.application import Crane
-from crane.operability.allowable import ABOVE, BELOW, FAILED, INSIDE, STOPPED, allowable, crossing, fitted, governing
+from crane.operability.allowable import (
+    ABOVE,
+    BELOW,
+    FAILED,
+    INSIDE,
+    STOPPED,
+    Allowable,
+    allowable,
+    crossing,
+    fitted,
+    governing,
+)
 from crane.operability.conditions import Condition, conditions_of, highest
 from crane.operability.scatter import YEAR, fatigue_over, read_scatter
 from crane.operability.storms import Asked, operability
@@ -207,7 +218,7 @@ def test_of_several_limits_the_least_height_governs_and_an_unknown_one_leaves_it
     heights = [[[1.0, 2.0, 1.0]], [[1.5, 0.5, np.nan]]]
     found = np.empty((2, 1, 3), object)
     for at in np.ndindex(*found.shape):
-        found[at] = SimpleNamespace(height=np.array(heights)[at])
+        found[at] = Allowable(np.array(heights)[at], 0.4, 4.0, INSIDE)
     assert governing(SimpleNamespace(allowable=found)).tolist() == [[0, 1, -1]]
 
 
