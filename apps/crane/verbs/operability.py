@@ -154,6 +154,7 @@ def _report(
     from tautline.cli.output.scene_warnings import warning_records
     from tautline.cli.output.summary import two_columns
     from tautline.cli.run import Ended, ExitCode
+    from tautline.sweeps.journal import list_figures
 
     outcome, table = found.outcome, found.table
     written: dict[str, Path] = {}
@@ -165,6 +166,8 @@ def _report(
         }  # fmt: skip
         written = write_all(table, found.criteria, attributes, folder, found.fatigue)
         figures = draw(table, found.criteria, read.title or "", _compared_said(asked), folder)
+        # A run before, gone on with for other limits, has figures whose rows the tables no longer have.
+        list_figures(folder, figures)
         if not quiet:
             console().print(two_columns(_rows(found, asked)))
             for path in (*written.values(), *figures):
