@@ -5,7 +5,8 @@ MEANINGS = {
     "units": "System of units of figures and tables; what is stored is SI.",
     "name": "By which other keys, results and messages call it.",
     "start": "The state at t = 0: `static`, in equilibrium; `relaxed`, moved until at rest; `as drawn`.",
-    "Scene.drillstring.start": "`static`: equilibrium; `relaxed`: moved until at rest; `straight`: on the hole's axis.",
+    "Scene.drillstring.start": "`static`: equilibrium; `relaxed`: moved until at rest, with friction one of many such "
+    "states; `straight`: on the hole's axis.",
     "Scene.gardenhose.start": "`straight`: as drawn; `static`: equilibrium; `relaxed`: moved until at rest.",
     "CableSolver.start": "`as given`: where the nodes are; `static`: equilibrium; `relaxed`: moved until at rest.",
     "Limit.above": "A run fails above it.",

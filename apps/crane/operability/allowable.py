@@ -9,7 +9,7 @@ is where that curve meets the limit. Its interval comes from the bounds of the f
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +29,9 @@ INSIDE, BELOW, ABOVE, BREAKS, STOPPED, SLACK, UNKNOWN = (
 """How an allowable height is bounded: found between heights; smaller than all; larger than all of the grid, or than all
 that are physical; the last one below a height of which a storm did not come to its end, or of which all storms but one
 at most have no tension left, so that nothing tells how far beyond the limit they are."""
+
+UPWARDS = (ABOVE, BREAKS)
+"""Bounds from below: the height is at least that."""
 
 
 class Allowable(NamedTuple):
@@ -161,11 +164,44 @@ class Table(NamedTuple):
 def governing(table: Table) -> np.ndarray:
     """Number of the limit that allows the least, (headings, periods); -1 where what one of them allows is not known.
 
-    Of a table of one limit or more.
+    Of a table of one limit or more. Of equal heights one that was found counts before one that the grid bounds, and
+    then that with the least low end.
     """
-    heights = np.array([one.height for one in table.allowable.ravel()], float).reshape(table.allowable.shape)
-    known = np.isfinite(heights)
-    return np.where(known.all(axis=0), np.where(known, heights, np.inf).argmin(axis=0), -1)
+    heights, lows = (_read(table, name) for name in ("height", "low"))
+    bounded = np.reshape([one.bound in UPWARDS for one in table.allowable.ravel()], heights.shape)
+    least = np.lexsort((lows, bounded, heights), axis=0)[0]
+    return np.where(np.isfinite(heights).all(axis=0), least, -1)
+
+
+def of_all(table: Table) -> np.ndarray:
+    """What all limits allow together, (headings, periods) of `Allowable`.
+
+    Height and both ends are the least of all limits, each with its own bound: what is allowed with a limit more is
+    never more, nor surer.
+    """
+    found = np.empty(table.allowable.shape[1:], object)
+    for (i, j), k in np.ndenumerate(governing(table)):
+        known = k >= 0
+        found[i, j] = _least(table.allowable[:, i, j]) if known else Allowable(math.nan, math.nan, math.nan, UNKNOWN)
+    return found
+
+
+def _least(limits: Iterable[Allowable]) -> Allowable:
+    limits = list(limits)
+    ends = [
+        min(pairs, key=lambda end: (end[0], end[1] in UPWARDS))
+        for pairs in (
+            [(one.height, one.bound) for one in limits], [(one.low, one.low_bound) for one in limits],
+            [(one.high, one.high_bound) for one in limits],
+        )
+    ]  # fmt: skip
+    middle, low, high = ends
+    return Allowable(middle[0], low[0], high[0], middle[1], low[1], high[1])
+
+
+def _read(table: Table, name: str) -> np.ndarray:
+    """A number of all allowable heights, (limits, headings, periods)."""
+    return np.array([getattr(one, name) for one in table.allowable.ravel()], float).reshape(table.allowable.shape)
 
 
 def tabulate(

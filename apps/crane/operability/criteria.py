@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
+from tautline.scene.limits import ABOVE
 from tautline.scene.values.quantity import Quantity, as_in_a_file
 from tautline.scene.values.systems import usual_unit
 from tautline.sweeps.verbs import no_number, no_part, output_of
@@ -178,11 +179,13 @@ def bare_notes(criteria: Sequence[Criterion], system: str) -> list[str]:
 def limits_of_scene(scene: Any) -> list[str]:
     """Limits that a scene gives itself under ``limits``, as ``--limit`` takes them: here they join those given.
 
-    A limit that has to be passed for some time to count is taken as one that must not be passed at all.
+    A run keeps such a limit at equality, hence ``<=`` and ``>=``. Which of the two follows from the side that fails,
+    and not from the key: `at_most` is `above`. A limit that has to be passed for some time to count is taken as one
+    that must not be passed at all.
     """
     given = getattr(scene, "limits", ())
     sides = [(one.output, side) for one in given or () if hasattr(one, "sides") for side in one.sides]
-    return [f"{name} {'<' if side.key == 'above' else '>'} {side.written}" for name, side in sides]
+    return [f"{name} {'<=' if side.fails == ABOVE else '>='} {side.written}" for name, side in sides]
 
 
 COUNTS = frozenset(

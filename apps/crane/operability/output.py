@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.operability.allowable import FITTED, UNKNOWN, Allowable, Table, governing, steepest
+from crane.operability.allowable import FITTED, Allowable, Table, governing, of_all, steepest
 from crane.operability.criteria import Criterion
 from crane.operability.scatter import Fatigue
 from tautline.results.errors import WriteError
@@ -109,7 +109,7 @@ def _write_states(table: Table, criteria: Sequence[Criterion], path: Path) -> Pa
 
 
 def _write_heights(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
-    """A row for each limit, heading and period; of several limits the smallest of all last, with its limit."""
+    """A row for each limit, heading and period; of several limits what all allow last, and which of them governs."""
     rows = []
     heads = [
         "limit", "heading [deg]", "peak_period [s]", "allowable_height [m]", "low [m]", "high [m]", "bound",
@@ -117,17 +117,21 @@ def _write_heights(table: Table, criteria: Sequence[Criterion], path: Path) -> P
     ]  # fmt: skip
     for k, i, j in np.ndindex(*table.allowable.shape):
         rows.append([criteria[k].text, *_place(table, i, j), *table.allowable[k, i, j], ""])
-    for i, j, k in least_of_all(table):
-        one = table.allowable[k, i, j] if k >= 0 else [math.nan] * 3 + [UNKNOWN, "", ""]
+    for i, j, k, one in least_of_all(table):
         rows.append([ALL, *_place(table, i, j), *one, criteria[k].text if k >= 0 else ""])
     return write_rows(heads, rows, path, error_type=WriteError)
 
 
-def least_of_all(table: Table) -> list[tuple[int, int, int]]:
-    """Heading, period, and the limit that governs there (-1: not known); nothing where there is but one limit."""
+def least_of_all(table: Table) -> list[tuple[int, int, int, Allowable]]:
+    """Heading, period, the limit that governs there (-1: not known), and what all limits allow.
+
+    Nothing where there is but one limit.
+    """
     if len(table.allowable) < 2:
         return []
-    return [(i, j, int(k)) for (i, j), k in np.ndenumerate(governing(table))]
+    found = governing(table)
+    least: Any = of_all(table)
+    return [(i, j, int(found[i, j]), least[i, j]) for i, j in np.ndindex(*found.shape)]
 
 
 def _place(table: Table, heading: int, period: int) -> list[float]:
@@ -147,12 +151,8 @@ def draw(table: Table, criteria: Sequence[Criterion], title: str, compared: str,
             # Limits that differ in their signs only.
             name = f"{name}_{k + 1}"
         made.append(save(_figure(table, table.allowable[k], one.text, title, compared), folder / f"{NAMED}{name}.png"))
-    least = least_of_all(table)
-    if least:
-        found = np.empty(table.allowable.shape[1:], object)
-        for i, j, k in least:
-            found[i, j] = table.allowable[k, i, j] if k >= 0 else Allowable(math.nan, math.nan, math.nan, UNKNOWN)
-        made.append(save(_figure(table, found, ALL, title, compared), folder / f"{NAMED}all_limits.png"))
+    if len(table.allowable) > 1:
+        made.append(save(_figure(table, of_all(table), ALL, title, compared), folder / f"{NAMED}all_limits.png"))
     return made
 
 

@@ -154,6 +154,7 @@ def _report(
     from tautline.cli.output.scene_warnings import warning_records
     from tautline.cli.output.summary import two_columns
     from tautline.cli.run import Ended, ExitCode
+    from tautline.sweeps.journal import list_figures
 
     outcome, table = found.outcome, found.table
     written: dict[str, Path] = {}
@@ -165,6 +166,8 @@ def _report(
         }  # fmt: skip
         written = write_all(table, found.criteria, attributes, folder, found.fatigue)
         figures = draw(table, found.criteria, read.title or "", _compared_said(asked), folder)
+        # A run before, gone on with for other limits, has figures whose rows the tables no longer have.
+        list_figures(folder, figures)
         if not quiet:
             console().print(two_columns(_rows(found, asked)))
             for path in (*written.values(), *figures):
@@ -219,18 +222,15 @@ def _allowed(found: Found) -> list[dict[str, Any]]:
     if table is None:
         return []
     for k, i, j in np.ndindex(*table.allowable.shape):
-        one = table.allowable[k, i, j]
         told.append({
             "limit": found.criteria[k].text, "heading": table.headings[i], "peak_period": float(table.periods[j]),
-            "allowable_height": _known(one.height), "low": _known(one.low), "high": _known(one.high),
-            "bound": one.bound, "low_bound": one.low_bound, "high_bound": one.high_bound,
+            **_told(table.allowable[k, i, j]),
         })  # fmt: skip
     return told
 
 
 def _least(found: Found) -> list[dict[str, Any]]:
-    """The least of all limits, heading by heading and period by period; nothing where there is but one limit."""
-    from crane.operability.allowable import UNKNOWN
+    """What all limits allow, heading by heading and period by period; nothing where there is but one limit."""
     from crane.operability.output import least_of_all
 
     table = found.table
@@ -238,13 +238,19 @@ def _least(found: Found) -> list[dict[str, Any]]:
         return []
     return [
         {
-            "heading": table.headings[i], "peak_period": float(table.periods[j]),
-            "allowable_height": _known(table.allowable[k, i, j].height) if k >= 0 else None,
-            "bound": table.allowable[k, i, j].bound if k >= 0 else UNKNOWN,
+            "heading": table.headings[i], "peak_period": float(table.periods[j]), **_told(one),
             "governed_by": found.criteria[k].text if k >= 0 else None,
         }
-        for i, j, k in least_of_all(table)
+        for i, j, k, one in least_of_all(table)
     ]  # fmt: skip
+
+
+def _told(one: Any) -> dict[str, Any]:
+    """An allowable height and its interval, m, and how they are bounded; null where not known."""
+    return {
+        "allowable_height": _known(one.height), "low": _known(one.low), "high": _known(one.high),
+        "bound": one.bound, "low_bound": one.low_bound, "high_bound": one.high_bound,
+    }  # fmt: skip
 
 
 def _known(value: float) -> float | None:
@@ -284,10 +290,9 @@ def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
         rows.append((f"Hs for {one['limit']}, {_where(one)}", _said(one)))
     for one in _least(found):
         height = one["allowable_height"]
-        said = "not known" if height is None else "none" if height == 0.0 else f"{significant(height)} m"
         # Of limits that the grid bounds none governs.
-        said += "" if height is None else f", {one['bound'] if height and one['bound'] else 'by ' + one['governed_by']}"
-        rows.append((f"Hs for all limits, {_where(one)}", said))
+        by = "" if height is None or (height and one["bound"]) else f", by {one['governed_by']}"
+        rows.append((f"Hs for all limits, {_where(one)}", f"{_said(one)}{by}"))
     if found.fatigue is not None:
         one_year = found.fatigue
         rows += [
