@@ -22,7 +22,7 @@ from matplotlib.figure import Figure as Page
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
-from matplotlib.ticker import FuncFormatter, LogFormatter, LogFormatterSciNotation, MaxNLocator
+from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatter, LogFormatterSciNotation, MaxNLocator
 
 from tautline.results.errors import ResultError
 from tautline.scene.values.systems import SYSTEMS, in_system
@@ -74,6 +74,11 @@ LONGEST_NAME = 40
 
 LETTERS, LETTERS_OF_LEGEND = 10.5, 14.6
 """Letters of a heading and of a legend in an inch."""
+
+LETTERS_OF_TICKS = 10.8
+"""Digits of the numbers at an axis in an inch."""
+ROUNDING = 1.0e-6
+"""Difference, as a share of their size, by which values differ that are as good as one."""
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 ENOUGH = 0.05
@@ -204,6 +209,41 @@ def widen(plot: Axes, values: np.ndarray, least: float) -> None:
         plot.set_ylim(middle - 0.55 * least, middle + 0.55 * least)
 
 
+def but_for_rounding(values: np.ndarray) -> tuple[float, float]:
+    """Smallest and largest of some values; where they differ by rounding alone, one per cent below and above them."""
+    known = values[np.isfinite(values)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+    size = max(abs(low), abs(high))
+    if high - low > ROUNDING * size:
+        return low, high
+    return low - 0.01 * (size or 1.0), high + 0.01 * (size or 1.0)
+
+
+def flatten_rounding(plot: Axes, values: np.ndarray, along: str = "y") -> None:
+    """Keep an axis from blowing up values that differ by rounding alone."""
+    low, high = but_for_rounding(values)
+    if values.size and low < np.nanmin(values):
+        getattr(plot, f"set_{along}lim")(low, high)
+
+
+class RoomForLabels(AutoLocator):
+    """Ticks of a horizontal axis, as few as the lengths of their labels leave room for, and two at least."""
+
+    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
+        """Round numbers from below one value to above another."""
+        found = super().tick_values(vmin, vmax)
+        if self.axis is None:
+            return found
+        letters = LETTERS_OF_TICKS * self.axis.axes.bbox.width / self.axis.axes.figure.dpi
+        for most in range(len(found), 1, -1):
+            found = MaxNLocator(most, steps=[1, 2, 5, 10]).tick_values(vmin, vmax)
+            seen = found[(found >= vmin) & (found <= vmax)]
+            texts = self.axis.get_major_formatter().format_ticks(seen)
+            if sum(len(text) + 2 for text in texts) <= letters or len(seen) <= 2:
+                break
+        return found
+
+
 def shade(plot: Axes, time: np.ndarray, flags: np.ndarray, colour: str = SHADE, text: str = "") -> None:
     """Shade the times at which flags is true.
 
@@ -246,6 +286,8 @@ def bar_of_shades(
     colours = ScalarMappable(shades_between(low, high, by_ratio), SHADES)
     bar = figure.colorbar(colours, ax=plots, location="bottom", aspect=40, **look)
     bar.set_label(text)
+    if not by_ratio:
+        bar.locator = RoomForLabels()
     return bar
 
 
