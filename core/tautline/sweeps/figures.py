@@ -263,15 +263,25 @@ def _ticks(plot: Any, one: Any, text: str, along: str = "x") -> None:
 
 
 def _logarithmic(numbers: np.ndarray) -> bool:
-    """Whether numbers rise by equal ratios, and by much, or by uneven steps, and by very much."""
-    if numbers.size < 3 or not (numbers > 0.0).all() or numbers.max() < MUCH * numbers.min():
+    """Whether numbers rise by equal ratios, and by much, or by uneven steps, and by very much, as two may."""
+    if numbers.size < 2 or not (numbers > 0.0).all() or numbers.max() < MUCH * numbers.min():
         return False
     numbers = np.sort(numbers)
+    if numbers.size == 2:
+        return bool(numbers[1] > VERY_MUCH * numbers[0])
     if numbers[-1] > VERY_MUCH * numbers[0]:
         steps = np.diff(numbers)
         return not np.allclose(steps, steps[0], rtol=1e-6)
     ratios = np.diff(np.log(numbers))
     return bool(np.allclose(ratios, ratios[0], rtol=1e-6))
+
+
+def _edges_on_its_side(numbers: np.ndarray) -> np.ndarray:
+    """Edges of cells about numbers (n,): of none above zero below it, for there may be no such mass or stiffness."""
+    from tautline.view.figures.waterfall import edges_of
+
+    edges = edges_of(numbers)
+    return np.maximum(edges, 0.0) if numbers[0] > 0.0 else edges
 
 
 @styled
@@ -295,7 +305,7 @@ def _map(data: Variables, cases: Cases, name: str) -> Any:
     low, high = but_for_rounding(values)
     # Where an axis is logarithmic, halfway between two values is so by their ratio.
     x_edges, y_edges = (
-        np.exp(edges_of(np.log(at))) if each.numeric and _logarithmic(np.array(each.numbers)) else edges_of(at)
+        np.exp(edges_of(np.log(at))) if _logarithmic(np.array(each.numbers)) else _edges_on_its_side(at)
         for at, each in ((x, one), (y, two))
     )
     by_ratio = low > 0.0 and high > VERY_MUCH * low

@@ -6,6 +6,7 @@ Figures are made without pyplot, so they need no display and no backend: saving 
 from __future__ import annotations
 
 import io
+import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,7 +23,14 @@ from matplotlib.figure import Figure as Page
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
-from matplotlib.ticker import AutoLocator, FuncFormatter, LogFormatter, LogFormatterSciNotation, MaxNLocator
+from matplotlib.ticker import (
+    AutoLocator,
+    FuncFormatter,
+    LogFormatter,
+    LogFormatterSciNotation,
+    MaxNLocator,
+    ScalarFormatter,
+)
 
 from tautline.results.errors import ResultError
 from tautline.scene.values.systems import SYSTEMS, in_system
@@ -80,6 +88,12 @@ LETTERS_OF_TICKS = 10.8
 ROUNDING = 1.0e-6
 """Difference, as a share of their size, by which values differ that are as good as one."""
 
+UNIT = re.compile(r"(?<=\s)\[([^\[\]]+)\]$")
+"""Unit at the end of a label."""
+POWER = re.compile("1e([−-]?[0-9]+)")
+"""Power of ten as matplotlib writes it at the end of an axis."""
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 ENOUGH = 0.05
 """Of a unit without a prefix, or with one that makes it smaller, from which on it is taken: 0.4 N, not 400 mN."""
@@ -92,6 +106,7 @@ class Figure(Page):
         """PNG of the figure, which notebooks ask for."""
         written = io.BytesIO()
         with matplotlib.rc_context(STYLE):
+            powers_into_labels(self)
             self.savefig(written, format="png", dpi=self.dpi)
         return written.getvalue()
 
@@ -336,6 +351,28 @@ def thin_logarithms(figure: Figure) -> None:
             plot.xaxis.set_minor_formatter(FuncFormatter(lambda x, _, few=few: _power(x) if _digit(x) in few else ""))
 
 
+def powers_into_labels(figure: Figure) -> None:
+    """Write the power of ten of an axis into the unit of its label: beside the axis it is taken for that of another."""
+    for plot in figure.axes:
+        for axis in (plot.xaxis, plot.yaxis):
+            numbers, text = axis.get_major_formatter(), axis.get_label_text()
+            # Without a unit the power stands at the end of the axis. Where it is hidden it is written already.
+            hidden = not axis.get_offset_text().get_visible()
+            if hidden or not isinstance(numbers, ScalarFormatter) or not (unit := UNIT.search(text)):
+                continue
+            low, high = sorted(axis.get_view_interval())
+            places = np.array(axis.get_majorticklocs())
+            numbers.set_locs(places[(places >= low) & (places <= high)])
+            if not (found := POWER.fullmatch(numbers.get_offset())):
+                continue
+            power = int(found[1].replace("−", "-"))
+            # The layout may move ticks, and the power is written.
+            numbers.set_powerlimits((power, power))
+            name = unit[1] if unit[1] != "–" else ""
+            axis.set_label_text(f"{text[: unit.start()]}[10{str(power).translate(RAISED)} {name}".rstrip() + "]")
+            axis.get_offset_text().set_visible(False)
+
+
 def _digit(x: float) -> int:
     """The first digit of a number that has but one."""
     return round(float(x / 10.0 ** np.floor(np.log10(x) + 1e-9)))
@@ -357,6 +394,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     path = Path(path)
     try:
         thin_logarithms(figure)
+        powers_into_labels(figure)
         with whole_file(path) as waiting:
             figure.savefig(waiting)
     except OSError as error:
