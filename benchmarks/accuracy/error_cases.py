@@ -53,7 +53,7 @@ CHOSEN_BY = (
     Case("hose", {}),
     Case("slewing", {}),
     Case("landing", {}, None, 20.0),
-    Case("whirl", {}, None, 5.0),
+    Case("whirl", {}, 2e-3, 5.0),
     Case("reeled_span", {}),
     Case("field_well", {}),
     Case("hose", {SPEED: 15.0}, 2e-3),

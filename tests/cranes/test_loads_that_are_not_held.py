@@ -9,7 +9,7 @@ import pytest
 
 import tautline
 from crane.application import Crane
-from crane.results.slipping_brakes import slip_of
+from crane.results.slipping_brakes import slips_of
 
 MASS, GRAVITY, RADIUS, INERTIA = 5000.0, 9.81, 0.5, 5000.0
 WEIGHT = MASS * GRAVITY
@@ -26,13 +26,14 @@ path:
   - end: {{name: hook, body: load}}
 mesh: {{elements_per_span: 1}}
 {more}
-solver: {{step: 10 ms, end: 2 s}}
+solver: {{step: 10 ms, end: {end} s}}
 output: {{interval: 50 ms}}
 """
 
 
-def read(drive, law="", more=""):
-    return tautline.read(SCENE.format(mass=MASS, radius=RADIUS, inertia=INERTIA, drive=drive, law=law, more=more))
+def read(drive, law="", more="", end=2.0):
+    values = {"mass": MASS, "radius": RADIUS, "inertia": INERTIA, "drive": drive, "law": law, "more": more, "end": end}
+    return tautline.read(SCENE.format(**values))
 
 
 def told(scene):
@@ -124,11 +125,67 @@ def test_a_brake_that_opens_and_lets_the_load_go_has_not_slipped():
     assert result.headline["rise"]["value"] < -0.5 and slips(result) == []
 
 
+def sinking(torque, closed):
+    """A load that sinks on its motor, 20 of 24.5 kN m, and a brake in kN m that closes as told."""
+    text = f"torque: 20 kN m, brake: {{torque: {torque} kN m, closed: {{table: {closed}}}}}"
+    return tautline.simulate(read(text, end=3.0))
+
+
+CLOSES = "{time: [0, 1, 1.1, 10], value: [0, 0, 1, 1]}"
+
+
+@pytest.mark.parametrize("torque", [12.0, 20.0, 30.0])
+def test_a_brake_that_stops_a_load_that_moves_is_not_said_to_slip(torque):
+    result = sinking(torque, CLOSES)
+    speed, passed = np.asarray(result["pay_out_speed"])[:, 0], np.asarray(result["paid_out"])[:, 0]
+    closed = np.asarray(result.time) > 1.1 - 1e-9
+    # The drum turned as the brake closed, and by more than what counts as slip.
+    assert speed[closed][0] > 0.1 * RADIUS and abs(speed[-1]) < 1e-3
+    assert passed[-1] - passed[closed][0] > 0.01 * RADIUS
+    assert not [text for text in result.warnings if "brake" in text]
+
+
+def test_a_brake_that_is_too_weak_to_stop_the_load_is_said_not_to_have_stopped_it():
+    result = sinking(3.0, CLOSES)
+    (text,) = [text for text in result.warnings if "brake" in text]
+    passed = np.asarray(result["paid_out"])[:, 0]
+    rope = passed[-1] - passed[np.asarray(result.time) > 1.1 - 1e-9][0]
+    assert "did not stop it" in text and "closed at t = 1.1 s" in text
+    assert float(re.search(r"([0-9.]+) m of rope ran out", text)[1]) == pytest.approx(rope, rel=5e-3)
+
+
+def test_a_brake_that_opens_before_the_load_has_stopped_is_said_not_to_have_stopped_it():
+    result = sinking(30.0, "{time: [0, 1, 1.1, 1.2, 1.3, 10], value: [0, 0, 1, 1, 0, 0]}")
+    (text,) = [text for text in result.warnings if "brake" in text]
+    assert "on a drum that turned, and did not stop it" in text and "keep it closed for longer" in text
+
+
+def test_a_brake_that_holds_a_load_and_then_slips_is_warned_of_with_the_rope_since_it_held():
+    # The motor lets go at 2 s: what the brake had stopped slips from there.
+    motor = "{table: {time: [0, 2, 2.1, 10], value: [20.0e3, 20.0e3, -20.0e3, -20.0e3]}}"
+    text = f"torque: {motor}, brake: {{torque: 30 kN m, closed: {{table: {CLOSES}}}}}"
+    result = tautline.simulate(read(text, end=3.0))
+    (said,) = slips(result)
+    time, passed = np.asarray(result.time), np.asarray(result["paid_out"])[:, 0]
+    rope = passed[-1] - passed[np.searchsorted(time, 1.9)]
+    assert 1.9 < float(re.search(r"from t = ([0-9.]+) s", said)[1]) < 2.3
+    assert float(re.search(r"([0-9.]+) m of rope ran out", said)[1]) == pytest.approx(rope, rel=5e-3)
+
+
 def test_rope_that_passes_an_open_brake_is_no_slip_and_each_closure_begins_anew():
     time = np.linspace(0.0, 1.0, 11)
-    paid_out = np.where(time < 0.45, time, 0.4)
-    assert slip_of(time, paid_out, time > 0.45, 0.01) is None
-    begin, passed = slip_of(time, paid_out, time > 0.15, 0.01)
-    assert (begin, passed) == (pytest.approx(0.2), pytest.approx(0.2))
-    begin, passed = slip_of(time, -paid_out, np.ones(11, bool), 0.01)
-    assert (begin, passed) == (0.0, pytest.approx(-0.4))
+    paid_out, turns = np.where(time < 0.45, time, 0.4), time < 0.45
+    assert slips_of(time, paid_out, turns, time > 0.45, 0.01) == []
+    # It is stopped in the closure.
+    assert slips_of(time, paid_out, turns, time > 0.15, 0.01) == []
+    # It is let go before.
+    (one,) = slips_of(time, paid_out, turns, (time > 0.15) & (time < 0.35), 0.01)
+    assert one == (pytest.approx(0.2), pytest.approx(0.1), False)
+    # It begins at rest.
+    turns[0] = False
+    (one,) = slips_of(time, -paid_out, turns, np.ones(11, bool), 0.01)
+    assert one == (0.0, pytest.approx(-0.4), True)
+    # Held in two closures, and more in the second; the first is when it began.
+    paid_out, turns = np.array([0, 0, 2, 2, 9, 9, 9, 12, 12, 12, 12.0]), np.zeros(11, bool)
+    closed = np.array([1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1], bool)
+    assert slips_of(time, paid_out, turns, closed, 0.01) == [(pytest.approx(0.1), pytest.approx(3.0), True)]

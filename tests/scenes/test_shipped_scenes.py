@@ -14,6 +14,7 @@ from references import cables
 from references import extensible_rod as rod
 from references import soft_string as soft
 
+from tautline.application.installed import Installed
 from tautline.results.result import Result
 
 DATA = Path(__file__).parents[2] / "data"
@@ -239,6 +240,13 @@ def test_every_shipped_scene_runs_and_a_number_in_its_result_is_right(scene, tmp
     assert report["status"] == "done" and report["frames"] >= 2
     assert report["energy_error"] < BALANCE.get(scene.stem, 1e-3)
     CLAIMS[scene.stem](report, Result.read(out))
+
+
+@pytest.mark.parametrize("scene", FILES, ids=lambda path: path.stem)
+def test_no_shipped_scene_is_warned_of_its_own_steps(scene):
+    application = Installed().for_scene(scene)
+    found = application.warnings(application.read(scene))
+    assert not [one for one in found if one.where.startswith(("solver", "GeneralizedAlpha", "output.interval"))]
 
 
 @pytest.mark.parametrize("scene", ["hoist", "hose", "jwell", "cantilever_bar"])

@@ -116,6 +116,9 @@ def test_points_of_failed_samples_are_on_the_axis_of_every_plot():
         ((2, 5, 8, 150, 1000), "log"),
         ((150, 2, 1000, 5, 8), "log"),
         ((1, 10, 100), "log"),
+        ((8e3, 8e5), "log"),
+        ((1, 29), "linear"),
+        ((-1, 50), "linear"),
         ((1, 2, 4), "linear"),
         ((1, 50, 99), "linear"),
         ((2, 5, 8, 20), "linear"),
@@ -128,6 +131,14 @@ def test_axes_are_logarithmic_where_uneven_values_lie_more_than_thirty_times_apa
     assert laid_out(_map(data, cases, "tension")).axes[0].get_xscale() == scale
     data, cases = made([seconds(*values)], Plan(GRID), lambda k: 5 + k)
     assert laid_out(_lines(data, cases, "tension")).axes[0].get_xscale() == scale
+
+
+@pytest.mark.parametrize("values", [(8e6, 8e8), (1, 25), (1, 50, 99), (0.1, 5, 6)])
+def test_the_axes_of_a_map_do_not_go_below_zero_where_no_value_does(values):
+    data, cases = made([seconds(*values), number("mass", *values)], Plan(GRID), lambda k: 5 + k)
+    plot = laid_out(_map(data, cases, "tension")).axes[0]
+    for low, high in (plot.get_xlim(), plot.get_ylim()):
+        assert 0.0 <= low < values[0] and high > values[-1]
 
 
 def test_colours_are_by_ratio_where_results_lie_more_than_thirty_times_apart_and_all_are_positive():

@@ -1,6 +1,7 @@
 """Figures of a sweep show every curve, every bar and every parameter, or say what they leave out."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from sweep.short_hoist import MASS, write_sweep
 from crane.application import Crane
 from tautline.results.tables.finding import Finding
 from tautline.sweeps.cases import Row
-from tautline.sweeps.figures import _lines, _scatter, _tornado, not_drawn
+from tautline.sweeps.figures import _lines, _map, _scatter, _tornado, not_drawn
 from tautline.sweeps.plans import GRID, LATIN, ONE, Parameter, Plan, cases_of
 from tautline.sweeps.table import dataset
 
@@ -155,3 +156,54 @@ def test_a_sweep_prints_what_it_does_not_draw_and_json_has_it(tmp_path, capsys, 
     (told,) = json.loads(printed)["not_drawn"]
     assert "3 parameters have several values" in told
     assert "note: no figures are drawn of a grid" in said
+
+
+def spread(size, share):
+    """A number of each of nine cases: one of size, and others larger by parts of a share of it."""
+    return lambda k: size * (1.0 + share * k / 8.0)
+
+
+@pytest.mark.parametrize(("size", "share"), [(5.0, 0.0), (5.0, 5e-11), (-3.0e5, 9e-7), (0.0, 0.0)])
+def test_numbers_that_differ_by_rounding_have_one_colour_one_height_and_no_bars(size, share):
+    pair = [number("mass", 1, 2, 3), number("wind", 1, 2, 3)]
+    data, cases = made(pair, Plan(GRID), spread(size, share))
+    plot, bar = laid_out(_map(data, cases, "tension")).axes
+    low, high = plot.collections[0].get_clim()
+    assert (high - low) / (0.5 * abs(low + high) or 1.0) == pytest.approx(0.02, rel=1e-3)
+    cells = plot.collections[0].norm(plot.collections[0].get_array())
+    assert np.ptp(cells) < 1e-3 and bar.get_xlabel()
+    data, cases = made([number("mass", 1, 2, 3), word("law", "a", "b", "c")], Plan(GRID), spread(size, share))
+    (plot,) = laid_out(_lines(data, cases, "tension")).axes
+    drawn = np.concatenate([line.get_ydata() for line in plot.get_lines()])
+    assert np.ptp(drawn) < 1e-3 * np.ptp(plot.get_ylim())
+    data, cases = made([number("mass", 1, 2, base=0.5), number("wind", 1, 2, base=0.5)], Plan(ONE), spread(size, share))
+    (plot,) = laid_out(_tornado(data, cases, "tension")).axes
+    assert all(x1 - x0 < 1e-3 * np.ptp(plot.get_xlim()) for x0, x1, *_ in visible(plot))
+
+
+@pytest.mark.parametrize(
+    ("size", "share"),
+    [
+        (5.0, 1.5e-6),
+        (123.45, 1.7e-6),
+        (99.9999, 3.3e-6),
+        (0.5, 1.1e-6),
+        (123.456, 3e-5),
+        (-5.0, 1e-4),
+        (7.0, 0.2),
+        (5.0e4, 2e-6),
+    ],
+)
+def test_numbers_of_a_bar_of_colours_and_below_a_tornado_stand_apart_however_long_they_are(size, share):
+    figures = []
+    data, cases = made([number("mass", 1, 2, 3), number("wind", 1, 2, 3)], Plan(GRID), spread(size, share))
+    figures.append(laid_out(_map(data, cases, "tension")))
+    assert np.ptp(figures[0].axes[0].collections[0].norm(np.array(figures[0].axes[0].collections[0].get_array()))) == 1
+    data, cases = made([number("mass", 1, 2, base=0.5), number("wind", 1, 2, base=0.5)], Plan(ONE), spread(size, share))
+    figures.append(laid_out(_tornado(data, cases, "tension")))
+    for figure in figures:
+        axis = figure.axes[-1].xaxis
+        low, high = sorted(axis.get_view_interval())
+        texts = [text for text in axis.get_ticklabels() if low <= text.get_position()[0] <= high]
+        boxes = sorted((text.get_window_extent().x0, text.get_window_extent().x1) for text in texts)
+        assert len(boxes) > 1 and all(end < start for (_, end), (start, _) in pairwise(boxes))

@@ -1,4 +1,4 @@
-"""Numbers below logarithmic axes stand apart, whatever the range."""
+"""Numbers below logarithmic axes stand apart, whatever the range; a power of ten stands in the label of its axis."""
 
 from itertools import pairwise
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from of_the_suite import studies
 
-from tautline.view.figures.figure import axes, save, styled
+from tautline.view.figures.figure import axes, legend_above, save, styled
 
 
 @styled
@@ -37,3 +37,33 @@ def test_they_do_not_overlap_and_there_are_two_at_least(tmp_path, low, decades):
     found = spans(tmp_path / "plot.png", low, decades)
     assert len(found) > 1
     assert all(end < start for (_, end), (start, _) in pairwise(found))
+
+
+@styled
+def test_a_power_of_ten_stands_in_the_label_of_its_own_axis_and_numbers_times_it_are_the_values(tmp_path):
+    figure, plots = axes(1, 1)
+    plot = plots[0, 0]
+    plot.plot([0.0, 3.0e-6], [4.0e5, 8.2e5], label="line")
+    plot.set_xlabel("strain [–]")
+    plot.set_ylabel("path[0].stiffness\nof the rope [kN m]")
+    legend_above(plot)
+    save(figure, tmp_path / "plot.png")
+    assert plot.get_ylabel() == "path[0].stiffness\nof the rope [10⁵ kN m]" and plot.get_xlabel() == "strain [10⁻⁶]"
+    for axis, power in ((plot.yaxis, 1e5), (plot.xaxis, 1e-6)):
+        assert not axis.get_offset_text().get_visible()
+        for text, place in zip(axis.get_ticklabels(), axis.get_majorticklocs(), strict=True):
+            assert float(text.get_text().replace("−", "-")) * power == pytest.approx(place, abs=1e-3 * power)
+    # Saved once more nothing is added.
+    save(figure, tmp_path / "plot.svg")
+    assert plot.get_ylabel().count("10⁵") == 1
+
+
+@styled
+def test_the_power_of_ten_of_an_axis_without_a_unit_stands_at_its_end_and_short_numbers_have_none(tmp_path):
+    figure, plots = axes(1, 2)
+    for plot, largest in zip(plots[0], (8.0e5, 80.0), strict=True):
+        plot.plot([0.0, 1.0], [0.0, largest])
+        plot.set_ylabel("bodies[0]" if largest > 1e5 else "force [kN]")
+    save(figure, tmp_path / "plot.png")
+    assert plots[0, 0].yaxis.get_offset_text().get_text() == "1e5" and plots[0, 0].get_ylabel() == "bodies[0]"
+    assert plots[0, 1].get_ylabel() == "force [kN]"

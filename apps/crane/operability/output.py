@@ -161,27 +161,47 @@ def _figure(table: Table, allowable: np.ndarray, text: str, title: str, compared
     """Heights (headings, periods) of `Allowable`."""
     figure, plots = axes(1, 1, 6.8, 4.4, f"{title}: {text}" if title else text)
     plot, periods = plots[0, 0], table.periods
-    for i, heading in enumerate(table.headings):
-        found = allowable[i]
-        height = np.array([each.height for each in found])
-        low, high = np.array([each.low for each in found]), np.array([each.high for each in found])
-        shade = colour(i, len(table.headings))
-        plot.plot(periods, height, "o-", ms=4, color=shade, label=degrees(heading))
-        if len(periods) > 1:
-            plot.fill_between(periods, low, high, color=shade, alpha=0.18, lw=0)
-        else:
-            # Between one period and itself there is no area.
-            plot.errorbar(periods, height, [height - low, high - height], fmt="none", ecolor=shade, capsize=4, lw=1)
-        open_ = np.array([bool(each.bound) for each in found])
-        plot.plot(periods[open_], height[open_], "o", ms=4, mfc="white", color=shade)
+    top = 1.15 * float(table.heights[-1])
+    in_view = any(each.height > 0.0 or each.high > 0.0 for each in allowable.ravel())
+    for i, heading in enumerate(table.headings if in_view else ()):
+        _curve(plot, periods, allowable[i], colour(i, len(table.headings)), degrees(heading))
     fine = np.linspace(periods[0], periods[-1], 100)
-    plot.plot(fine, steepest(fine, table.gravity), "--", lw=1, color=QUIET, label="steepest waves")
-    plot.set_ylim(0.0, 1.15 * float(table.heights[-1]))
+    if (steep := steepest(fine, table.gravity)).min() < top:
+        plot.plot(fine, steep, "--", lw=1, color=QUIET, label="steepest waves")
+    plot.set_ylim(0.0, top)
+    margin = 0.05 * (float(np.ptp(periods)) or 1.0)
+    plot.set_xlim(periods[0] - margin, periods[-1] + margin)
     plot.set_xlabel("peak period Tp [s]")
     plot.set_ylabel("allowable significant wave height Hs [m]")
-    plot.legend(title="heading", fontsize=8)
+    if plot.get_legend_handles_labels()[1]:
+        plot.legend(title="heading" if in_view else None, fontsize=8)
+    if said := _without_heights(table, allowable):
+        plot.text(0.5, 0.5, said, transform=plot.transAxes, ha="center", va="center")
     within = "shaded" if len(periods) > 1 else "bar"
-    plot.set_title(
-        f"{compared}; {within}: its confidence interval; open: bounded, see allowable.csv", fontsize=8, loc="left"
-    )
+    of_curves = f"; {within}: its confidence interval; open: bounded, see allowable.csv" if in_view else ""
+    plot.set_title(f"{compared}{of_curves}", fontsize=8, loc="left")
     return figure
+
+
+def _curve(plot: Any, periods: np.ndarray, found: Sequence[Allowable], shade: Any, text: str) -> None:
+    """Heights of a heading with their intervals; circles of heights that are bounded are open."""
+    height, low, high = (np.array([getattr(each, name) for each in found]) for name in ("height", "low", "high"))
+    # A circle at zero is a whole one.
+    plot.plot(periods, height, "o-", ms=4, color=shade, label=text, clip_on=False)
+    if len(periods) > 1:
+        plot.fill_between(periods, low, high, color=shade, alpha=0.18, lw=0)
+    else:
+        # Between one period and itself there is no area.
+        plot.errorbar(periods, height, [height - low, high - height], fmt="none", ecolor=shade, capsize=4, lw=1)
+    open_ = np.array([bool(each.bound) for each in found])
+    plot.plot(periods[open_], height[open_], "o", ms=4, mfc="white", color=shade, clip_on=False)
+
+
+def _without_heights(table: Table, allowable: np.ndarray) -> str:
+    """What a picture says that has no height above zero; nothing of one that has."""
+    heights = [each.height for each in allowable.ravel()]
+    if any(height > 0.0 for height in heights):
+        return ""
+    if any(math.isnan(height) for height in heights):
+        return "No sea is known to be allowable: see allowable.csv"
+    return f"No sea is allowable, and not even the lowest\nthat was computed, Hs = {table.heights[0]:.4g} m."

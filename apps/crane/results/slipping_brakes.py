@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,10 +15,25 @@ from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIPS = 0.01
 """Share of the radius by which rope passes a drum that slips. What holds a drum gives way by a thousandth of that."""
+TURNS = 0.01
+"""Share of the radius, 1/s, from which on the speed of the rope is that of a drum that turns."""
+
+
+class Slip(NamedTuple):
+    """Rope that passed a drum under its closed brake."""
+
+    begin: float
+    """Time of the last frame before it, s."""
+    passed: float
+    """Rope, m, positive out."""
+    held: bool
+    """Whether the drum was at rest in that closure before; if not, it turned throughout."""
 
 
 def remarks(result: Any, scene: CraneScene) -> list[str]:
     """Sentences on brakes that slipped while they were closed; none of brakes that were driven from outside.
+
+    A brake that stops a drum that turned when it closed has done its work: nothing is said of it.
 
     Parameters
     ----------
@@ -27,54 +41,68 @@ def remarks(result: Any, scene: CraneScene) -> list[str]:
         With ``paid_out``; of one that holds statistics alone nothing is told.
     scene : CraneScene
     """
-    if "paid_out" not in result or result.attributes.get(INPUTS_DRIVEN):
+    if "paid_out" not in result or "pay_out_speed" not in result or result.attributes.get(INPUTS_DRIVEN):
         return []
-    time, paid_out = np.asarray(result.time, float), np.asarray(result["paid_out"], float)
+    time, paid_out, speed = (np.asarray(a, float) for a in (result.time, result["paid_out"], result["pay_out_speed"]))
     found = []
     for k, drum in enumerate(scene.drums):
         if drum.prescribed or drum.brake is None or drum.brake.torque == 0.0:
             continue
-        told = slip_of(time, paid_out[:, k], _closed(drum, time), SLIPS * drum.radius)
-        if told is not None:
-            begin, passed = told
-            way = "ran out" if passed > 0.0 else "was taken in"
-            found.append(
-                f"the brake of {drum.name} slipped while it was closed, from t = {begin:.3g} s: {abs(passed):.3g} m of "
-                f"rope {way} while it stayed closed. Its heat and wear are not computed. If it is to hold, give "
-                "brake.torque more than the load and the motor pull with"
-            )
+        turns = np.abs(speed[:, k]) > TURNS * drum.radius
+        for slip in slips_of(time, paid_out[:, k], turns, _closed(drum, time), SLIPS * drum.radius):
+            found.append(_said(drum, slip))
     return found
+
+
+def _said(drum: Drum, slip: Slip) -> str:
+    way = "ran out" if slip.passed > 0.0 else "was taken in"
+    rope = f"{abs(slip.passed):.3g} m of rope {way} while it stayed closed"
+    if slip.held:
+        return (
+            f"the brake of {drum.name} slipped while it was closed, from t = {slip.begin:.3g} s: {rope}. Its heat and "
+            "wear are not computed. If it is to hold, give brake.torque more than the load and the motor pull with"
+        )
+    return (
+        f"the brake of {drum.name} was closed at t = {slip.begin:.3g} s on a drum that turned, and did not stop it: "
+        f"{rope}. Its heat and wear are not computed. If it is to stop the drum, give more brake.torque, or keep it "
+        "closed for longer"
+    )
 
 
 def _closed(drum: Drum, time: np.ndarray) -> np.ndarray:
     return sample(compile_functions([FunctionRequest(closure_of(drum))]), 0, time)[:, 0] >= CLOSED
 
 
-def slip_of(time: np.ndarray, paid_out: np.ndarray, closed: np.ndarray, least: float) -> tuple[float, float] | None:
-    """When a drum first turned in one closure of its brake, and how far in the longest slip of one.
+def slips_of(time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closed: np.ndarray, least: float) -> list[Slip]:
+    """The longest slip of a drum that its brake had held, and of one that it did not stop.
+
+    A drum that turns when its brake closes is looked at from where it has come to rest.
 
     Parameters
     ----------
     time, paid_out : (m,) array
         s; m of rope since the start.
-    closed : (m,) array of bool
+    turns, closed : (m,) array of bool
+        Whether the drum turns, and whether its brake is closed.
     least : float
         Rope, m, that counts as slip.
 
     Returns
     -------
-    tuple or None
-        Time of the last frame before the first slip, s, and the rope that passed, m, positive out; None where the drum
-        was held.
+    list of Slip
+        None of a kind that there was not; ``begin`` is that of the first of its kind.
     """
-    begin, most, start = math.nan, 0.0, -1
-    for i in range(time.size):
-        if not closed[i]:
-            start = -1
-            continue
-        start = i if start < 0 else start
-        passed = float(paid_out[i] - paid_out[start])
-        if abs(passed) > least:
-            begin = float(time[max(start, i - 1)]) if math.isnan(begin) else begin
-            most = passed if abs(passed) > abs(most) else most
-    return None if math.isnan(begin) else (begin, most)
+    found: dict[bool, Slip] = {}
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], closed.astype(int), [0]])))
+    for first, end in edges.reshape(-1, 2).tolist():
+        rest = np.flatnonzero(~turns[first:end])
+        held = bool(rest.size)
+        start = first + int(rest[0]) if held else first
+        passed = paid_out[start:end] - paid_out[start]
+        over = np.flatnonzero(np.abs(passed) > least)
+        if over.size:
+            begin = float(time[start + max(int(over[0]) - 1, 0)]) if held else float(time[first])
+            far = float(passed[np.argmax(np.abs(passed))])
+            known = found.get(held, Slip(begin, 0.0, held))
+            found[held] = Slip(known.begin, far if abs(far) > abs(known.passed) else known.passed, held)
+    return list(found.values())

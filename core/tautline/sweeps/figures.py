@@ -19,9 +19,12 @@ from tautline.view.figures.figure import (
     QUIET,
     SHADES,
     STYLES,
+    RoomForLabels,
     axes,
     bar_of_shades,
+    but_for_rounding,
     colour,
+    flatten_rounding,
     label,
     legend_above,
     save,
@@ -207,6 +210,7 @@ def _lines(data: Variables, cases: Cases, name: str) -> Any:
         _crosses(plot, places[column], missing.word, 0.04 * k if own else 0.0, **own)
     _ticks(plot, one, text_of_places)
     plot.set_ylabel(text)
+    flatten_rounding(plot, values)
     if len(long) == 1:
         legend_above(plot)
     else:
@@ -259,15 +263,25 @@ def _ticks(plot: Any, one: Any, text: str, along: str = "x") -> None:
 
 
 def _logarithmic(numbers: np.ndarray) -> bool:
-    """Whether numbers rise by equal ratios, and by much, or by uneven steps, and by very much."""
-    if numbers.size < 3 or not (numbers > 0.0).all() or numbers.max() < MUCH * numbers.min():
+    """Whether numbers rise by equal ratios, and by much, or by uneven steps, and by very much, as two may."""
+    if numbers.size < 2 or not (numbers > 0.0).all() or numbers.max() < MUCH * numbers.min():
         return False
     numbers = np.sort(numbers)
+    if numbers.size == 2:
+        return bool(numbers[1] > VERY_MUCH * numbers[0])
     if numbers[-1] > VERY_MUCH * numbers[0]:
         steps = np.diff(numbers)
         return not np.allclose(steps, steps[0], rtol=1e-6)
     ratios = np.diff(np.log(numbers))
     return bool(np.allclose(ratios, ratios[0], rtol=1e-6))
+
+
+def _edges_on_its_side(numbers: np.ndarray) -> np.ndarray:
+    """Edges of cells about numbers (n,): of none above zero below it, for there may be no such mass or stiffness."""
+    from tautline.view.figures.waterfall import edges_of
+
+    edges = edges_of(numbers)
+    return np.maximum(edges, 0.0) if numbers[0] > 0.0 else edges
 
 
 @styled
@@ -287,13 +301,11 @@ def _map(data: Variables, cases: Cases, name: str) -> Any:
     (x, text_x), (y, text_y) = _places(one, data), _places(two, data, NARROW)
     x, y = x[order_x], y[order_y]
     shown = np.ma.masked_invalid(values[np.ix_(order_y, order_x)])
-    low, high = float(shown.min()), float(shown.max())
-    if low == high:
-        # One colour for all, at the middle of a bar that is as wide as the number is large.
-        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    # Where all are one number but for rounding there is one colour.
+    low, high = but_for_rounding(values)
     # Where an axis is logarithmic, halfway between two values is so by their ratio.
     x_edges, y_edges = (
-        np.exp(edges_of(np.log(at))) if each.numeric and _logarithmic(np.array(each.numbers)) else edges_of(at)
+        np.exp(edges_of(np.log(at))) if _logarithmic(np.array(each.numbers)) else _edges_on_its_side(at)
         for at, each in ((x, one), (y, two))
     )
     by_ratio = low > 0.0 and high > VERY_MUCH * low
@@ -338,6 +350,8 @@ def _tornado(data: Variables, cases: Cases, name: str) -> Any:
     plot.set_yticks(range(len(spans)), [span.name for span in spans])
     plot.grid(axis="y", visible=False)
     plot.set_xlabel(text)
+    flatten_rounding(plot, np.concatenate([span.moved for span in spans] + [values[:1]]), "x")
+    plot.xaxis.set_major_locator(RoomForLabels())
     numeric = [span.one for span in spans if span.one.numeric]
     if numeric:
         _legend_of_ends(plot, values[0], all(np.isfinite(one.base) for one in numeric))
@@ -469,6 +483,7 @@ def _scatter(data: Variables, cases: Cases, name: str) -> Any:
         plot.set_xlabel(text_of_places)
     for plot in plots[:, 0]:
         plot.set_ylabel(text)
+        flatten_rounding(plot, values)
     if missing.cases.any():
         figure.legend(*plots[0, 0].get_legend_handles_labels(), loc="outside lower right")
     return figure
@@ -485,6 +500,7 @@ def _band(data: Variables, name: str) -> Any:
     downwards, places = along == DEPTH, places / factor
     figure, plots = axes(1, 1, WIDTH, HEIGHT + (1.2 if downwards else 0.0), _title(data, name))
     plot, (low, middle, high) = plots[0, 0], values
+    flatten_rounding(plot, values, "x" if downwards else "y")
     if downwards:
         plot.fill_betweenx(places, low, high, color=COLOURS[0], alpha=0.25, lw=0, label="P10 to P90")
         plot.plot(middle, places, color=COLOURS[0], label="P50")

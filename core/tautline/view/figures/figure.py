@@ -6,6 +6,7 @@ Figures are made without pyplot, so they need no display and no backend: saving 
 from __future__ import annotations
 
 import io
+import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,7 +23,14 @@ from matplotlib.figure import Figure as Page
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
-from matplotlib.ticker import FuncFormatter, LogFormatter, LogFormatterSciNotation, MaxNLocator
+from matplotlib.ticker import (
+    AutoLocator,
+    FuncFormatter,
+    LogFormatter,
+    LogFormatterSciNotation,
+    MaxNLocator,
+    ScalarFormatter,
+)
 
 from tautline.results.errors import ResultError
 from tautline.scene.values.systems import SYSTEMS, in_system
@@ -75,6 +83,17 @@ LONGEST_NAME = 40
 LETTERS, LETTERS_OF_LEGEND = 10.5, 14.6
 """Letters of a heading and of a legend in an inch."""
 
+LETTERS_OF_TICKS = 10.8
+"""Digits of the numbers at an axis in an inch."""
+ROUNDING = 1.0e-6
+"""Difference, as a share of their size, by which values differ that are as good as one."""
+
+UNIT = re.compile(r"(?<=\s)\[([^\[\]]+)\]$")
+"""Unit at the end of a label."""
+POWER = re.compile("1e([−-]?[0-9]+)")
+"""Power of ten as matplotlib writes it at the end of an axis."""
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 ENOUGH = 0.05
 """Of a unit without a prefix, or with one that makes it smaller, from which on it is taken: 0.4 N, not 400 mN."""
@@ -87,6 +106,7 @@ class Figure(Page):
         """PNG of the figure, which notebooks ask for."""
         written = io.BytesIO()
         with matplotlib.rc_context(STYLE):
+            powers_into_labels(self)
             self.savefig(written, format="png", dpi=self.dpi)
         return written.getvalue()
 
@@ -204,6 +224,41 @@ def widen(plot: Axes, values: np.ndarray, least: float) -> None:
         plot.set_ylim(middle - 0.55 * least, middle + 0.55 * least)
 
 
+def but_for_rounding(values: np.ndarray) -> tuple[float, float]:
+    """Smallest and largest of some values; where they differ by rounding alone, one per cent below and above them."""
+    known = values[np.isfinite(values)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+    size = max(abs(low), abs(high))
+    if high - low > ROUNDING * size:
+        return low, high
+    return low - 0.01 * (size or 1.0), high + 0.01 * (size or 1.0)
+
+
+def flatten_rounding(plot: Axes, values: np.ndarray, along: str = "y") -> None:
+    """Keep an axis from blowing up values that differ by rounding alone."""
+    low, high = but_for_rounding(values)
+    if values.size and low < np.nanmin(values):
+        getattr(plot, f"set_{along}lim")(low, high)
+
+
+class RoomForLabels(AutoLocator):
+    """Ticks of a horizontal axis, as few as the lengths of their labels leave room for, and two at least."""
+
+    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
+        """Round numbers from below one value to above another."""
+        found = super().tick_values(vmin, vmax)
+        if self.axis is None:
+            return found
+        letters = LETTERS_OF_TICKS * self.axis.axes.bbox.width / self.axis.axes.figure.dpi
+        for most in range(len(found), 1, -1):
+            found = MaxNLocator(most, steps=[1, 2, 5, 10]).tick_values(vmin, vmax)
+            seen = found[(found >= vmin) & (found <= vmax)]
+            texts = self.axis.get_major_formatter().format_ticks(seen)
+            if sum(len(text) + 2 for text in texts) <= letters or len(seen) <= 2:
+                break
+        return found
+
+
 def shade(plot: Axes, time: np.ndarray, flags: np.ndarray, colour: str = SHADE, text: str = "") -> None:
     """Shade the times at which flags is true.
 
@@ -246,6 +301,8 @@ def bar_of_shades(
     colours = ScalarMappable(shades_between(low, high, by_ratio), SHADES)
     bar = figure.colorbar(colours, ax=plots, location="bottom", aspect=40, **look)
     bar.set_label(text)
+    if not by_ratio:
+        bar.locator = RoomForLabels()
     return bar
 
 
@@ -294,6 +351,28 @@ def thin_logarithms(figure: Figure) -> None:
             plot.xaxis.set_minor_formatter(FuncFormatter(lambda x, _, few=few: _power(x) if _digit(x) in few else ""))
 
 
+def powers_into_labels(figure: Figure) -> None:
+    """Write the power of ten of an axis into the unit of its label: beside the axis it is taken for that of another."""
+    for plot in figure.axes:
+        for axis in (plot.xaxis, plot.yaxis):
+            numbers, text = axis.get_major_formatter(), axis.get_label_text()
+            # Without a unit the power stands at the end of the axis. Where it is hidden it is written already.
+            hidden = not axis.get_offset_text().get_visible()
+            if hidden or not isinstance(numbers, ScalarFormatter) or not (unit := UNIT.search(text)):
+                continue
+            low, high = sorted(axis.get_view_interval())
+            places = np.array(axis.get_majorticklocs())
+            numbers.set_locs(places[(places >= low) & (places <= high)])
+            if not (found := POWER.fullmatch(numbers.get_offset())):
+                continue
+            power = int(found[1].replace("−", "-"))
+            # The layout may move ticks, and the power is written.
+            numbers.set_powerlimits((power, power))
+            name = unit[1] if unit[1] != "–" else ""
+            axis.set_label_text(f"{text[: unit.start()]}[10{str(power).translate(RAISED)} {name}".rstrip() + "]")
+            axis.get_offset_text().set_visible(False)
+
+
 def _digit(x: float) -> int:
     """The first digit of a number that has but one."""
     return round(float(x / 10.0 ** np.floor(np.log10(x) + 1e-9)))
@@ -315,6 +394,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     path = Path(path)
     try:
         thin_logarithms(figure)
+        powers_into_labels(figure)
         with whole_file(path) as waiting:
             figure.savefig(waiting)
     except OSError as error:

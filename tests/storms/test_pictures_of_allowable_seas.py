@@ -1,0 +1,64 @@
+"""A picture of allowable seas says when there is none, and names what can be seen in it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from crane.operability.allowable import ABOVE, BELOW, UNKNOWN, Allowable, Table
+from crane.operability.output import _figure
+
+NONE = Allowable(0.0, 0.0, 0.0, BELOW, BELOW, BELOW)
+NOT_KNOWN = Allowable(math.nan, math.nan, math.nan, UNKNOWN)
+SOME = Allowable(1.6, 1.3, 1.8, "")
+ALL = Allowable(3.0, 3.0, 3.0, ABOVE, ABOVE, ABOVE)
+FULL, PERIODS = 2.0 * math.pi, np.array([8.0, 10.0])
+
+
+def drawn(*found, heights=(0.5, 1.0, 3.0), periods=PERIODS):
+    """The plot of heights found for two headings, and the texts in it and in its legend."""
+    cells = np.empty((2, len(periods)), object)
+    for k, one in enumerate(found[: cells.size]):
+        cells[k // len(periods), k % len(periods)] = one
+    empty = np.array([])
+    table = Table(np.array(heights), np.array(periods), [0.0, FULL / 4], empty, empty, empty, {}, cells[None])
+    figure = _figure(table, cells, "max_tension < 60 kN", "Load", "P90 of the largest in 3 h")
+    figure.draw_without_rendering()
+    (plot,) = figure.axes
+    legend = plot.get_legend()
+    return plot, [text.get_text() for text in plot.texts], [text.get_text() for text in legend.texts] if legend else []
+
+
+@pytest.mark.parametrize("periods", [PERIODS, PERIODS[:1]])
+def test_where_no_sea_is_allowable_the_picture_says_so_and_names_no_curves(periods):
+    plot, texts, legend = drawn(*[NONE] * 4, periods=periods)
+    assert texts == ["No sea is allowable, and not even the lowest\nthat was computed, Hs = 0.5 m."]
+    assert plot.get_xlim()[0] < 8.0 < plot.get_xlim()[1] < 8.0 + 1.1 * len(periods)
+    assert legend == [] and plot.get_lines()[:] == [] and plot.get_title(loc="left") == "P90 of the largest in 3 h"
+
+
+def test_where_what_is_allowable_is_not_known_the_picture_does_not_say_that_none_is():
+    _, texts, legend = drawn(NONE, NOT_KNOWN, NONE, NONE)
+    assert texts == ["No sea is known to be allowable: see allowable.csv"] and legend == []
+
+
+def test_seas_of_one_heading_that_are_refused_stand_as_whole_circles_on_the_axis():
+    plot, texts, legend = drawn(NONE, NONE, SOME, SOME)
+    assert texts == [] and legend == ["0 deg", "90 deg"]
+    at_zero = [line for line in plot.get_lines() if (np.asarray(line.get_ydata()) == 0.0).any()]
+    assert at_zero and not any(line.get_clip_on() for line in at_zero)
+
+
+def test_an_interval_above_zero_is_shown_beside_the_words():
+    plot, texts, legend = drawn(*[Allowable(0.0, 0.0, 0.8, BELOW, BELOW, "")] * 4)
+    assert len(texts) == 1 and legend == ["0 deg", "90 deg"] and len(plot.collections) == 2
+
+
+def test_the_steepest_waves_are_named_where_they_are_in_view_alone():
+    # Of 8 s they are 6.7 m high (2 pi Hs / (g Tp^2) = 1/15).
+    plot, _, legend = drawn(*[ALL] * 4)
+    assert "steepest waves" not in legend and plot.get_ylim()[1] < 6.0
+    plot, _, legend = drawn(*[ALL] * 4, heights=(1.0, 8.0))
+    assert "steepest waves" in legend and plot.get_ylim()[1] > 6.7
