@@ -207,10 +207,10 @@ def test_an_encoder_in_steps_moves_the_tension_by_little_and_two_blocking_is_tol
     assert len(said) <= 1 and all(f"steps of {step:g} m." in note for note in said)
 
 
-def steps_in(values):
-    """Steps that are seen in places (n,), m, that come 20 times a second, one after the other."""
-    steps = Steps()
-    return [steps.look(0.05 * np.arange(k - 12, k), values[k - 12 : k]) or steps.step for k in range(12, len(values))]
+def steps_in(values, rate=20.0):
+    """Steps that are seen in places (n,), m, that come so many times a second, one after the other."""
+    steps, t = Steps(), np.arange(len(values)) / rate
+    return [steps.look(t[k - 12 : k], values[k - 12 : k]) or steps.step for k in range(12, len(values))]
 
 
 def test_the_step_of_an_encoder_is_found_whatever_the_speed_and_stays_known():
@@ -221,6 +221,31 @@ def test_the_step_of_an_encoder_is_found_whatever_the_speed_and_stays_known():
             assert steps_in(np.round(step * np.round(place / step), digits))[40:] == pytest.approx(
                 np.full(248, step), rel=2e-3
             )
+
+
+def speeding_up(rate):
+    """Places, m, of a winch that speeds up to 2 m/s within a second, for four seconds."""
+    t = np.arange(0.0, 4.0, 1.0 / rate)
+    return np.where(t < 1.0, t**2, 2.0 * t - 1.0)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.25, 0.5, 0.75])
+@pytest.mark.parametrize(("rate", "step"), [(20.0, 0.01), (20.0, 0.02), (20.0, 0.025), (50.0, 0.005), (50.0, 0.02)])
+def test_the_step_of_an_encoder_is_found_while_the_winch_speeds_up_wherever_its_marks_are(rate, step, phase):
+    # From then on it goes by a whole number of steps a row, and shows none any more.
+    marks = step * (np.round(speeding_up(rate) / step + phase) - phase)
+    assert steps_in(marks, rate)[int(1.1 * rate) - 12 :] == pytest.approx(
+        np.full(len(marks) - int(1.1 * rate), step), rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("rate", [5.0, 10.0, 20.0, 50.0])
+def test_a_winch_that_speeds_up_and_slows_down_steadily_shows_no_step(rate):
+    there = speeding_up(rate)
+    slowed = np.append(there, 2.0 * there[-1] - there[-2::-1])
+    assert not any(steps_in(slowed, rate))
+    # At ends of a change of speed that lie between two rows half of it is seen.
+    assert not any(steps_in(0.5 * (slowed[1:] + slowed[:-1]), rate))
 
 
 def test_no_step_is_seen_in_fine_readings_noise_constants_and_motions_at_a_steady_speed_or_acceleration():

@@ -21,9 +21,10 @@ OFF = 0.05
 """How far a difference may be off a multiple, in steps."""
 ROUNDING = 1e-9
 """Differences that are alike, over the largest value: digits of a float."""
-TURNS = 4
-"""How often the number of steps from sample to sample has to turn from growing to falling, or back: a steady speed
-shows no step, nor does a steady acceleration."""
+TURNS = 5
+"""How often the acceleration has to turn from growing to falling, or back: a steady speed shows no step, nor does a
+steady acceleration, and one that sets in and stays turns once. A rounded motion turns all the time, also where it only
+speeds up."""
 PLACES = 6
 """Different places that have to be seen."""
 LARGEST = 40.0
@@ -102,10 +103,9 @@ def step_of(changes: np.ndarray, alike: float) -> float:
         counts = np.round(changes / step)
         if _off(changes, step) > OFF * step + alike:
             continue
-        # A steady acceleration changes them as well, and always the same way.
-        bends = np.diff(counts)
-        signs = np.sign(bends[bends != 0.0])
-        enough = np.count_nonzero(np.diff(signs)) >= TURNS and np.unique(np.cumsum(counts)).size >= PLACES
+        grows = np.sign(np.diff(counts, 2))
+        turns = np.count_nonzero(np.diff(grows[grows != 0.0]))
+        enough = turns >= TURNS and np.unique(np.cumsum(counts)).size >= PLACES
         return step if enough else 0.0
     return 0.0
 
