@@ -25,14 +25,14 @@ def noisy(size, step=0.0):
     return twin_of_noise(size, step)[0]
 
 
-def twin_of_noise(size, step=0.0):
-    """The same, and the twin."""
+def twin_of_noise(size, step=0.0, phase=0.0):
+    """The same, and the twin; the encoder's marks are off by a part of a step."""
     fine = {"mesh.elements_per_span": 8, "solver.step": "2 ms", "bodies[0].mass": "5.3 t"}
     sensing = Sensing(seed=1, rate=RATE, input_noise={"winch_pos": size, "heave": size})
     twin, lines = Twin(HOIST, MAP), []
     for stamp, readings in record(tautline.read(HOIST).replace(fine), read_map(MAP), sensing, 12.0):
         if step:
-            readings["winch_pos"] = step * round(readings["winch_pos"] / step)
+            readings["winch_pos"] = step * round(readings["winch_pos"] / step + phase)
         lines += twin.add(stamp, readings)
         twin.work()
     return lines + twin.finish(), twin
@@ -88,6 +88,25 @@ def test_a_computed_value_of_many_deviations_of_its_sensor_is_degraded_where_inp
     found = twin._with_noise_of_inputs({"winch.tension": (50e3, 0.0)}, {}, np.array([50e3]))
     assert found["winch.tension"][1] == pytest.approx(500.0 * 99.0**0.5)
     assert twin.state_of_health == "degraded"
+
+
+def test_health_is_degraded_where_the_stated_deviation_is_many_of_the_sensor_whether_noise_is_seen_or_not():
+    twin = Twin(HOIST, MAP)
+    for missed in (36.0, 4.0):
+        twin.estimate.horizon.missed[:] = missed
+        found = twin._with_noise_of_inputs({"winch.tension": (50e3, 0.0)}, {}, np.array([50e3]))
+        assert not twin.readings.shaken
+        assert found["winch.tension"][1] == pytest.approx(500.0 * (missed - 1.0) ** 0.5)
+        assert twin.unsure == (missed == 36.0)
+
+
+def test_a_step_that_is_not_recognised_leaves_no_large_deviation_in_good_health_and_no_lasting_bounce(monkeypatch):
+    monkeypatch.setattr(Steps, "look", lambda steps, times, values: None)
+    lines, twin = twin_of_noise(0.0, 0.02, 0.25)
+    assert not any(track.steps.step for track in twin.readings.tracks)
+    large = [line for line in lines if line["deviations"]["winch.tension"] > 5.0 * 500.0]
+    assert large and not [line for line in large if line["health"] == "good"]
+    assert twin.restarts >= 1
 
 
 def test_health_is_degraded_where_noisy_inputs_keep_a_load_from_being_known():

@@ -296,7 +296,12 @@ class Twin:
         """Whether the load bounces in the simulation as the machine's does not, with inputs that go as measured."""
         follows = time >= self.unsettled and not self.settling.catching_up and not self.readings.made_up
         # Without noise of the inputs it is the guess of the weight that sets it bouncing, and that is being found.
-        return follows and self.readings.shaken and self.estimate.converged and self.estimate.astray
+        return follows and self._moved_wrongly and self.estimate.converged and self.estimate.astray
+
+    @property
+    def _moved_wrongly(self) -> bool:
+        """Whether inputs shake a load: by noise that is seen in them, or in the residuals alone."""
+        return self.readings.shaken or bool(np.any(self.estimate.horizon.spread > MANY**2))
 
     def _leave_bounce(self, time: float) -> None:
         """Begin again from rest, and know nothing for certain until the window is full anew."""
@@ -388,13 +393,12 @@ class Twin:
             more[one.name] = value, np.hypot(own, beyond[one.name])
             # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
             self.unsure |= bool(not self.estimate.known and own > MANY * sd)
-            self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
+            # Row by row, whether noise is seen in an input or not: a step that is not recognised shows here as well.
+            self.unsure |= bool((alone or self.readings.shaken) and np.hypot(own, beyond[one.name]) > MANY * sd)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)
-        # Steps of an encoder shake a load as noise does, and show in the residuals alone.
-        shaken = self.readings.shaken or bool(np.any(horizon.spread > MANY**2))
-        self.unsure |= shaken and not self.estimate.shown
+        self.unsure |= self._moved_wrongly and not self.estimate.shown
         return more
 
     def _computed(self) -> dict[str, float]:
