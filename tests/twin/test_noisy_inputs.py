@@ -11,6 +11,7 @@ from tautline.twin.map import read_map
 from tautline.twin.record import Sensing, read_input_noise, record
 from tautline.twin.signals.smoothing import smooth_widely
 from tautline.twin.signals.steps import Steps
+from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 from tautline.twin.watch import Compared
 
@@ -224,6 +225,26 @@ def test_an_encoder_in_steps_moves_the_tension_by_little_and_two_blocking_is_tol
     assert "two-blocking ahead" in {one["name"] for one in ahead}
     said = [note for note in twin.notes if "is told in steps of" in note]
     assert len(said) <= 1 and all(f"steps of {step:g} m." in note for note in said)
+
+
+@pytest.mark.parametrize(("step", "phase"), [(0.01, 0.75), (0.02, 0.75), (0.025, 0.25)])
+def test_a_load_does_not_bounce_when_a_step_is_found_while_the_winch_speeds_up(step, phase):
+    lines, twin = twin_of_noise(0.0, step, phase)
+    late = [line for line in lines if line["time"] > QUIET]
+    off = [line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late]
+    # The bounce of the first second stayed, of up to 30 kN.
+    assert np.max(np.abs(off)) < 5e3
+    assert not UNTRUE & {one["name"] for line in late for one in line["alarms"]}
+    assert twin.restarts == 0
+
+
+def test_a_step_that_is_known_is_neither_told_nor_begun_with_again_after_a_resume(tmp_path):
+    twin = Twin(HOIST, MAP)
+    twin.readings.stepped.add(1)
+    save(twin, tmp_path / "state")
+    later = Twin(HOIST, MAP)
+    load(later, tmp_path / "state")
+    assert later.readings.stepped == {1}
 
 
 def steps_in(values, rate=20.0):

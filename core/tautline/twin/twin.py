@@ -212,6 +212,9 @@ class Twin:
             self._pass_over(row)
         inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
         self.notes += self.readings.remarks()
+        if self.readings.step_found and self.estimate.log.begun:
+            # What was laid through the treads has set the load bouncing.
+            self.estimate.from_rest = True
         if not self.estimate.log.begun:
             self._begin_at(row, inputs)
         try:
