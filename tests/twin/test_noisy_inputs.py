@@ -197,7 +197,7 @@ def test_a_simulation_that_bounces_by_itself_begins_again_from_rest_and_goes_on_
     # The bounce of the first seconds stayed: 12 kN, where the readings swing by 4 kN.
     assert np.std(off) < 3e3
     assert twin.restarts == 1
-    assert any("begun again from rest" in note for note in twin.notes)
+    assert any("started again from rest" in note for note in twin.notes)
     assert not [one for line in late for one in line["alarms"] if one["name"] in UNTRUE and one["known"]]
 
 
@@ -223,8 +223,11 @@ def test_an_encoder_in_steps_moves_the_tension_by_little_and_two_blocking_is_tol
     stopped = TWO_BLOCKED - 1.0
     ahead = next(line for line in reversed(lines) if line["time"] <= stopped)["alarms"]
     assert "two-blocking ahead" in {one["name"] for one in ahead}
-    said = [note for note in twin.notes if "is told in steps of" in note]
-    assert len(said) <= 1 and all(f"steps of {step:g} m." in note for note in said)
+    said = [note for note in twin.notes if "changes in steps of" in note]
+    assert len(said) <= 1 and all(
+        f"The sensor winch_pos changes in steps of {step:g} m." in note and "results come later" in note
+        for note in said
+    )
 
 
 @pytest.mark.parametrize(("step", "phase"), [(0.01, 0.75), (0.02, 0.75), (0.025, 0.25)])

@@ -310,8 +310,8 @@ class Twin:
         """Begin again from rest, and know nothing for certain until the window is full anew."""
         self.restarts += 1
         self.notes.append(
-            f"at {time:.1f} s the load bounced in the simulation as the measured one does not: the simulation was "
-            "begun again from rest"
+            f"At {time:.1f} s the simulated load bounced and the real one did not. "
+            "The simulation started again from rest."
         )
         self.estimate.from_rest = True
 
@@ -319,8 +319,8 @@ class Twin:
         """Begin again from rest behind a long gap, with the estimate as it is: an hour at rest is not simulated."""
         self.restarts += 1
         self.notes.append(
-            f"no rows came for {row.time - self.now:.0f} s: the simulation was begun again from rest at "
-            f"{row.time:.1f} s"
+            f"no rows came for {row.time - self.now:.0f} s, or the clock was set forward: the simulation "
+            f"was begun again from rest at {row.time:.1f} s"
         )
         self._rest()
         self.settling.disturb(row.time)

@@ -197,7 +197,14 @@ class Readings:
             self.stepped.add(track.number)
             self.step_found = True
             step = track.channel.told(track.steps.step)
-            self._remarks.append(f"{track.channel.name} is told in steps of {step}. They are smoothed as noise is")
+            later = ""
+            if self.rows.delay is None:
+                waits = SMOOTHED * track.bounce, DELAY * self.rows.interval
+                later = f", so results come later ({waits[0]:.2g} s instead of {waits[1]:.2g} s)" * (
+                    waits[0] > waits[1]
+                )
+            told = f"The sensor {track.channel.column} changes in steps of {step}."
+            self._remarks.append(f"{told} It is smoothed like a noisy sensor{later}.")
 
     @property
     def shaken(self) -> bool:
