@@ -266,6 +266,14 @@ def test_the_step_of_an_encoder_is_found_whatever_the_speed_and_stays_known():
             )
 
 
+def test_the_step_of_an_encoder_stays_known_over_a_new_zero():
+    t = 0.05 * np.arange(400)
+    marks = 0.01 * np.round(30.0 * np.sin(2.0 * np.pi / 8.0 * t))
+    # By no multiple of the step.
+    steps = steps_in(np.where(t > 8.0, marks + 2.003, marks))
+    assert steps[100:] == pytest.approx(np.full(len(steps) - 100, 0.01))
+
+
 def speeding_up(rate):
     """Places, m, of a winch that speeds up to 2 m/s within a second, for four seconds."""
     t = np.arange(0.0, 4.0, 1.0 / rate)
