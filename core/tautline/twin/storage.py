@@ -39,6 +39,7 @@ def save(twin: Twin, path: Path) -> None:
         "alarms": twin.watch.alarms.memory(), "blows_due": estimate.family.blows_due,
         "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
         "settling": twin.settling.memory(), "far": readings.far,
+        "stepped": sorted(readings.stepped),
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
@@ -129,7 +130,7 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     estimate.log.origin, twin.now = float(words["origin"]), float(words["now"])
     twin.paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
-    readings.far = dict(words.get("far", {}))
+    readings.far, readings.stepped = dict(words.get("far", {})), set(words.get("stepped", []))
     twin.settling.recall(words.get("settling", twin.settling.memory()))
     readings.zeros = {int(k): float(v) for k, v in words["zeros"].items()}
     readings.rows.recall(words["rows"])

@@ -212,6 +212,9 @@ class Twin:
             self._pass_over(row)
         inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
         self.notes += self.readings.remarks()
+        if self.readings.step_found and self.estimate.log.begun:
+            # What was laid through the treads has set the load bouncing.
+            self.estimate.from_rest = True
         if not self.estimate.log.begun:
             self._begin_at(row, inputs)
         try:
@@ -296,14 +299,19 @@ class Twin:
         """Whether the load bounces in the simulation as the machine's does not, with inputs that go as measured."""
         follows = time >= self.unsettled and not self.settling.catching_up and not self.readings.made_up
         # Without noise of the inputs it is the guess of the weight that sets it bouncing, and that is being found.
-        return follows and self.readings.shaken and self.estimate.converged and self.estimate.astray
+        return follows and self._moved_wrongly and self.estimate.converged and self.estimate.astray
+
+    @property
+    def _moved_wrongly(self) -> bool:
+        """Whether inputs shake a load: by noise that is seen in them, or in the residuals alone."""
+        return self.readings.shaken or bool(np.any(self.estimate.horizon.spread > MANY**2))
 
     def _leave_bounce(self, time: float) -> None:
         """Begin again from rest, and know nothing for certain until the window is full anew."""
         self.restarts += 1
         self.notes.append(
-            f"at {time:.1f} s the load bounced in the simulation as the measured one does not: the simulation was "
-            "begun again from rest"
+            f"At {time:.1f} s the simulated load bounced and the real one did not. "
+            "The simulation started again from rest."
         )
         self.estimate.from_rest = True
 
@@ -311,8 +319,8 @@ class Twin:
         """Begin again from rest behind a long gap, with the estimate as it is: an hour at rest is not simulated."""
         self.restarts += 1
         self.notes.append(
-            f"no rows came for {row.time - self.now:.0f} s: the simulation was begun again from rest at "
-            f"{row.time:.1f} s"
+            f"no rows came for {row.time - self.now:.0f} s, or the clock was set forward: the simulation "
+            f"was begun again from rest at {row.time:.1f} s"
         )
         self._rest()
         self.settling.disturb(row.time)
@@ -388,13 +396,12 @@ class Twin:
             more[one.name] = value, np.hypot(own, beyond[one.name])
             # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
             self.unsure |= bool(not self.estimate.known and own > MANY * sd)
-            self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
+            # Row by row, whether noise is seen in an input or not: a step that is not recognised shows here as well.
+            self.unsure |= bool((alone or self.readings.shaken) and np.hypot(own, beyond[one.name]) > MANY * sd)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)
-        # Steps of an encoder shake a load as noise does, and show in the residuals alone.
-        shaken = self.readings.shaken or bool(np.any(horizon.spread > MANY**2))
-        self.unsure |= shaken and not self.estimate.shown
+        self.unsure |= self._moved_wrongly and not self.estimate.shown
         return more
 
     def _computed(self) -> dict[str, float]:

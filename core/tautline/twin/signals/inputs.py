@@ -115,6 +115,13 @@ class InputTrack:
         """Whether the step in which it is told would make a load bounce."""
         return self.bounce > 0.0 and self.steps.noise * (2.0 * np.pi / self.bounce) ** 2 > SHAKEN
 
+    def narrowest(self, widest: float, reach: float) -> float:
+        """How narrowly noise may be smoothed, s: not at all where it is a step's.
+
+        A step lets a fit be off by itself, at any width. A width that changes from row to row shakes the load.
+        """
+        return widest if self.stepped else reach
+
     def part(self, time: float) -> None:
         """Take notice that what was followed until a time is not believed: the input has to join its sensor anew."""
         self._break = time
@@ -147,7 +154,8 @@ class InputTrack:
         self.look(values[good])
         found = None
         if self.shakes and widest > reach:
-            found = smooth_widely(times[good], values[good], row.time, widest, reach, self.noise)
+            narrowest = self.narrowest(widest, reach)
+            found = smooth_widely(times[good], values[good], row.time, widest, narrowest, self.noise)
         if found is None:
             found = smooth(times[good], values[good], row.time, reach, self.noise)
         if row.after_gap or self._break == row.time or self.missing:

@@ -42,6 +42,10 @@ class Readings:
         Number of a channel with ``zero: first`` -> the reading that counts as zero.
     far : dict
         Input -> where it began, SI, so far from the scene's start that they hardly count from the same place.
+    stepped : set of int
+        Numbers of the channels that were seen to be told in steps.
+    step_found : bool
+        Whether at the last row an input was first seen to be told in steps.
     """
 
     def __init__(self, plan: Plan, start: Mapping[str, float], live: bool) -> None:
@@ -55,7 +59,8 @@ class Readings:
         self.zeros: dict[int, float] = {}
         self.far: dict[str, float] = {}
         self._remarks: list[str] = []
-        self._stepped: set[int] = set()
+        self.stepped: set[int] = set()
+        self.step_found = False
 
     def checked(self, row: Row) -> np.ndarray:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
@@ -164,6 +169,7 @@ class Readings:
         if not np.isfinite(reach):
             reach = self.rows.interval if np.isfinite(self.rows.interval) else 1.0
         found = []
+        self.step_found = False
         for track in self.tracks:
             track.bounce = bounce
             if not np.isfinite(track.state).all() and begun:
@@ -187,10 +193,18 @@ class Readings:
         """See whether a place is told in steps, and say so once."""
         seen = np.isfinite(values)
         track.steps.look(times[seen], values[seen])
-        if track.stepped and track.number not in self._stepped:
-            self._stepped.add(track.number)
+        if track.stepped and track.number not in self.stepped:
+            self.stepped.add(track.number)
+            self.step_found = True
             step = track.channel.told(track.steps.step)
-            self._remarks.append(f"{track.channel.name} is told in steps of {step}. They are smoothed as noise is")
+            later = ""
+            if self.rows.delay is None:
+                waits = SMOOTHED * track.bounce, DELAY * self.rows.interval
+                later = f", so results come later ({waits[0]:.2g} s instead of {waits[1]:.2g} s)" * (
+                    waits[0] > waits[1]
+                )
+            told = f"The sensor {track.channel.column} changes in steps of {step}."
+            self._remarks.append(f"{told} It is smoothed like a noisy sensor{later}.")
 
     @property
     def shaken(self) -> bool:
@@ -238,7 +252,9 @@ class Readings:
         if track.bounce > 0.0:
             track.look(values[good])
         if track.shakes:
-            found = smooth_widely(times[good], values[good], row.time, SMOOTHED * track.bounce, reach, track.noise)
+            widest = SMOOTHED * track.bounce
+            narrowest = track.narrowest(widest, reach)
+            found = smooth_widely(times[good], values[good], row.time, widest, narrowest, track.noise)
         return smooth(times[good], values[good], row.time, reach) if found is None else found
 
     def begin(self, row: Row, inputs: Sequence[tuple[str, np.ndarray]], anywhere: bool, first: bool = True) -> float:

@@ -21,11 +21,14 @@ OFF = 0.05
 """How far a difference may be off a multiple, in steps."""
 ROUNDING = 1e-9
 """Differences that are alike, over the largest value: digits of a float."""
-TURNS = 4
-"""How often the number of steps from sample to sample has to turn from growing to falling, or back: a steady speed
-shows no step, nor does a steady acceleration."""
+TURNS = 5
+"""How often the acceleration has to turn from growing to falling, or back: a steady speed shows no step, nor does a
+steady acceleration, and one that sets in and stays turns once. A rounded motion turns all the time, also where it only
+speeds up."""
 PLACES = 6
 """Different places that have to be seen."""
+SEVERAL = 3
+"""Differences in a row that are off a known step: fewer are a new zero, and no other step."""
 LARGEST = 40.0
 """Largest difference, in steps: a sensor that tells more of them is a fine one."""
 SIZES = 100
@@ -47,6 +50,7 @@ class Steps:
         self._changes: deque[float] = deque(maxlen=CHANGES)
         self._largest, self._seen = 0.0, -np.inf
         self.step = 0.0
+        self._off: list[float] = []
 
     @property
     def noise(self) -> float:
@@ -61,11 +65,22 @@ class Steps:
         changes = np.diff(values)[new]
         self._seen = float(times[-1])
         self._largest = max(self._largest, float(np.abs(values).max()))
-        self._changes.extend(changes.tolist())
         alike = ROUNDING * self._largest
-        # A steady speed shows no step, and does not speak against one that was seen.
-        if not self.step or _off(changes, self.step) > OFF * self.step + alike:
+        if not self.step:
+            self._changes.extend(changes.tolist())
             self.step = step_of(np.array(self._changes), alike)
+            return
+        # A steady speed shows no step, and does not speak against one that was seen; nor does a new zero.
+        for change in changes.tolist():
+            if self.step and _off(np.array([change]), self.step) <= OFF * self.step + alike:
+                self._off.clear()
+                self._changes.append(change)
+                continue
+            self._off.append(change)
+            if len(self._off) >= SEVERAL:
+                self._changes.extend(self._off)
+                self._off.clear()
+                self.step = step_of(np.array(self._changes), alike)
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
@@ -102,10 +117,9 @@ def step_of(changes: np.ndarray, alike: float) -> float:
         counts = np.round(changes / step)
         if _off(changes, step) > OFF * step + alike:
             continue
-        # A steady acceleration changes them as well, and always the same way.
-        bends = np.diff(counts)
-        signs = np.sign(bends[bends != 0.0])
-        enough = np.count_nonzero(np.diff(signs)) >= TURNS and np.unique(np.cumsum(counts)).size >= PLACES
+        grows = np.sign(np.diff(counts, 2))
+        turns = np.count_nonzero(np.diff(grows[grows != 0.0]))
+        enough = turns >= TURNS and np.unique(np.cumsum(counts)).size >= PLACES
         return step if enough else 0.0
     return 0.0
 
