@@ -33,6 +33,9 @@ from tautline.twin.watch import Compared, Watch
 
 MANY = 5.0
 """Standard deviations of a sensor from which on a computed value is not known well, and health is degraded."""
+UNSEEN = 10.0
+"""Standard deviations of a sensor by which rows miss what is computed without a noise of inputs that is recognised, from
+which on health is degraded: a twin whose load still swings as it was first guessed misses them by six."""
 NOISE_SHOWN = 12
 """Rows that show how much noise inputs have before a load is moved by them."""
 LONG_GAP = 120.0
@@ -396,8 +399,9 @@ class Twin:
             more[one.name] = value, np.hypot(own, beyond[one.name])
             # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
             self.unsure |= bool(not self.estimate.known and own > MANY * sd)
-            # Row by row, whether noise is seen in an input or not: a step that is not recognised shows here as well.
-            self.unsure |= bool((alone or self.readings.shaken) and np.hypot(own, beyond[one.name]) > MANY * sd)
+            self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
+            # A step or a noise that is not recognised in an input shows in what rows miss, and there alone.
+            self.unsure |= bool(missed > UNSEEN * sd)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)

@@ -312,6 +312,16 @@ def test_sparse_algebra_finds_all_slow_and_all_growing_motions_to_the_rounding_t
             assert abs(few.value[nearest] - value) < 100.0 * (few.rounding[nearest] + rounding)
 
 
+@pytest.mark.parametrize("damping", [0.03, 0.3])
+def test_heavy_damping_that_makes_many_motions_slow_hides_none_that_grows(monkeypatch, damping):
+    # 33.95 + 36.43j and 1.546 + 9.905j 1/s lie beyond more than thirty real values about -1/c
+    rest = at_rest(scene({"elements": 24, "damping": damping}), 30.0)
+    dense = found_by.vibrations(rest.system, rest.state)
+    monkeypatch.setattr(found_by, "DENSE", 10)
+    few = found_by.vibrations(rest.system, rest.state, 30)
+    assert few.growth == pytest.approx(dense.growth, rel=1e-6) and few.growth > 1.0
+
+
 def test_a_hose_of_sixty_elements_tied_by_multipliers_flutters_where_one_of_ten_does():
     (few, many) = (
         crossings(scene({"elements": n}, coupling="lagrange"), [13.5, 14.2], "in")[0].speed for n in (10, 60)

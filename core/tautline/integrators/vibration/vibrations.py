@@ -19,6 +19,8 @@ from tautline.threads import one_thread
 
 DENSE = 300
 """Unknowns up to which all eigenvalues are found by dense algebra."""
+CERTAIN = 10.0
+"""Growth over what rounding may make of it that is growth."""
 GROWING = 24
 """Eigenvalues sought of more unknowns, farthest towards growth, beside the slowest ones."""
 RESTARTS = 3
@@ -70,9 +72,9 @@ def vibrations(system: System, state: State, count: int | None = None) -> Vibrat
     state : State
         In equilibrium at t = 0.
     count : int or None
-        How many, those nearest to zero; None for all, which only a small scene allows. Of a large scene some that grow
-        are sought beside them. Fast motions whose damping is in proportion to stiffness, c, have values that lie ever
-        closer about -1/c: of a large scene few of these are found.
+        How many, those nearest to zero, and those that grow beside them, of a large scene up to 24 values; None for
+        all, which only a small scene allows. Fast motions whose damping is in proportion to stiffness, c, have values
+        that lie ever closer about -1/c: of a large scene few of these are found.
 
     Raises
     ------
@@ -87,7 +89,10 @@ def vibrations(system: System, state: State, count: int | None = None) -> Vibrat
         value, shape, rounding = _nearest(*(sparse(_part(system, state, *part)) for part in np.eye(3)), 2 * count)
     upper = value.imag >= -TWIN * np.abs(value)
     value, shape, rounding = value[upper], shape[:, upper], rounding[upper]
-    order = np.argsort(np.abs(value), kind="stable")[:count]
+    order = np.argsort(np.abs(value), kind="stable")
+    # Heavy damping in proportion to stiffness has slow motions by the hundred: those that grow lie beyond them.
+    grows = value[order].real > CERTAIN * rounding[order]
+    order = order[grows | (np.arange(order.size) < (order.size if count is None else count))]
     return Vibrations(value[order], expand_shapes(system, shape[:, order]), rounding[order])
 
 
