@@ -231,7 +231,7 @@ class _Loop:
             Where the twin cannot go on; what it has found until then is stored.
         """
         from tautline.integrators.status import Interrupted, StoppedEarly
-        from tautline.twin.sources.record import SourceFault
+        from tautline.twin.sources.record import SourceStopped
 
         status = "done"
         heard = clock.monotonic()
@@ -253,8 +253,9 @@ class _Loop:
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
-        except SourceFault as fault:
+        except SourceStopped as fault:
             say(str(fault), "red")
+            self._give(self.twin.finish())
             status = "source failed"
         except StoppedEarly as stop:
             if self.series is not None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import Problem, SceneError
-from tautline.twin.sources.record import Record
+from tautline.twin.sources.record import Record, SourceStopped
 from tautline.twin.sources.table import Header
 
 PATIENT = 0.5
@@ -42,7 +43,7 @@ class CsvFile:
         units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         self.name, self.live, self.again = str(path), speed == 1.0, True
-        self.ended, self.refused = False, 0
+        self.ended, self.refused, self._number = False, 0, 0
         self.dropped, self.notes = 0, list[str]()
         self._speed, self._now, self._sleep = speed, now, sleep
         try:
@@ -61,19 +62,20 @@ class CsvFile:
             cure = "--source wants a CSV file with a header and rows, such as `record` writes"
             raise SceneError([Problem(str(path), None, "", None, "is not a table: it is a binary file", cure)])
         try:
-            self._header = Header(line, columns, time, str(path), units)
+            self._header = Header(line, columns, time, str(path), units, self.notes, self._number)
         except SceneError:
             self._file.close()
             raise
-        self.notes = self._header.notes  # it will have more to say of stamps
-        self.factors = self._header.factors
+        self.factors = dict(self._header.factors)
         self.units = dict(zip(self._header.names, self._header.units, strict=True))
+        self._stopped: SourceStopped | None = None
         self._next = self._read()
         self._begun = (self._now(), self._next.time if self._next else 0.0)
 
     def _line(self) -> str | None:
         """The next line that is neither empty nor a comment."""
         for line in self._file:
+            self._number += 1
             if line.strip() and not line.lstrip().startswith("#"):
                 return line.rstrip("\r\n")
         return None
@@ -81,15 +83,33 @@ class CsvFile:
     def _read(self) -> Record | None:
         while (line := self._line()) is not None:
             row = self._header.read(line)
+            if row is not None and math.isfinite(row[0]):
+                return Record(row[0], row[1], 0.0)
+            try:
+                header = self._header.next_header(line, self._number)
+            except SourceStopped as stop:
+                self._stopped = stop
+                return None
+            if header is not None:
+                self._header = header
+                continue
             if row is not None:
                 return Record(row[0], row[1], 0.0)
             self.refused += 1
         return None
 
     def poll(self, timeout: float) -> Record | None:
-        """The next row, when it is due."""
+        """The next row, when it is due.
+
+        Raises
+        ------
+        SourceStopped
+            After the last row before a header by which rows cannot be read.
+        """
         if self._next is None:
             self.ended = True
+            if self._stopped is not None:
+                raise self._stopped
             return None
         row = self._next
         if self._speed is not None and row.time == row.time:
@@ -99,8 +119,9 @@ class CsvFile:
                 if self._now() >= end:
                     return None
                 self._sleep(min(left, end - self._now(), PATIENT))
+        self.factors |= self._header.factors  # those of this row: the next may be read by another header
         self._next = self._read()
-        self.ended = self._next is None
+        self.ended = self._next is None and self._stopped is None
         return Record(row.time, row.values, self._now())
 
     def close(self) -> None:

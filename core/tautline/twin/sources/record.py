@@ -28,7 +28,11 @@ class Record:
     arrived: float
 
 
-class SourceFault(TautlineError):
+class SourceStopped(TautlineError):
+    """No record comes any more, though the source has not ended; ``str()`` says why."""
+
+
+class SourceFault(SourceStopped):
     """What reads a source has stopped by a fault of the program: no record comes any more."""
 
     def __init__(self, name: str, fault: BaseException) -> None:
