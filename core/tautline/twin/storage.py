@@ -38,7 +38,7 @@ def save(twin: Twin, path: Path) -> None:
         "tracks": [one.memory() for one in readings.tracks], "health": [one.memory() for one in readings.health],
         "alarms": twin.watch.alarms.memory(), "blows_due": estimate.family.blows_due,
         "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
-        "settling": twin.settling.memory(), "far": readings.far,
+        "settling": twin.settling.memory(), "far": readings.far, "heard": twin.heard,
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
@@ -129,6 +129,7 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     estimate.log.origin, twin.now = float(words["origin"]), float(words["now"])
     twin.paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
+    twin.heard = dict(words.get("heard", {}))
     readings.far = dict(words.get("far", {}))
     twin.settling.recall(words.get("settling", twin.settling.memory()))
     readings.zeros = {int(k): float(v) for k, v in words["zeros"].items()}

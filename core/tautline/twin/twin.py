@@ -89,6 +89,7 @@ class Twin:
         self.now, self.unsettled = np.nan, -np.inf
         self.settling, self.unsure = Settling(), False
         self.restarts = 0
+        self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
         self.notes = self.estimate.notes  # one list
         self.notes += bare_bounds(self.map, self.plan)
         self.notes += self.operation.doubts(self.plan) if self.operation else []

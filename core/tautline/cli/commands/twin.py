@@ -27,7 +27,7 @@ from tautline.scene.errors import SceneError, option_error
 if TYPE_CHECKING:
     from tautline.twin.map import TwinMap
     from tautline.twin.record import Sensing
-    from tautline.twin.sources.record import Source
+    from tautline.twin.sources.record import Record, Source
     from tautline.twin.twin import Twin
 
 CHATTERING = "asyncua"
@@ -114,6 +114,8 @@ def twin(
             made = Twin(scene, read, live=opened.live, account=given.account)
             made.readings.rows.factors = opened.factors
             begin = load(made, resume) if resume is not None and (resume.exists() or given.state != resume) else None
+            if begin is not None and opened.again and made.readings.rows.shift and not made.heard:
+                _refuse_unknown_rows(resume)
             if begin is not None:
                 say(f"going on from {stamp_said(begin)}")
             if made.plan_names.unwatched:
@@ -128,6 +130,15 @@ def twin(
             raise Ended(ExitCode.STOPPED_EARLY) from None
         except Interrupted:
             raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
+
+
+def _refuse_unknown_rows(state: Path | None) -> None:
+    """Refuse to go on in a file whose clock was set back from a state that has not counted its rows."""
+    from tautline.results.errors import ResultError
+
+    cause = "was written by an earlier version or of a live source, and the clock of the source was set back: "
+    cause += "which rows of a file are new is not known"
+    raise ResultError(state or "", cause, "begin the twin anew, without --resume")
 
 
 def _read_map(path: Path) -> TwinMap:
@@ -211,12 +222,15 @@ class _Loop:
     def __init__(
         self, made: Twin, source: Source, series: Any, page: Any, state: Path | None, as_json: bool, quiet: bool
     ) -> None:
+        from tautline.twin.sources.rereading import Rereading
+
         self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
         self.as_json, self.quiet = as_json, quiet
         self.told: dict[str, float] = {}
         self.known_alarms: set[str] = set()
         self.begin = self.twin.now
-        self.before = 0
+        rows = made.readings.rows
+        self.rereading = Rereading(made.heard, self.begin, rows.shift) if source.again else None
         self.known = Counter(self.twin.readings.rows.counts)
         self.saved = clock.monotonic()
         self.lines = 0
@@ -246,10 +260,10 @@ class _Loop:
                         heard = clock.monotonic()
                     continue
                 heard = clock.monotonic()
-                if self.source.again and record.time <= self.begin:
-                    self.before += 1
-                    continue  # a file that is read again from its begin
-                self._give(self.twin.add(record.time, record.values, record.arrived))
+                for one in (record,) if self.rereading is None else self.rereading.new(record):
+                    self._add(one)
+            for one in self.rereading.rest() if self.rereading is not None else ():
+                self._add(one)
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
@@ -262,6 +276,12 @@ class _Loop:
                 self.series.finish(stop.status.word)
             raise
         self._end(status)
+
+    def _add(self, record: Record) -> None:
+        """Answer a record, and what waited for it."""
+        if self.rereading is not None:
+            self.twin.readings.rows.place = self.rereading.place
+        self._give(self.twin.add(record.time, record.values, record.arrived))
 
     def _pass_on(self) -> None:
         """Print what the source has to say, such as that nobody answers."""
@@ -319,6 +339,8 @@ class _Loop:
         if self.lines and self.twin.operation is not None:
             self.twin.operation.save()
         if self.lines and self.state is not None:
+            if self.rereading is not None:
+                self.twin.heard = self.rereading.memory(self.twin.readings.rows.held)
             save(self.twin, self.state)
         self.saved = clock.monotonic()
 
@@ -334,8 +356,13 @@ class _Loop:
             raise Ended(ExitCode.INTERRUPTED)
         if status != "done":
             raise Ended(ExitCode.STOPPED_EARLY)
-        if self.last is None and not self.before:
+        if self.last is None and not self._before:
             raise Ended(ExitCode.STOPPED_EARLY)
+
+    @property
+    def _before(self) -> int:
+        """Rows of a file that were answered by an earlier process."""
+        return self.rereading.before if self.rereading is not None else 0
 
     def _summarise(self) -> None:
         """Print what was found last, and what was wrong with the data."""
@@ -370,8 +397,8 @@ class _Loop:
         causes = [f"{_many(count, 'row')} {SAID.get(kind, kind)}" for kind, count in sorted(counted.items())]
         if self.source.refused:
             causes.append(f"{_many(self.source.refused, 'line')} could not be read")
-        if self.before:
-            old = f"{_many(self.before, 'row')} not after {stamp_said(self.begin)}, from where the twin goes on"
+        if self._before:
+            old = f"{_many(self._before, 'row')} not after {stamp_said(self.begin)}, from where the twin goes on"
             say(f"nothing is new: {', '.join([old, *causes])}")
             return
         why = ", ".join(causes) or "the source gave no row"

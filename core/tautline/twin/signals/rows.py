@@ -52,12 +52,16 @@ ABSURD = 1.0e30
 
 @dataclass
 class Row:
-    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` is what the source gave."""
+    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` is what the source gave.
+
+    ``places`` are those of its records among all that the source gives.
+    """
 
     time: float
     values: np.ndarray
     arrived: float = 0.0
     after_gap: bool = False
+    places: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.raw = self.values.copy()
@@ -96,6 +100,8 @@ class Rows:
         Rows that are to be there before the first is handed on: they show the noise of inputs.
     newest : float
         Largest time of a row so far, s; minus infinity before the first.
+    place : int
+        Place of the next record among all that the source gives, from zero.
     """
 
     columns: Sequence[str]
@@ -105,7 +111,7 @@ class Rows:
     notes: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.shift = 0.0
+        self.shift, self.place = 0.0, 0
         self.bounds: Sequence[tuple[float, float]] = [(-np.inf, np.inf)] * len(self.columns)
         self.scales = np.ones(len(self.columns))
         self.factors: Mapping[str, float] = {}
@@ -138,6 +144,7 @@ class Rows:
 
     def add(self, time: float, values: Mapping[str, float], arrived: float = 0.0) -> None:
         """Take a record of the source."""
+        place, self.place = self.place, self.place + 1
         if not np.isfinite(time):
             self.counts["no stamp"] += 1
             return
@@ -150,7 +157,7 @@ class Rows:
         if null.any():
             self.counts["with a reading that stands for none (-999.25)"] += 1
             read[null] = np.nan
-        row = Row(time + self.shift, read, arrived)
+        row = Row(time + self.shift, read, arrived, places=[place])
         if self.live:
             self._compare_clocks(time, arrived)
         if self._suspect is not None:
@@ -223,6 +230,7 @@ class Rows:
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
             self.counts["doubled"] += 1
             known = self.waiting[k].values
+            self.waiting[k].places += row.places
             self.waiting[k].values = np.where(np.isfinite(known), known, row.values)
             return
         if k < len(self.waiting):
@@ -286,6 +294,12 @@ class Rows:
         while last + 1 < len(rows) and not rows[last + 1].after_gap:
             last += 1
         return rows[first : last + 1]
+
+    @property
+    def held(self) -> list[int]:
+        """Places of the records that were taken and not yet handed on."""
+        suspect = [self._suspect] if self._suspect is not None else []
+        return sorted(place for row in (*self.waiting, *self._late, *suspect) for place in row.places)
 
     # -- to be kept over a restart -------------------------------------------------------------------------------------
 
