@@ -246,36 +246,44 @@ class _Loop:
         """
         from tautline.integrators.status import Interrupted, StoppedEarly
         from tautline.twin.sources.record import SourceStopped
+        from tautline.twin.twin import SceneEnded
 
         status = "done"
-        heard = clock.monotonic()
         try:
-            while not self.source.ended:
-                self._pass_on()
-                busy = self.twin.work(PIECE) if self.source.live else self.twin.work()
-                record = self.source.poll(0.0 if busy else POLL)
-                if record is None:
-                    if clock.monotonic() - heard > SILENCE:
-                        self._give(self.twin.answers(end=True))
-                        heard = clock.monotonic()
-                    continue
-                heard = clock.monotonic()
-                for one in (record,) if self.rereading is None else self.rereading.new(record):
-                    self._add(one)
-            for one in self.rereading.rest() if self.rereading is not None else ():
-                self._add(one)
+            try:
+                self._hear_all()
+            except SourceStopped as fault:
+                say(str(fault), "red")
+                status = "source failed"
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
-        except SourceStopped as fault:
-            say(str(fault), "red")
-            self._give(self.twin.finish())
-            status = "source failed"
+        except SceneEnded as end:
+            say(f"the twin ends: {end}", "red")
+            status = "scene ended"
         except StoppedEarly as stop:
             if self.series is not None:
                 self.series.finish(stop.status.word)
             raise
         self._end(status)
+
+    def _hear_all(self) -> None:
+        """Answer all records of the source; raises SourceStopped."""
+        heard = clock.monotonic()
+        while not self.source.ended:
+            self._pass_on()
+            busy = self.twin.work(PIECE) if self.source.live else self.twin.work()
+            record = self.source.poll(0.0 if busy else POLL)
+            if record is None:
+                if clock.monotonic() - heard > SILENCE:
+                    self._give(self.twin.answers(end=True))
+                    heard = clock.monotonic()
+                continue
+            heard = clock.monotonic()
+            for one in (record,) if self.rereading is None else self.rereading.new(record):
+                self._add(one)
+        for one in self.rereading.rest() if self.rereading is not None else ():
+            self._add(one)
 
     def _add(self, record: Record) -> None:
         """Answer a record, and what waited for it."""
