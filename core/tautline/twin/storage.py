@@ -62,7 +62,7 @@ def save(twin: Twin, path: Path) -> None:
             np.savez(file, **arrays)  # type: ignore[arg-type]
     except OSError as error:
         raise ResultError(
-            path, f"the twin's state cannot be written: {error.strerror}", "give another --state"
+            path, f"the twin's state cannot be written: {error.strerror}", "free some space, or give another --state"
         ) from None
 
 

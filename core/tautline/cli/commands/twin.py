@@ -10,9 +10,10 @@ import re
 import shlex
 import time as clock
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -228,6 +229,7 @@ class _Loop:
         self.as_json, self.quiet = as_json, quiet
         self.told: dict[str, float] = {}
         self.known_alarms: set[str] = set()
+        self.unsaved: set[str] = set()
         self.begin = self.twin.now
         rows = made.readings.rows
         self.rereading = Rereading(made.heard, self.begin, rows.shift) if source.again else None
@@ -263,7 +265,7 @@ class _Loop:
             status = "scene ended"
         except StoppedEarly as stop:
             if self.series is not None:
-                self.series.finish(stop.status.word)
+                self._keep("result", partial(self.series.finish, stop.status.word))
             raise
         self._end(status)
 
@@ -309,7 +311,7 @@ class _Loop:
             if self.as_json:
                 print_text(json.dumps(finite(line), allow_nan=False) + "\n")
             if self.series is not None:
-                self.series.add(line)
+                self._keep("result", partial(self.series.add, line))
             if self.page is not None:
                 first = self.twin.estimate.family.simulations[0]
                 self.page.publish(finite(line), first.model, first.parts.frames.rows[0])
@@ -343,26 +345,55 @@ class _Loop:
         from tautline.twin.storage import save
 
         if self.series is not None:
-            self.series.flush()  # what the state is later than is in the result then
+            self._keep("result", self.series.flush)  # what the state is later than is in the result then
+        counted = True
         if self.lines and self.twin.operation is not None:
-            self.twin.operation.save()
-        if self.lines and self.state is not None:
+            counted = self._keep("account", self.twin.operation.save)
+        # A state that is later than the account would leave out how the rope was bent meanwhile.
+        if self.lines and self.state is not None and counted:
             if self.rereading is not None:
                 self.twin.heard = self.rereading.memory(self.twin.readings.rows.held)
-            save(self.twin, self.state)
+            self._keep("state", partial(save, self.twin, self.state))
         self.saved = clock.monotonic()
+
+    def _keep(self, what: str, write: Callable[[], None]) -> bool:
+        """Write a file, and whether that went well.
+
+        A twin goes on to warn where a disk is full: this is told once, and a later attempt may go well again.
+        """
+        from tautline.results.errors import ResultError
+
+        try:
+            write()
+        except (ResultError, OSError) as error:
+            if what not in self.unsaved:
+                text = f"the {what} cannot be saved: {error}. The twin goes on, and tries again"
+                self._tell_saved(what, False, text)
+            self.unsaved.add(what)
+            return False
+        if what in self.unsaved and not (what == "result" and self.series.behind):
+            self.unsaved.remove(what)
+            self._tell_saved(what, True, f"the {what} is saved again")
+        return True
+
+    def _tell_saved(self, what: str, saved: bool, text: str) -> None:
+        """Print whether a file can be written."""
+        say(text, "green" if saved else "red")
+        if self.as_json:
+            time = self.last["time"] if self.last else None
+            print_text(json.dumps({"time": time, "file": what, "saved": saved, "text": text}) + "\n")
 
     def _end(self, status: str) -> None:
         self._pass_on()
         self._save()
         if self.series is not None:
-            self.series.finish(status)
+            self._keep("result", partial(self.series.finish, status))
         if self.page is not None:
             self.page.close()
         self._summarise()
         if status == "interrupted":
             raise Ended(ExitCode.INTERRUPTED)
-        if status != "done":
+        if status != "done" or self.unsaved:
             raise Ended(ExitCode.STOPPED_EARLY)
         if self.last is None and not self._before:
             raise Ended(ExitCode.STOPPED_EARLY)
