@@ -288,7 +288,15 @@ class _Loop:
             self._add(one)
 
     def _add(self, record: Record) -> None:
-        """Answer a record, and what waited for it."""
+        """Answer a record, and what waited for it.
+
+        The state is of before a half line of a file: when the file has grown, its row comes again, whole.
+        """
+        if not record.whole:
+            say(f"{self.source.name}: the last line has no line end, so its last cell counts as missing", "yellow")
+            if self.rereading is not None:
+                self._save()
+                self.state = None
         if self.rereading is not None:
             self.twin.readings.rows.place = self.rereading.place
         self._give(self.twin.add(record.time, record.values, record.arrived))

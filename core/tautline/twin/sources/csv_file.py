@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.twin.sources.record import Record, SourceStopped
-from tautline.twin.sources.table import Header
+from tautline.twin.sources.table import Header, has_end
 
 PATIENT = 0.5
 """Longest sleep while a row is waited for, s."""
@@ -43,7 +43,7 @@ class CsvFile:
         units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         self.name, self.live, self.again = str(path), speed == 1.0, True
-        self.ended, self.refused, self._number = False, 0, 0
+        self.ended, self.refused, self._number, self._whole = False, 0, 0, True
         self.dropped, self.notes = 0, list[str]()
         self._speed, self._now, self._sleep = speed, now, sleep
         try:
@@ -77,14 +77,15 @@ class CsvFile:
         for line in self._file:
             self._number += 1
             if line.strip() and not line.lstrip().startswith("#"):
+                self._whole = has_end(line)
                 return line.rstrip("\r\n")
         return None
 
     def _read(self) -> Record | None:
         while (line := self._line()) is not None:
-            row = self._header.read(line)
+            row = self._header.read(line, self._whole)
             if row is not None and math.isfinite(row[0]):
-                return Record(row[0], row[1], 0.0)
+                return Record(row[0], row[1], 0.0, self._whole)
             try:
                 header = self._header.next_header(line, self._number)
             except SourceStopped as stop:
@@ -94,7 +95,7 @@ class CsvFile:
                 self._header = header
                 continue
             if row is not None:
-                return Record(row[0], row[1], 0.0)
+                return Record(row[0], row[1], 0.0, self._whole)
             self.refused += 1
         return None
 
@@ -122,7 +123,7 @@ class CsvFile:
         self.factors |= self._header.factors  # those of this row: the next may be read by another header
         self._next = self._read()
         self.ended = self._next is None and self._stopped is None
-        return Record(row.time, row.values, self._now())
+        return Record(row.time, row.values, self._now(), row.whole)
 
     def close(self) -> None:
         """Close the file."""

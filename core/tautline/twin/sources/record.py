@@ -21,11 +21,14 @@ class Record:
         By column, in the columns' units; NaN where there is none.
     arrived : float
         ``time.monotonic()`` at arrival, s.
+    whole : bool
+        Whether all of it was there: False for a last line without a line end, of which the last cell counts as missing.
     """
 
     time: float
     values: Mapping[str, float]
     arrived: float
+    whole: bool = True
 
 
 class SourceStopped(TautlineError):

@@ -52,7 +52,7 @@ class Rereading:
 
     def new(self, record: Record) -> Iterator[Record]:
         """Records that are new, up to this one: those at the begin wait until it is known whose they are."""
-        if self._summed < SHOWN:
+        if self._summed < SHOWN and record.whole:
             self._sum, self._summed = sum_of(record, self._sum), self._summed + 1
         if self._known is None:
             self._first.append(record)
@@ -72,7 +72,8 @@ class Rereading:
 
     def _sorted_out(self, waiting: list[Record]) -> Iterator[Record]:
         for one in waiting:
-            self.place, self._count = self._count, self._count + 1
+            self.place = self._count
+            self._count += one.whole  # a half line comes again, and is not counted in a state
             if self._is_new(one):
                 yield one
             else:

@@ -13,7 +13,7 @@ from typing import IO, Any
 from tautline.scene.errors import SceneError
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps, number_of
-from tautline.twin.sources.table import Header
+from tautline.twin.sources.table import Header, has_end
 
 MOST = 100_000
 """Records that may wait; beyond, the writer waits."""
@@ -52,7 +52,7 @@ class Stream:
             for line in self._file:
                 self._number += 1
                 if line.strip() and not line.lstrip().startswith("#"):
-                    self._take(line.rstrip("\r\n"))  # tabs at the end are cells
+                    self._take(line.rstrip("\r\n"), has_end(line))  # tabs at the end are cells
         except (SceneError, SourceStopped) as error:
             self._queue.put(error)
         except ValueError:  # the file was closed
@@ -62,17 +62,17 @@ class Stream:
         finally:
             self._queue.put(None)
 
-    def _take(self, line: str) -> None:
+    def _take(self, line: str, whole: bool = True) -> None:
         row: tuple[float, Mapping[str, float]] | None
         if line.lstrip().startswith("{") or self._objects:
-            self._objects = True
+            self._objects, whole = True, True  # half an object is none
             row = read_object(line, self._columns, self._stamps)
         elif self._header is None:
             given = self._columns, self._time, self.name, self._units, self.notes, self._number
             self._begin(Header(line, *given))
             return
         else:
-            row = self._header.read(line)
+            row = self._header.read(line, whole)
             if row is None or not math.isfinite(row[0]):
                 header = self._header.next_header(line, self._number)
                 if header is not None:
@@ -81,7 +81,7 @@ class Stream:
         if row is None:
             self.refused, self.last = self.refused + 1, line[:80]
             return
-        self._queue.put(Record(row[0], row[1], clock.monotonic()))
+        self._queue.put(Record(row[0], row[1], clock.monotonic(), whole))
 
     def _begin(self, header: Header) -> None:
         """Read lines by a header from now on; its factors hold for the records behind it in the queue."""

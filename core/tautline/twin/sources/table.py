@@ -22,6 +22,11 @@ class NewHeader(SourceStopped):
         super().__init__(f"the data have a new header, and rows cannot be read by it: {error}")
 
 
+def has_end(line: str) -> bool:
+    """Whether a line, as it was read, has a line end: one that has none may go on in what is not there yet."""
+    return line.endswith(("\n", "\r"))
+
+
 def separator_of(line: str) -> str:
     """What separates the cells of a header."""
     return max(SEPARATORS, key=line.count)
@@ -154,15 +159,16 @@ class Header:
             self.notes.append(f"{where}:{number}: a new header; {other}, and rows are read by it from here on")
         return found
 
-    def read(self, line: str) -> tuple[float, Mapping[str, float]] | None:
+    def read(self, line: str, whole: bool = True) -> tuple[float, Mapping[str, float]] | None:
         """Stamp and values of a line; None for a line that has too few cells.
 
         Where a line is shorter than the header, its last cell may be half of one: it counts as missing. A table whose
-        lines are all as short, with cells that are left out at their ends, loses by this no more than one cell.
+        lines are all as short, with cells that are left out at their ends, loses by this no more than one cell. So does
+        the last cell of a line that is not `whole`: 47.58 may end as 4.
         """
         cells = cells_of(line, self.separator)
         count = len(cells)
-        if count < self.width and count != self._before:
+        if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
         self._before = count
         if len(cells) <= self.stamp:
