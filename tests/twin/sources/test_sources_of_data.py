@@ -275,3 +275,19 @@ def test_opc_ua_gives_the_changes_of_a_stamp_as_one_record_also_after_the_server
     finally:
         source.close()
         running.stop()
+
+
+@pytest.mark.parametrize("text", ["time,a\n0,1\n", '{"time": 0, "a": 1}\n'])
+def test_a_stream_that_begins_with_a_byte_order_mark_is_read(text):
+    source = Stream(io.StringIO("\ufeff" + text), ["a"])
+    assert [(row.time, row.values["a"]) for row in all_of(source)] == [(0.0, 1.0)] and source.refused == 0
+
+
+def test_text_in_utf_16_is_refused_with_the_encoding_that_is_wanted(tmp_path):
+    data = "time,a\n0,1\n".encode("utf-16")
+    source = Stream(io.StringIO(data.decode(errors="replace")), ["a"])
+    with pytest.raises(SceneError, match="is not UTF-8 text; save it as UTF-8"):
+        all_of(source)
+    (tmp_path / "r.csv").write_bytes(data)
+    with pytest.raises(SceneError, match="is not UTF-8 text; save it as UTF-8"):
+        CsvFile(tmp_path / "r.csv", ["a"])

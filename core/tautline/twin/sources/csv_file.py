@@ -59,6 +59,8 @@ class CsvFile:
             raise SceneError([Problem(str(path), None, "", None, "is empty", "give a file with a header and rows")])
         if "\0" in line or line.startswith("\ufffdHDF"):
             self._file.close()
+            if line.startswith(2 * "\ufffd"):  # FF FE or FE FF: the mark of UTF-16
+                raise SceneError([Problem(str(path), None, "", None, "is not UTF-8 text", "save it as UTF-8")])
             cure = "--source wants a CSV file with a header and rows, such as `record` writes"
             raise SceneError([Problem(str(path), None, "", None, "is not a table: it is a binary file", cure)])
         try:

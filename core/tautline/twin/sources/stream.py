@@ -10,7 +10,7 @@ import time as clock
 from collections.abc import Mapping, Sequence
 from typing import IO, Any
 
-from tautline.scene.errors import SceneError
+from tautline.scene.errors import Problem, SceneError
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps, number_of
 from tautline.twin.sources.table import Header, has_end
@@ -51,6 +51,8 @@ class Stream:
         try:
             for line in self._file:
                 self._number += 1
+                if self._number == 1:
+                    line = text_of(line, self.name)
                 if line.strip() and not line.lstrip().startswith("#"):
                     self._take(line.rstrip("\r\n"), has_end(line))  # tabs at the end are cells
         except (SceneError, SourceStopped) as error:
@@ -115,6 +117,19 @@ class Stream:
 
     def close(self) -> None:
         """Nothing: the thread ends with the process, or with the stream."""
+
+
+def text_of(line: str, name: str) -> str:
+    """The first line without the mark that some programs begin UTF-8 with.
+
+    Raises
+    ------
+    SceneError
+        For what is text in another encoding, or none.
+    """
+    if "\0" in line:
+        raise SceneError([Problem(name, 1, "", None, "is not UTF-8 text", "save it as UTF-8")])
+    return line.removeprefix("\ufeff")
 
 
 def read_object(line: str, columns: Sequence[str], stamps: Stamps) -> tuple[float, dict[str, float]] | None:
