@@ -43,7 +43,8 @@ def test_an_object_without_a_line_end_is_whole():
 def test_the_row_of_a_half_line_is_answered_anew_when_the_file_has_grown(tmp_path, capsys):
     here = commands_of(Crane(), capsys)
     (tmp_path / "map.yaml").write_text(
-        "sensors:\n  - {column: winch, unit: m, input: winch.pay_out}\n  - {column: rope, unit: kN, output: winch.tension}\n"
+        "sensors:\n  - {column: winch, unit: m, input: winch.pay_out}\n"
+        "  - {column: rope, unit: kN, output: winch.tension}\n"
     )
     rows = [f"{0.1 * k:.1f},0,{47.5 + 0.01 * k:.2f}\n" for k in range(12)]
     words = ["--map", tmp_path / "map.yaml", "--source", tmp_path / "r.csv", "--resume", tmp_path / "st"]

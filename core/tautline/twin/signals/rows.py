@@ -10,6 +10,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | later than the delay | it is left out, and counted |
 | a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
 | stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
+| columns in rows of their own, a small part of the sample interval apart | they are one row, of the stamp that came first |
 | no readable stamp | it is left out, and counted |
 | a reading beyond 1e30 | it counts as missing, and the row is counted |
 | -999, -999.25, -9999 or -9999.25, written for none | it counts as missing where the sensor cannot show it; counted |
@@ -37,6 +38,8 @@ SHOWN_IN = 1.0
 """Longest that the first row waits for others that show the noise of inputs, s."""
 TYPICAL = 5
 """Rows after which the sample interval is known."""
+JOINED = 0.1
+"""Part of the sample interval within which rows that have no column in common are one."""
 CLOCK_WRONG = 1e-3
 """Rate of the source's clock beside ours that is reported."""
 CLOCK_TIME = 60.0
@@ -62,6 +65,7 @@ class Row:
     arrived: float = 0.0
     after_gap: bool = False
     places: list[int] = field(default_factory=list)
+    joined: bool = False
 
     def __post_init__(self) -> None:
         self.raw = self.values.copy()
@@ -116,6 +120,8 @@ class Rows:
         self.scales = np.ones(len(self.columns))
         self.factors: Mapping[str, float] = {}
         self._lowest = np.full(len(self.columns), np.inf)
+        self._seen = np.full(len(self.columns), np.nan)
+        self._last_shown = np.ones(len(self.columns), bool)
         self.waiting: list[Row] = []
         self.past: deque[Row] = deque()
         self.reached = -np.inf
@@ -233,12 +239,55 @@ class Rows:
             self.waiting[k].places += row.places
             self.waiting[k].values = np.where(np.isfinite(known), known, row.values)
             return
+        if self._join(row, k):
+            return
         if k < len(self.waiting):
             self.counts["out of order"] += 1
-        elif np.isfinite(self.newest) and not row.after_gap:
-            self._intervals.append(row.time - self.newest)
-        self.waiting.insert(k, row)
+        elif self._learn_interval(row) and self._join(row, len(self.waiting)):
+            return
+        self.waiting.insert(min(k, len(self.waiting)), row)
         self.newest = max(self.newest, row.time)
+
+    def _learn_interval(self, row: Row) -> bool:
+        """Learn the sample interval from a row that is the newest, and whether it is known by that for the first time.
+
+        Of columns that come in rows of their own it is that of a column. What waited is joined then.
+        """
+        shown = np.isfinite(row.values)
+        unknown = not np.isfinite(self.interval)
+        if np.isfinite(self.newest) and not row.after_gap:
+            if (shown & self._last_shown).any() or not shown.any() or not self._last_shown.any():
+                self._intervals.append(row.time - self.newest)
+            else:
+                steps = row.time - self._seen[shown]
+                self._intervals.extend(steps[np.isfinite(steps)].tolist())
+        self._seen[shown], self._last_shown = row.time, shown
+        found = unknown and bool(np.isfinite(self.interval))
+        if found:
+            waiting, self.waiting = self.waiting, []
+            for one in waiting:
+                if not self._join(one, len(self.waiting)):
+                    self.waiting.append(one)
+        return found
+
+    def _join(self, row: Row, k: int) -> bool:
+        """Let a row be part of the one beside its place k, where they are close and have no column in common."""
+        shown = np.isfinite(row.values)
+        if not shown.any() or not np.isfinite(self.interval):
+            return False
+        for one in self.waiting[max(k - 1, 0) : k + 1]:
+            known = np.isfinite(one.values)
+            if abs(one.time - row.time) > JOINED * self.interval or row.after_gap:
+                continue
+            if not (shown & known).any():
+                one.values, one.places = np.where(known, one.values, row.values), one.places + row.places
+                one.raw, one.joined = one.values.copy(), True
+                self._seen[shown] = row.time
+                return True
+            if one.joined and np.array_equal(one.raw[shown], row.raw[shown]):  # a message that came twice
+                self.counts["doubled"] += 1
+                return True
+        return False
 
     def _compare_clocks(self, stamp: float, arrived: float) -> None:
         """Find how fast the source's clock runs beside ours."""
