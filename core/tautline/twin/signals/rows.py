@@ -10,7 +10,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | later than the delay | it is left out, and counted |
 | a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
 | stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
-| columns in rows of their own, a small part of the sample interval apart | they are one row, of the stamp that came first |
+| columns in rows of their own, a small part of the sample interval apart | they are one row, of the first stamp |
 | no readable stamp | it is left out, and counted |
 | a reading beyond 1e30 | it counts as missing, and the row is counted |
 | -999, -999.25, -9999 or -9999.25, written for none | it counts as missing where the sensor cannot show it; counted |

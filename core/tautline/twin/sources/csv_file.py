@@ -71,8 +71,8 @@ class CsvFile:
         self.factors = dict(self._header.factors)
         self.units = dict(zip(self._header.names, self._header.units, strict=True))
         self._stopped: SourceStopped | None = None
-        self._next = self._read()
-        self._begun = (self._now(), self._next.time if self._next else 0.0)
+        self._next, self._later = self._taken(), self._taken()
+        self._begun = (self._now(), self._next[0].time if self._next else 0.0)
 
     def _line(self) -> str | None:
         """The next line that is neither empty nor a comment."""
@@ -101,6 +101,11 @@ class CsvFile:
             self.refused += 1
         return None
 
+    def _taken(self) -> tuple[Record, dict[str, float]] | None:
+        """The row behind those that were read, with the factors of its header."""
+        row = self._read() if self._stopped is None else None
+        return None if row is None else (row, self._header.factors)
+
     def poll(self, timeout: float) -> Record | None:
         """The next row, when it is due.
 
@@ -114,16 +119,18 @@ class CsvFile:
             if self._stopped is not None:
                 raise self._stopped
             return None
-        row = self._next
-        if self._speed is not None and row.time == row.time:
-            due = self._begun[0] + (row.time - self._begun[1]) / self._speed
+        row, factors = self._next
+        # A stamp far ahead that is wrong is not waited for: the row behind it is due before.
+        time = min(row.time, self._later[0].time) if self._later and math.isfinite(self._later[0].time) else row.time
+        if self._speed is not None and math.isfinite(time):
+            due = self._begun[0] + (time - self._begun[1]) / self._speed
             end = self._now() + timeout
             while (left := due - self._now()) > 0.0:
                 if self._now() >= end:
                     return None
                 self._sleep(min(left, end - self._now(), PATIENT))
-        self.factors |= self._header.factors  # those of this row: the next may be read by another header
-        self._next = self._read()
+        self.factors |= factors  # those of this row: the next may be read by another header
+        self._next, self._later = self._later, self._taken()
         self.ended = self._next is None and self._stopped is None
         return Record(row.time, row.values, self._now(), row.whole)
 
