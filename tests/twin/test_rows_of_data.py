@@ -267,3 +267,39 @@ def test_a_place_that_counts_from_elsewhere_has_not_leapt_and_one_that_falls_to_
             health.check(0.1 * k, 0.0)
         faults[counted_anew] = health.fault
     assert faults == {True: "", False: "stuck"}
+
+
+def apart(rows, order=(0, 1, 2), gap=0.001, count=40):
+    """Rows of three columns, each in a row of its own, 20 times a second."""
+    for k in range(count):
+        for i, column in enumerate(order):
+            rows.add(0.05 * k + gap * i, {"abc"[column]: float(10 * k + column)})
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1)])
+def test_columns_in_rows_of_their_own_that_are_close_are_one_row_at_their_own_interval(order):
+    rows = Rows(["a", "b", "c"])
+    apart(rows, order)
+    assert rows.interval == pytest.approx(0.05)
+    found = []
+    while (row := rows.ready(True)) is not None:
+        found.append(row)
+    assert [row.time for row in found] == pytest.approx([0.05 * k for k in range(40)])
+    assert [list(row.values) for row in found] == [[10.0 * k, 10.0 * k + 1, 10.0 * k + 2] for k in range(40)]
+    assert not rows.counts and not any(row.after_gap for row in found)
+    assert [row.places for row in found] == [[3 * k, 3 * k + 1, 3 * k + 2] for k in range(40)]
+
+
+def test_a_column_that_comes_twice_within_a_row_is_doubled():
+    rows = Rows(["a", "b", "c"])
+    apart(rows)
+    rows.add(0.05 * 39 + 0.002, {"c": 392.0})
+    assert rows.counts == {"doubled": 1}
+
+
+def test_close_rows_that_have_columns_in_common_stay_apart():
+    rows = Rows(["a", "b"])
+    for k in range(20):
+        rows.add(0.05 * k, {"a": 1.0, "b": float(k)})
+    rows.add(0.951, {"a": 2.0})
+    assert [row.time for row in rows.waiting][-2:] == pytest.approx([0.95, 0.951])

@@ -296,11 +296,16 @@ class Simulation:
 
     def _refuse_unprepared(self, time: float) -> None:
         """Refuse a time beyond a record, or what was computed ahead, that the scene moves by."""
-        for one in self._prepared:
-            if time > one.until + self._tolerance and not self.inputs.steers(one.function):
-                cause = f"cannot advance to {time:g} s: {one.key} is known up to {one.until:g} s only"
-                cure = "give the scene a later solver.end; a record has to last as long"
-                raise SimulationError(cause, cure)
+        until, key = self.known_until
+        if time > until + self._tolerance:
+            cause = f"cannot advance to {time:g} s: {key} is known up to {until:g} s only"
+            raise SimulationError(cause, "give the scene a later solver.end; a record has to last as long")
+
+    @property
+    def known_until(self) -> tuple[float, str]:
+        """Until when it is known what the scene moves by itself, s, infinite where without end; and the key of that."""
+        ends = ((one.until, one.key) for one in self._prepared if not self.inputs.steers(one.function))
+        return min(ends, default=(math.inf, ""))
 
     def _frame_time(self, k: int) -> float:
         """Time of the k-th frame after the first; they go on after the scene's end."""

@@ -83,6 +83,8 @@ class Store:
         one-dimensional array is taken as the coordinate of the dimension of that name.
     attributes : dict
         Numbers and texts known at the start, ``scene`` among them; ``status`` is ``running`` until ``finish``.
+    resumable : bool
+        Whether the result is what the verb that writes it takes under ``--resume``, so that this is a cure.
 
     Attributes
     ----------
@@ -101,7 +103,9 @@ class Store:
         variables: Sequence[Variable],
         coordinates: Mapping[str, Any] | None = None,
         attributes: Mapping[str, Any] | None = None,
+        resumable: bool = True,
     ) -> None:
+        self.resumable = resumable
         self.path = None if path is None else check_target(path)
         named = {variable.name: variable for variable in (TIME, *variables)}
         self.variables = list(named.values())
@@ -249,7 +253,7 @@ class Store:
         kept = max(copies.held)
         left = f"; {kept} frames are kept in it" if kept else "; nothing was stored"
         cure = "free some space, or name another folder with -o"
-        cure += f"; then go on with --resume {copies.path}" if kept else ""
+        cure += f"; then go on with --resume {copies.path}" if kept and self.resumable else ""
         return WriteError(copies.path, f"cannot be written any more: {reason}{left}", cure)
 
     def _checked(self, frames: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

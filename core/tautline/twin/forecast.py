@@ -28,6 +28,10 @@ LARGEST = 4.0
 """Times the present speed, or heave, beyond which it is not looked for."""
 START_UP = 1.0
 """Time in which another speed is taken up, s."""
+EARLY = 1e-6
+"""By how much a time may be later than what the scene knows, s: rounding of stamps."""
+SCENE_ENDS = "SCENE_ENDS"
+"""What stops a run ahead where the scene moves something by itself, and no further is known."""
 
 
 @dataclass
@@ -88,6 +92,7 @@ class Forecast:
         judged_after : float
             Time ahead from which on bounds count, s.
         """
+        plain = bounds is None
         bounds = self.bounds if bounds is None else bounds
         self.found = Found(begun)
         sim = self.sim
@@ -96,6 +101,10 @@ class Forecast:
             sim.parameters[name] = value
         begin = sim.time
         for i, after in enumerate(self.times if times is None else times):
+            if begin + after > sim.known_until[0] + EARLY:
+                if plain:  # other runs look for how far one can go: the end of the scene is no danger to them
+                    self.found.stopped = (float(after), SCENE_ENDS)
+                return
             for name, path in paths.items():
                 sim.inputs[name] = tuple(path[i].tolist())
             try:

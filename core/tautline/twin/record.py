@@ -106,7 +106,7 @@ def record(
     Raises
     ------
     SceneError
-        For a map that does not fit the scene.
+        For a map that does not fit the scene, and for an end beyond what the scene moves by itself.
     StoppedEarly
         Where the simulation stops.
     """
@@ -130,6 +130,10 @@ def record(
     if last * sensing.rate > MOST_ROWS:
         cause = f"is {last * sensing.rate:.2g} rows, and a record has {MOST_ROWS:.0e} at most"
         raise option_error("--rate", f"{sensing.rate:g}", cause, "give fewer rows a second, or an earlier --end")
+    until, key = sim.known_until
+    if last > until + 1e-9:
+        cause = f"is later than what the scene moves by itself: {key} is known up to {until:g} s only"
+        raise option_error("--end", f"{last:g} s", cause, "give an earlier one, or the scene a later solver.end")
     final = int(np.floor(last * sensing.rate + 1e-9))
     _check_times(sensing, final)
     earlier: deque[tuple[float, np.ndarray]] = deque()

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, WriteError
 from tautline.results.result import Result
 from tautline.results.store import Store
 from tautline.results.variable import Variable
@@ -33,6 +34,11 @@ class Series:
         Whose names and units it has.
     begin : float, optional
         Time, s, from which an operation is gone on with: what the result has up to then stays at its beginning.
+
+    Attributes
+    ----------
+    behind : bool
+        Whether there are lines that could not be written.
 
     Raises
     ------
@@ -81,8 +87,9 @@ class Series:
             "units": getattr(twin.scene, "units", "si"),
         }  # fmt: skip
         earlier = None if begin is None or not path.exists() else self._earlier(path, begin)
-        self._store = Store(path, variables, coordinates, attributes)
+        self._store = Store(path, variables, coordinates, attributes, resumable=False)
         self._lines: list[Mapping[str, Any]] = []
+        self.behind = False
         if earlier is not None:
             self._store.append(earlier)
 
@@ -103,20 +110,30 @@ class Series:
             self.flush()
 
     def flush(self) -> None:
-        """Write what there is."""
+        """Write what there is.
+
+        Raises
+        ------
+        WriteError
+            Where that is not possible. Nothing is lost: it is written with the lines that come next.
+        """
         if not self._lines:
             return
-        frames = {"time": np.array([line["time"] for line in self._lines])}
+        lines, self._lines = self._lines, []  # the store keeps them from here on, also where it cannot write them yet
+        frames = {"time": np.array([line["time"] for line in lines])}
         for name, (take, shape) in self._columns.items():
-            rows = [take(line) for line in self._lines]
+            rows = [take(line) for line in lines]
             frames[name] = np.array([_filled(row, shape) for row in rows], float)
+        self.behind = True
         self._store.append(frames)
-        self._lines = []
+        self.behind = False
 
     def finish(self, status: str) -> None:
-        """Write the rest, and close."""
-        self.flush()
+        """Write the rest, and close; raises WriteError where that is not possible, and nothing hidden is left then."""
+        with suppress(WriteError):  # `finish` tries again, and closes
+            self.flush()
         self._store.finish({"status": status})
+        self.behind = False
 
 
 def _take(*path: str) -> Any:

@@ -38,7 +38,7 @@ def save(twin: Twin, path: Path) -> None:
         "tracks": [one.memory() for one in readings.tracks], "health": [one.memory() for one in readings.health],
         "alarms": twin.watch.alarms.memory(), "blows_due": estimate.family.blows_due,
         "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
-        "settling": twin.settling.memory(), "far": readings.far,
+        "settling": twin.settling.memory(), "far": readings.far, "heard": twin.heard,
         "stepped": sorted(readings.stepped),
     }  # fmt: skip
     samples = list(h.samples)
@@ -63,7 +63,7 @@ def save(twin: Twin, path: Path) -> None:
             np.savez(file, **arrays)  # type: ignore[arg-type]
     except OSError as error:
         raise ResultError(
-            path, f"the twin's state cannot be written: {error.strerror}", "give another --state"
+            path, f"the twin's state cannot be written: {error.strerror}", "free some space, or give another --state"
         ) from None
 
 
@@ -130,6 +130,7 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     estimate.log.origin, twin.now = float(words["origin"]), float(words["now"])
     twin.paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
+    twin.heard = dict(words.get("heard", {}))
     readings.far, readings.stepped = dict(words.get("far", {})), set(words.get("stepped", []))
     twin.settling.recall(words.get("settling", twin.settling.memory()))
     readings.zeros = {int(k): float(v) for k, v in words["zeros"].items()}

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.errors import ArgumentError
+from tautline.errors import ArgumentError, TautlineError
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
@@ -21,7 +21,7 @@ from tautline.twin.estimation.estimate import Estimate, Machine
 from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import Sample
 from tautline.twin.estimation.log import Logged
-from tautline.twin.forecast import Forecast, Found
+from tautline.twin.forecast import EARLY, Forecast, Found
 from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, read_map
 from tautline.twin.operation import Operation
 from tautline.twin.restrictions import Outlook
@@ -34,14 +34,23 @@ from tautline.twin.watch import Compared, Watch
 MANY = 5.0
 """Standard deviations of a sensor from which on a computed value is not known well, and health is degraded."""
 UNSEEN = 10.0
-"""Standard deviations of a sensor by which rows miss what is computed without a noise of inputs that is recognised, from
-which on health is degraded: a twin whose load still swings as it was first guessed misses them by six."""
+"""Standard deviations of a sensor by which rows miss what is computed, from which on health is degraded where no noise
+of inputs is recognised: a twin whose load still swings as it was first guessed misses them by six."""
 NOISE_SHOWN = 12
 """Rows that show how much noise inputs have before a load is moved by them."""
 LONG_GAP = 120.0
 """Time without rows that is not simulated, s: the rows behind it would wait for that."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
+
+
+class SceneEnded(TautlineError):
+    """A row later than what the scene moves by itself; ``time`` is its stamp, s."""
+
+    def __init__(self, time: float, until: float, key: str) -> None:
+        self.time = time
+        cause = f"the scene moves `{key}` by itself, and it is known up to {until:g} s only"
+        super().__init__(f"{cause}; give it a sensor, or the scene a later solver.end")
 
 
 class Twin:
@@ -92,9 +101,16 @@ class Twin:
         self.now, self.unsettled = np.nan, -np.inf
         self.settling, self.unsure = Settling(), False
         self.restarts = 0
+        self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
         self.notes = self.estimate.notes  # one list
         self.notes += bare_bounds(self.map, self.plan)
         self.notes += self.operation.doubts(self.plan) if self.operation else []
+        until, key = self._known_with_sensors()
+        if np.isfinite(until):
+            cure = f"give `{key}` a sensor, or the scene a later solver.end"
+            self.notes.append(
+                f"`{key}` has no sensor, and is known up to {until:g} s only: the twin ends there; {cure}"
+            )
         self.paused = False
         self._further: dict[str, dict[str, Any]] = {}
 
@@ -132,6 +148,18 @@ class Twin:
     # -- data ----------------------------------------------------------------------------------------------------------
 
     @property
+    def known_until(self) -> tuple[float, str]:
+        """How long after its start the scene moves by itself what no sensor drives, s, and the key of that."""
+        return self.estimate.family.simulations[0].known_until
+
+    def _known_with_sensors(self) -> tuple[float, str]:
+        """The same as it will be when the sensors have given their first readings."""
+        sim = self.estimate.family.simulations[0].copy()
+        for name in driven_by(self.map):
+            sim.inputs[name] = float(sim.inputs[name])
+        return sim.known_until
+
+    @property
     def columns(self) -> list[str]:
         """Columns of the sensors, in the order of the map."""
         return [one.column for one in self.plan.channels]
@@ -155,6 +183,8 @@ class Twin:
         ------
         ArgumentError
             For a list of another length than `columns`, and for what is no number.
+        SceneEnded
+            For a row later than what the scene moves by itself.
         """
         self.readings.rows.add(float(time), self._by_column(values), arrived)
         return self.answers()
@@ -220,6 +250,9 @@ class Twin:
             self.estimate.from_rest = True
         if not self.estimate.log.begun:
             self._begin_at(row, inputs)
+        if self.estimate.log.origin + self.known_until[0] + EARLY < row.time:
+            until, key = self.known_until
+            raise SceneEnded(row.time, until, key)
         try:
             self.estimate.advance(row.time, inputs)
         except StoppedEarly as error:

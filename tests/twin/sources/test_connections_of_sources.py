@@ -92,6 +92,7 @@ def test_messages_that_find_no_room_are_counted():
 
     class Message:
         topic, payload = "crane/row", json.dumps({"time": 1.0, "heave": 0.5}).encode()
+        retain = False
 
     for _ in range(MOST + 7):
         source._take(None, None, Message)

@@ -32,8 +32,8 @@ def test_a_line_with_an_endless_cell_is_counted_as_one_that_cannot_be_read(tmp_p
 
 
 class Message:
-    def __init__(self, payload):
-        self.topic, self.payload = "crane/row", payload.encode()
+    def __init__(self, payload, topic="crane/row", retain=False):
+        self.topic, self.payload, self.retain = topic, payload.encode(), retain
 
 
 @pytest.fixture
@@ -48,6 +48,28 @@ def test_a_message_with_an_endless_number_or_brackets_without_end_is_counted_and
     for payload in (HUGE, DEEP, '{"time": 1, "a": 2}'):
         mqtt._take(None, None, Message(payload))
     assert mqtt.refused == 2 and mqtt.poll(0.1).values["a"] == 2.0
+
+
+def test_a_column_that_two_topics_bring_is_taken_from_the_first_and_this_is_told_once(mqtt):
+    for topic, value in (("site/one/a", 1), ("site/two/a", 2), ("site/one/a", 3), ("site/two/a", 4)):
+        mqtt._take(None, None, Message(f'{{"time": {value}, "value": {value}}}', topic))
+    assert [mqtt.poll(0.1).values["a"] for _ in range(2)] == [1.0, 3.0] and mqtt.poll(0.0) is None
+    assert len([note for note in mqtt.notes if "column 'a' comes from two topics" in note]) == 1
+
+
+def test_a_topic_of_all_columns_may_come_beside_one_of_a_column_in_either_order(mqtt):
+    for topic, payload in (("crane/a", "1"), ("crane/row", '{"time": 1, "a": 2}'), ("crane/a", "3")):
+        mqtt._take(None, None, Message(payload, topic))
+    assert [mqtt.poll(0.1).values["a"] for _ in range(3)] == [1.0, 2.0, 3.0]
+    assert not [note for note in mqtt.notes if "two topics" in note]
+
+
+def test_a_number_that_the_broker_has_kept_is_left_out_and_one_with_a_stamp_is_not(mqtt):
+    mqtt._take(None, None, Message("5", "site/one/a", retain=True))
+    assert mqtt.poll(0.0) is None and "Its age is not known" in mqtt.notes[-1]
+    mqtt._take(None, None, Message('{"time": 1, "value": 6}', "site/one/a", retain=True))
+    mqtt._take(None, None, Message("7", "site/one/a"))
+    assert [mqtt.poll(0.1).values["a"] for _ in range(2)] == [6.0, 7.0]
 
 
 def failing(*_):

@@ -60,6 +60,17 @@ def test_a_file_is_replayed_at_the_speed_that_is_asked_for(tmp_path):
     assert [t - 100.0 for t in arrived] == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
 
 
+def test_a_replay_does_not_wait_for_a_stamp_far_ahead_that_is_wrong(tmp_path):
+    path = written(tmp_path / "r.csv", "time,a\n0,1\n1,2\n99999,3\n2,4\n3,5\n")
+    now = [0.0]
+
+    def sleep(seconds):
+        now[0] += seconds
+
+    source = CsvFile(path, ["a"], speed=1.0, now=lambda: now[0], sleep=sleep)
+    assert [(row.values["a"], row.arrived) for row in all_of(source)] == [(1, 0), (2, 1), (3, 2), (4, 2), (5, 3)]
+
+
 def test_a_column_that_is_not_there_is_refused_with_the_nearest(tmp_path):
     path = written(tmp_path / "r.csv", "time,heave\n0,1\n")
     with pytest.raises(SceneError, match="there is no column 'heav'; did you mean 'heave'"):
@@ -275,3 +286,19 @@ def test_opc_ua_gives_the_changes_of_a_stamp_as_one_record_also_after_the_server
     finally:
         source.close()
         running.stop()
+
+
+@pytest.mark.parametrize("text", ["time,a\n0,1\n", '{"time": 0, "a": 1}\n'])
+def test_a_stream_that_begins_with_a_byte_order_mark_is_read(text):
+    source = Stream(io.StringIO("\ufeff" + text), ["a"])
+    assert [(row.time, row.values["a"]) for row in all_of(source)] == [(0.0, 1.0)] and source.refused == 0
+
+
+def test_text_in_utf_16_is_refused_with_the_encoding_that_is_wanted(tmp_path):
+    data = "time,a\n0,1\n".encode("utf-16")
+    source = Stream(io.StringIO(data.decode(errors="replace")), ["a"])
+    with pytest.raises(SceneError, match="is not UTF-8 text; save it as UTF-8"):
+        all_of(source)
+    (tmp_path / "r.csv").write_bytes(data)
+    with pytest.raises(SceneError, match="is not UTF-8 text; save it as UTF-8"):
+        CsvFile(tmp_path / "r.csv", ["a"])

@@ -10,9 +10,10 @@ import re
 import shlex
 import time as clock
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -27,7 +28,7 @@ from tautline.scene.errors import SceneError, option_error
 if TYPE_CHECKING:
     from tautline.twin.map import TwinMap
     from tautline.twin.record import Sensing
-    from tautline.twin.sources.record import Source
+    from tautline.twin.sources.record import Record, Source
     from tautline.twin.twin import Twin
 
 CHATTERING = "asyncua"
@@ -114,6 +115,8 @@ def twin(
             made = Twin(scene, read, live=opened.live, account=given.account)
             made.readings.rows.factors = opened.factors
             begin = load(made, resume) if resume is not None and (resume.exists() or given.state != resume) else None
+            if begin is not None and opened.again and made.readings.rows.shift and not made.heard:
+                _refuse_unknown_rows(resume)
             if begin is not None:
                 say(f"going on from {stamp_said(begin)}")
             if made.plan_names.unwatched:
@@ -128,6 +131,15 @@ def twin(
             raise Ended(ExitCode.STOPPED_EARLY) from None
         except Interrupted:
             raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
+
+
+def _refuse_unknown_rows(state: Path | None) -> None:
+    """Refuse to go on in a file whose clock was set back from a state that has not counted its rows."""
+    from tautline.results.errors import ResultError
+
+    cause = "was written by an earlier version or of a live source, and the clock of the source was set back: "
+    cause += "which rows of a file are new is not known"
+    raise ResultError(state or "", cause, "begin the twin anew, without --resume")
 
 
 def _read_map(path: Path) -> TwinMap:
@@ -211,12 +223,16 @@ class _Loop:
     def __init__(
         self, made: Twin, source: Source, series: Any, page: Any, state: Path | None, as_json: bool, quiet: bool
     ) -> None:
+        from tautline.twin.sources.rereading import Rereading
+
         self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
         self.as_json, self.quiet = as_json, quiet
         self.told: dict[str, float] = {}
         self.known_alarms: set[str] = set()
+        self.unsaved: set[str] = set()
         self.begin = self.twin.now
-        self.before = 0
+        rows = made.readings.rows
+        self.rereading = Rereading(made.heard, self.begin, rows.shift) if source.again else None
         self.known = Counter(self.twin.readings.rows.counts)
         self.saved = clock.monotonic()
         self.lines = 0
@@ -231,36 +247,59 @@ class _Loop:
             Where the twin cannot go on; what it has found until then is stored.
         """
         from tautline.integrators.status import Interrupted, StoppedEarly
-        from tautline.twin.sources.record import SourceFault
+        from tautline.twin.sources.record import SourceStopped
+        from tautline.twin.twin import SceneEnded
 
         status = "done"
-        heard = clock.monotonic()
         try:
-            while not self.source.ended:
-                self._pass_on()
-                busy = self.twin.work(PIECE) if self.source.live else self.twin.work()
-                record = self.source.poll(0.0 if busy else POLL)
-                if record is None:
-                    if clock.monotonic() - heard > SILENCE:
-                        self._give(self.twin.answers(end=True))
-                        heard = clock.monotonic()
-                    continue
-                heard = clock.monotonic()
-                if self.source.again and record.time <= self.begin:
-                    self.before += 1
-                    continue  # a file that is read again from its begin
-                self._give(self.twin.add(record.time, record.values, record.arrived))
+            try:
+                self._hear_all()
+            except SourceStopped as fault:
+                say(str(fault), "red")
+                status = "source failed"
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
-        except SourceFault as fault:
-            say(str(fault), "red")
-            status = "source failed"
+        except SceneEnded as end:
+            say(f"the twin ends: {end}", "red")
+            status = "scene ended"
         except StoppedEarly as stop:
             if self.series is not None:
-                self.series.finish(stop.status.word)
+                self._keep("result", partial(self.series.finish, stop.status.word))
             raise
         self._end(status)
+
+    def _hear_all(self) -> None:
+        """Answer all records of the source; raises SourceStopped."""
+        heard = clock.monotonic()
+        while not self.source.ended:
+            self._pass_on()
+            busy = self.twin.work(PIECE) if self.source.live else self.twin.work()
+            record = self.source.poll(0.0 if busy else POLL)
+            if record is None:
+                if clock.monotonic() - heard > SILENCE:
+                    self._give(self.twin.answers(end=True))
+                    heard = clock.monotonic()
+                continue
+            heard = clock.monotonic()
+            for one in (record,) if self.rereading is None else self.rereading.new(record):
+                self._add(one)
+        for one in self.rereading.rest() if self.rereading is not None else ():
+            self._add(one)
+
+    def _add(self, record: Record) -> None:
+        """Answer a record, and what waited for it.
+
+        The state is of before a half line of a file: when the file has grown, its row comes again, whole.
+        """
+        if not record.whole:
+            say(f"{self.source.name}: the last line has no line end, so its last cell counts as missing", "yellow")
+            if self.rereading is not None:
+                self._save()
+                self.state = None
+        if self.rereading is not None:
+            self.twin.readings.rows.place = self.rereading.place
+        self._give(self.twin.add(record.time, record.values, record.arrived))
 
     def _pass_on(self) -> None:
         """Print what the source has to say, such as that nobody answers."""
@@ -280,7 +319,7 @@ class _Loop:
             if self.as_json:
                 print_text(json.dumps(finite(line), allow_nan=False) + "\n")
             if self.series is not None:
-                self.series.add(line)
+                self._keep("result", partial(self.series.add, line))
             if self.page is not None:
                 first = self.twin.estimate.family.simulations[0]
                 self.page.publish(finite(line), first.model, first.parts.frames.rows[0])
@@ -314,27 +353,63 @@ class _Loop:
         from tautline.twin.storage import save
 
         if self.series is not None:
-            self.series.flush()  # what the state is later than is in the result then
+            self._keep("result", self.series.flush)  # what the state is later than is in the result then
+        counted = True
         if self.lines and self.twin.operation is not None:
-            self.twin.operation.save()
-        if self.lines and self.state is not None:
-            save(self.twin, self.state)
+            counted = self._keep("account", self.twin.operation.save)
+        # A state that is later than the account would leave out how the rope was bent meanwhile.
+        if self.lines and self.state is not None and counted:
+            if self.rereading is not None:
+                self.twin.heard = self.rereading.memory(self.twin.readings.rows.held)
+            self._keep("state", partial(save, self.twin, self.state))
         self.saved = clock.monotonic()
+
+    def _keep(self, what: str, write: Callable[[], None]) -> bool:
+        """Write a file, and whether that went well.
+
+        A twin goes on to warn where a disk is full: this is told once, and a later attempt may go well again.
+        """
+        from tautline.results.errors import ResultError
+
+        try:
+            write()
+        except (ResultError, OSError) as error:
+            if what not in self.unsaved:
+                text = f"the {what} cannot be saved: {error}. The twin goes on, and tries again"
+                self._tell_saved(what, False, text)
+            self.unsaved.add(what)
+            return False
+        if what in self.unsaved and not (what == "result" and self.series.behind):
+            self.unsaved.remove(what)
+            self._tell_saved(what, True, f"the {what} is saved again")
+        return True
+
+    def _tell_saved(self, what: str, saved: bool, text: str) -> None:
+        """Print whether a file can be written."""
+        say(text, "green" if saved else "red")
+        if self.as_json:
+            time = self.last["time"] if self.last else None
+            print_text(json.dumps({"time": time, "file": what, "saved": saved, "text": text}) + "\n")
 
     def _end(self, status: str) -> None:
         self._pass_on()
         self._save()
         if self.series is not None:
-            self.series.finish(status)
+            self._keep("result", partial(self.series.finish, status))
         if self.page is not None:
             self.page.close()
         self._summarise()
         if status == "interrupted":
             raise Ended(ExitCode.INTERRUPTED)
-        if status != "done":
+        if status != "done" or self.unsaved:
             raise Ended(ExitCode.STOPPED_EARLY)
-        if self.last is None and not self.before:
+        if self.last is None and not self._before:
             raise Ended(ExitCode.STOPPED_EARLY)
+
+    @property
+    def _before(self) -> int:
+        """Rows of a file that were answered by an earlier process."""
+        return self.rereading.before if self.rereading is not None else 0
 
     def _summarise(self) -> None:
         """Print what was found last, and what was wrong with the data."""
@@ -369,8 +444,8 @@ class _Loop:
         causes = [f"{_many(count, 'row')} {SAID.get(kind, kind)}" for kind, count in sorted(counted.items())]
         if self.source.refused:
             causes.append(f"{_many(self.source.refused, 'line')} could not be read")
-        if self.before:
-            old = f"{_many(self.before, 'row')} not after {stamp_said(self.begin)}, from where the twin goes on"
+        if self._before:
+            old = f"{_many(self._before, 'row')} not after {stamp_said(self.begin)}, from where the twin goes on"
             say(f"nothing is new: {', '.join([old, *causes])}")
             return
         why = ", ".join(causes) or "the source gave no row"

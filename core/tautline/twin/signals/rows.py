@@ -10,6 +10,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | later than the delay | it is left out, and counted |
 | a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
 | stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
+| columns in rows of their own, a small part of the sample interval apart | they are one row, of the first stamp |
 | no readable stamp | it is left out, and counted |
 | a reading beyond 1e30 | it counts as missing, and the row is counted |
 | -999, -999.25, -9999 or -9999.25, written for none | it counts as missing where the sensor cannot show it; counted |
@@ -37,6 +38,8 @@ SHOWN_IN = 1.0
 """Longest that the first row waits for others that show the noise of inputs, s."""
 TYPICAL = 5
 """Rows after which the sample interval is known."""
+JOINED = 0.1
+"""Part of the sample interval within which rows that have no column in common are one."""
 CLOCK_WRONG = 1e-3
 """Rate of the source's clock beside ours that is reported."""
 CLOCK_TIME = 60.0
@@ -52,12 +55,17 @@ ABSURD = 1.0e30
 
 @dataclass
 class Row:
-    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` is what the source gave."""
+    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` is what the source gave.
+
+    ``places`` are those of its records among all that the source gives.
+    """
 
     time: float
     values: np.ndarray
     arrived: float = 0.0
     after_gap: bool = False
+    places: list[int] = field(default_factory=list)
+    joined: bool = False
 
     def __post_init__(self) -> None:
         self.raw = self.values.copy()
@@ -96,6 +104,8 @@ class Rows:
         Rows that are to be there before the first is handed on: they show the noise of inputs.
     newest : float
         Largest time of a row so far, s; minus infinity before the first.
+    place : int
+        Place of the next record among all that the source gives, from zero.
     """
 
     columns: Sequence[str]
@@ -105,11 +115,13 @@ class Rows:
     notes: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.shift = 0.0
+        self.shift, self.place = 0.0, 0
         self.bounds: Sequence[tuple[float, float]] = [(-np.inf, np.inf)] * len(self.columns)
         self.scales = np.ones(len(self.columns))
         self.factors: Mapping[str, float] = {}
         self._lowest = np.full(len(self.columns), np.inf)
+        self._seen = np.full(len(self.columns), np.nan)
+        self._last_shown = np.ones(len(self.columns), bool)
         self.waiting: list[Row] = []
         self.past: deque[Row] = deque()
         self.reached = -np.inf
@@ -138,6 +150,7 @@ class Rows:
 
     def add(self, time: float, values: Mapping[str, float], arrived: float = 0.0) -> None:
         """Take a record of the source."""
+        place, self.place = self.place, self.place + 1
         if not np.isfinite(time):
             self.counts["no stamp"] += 1
             return
@@ -150,7 +163,7 @@ class Rows:
         if null.any():
             self.counts["with a reading that stands for none (-999.25)"] += 1
             read[null] = np.nan
-        row = Row(time + self.shift, read, arrived)
+        row = Row(time + self.shift, read, arrived, places=[place])
         if self.live:
             self._compare_clocks(time, arrived)
         if self._suspect is not None:
@@ -223,14 +236,58 @@ class Rows:
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
             self.counts["doubled"] += 1
             known = self.waiting[k].values
+            self.waiting[k].places += row.places
             self.waiting[k].values = np.where(np.isfinite(known), known, row.values)
+            return
+        if self._join(row, k):
             return
         if k < len(self.waiting):
             self.counts["out of order"] += 1
-        elif np.isfinite(self.newest) and not row.after_gap:
-            self._intervals.append(row.time - self.newest)
-        self.waiting.insert(k, row)
+        elif self._learn_interval(row) and self._join(row, len(self.waiting)):
+            return
+        self.waiting.insert(min(k, len(self.waiting)), row)
         self.newest = max(self.newest, row.time)
+
+    def _learn_interval(self, row: Row) -> bool:
+        """Learn the sample interval from a row that is the newest, and whether it is known by that for the first time.
+
+        Of columns that come in rows of their own it is that of a column. What waited is joined then.
+        """
+        shown = np.isfinite(row.values)
+        unknown = not np.isfinite(self.interval)
+        if np.isfinite(self.newest) and not row.after_gap:
+            if (shown & self._last_shown).any() or not shown.any() or not self._last_shown.any():
+                self._intervals.append(row.time - self.newest)
+            else:
+                steps = row.time - self._seen[shown]
+                self._intervals.extend(steps[np.isfinite(steps)].tolist())
+        self._seen[shown], self._last_shown = row.time, shown
+        found = unknown and bool(np.isfinite(self.interval))
+        if found:
+            waiting, self.waiting = self.waiting, []
+            for one in waiting:
+                if not self._join(one, len(self.waiting)):
+                    self.waiting.append(one)
+        return found
+
+    def _join(self, row: Row, k: int) -> bool:
+        """Let a row be part of the one beside its place k, where they are close and have no column in common."""
+        shown = np.isfinite(row.values)
+        if not shown.any() or not np.isfinite(self.interval):
+            return False
+        for one in self.waiting[max(k - 1, 0) : k + 1]:
+            known = np.isfinite(one.values)
+            if abs(one.time - row.time) > JOINED * self.interval or row.after_gap:
+                continue
+            if not (shown & known).any():
+                one.values, one.places = np.where(known, one.values, row.values), one.places + row.places
+                one.raw, one.joined = one.values.copy(), True
+                self._seen[shown] = row.time
+                return True
+            if one.joined and np.array_equal(one.raw[shown], row.raw[shown]):  # a message that came twice
+                self.counts["doubled"] += 1
+                return True
+        return False
 
     def _compare_clocks(self, stamp: float, arrived: float) -> None:
         """Find how fast the source's clock runs beside ours."""
@@ -286,6 +343,12 @@ class Rows:
         while last + 1 < len(rows) and not rows[last + 1].after_gap:
             last += 1
         return rows[first : last + 1]
+
+    @property
+    def held(self) -> list[int]:
+        """Places of the records that were taken and not yet handed on."""
+        suspect = [self._suspect] if self._suspect is not None else []
+        return sorted(place for row in (*self.waiting, *self._late, *suspect) for place in row.places)
 
     # -- to be kept over a restart -------------------------------------------------------------------------------------
 

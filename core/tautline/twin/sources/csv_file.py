@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import Problem, SceneError
-from tautline.twin.sources.record import Record
-from tautline.twin.sources.table import Header
+from tautline.twin.sources.record import Record, SourceStopped
+from tautline.twin.sources.table import Header, has_end
 
 PATIENT = 0.5
 """Longest sleep while a row is waited for, s."""
@@ -42,7 +43,7 @@ class CsvFile:
         units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         self.name, self.live, self.again = str(path), speed == 1.0, True
-        self.ended, self.refused = False, 0
+        self.ended, self.refused, self._number, self._whole = False, 0, 0, True
         self.dropped, self.notes = 0, list[str]()
         self._speed, self._now, self._sleep = speed, now, sleep
         try:
@@ -58,50 +59,80 @@ class CsvFile:
             raise SceneError([Problem(str(path), None, "", None, "is empty", "give a file with a header and rows")])
         if "\0" in line or line.startswith("\ufffdHDF"):
             self._file.close()
+            if line.startswith(2 * "\ufffd"):  # FF FE or FE FF: the mark of UTF-16
+                raise SceneError([Problem(str(path), None, "", None, "is not UTF-8 text", "save it as UTF-8")])
             cure = "--source wants a CSV file with a header and rows, such as `record` writes"
             raise SceneError([Problem(str(path), None, "", None, "is not a table: it is a binary file", cure)])
         try:
-            self._header = Header(line, columns, time, str(path), units)
+            self._header = Header(line, columns, time, str(path), units, self.notes, self._number)
         except SceneError:
             self._file.close()
             raise
-        self.notes = self._header.notes  # it will have more to say of stamps
-        self.factors = self._header.factors
+        self.factors = dict(self._header.factors)
         self.units = dict(zip(self._header.names, self._header.units, strict=True))
-        self._next = self._read()
-        self._begun = (self._now(), self._next.time if self._next else 0.0)
+        self._stopped: SourceStopped | None = None
+        self._next, self._later = self._taken(), self._taken()
+        self._begun = (self._now(), self._next[0].time if self._next else 0.0)
 
     def _line(self) -> str | None:
         """The next line that is neither empty nor a comment."""
         for line in self._file:
+            self._number += 1
             if line.strip() and not line.lstrip().startswith("#"):
+                self._whole = has_end(line)
                 return line.rstrip("\r\n")
         return None
 
     def _read(self) -> Record | None:
         while (line := self._line()) is not None:
-            row = self._header.read(line)
+            row = self._header.read(line, self._whole)
+            if row is not None and math.isfinite(row[0]):
+                return Record(row[0], row[1], 0.0, self._whole)
+            try:
+                header = self._header.next_header(line, self._number)
+            except SourceStopped as stop:
+                self._stopped = stop
+                return None
+            if header is not None:
+                self._header = header
+                continue
             if row is not None:
-                return Record(row[0], row[1], 0.0)
+                return Record(row[0], row[1], 0.0, self._whole)
             self.refused += 1
         return None
 
+    def _taken(self) -> tuple[Record, dict[str, float]] | None:
+        """The row behind those that were read, with the factors of its header."""
+        row = self._read() if self._stopped is None else None
+        return None if row is None else (row, self._header.factors)
+
     def poll(self, timeout: float) -> Record | None:
-        """The next row, when it is due."""
+        """The next row, when it is due.
+
+        Raises
+        ------
+        SourceStopped
+            After the last row before a header by which rows cannot be read.
+        """
         if self._next is None:
             self.ended = True
+            if self._stopped is not None:
+                raise self._stopped
             return None
-        row = self._next
-        if self._speed is not None and row.time == row.time:
-            due = self._begun[0] + (row.time - self._begun[1]) / self._speed
+        row, factors = self._next
+        # A stamp far ahead that is wrong is not waited for: the row behind it is due before.
+        time = min(row.time, self._later[0].time) if self._later and math.isfinite(self._later[0].time) else row.time
+        if self._speed is not None and math.isfinite(time):
+            due = self._begun[0] + (time - self._begun[1]) / self._speed
             end = self._now() + timeout
             while (left := due - self._now()) > 0.0:
                 if self._now() >= end:
                     return None
                 self._sleep(min(left, end - self._now(), PATIENT))
-        self._next = self._read()
-        self.ended = self._next is None
-        return Record(row.time, row.values, self._now())
+        self.factors |= factors  # those of this row: the next may be read by another header
+        self._next, self._later = self._later, self._taken()
+        self.ended = self._next is None and self._stopped is None
+        return Record(row.time, row.values, self._now(), row.whole)
 
     def close(self) -> None:
         """Close the file."""

@@ -66,6 +66,8 @@ class Mqtt:
         self._connection = Connection(address, self.notes)
         self._columns, self._topic = list(columns), topic
         self._stamps = Stamps(time, self.notes)
+        self._topics: dict[str, str] = {}
+        self._told: set[str] = set()
         self._fault: BaseException | None = None
         self._queue: queue.Queue[Record] = queue.Queue(MOST)
         self._client = paho.Client(paho.CallbackAPIVersion.VERSION2)
@@ -99,7 +101,7 @@ class Mqtt:
 
     def _take(self, client: Any, data: Any, message: Any) -> None:
         try:
-            record = self._read(message.topic, message.payload)
+            record = self._read(message.topic, message.payload, bool(message.retain))
         except Exception as fault:  # told by `poll`: the thread of paho would die of it in silence
             self._fault = fault
             return
@@ -117,8 +119,11 @@ class Mqtt:
                 except queue.Empty:
                     pass
 
-    def _read(self, topic: str, payload: bytes) -> Record | None:
-        """A record out of a message; None for what is none."""
+    def _read(self, topic: str, payload: bytes, retained: bool = False) -> Record | None:
+        """A record out of a message; None for what is none.
+
+        A bare number that the broker has kept is none: nothing shows how old it is.
+        """
         try:
             found: Any = json.loads(payload)
         except (ValueError, RecursionError):  # the second for brackets in brackets without end
@@ -133,10 +138,33 @@ class Mqtt:
                 values[column] = number_of(found["value"])
             values |= {name: number_of(found[name]) for name in self._columns if name in found}
         elif column in values:
+            if retained:
+                self._tell_once(
+                    f"retained {column}",
+                    f"topic {topic}: a number without a stamp, which the broker has kept, is left out. "
+                    "Its age is not known",
+                )
+                return None
             values[column] = number_of(found)
         if all(math.isnan(value) for value in values.values()):
             return None
+        for name, value in values.items():
+            first = self._topics.setdefault(name, topic) if not math.isnan(value) else topic
+            if are_of_two(first, topic, name):
+                self._tell_once(
+                    f"topics of {name}",
+                    f"column '{name}' comes from two topics, {first} and {topic}: readings of {topic} are left out. "
+                    "Name a topic in --source that leads to one machine",
+                )
+                values[name] = math.nan
+        if all(math.isnan(value) for value in values.values()):
+            return None
         return Record(clock.time() if stamp is None else stamp, values, clock.monotonic())
+
+    def _tell_once(self, what: str, text: str) -> None:
+        if what not in self._told:
+            self._told.add(what)
+            self.notes.append(text)
 
     def poll(self, timeout: float) -> Record | None:
         """The next record; None where none came within so many seconds.
@@ -160,3 +188,12 @@ class Mqtt:
         self.ended = True
         self._client.disconnect()
         self._client.loop_stop()
+
+
+def are_of_two(first: str, topic: str, column: str) -> bool:
+    """Whether two topics that bring one column are those of two machines.
+
+    Beside the topic of the column, of which it is the last level, there may be one that has all columns.
+    """
+    (path, _, last), (other_path, _, other) = first.rpartition("/"), topic.rpartition("/")
+    return path != other_path or (last != other and column not in (last, other))

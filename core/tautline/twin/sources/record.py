@@ -21,14 +21,21 @@ class Record:
         By column, in the columns' units; NaN where there is none.
     arrived : float
         ``time.monotonic()`` at arrival, s.
+    whole : bool
+        Whether all of it was there: False for a last line without a line end, of which the last cell counts as missing.
     """
 
     time: float
     values: Mapping[str, float]
     arrived: float
+    whole: bool = True
 
 
-class SourceFault(TautlineError):
+class SourceStopped(TautlineError):
+    """No record comes any more, though the source has not ended; ``str()`` says why."""
+
+
+class SourceFault(SourceStopped):
     """What reads a source has stopped by a fault of the program: no record comes any more."""
 
     def __init__(self, name: str, fault: BaseException) -> None:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 import queue
 import threading
 import time as clock
 from collections.abc import Mapping, Sequence
 from typing import IO, Any
 
-from tautline.scene.errors import SceneError
-from tautline.twin.sources.record import Record, SourceFault
+from tautline.scene.errors import Problem, SceneError
+from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps, number_of
-from tautline.twin.sources.table import Header
+from tautline.twin.sources.table import Header, has_end
 
 MOST = 100_000
 """Records that may wait; beyond, the writer waits."""
@@ -36,11 +37,11 @@ class Stream:
         units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         self.name, self.live, self.again, self.ended = name, True, False, False
-        self.refused, self.last = 0, ""
+        self.refused, self.last, self._number = 0, "", 0
         self.dropped, self.notes = 0, list[str]()
         self.factors: dict[str, float] = {}
         self._file, self._columns, self._time, self._units = file, list(columns), time, units
-        self._queue: queue.Queue[Record | SceneError | SourceFault | None] = queue.Queue(MOST)
+        self._queue: queue.Queue[Record | Header | SceneError | SourceStopped | None] = queue.Queue(MOST)
         self._header: Header | None = None
         self._objects = False
         self._stamps = Stamps(time, self.notes)
@@ -49,9 +50,12 @@ class Stream:
     def _listen(self) -> None:
         try:
             for line in self._file:
+                self._number += 1
+                if self._number == 1:
+                    line = text_of(line, self.name)
                 if line.strip() and not line.lstrip().startswith("#"):
-                    self._take(line.rstrip("\r\n"))  # tabs at the end are cells
-        except SceneError as error:
+                    self._take(line.rstrip("\r\n"), has_end(line))  # tabs at the end are cells
+        except (SceneError, SourceStopped) as error:
             self._queue.put(error)
         except ValueError:  # the file was closed
             pass
@@ -60,32 +64,52 @@ class Stream:
         finally:
             self._queue.put(None)
 
-    def _take(self, line: str) -> None:
+    def _take(self, line: str, whole: bool = True) -> None:
         row: tuple[float, Mapping[str, float]] | None
         if line.lstrip().startswith("{") or self._objects:
-            self._objects = True
+            self._objects, whole = True, True  # half an object is none
             row = read_object(line, self._columns, self._stamps)
         elif self._header is None:
-            self._header = Header(line, self._columns, self._time, self.name, self._units)
-            self.notes = self._header.notes  # it will have more to say of stamps
-            self.factors |= self._header.factors
+            given = self._columns, self._time, self.name, self._units, self.notes, self._number
+            self._begin(Header(line, *given))
             return
         else:
-            row = self._header.read(line)
+            row = self._header.read(line, whole)
+            if row is None or not math.isfinite(row[0]):
+                header = self._header.next_header(line, self._number)
+                if header is not None:
+                    self._begin(header)
+                    return
         if row is None:
             self.refused, self.last = self.refused + 1, line[:80]
             return
-        self._queue.put(Record(row[0], row[1], clock.monotonic()))
+        self._queue.put(Record(row[0], row[1], clock.monotonic(), whole))
+
+    def _begin(self, header: Header) -> None:
+        """Read lines by a header from now on; its factors hold for the records behind it in the queue."""
+        self._header = header
+        self._queue.put(header)
 
     def poll(self, timeout: float) -> Record | None:
-        """The next record; raises SceneError for a header without the columns, SourceFault where reading has died."""
+        """The next record.
+
+        Raises
+        ------
+        SceneError
+            For a header without the columns.
+        SourceStopped
+            For one that comes later, and where reading has died.
+        """
         if self.ended:
             return None
         try:
             found = self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:
             return None
-        if isinstance(found, (SceneError, SourceFault)):
+        if isinstance(found, Header):
+            self.factors |= found.factors
+            return self.poll(timeout)
+        if isinstance(found, (SceneError, SourceStopped)):
             self.ended = True
             raise found
         self.ended = found is None
@@ -93,6 +117,19 @@ class Stream:
 
     def close(self) -> None:
         """Nothing: the thread ends with the process, or with the stream."""
+
+
+def text_of(line: str, name: str) -> str:
+    """The first line without the mark that some programs begin UTF-8 with.
+
+    Raises
+    ------
+    SceneError
+        For what is text in another encoding, or none.
+    """
+    if "\0" in line:
+        raise SceneError([Problem(name, 1, "", None, "is not UTF-8 text", "save it as UTF-8")])
+    return line.removeprefix("\ufeff")
 
 
 def read_object(line: str, columns: Sequence[str], stamps: Stamps) -> tuple[float, dict[str, float]] | None:

@@ -3,14 +3,41 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Mapping, Sequence
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import OtherQuantity, factor_between
+from tautline.twin.sources.record import SourceStopped
 from tautline.twin.sources.stamps import Stamps, heads, number_of, seconds_in
 
 SEPARATORS = ";\t,"
+
+
+class NewHeader(SourceStopped):
+    """A header in the midst of rows by which those after it cannot be read."""
+
+    def __init__(self, error: SceneError) -> None:
+        super().__init__(f"the data have a new header, and rows cannot be read by it: {error}")
+
+
+def has_end(line: str) -> bool:
+    """Whether a line, as it was read, has a line end: one that has none may go on in what is not there yet."""
+    return line.endswith(("\n", "\r"))
+
+
+def separator_of(line: str) -> str:
+    """What separates the cells of a header."""
+    return max(SEPARATORS, key=line.count)
+
+
+def cells_of(line: str, separator: str) -> list[str]:
+    """Cells of a line, without spaces around them."""
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+    except csv.Error:  # a cell of more than 100,000 letters
+        return []
 
 
 class Header:
@@ -28,11 +55,15 @@ class Header:
         File or stream, for messages.
     units : mapping, optional
         Units by column that the readings are wanted in: those of the map.
+    notes : list of str, optional
+        Where sentences for the user go.
+    number : int
+        Number of the line, for messages.
 
     Attributes
     ----------
     notes : list of str
-        What is to be known of units that say nothing.
+        What is to be known of units that say nothing, and of stamps.
 
     Raises
     ------
@@ -41,29 +72,31 @@ class Header:
     """
 
     def __init__(
-        self, line: str, columns: Sequence[str], time: str, where: str, units: Mapping[str, str] | None = None
-    ) -> None:
-        self.separator = max(SEPARATORS, key=line.count)
-        titles = self.cells(line)
+        self, line: str, columns: Sequence[str], time: str, where: str, units: Mapping[str, str] | None = None,
+        notes: list[str] | None = None, number: int = 1,
+    ) -> None:  # fmt: skip
+        self._given = columns, time, where, units
+        self.separator = separator_of(line)
+        titles = cells_of(line, self.separator)
         while titles and not titles[-1]:  # a separator at the end of the header makes no column
             titles.pop()
         self.names, self.units = heads(titles)
         self.width = self._before = len(titles)
-        self.notes: list[str] = []
+        self.notes: list[str] = [] if notes is None else notes
         self._stamps = Stamps(time, self.notes)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles)
         problems = []
         if stamp is None:
             cause = f"there is no column '{time}'" if time else "there is no column of time"
             cure = nearest(time, sorted(self.names)) if time else "call it `time`, or name it in the map under `time:`"
-            problems.append(Problem(where, 1, "", None, cause, cure))
+            problems.append(Problem(where, number, "", None, cause, cure))
         self.places: dict[str, int] = {}
         self.factors: dict[str, float] = {}
         for column in columns:
             place = next((i for i, one in enumerate(titles) if column in (one, self.names[i])), None)
             if place is None:
                 cure = nearest(column, sorted(name for name in self.names if name))
-                problems.append(Problem(where, 1, "", None, f"there is no column '{column}'", cure))
+                problems.append(Problem(where, number, "", None, f"there is no column '{column}'", cure))
             else:
                 self.places[column] = place
                 try:
@@ -74,7 +107,7 @@ class Header:
                         f"its unit is [{self.units[place]}], and the map says {asked}: '{self.units[place]}' {error}"
                     )
                     cure = f"write [{asked}] in the header, or correct `unit` of this column in the map"
-                    problems.append(Problem(where, 1, f"column '{column}'", None, cause, cure))
+                    problems.append(Problem(where, number, f"column '{column}'", None, cause, cure))
         if problems:
             raise SceneError(problems)
         self.stamp = next(i for i, one in enumerate(titles) if stamp in (one, self.names[i]))
@@ -92,22 +125,50 @@ class Header:
             return 1.0
         return factor
 
-    def cells(self, line: str) -> list[str]:
-        """Cells of a line, without spaces around them."""
-        try:
-            return [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator), [])]
-        except csv.Error:  # a cell of more than 100,000 letters
-            return []
+    def next_header(self, line: str, number: int) -> Header | None:
+        """The header that a line is, from which on rows are read by it; None for a line that is none.
 
-    def read(self, line: str) -> tuple[float, Mapping[str, float]] | None:
+        Where a log is begun anew while it is followed, and where files are put together, a header comes once more. It
+        may have its columns in another order, and other units.
+
+        Parameters
+        ----------
+        line : str
+            One that has no stamp which can be read.
+        number : int
+            Of the line, for messages.
+
+        Raises
+        ------
+        NewHeader
+            For a header by which rows cannot be read.
+        """
+        columns, time, where, units = self._given
+        titles = cells_of(line, separator_of(line))
+        names = {*heads(titles)[0], *titles}
+        stamped = self._stamps.column(list(names)) is not None
+        if not (stamped and all(math.isnan(number_of(one)) for one in titles)) and not names.issuperset(columns):
+            return None
+        try:
+            found = Header(line, columns, time, where, units, self.notes, number)
+        except SceneError as error:
+            raise NewHeader(error) from None
+        ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
+        if ways[0] != ways[1]:
+            other = "its columns, units or separator are others"
+            self.notes.append(f"{where}:{number}: a new header; {other}, and rows are read by it from here on")
+        return found
+
+    def read(self, line: str, whole: bool = True) -> tuple[float, Mapping[str, float]] | None:
         """Stamp and values of a line; None for a line that has too few cells.
 
         Where a line is shorter than the header, its last cell may be half of one: it counts as missing. A table whose
-        lines are all as short, with cells that are left out at their ends, loses by this no more than one cell.
+        lines are all as short, with cells that are left out at their ends, loses by this no more than one cell. So does
+        the last cell of a line that is not `whole`: 47.58 may end as 4.
         """
-        cells = self.cells(line)
+        cells = cells_of(line, self.separator)
         count = len(cells)
-        if count < self.width and count != self._before:
+        if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
         self._before = count
         if len(cells) <= self.stamp:

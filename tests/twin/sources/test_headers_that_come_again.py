@@ -1,0 +1,81 @@
+"""A header in the midst of rows, as where a log is begun anew: rows behind it are read by it, or the source stops."""
+
+import io
+
+import pytest
+from twin.sources.test_sources_of_data import all_of, written
+
+from tautline.twin.signals.rows import Rows
+from tautline.twin.sources.csv_file import CsvFile
+from tautline.twin.sources.record import SourceStopped
+from tautline.twin.sources.stream import Stream
+
+UNITS = {"winch": "m", "rope": "kN"}
+FIRST = "time [s],winch [m],rope [kN]\n0,1,50\n"
+
+
+def file(tmp_path, text):
+    return CsvFile(written(tmp_path / "r.csv", text), list(UNITS), units=UNITS)
+
+
+def stream(_, text):
+    return Stream(io.StringIO(text), list(UNITS), units=UNITS)
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "later",
+    [
+        "time [s],rope [kN],winch [m]\n1,50,1\n",
+        "time [s],winch [cm],rope [N]\n1,100,50000\n",
+        "winch [m],rope [kN],time [ms]\n1,50,1000\n",
+        "time [s];winch [m];rope [kN]\n1;1,0;50,0\n",
+    ],
+)
+def test_rows_behind_a_header_that_comes_again_are_read_by_it_and_this_is_told_once(tmp_path, of, later):
+    source = of(tmp_path, FIRST + later)
+    rows = all_of(source)
+    assert [(row.time, *row.values.values()) for row in rows] == [(0.0, 1.0, 50.0), (1.0, 1.0, 50.0)]
+    assert source.refused == 0
+    assert [note for note in source.notes if ":3: a new header" in note] == source.notes != []
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_the_same_header_once_more_is_no_row_and_needs_no_word(tmp_path, of):
+    source = of(tmp_path, FIRST + FIRST.replace("\n0,", "\n1,"))
+    assert [row.time for row in all_of(source)] == [0.0, 1.0]
+    assert source.refused == 0 and not source.notes
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("time [s],winch [m]", "there is no column 'rope'"),
+        ("time [s],winch [m],rope [m]", "'m' is a unit of another quantity"),
+        ("seconds,winch [m],rope [kN]", "there is no column of time"),
+    ],
+)
+def test_a_header_by_which_rows_cannot_be_read_ends_the_source_after_the_rows_before_it(tmp_path, of, header, said):
+    source = of(tmp_path, f"{FIRST}{header}\n1,1,50\n")
+    found = []
+    with pytest.raises(SourceStopped, match=said):
+        while not source.ended:
+            found += [row] if (row := source.poll(0.05)) is not None else []
+    assert [row.time for row in found] == [0.0] and source.ended
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_line_without_a_stamp_is_no_header_even_where_it_names_a_column(tmp_path, of):
+    source = of(tmp_path, FIRST + "time,1,50\nerror,winch,lost\n1,1,50\n")
+    assert [row.time for row in all_of(source) if row.time == row.time] == [0.0, 1.0]
+    assert not source.notes
+
+
+def test_what_stands_for_none_is_told_by_the_header_of_its_own_row(tmp_path):
+    source = file(tmp_path, FIRST + "time [s],winch [m],rope [N]\n1,1,-999.25\n")
+    rows = Rows(list(UNITS))
+    rows.factors = source.factors
+    for row in all_of(source):
+        rows.add(row.time, row.values)
+    assert rows.counts["with a reading that stands for none (-999.25)"] == 1
