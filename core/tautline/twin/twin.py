@@ -33,9 +33,6 @@ from tautline.twin.watch import Compared, Watch
 
 MANY = 5.0
 """Standard deviations of a sensor from which on a computed value is not known well, and health is degraded."""
-UNSEEN = 10.0
-"""Standard deviations of a sensor by which rows miss what is computed, from which on health is degraded where no noise
-of inputs is recognised: a twin whose load still swings as it was first guessed misses them by six."""
 NOISE_SHOWN = 12
 """Rows that show how much noise inputs have before a load is moved by them."""
 LONG_GAP = 120.0
@@ -424,17 +421,18 @@ class Twin:
         sds, self.unsure = horizon.deviations(y0), False
         # Means of rows say nothing of what a row of its own is off by.
         alone = self.operation is None or self.operation.mean == 0.0
-        both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * alone, strict=True)
+        both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * alone, horizon.spread, strict=True)
         beyond = {}
-        for one, sd, (shaken, missed) in zip(self.plan.measured, sds, both, strict=True):
+        for one, sd, (shaken, missed, spread) in zip(self.plan.measured, sds, both, strict=True):
             value, own = outputs[one.name]
             beyond[one.name] = max(shaken, missed)
             more[one.name] = value, np.hypot(own, beyond[one.name])
             # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
             self.unsure |= bool(not self.estimate.known and own > MANY * sd)
             self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
-            # A step or a noise that is not recognised in an input shows in what rows miss, and there alone.
-            self.unsure |= bool(missed > UNSEEN * sd)
+            # A step that is not recognised shows in what rows miss, and in what the best estimate leaves of the window:
+            # a single snap that comes a little later than computed is missed by more.
+            self.unsure |= bool(missed > MANY * sd and spread > MANY**2)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)
