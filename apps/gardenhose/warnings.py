@@ -26,6 +26,11 @@ MOST_DROOP = 0.3
 """Share of the length up to which the sag of a beam of small deflections is told. That of a cantilever is then too
 large by 7 % under its weight and by 9 % under one at its tip; at the whole length by 56 and 66 %, by the elastica
 (Bisshopp and Drucker 1945)."""
+MOST_HELD = 0.3
+"""Sag of a hose held at both ends up to which it is told, over its radius of gyration sqrt(EJ / EA).
+
+Its stretch carries the more of the weight the more it sags. Between pins a beam without stretch sags
+a (1 + EA a^2 / (4 EJ)) where one that stretches sags a: 2 % more, here (Timoshenko, Strength of Materials II)."""
 
 Sentences = Iterator[tuple[str, str]]
 
@@ -233,15 +238,19 @@ def _droop(scene: HoseScene, hose: Average, across: float) -> float | None:
     support = SUPPORTS[scene.hose.root_support, scene.hose.end]
     tip = scene.hose.tip_mass / (3.0 * hose.length) if scene.hose.end == "free" else 0.0
     sag = (support[1] * (hose.mass + hose.water) + tip) * across * hose.length**4 / hose.bending
-    return sag if sag <= MOST_DROOP * hose.length else None
+    if scene.hose.end == "free":
+        return sag if sag <= MOST_DROOP * hose.length else None
+    radius = math.sqrt(hose.bending / max(piece.axial_stiffness for piece in scene.hose.pieces))
+    return sag if sag <= MOST_HELD * radius else None
 
 
 def figures(scene: HoseScene) -> dict[str, Any]:
     """Figures of hose and flow for ``check --json``, SI; None where there is no such thing.
 
     `critical_speed` and `critical_frequency` are estimates (of divergence, at 0 Hz, where both ends are held), as are
-    `first_frequency` and `droop`, the sag of a beam of small deflections under its weight: None beyond 0.3 of its
-    length, where it is too large by 7 to 9 %.
+    `first_frequency` and `droop`, the sag of a beam of small deflections under its weight: None beyond 0.3 of
+    the length of a hose with a free end, where it is too large by 7 to 9 %, and beyond 0.3 of its radius of gyration
+    sqrt(EJ / EA) of one held at both ends, where stretch carries weight: 2 %.
     """
     largest = float(np.abs(speeds(scene)).max())
     hose = average(scene, largest)

@@ -195,3 +195,27 @@ def test_a_droop_is_told_as_far_as_the_bent_beam_in_closed_form_is_within_a_tent
     assert droop == pytest.approx(0.299) and 1.05 < droop / exact < 1.10
     for linear in (0.301, 1.0, 700.0):
         assert figures(hose_with(heavy).replace({"gravity": [linear * 0.01 / share, 0, 0]}))["hose"]["droop"] is None
+
+
+def test_the_droop_of_a_hose_held_at_both_ends_is_told_while_bending_carries_it_and_not_stretch():
+    """The sag a between pins that do not give, a sine wave: a (1 + EA a^2 / (4 EJ)) is that of bending alone."""
+    EA, EJ, L = 29e6, 2013.0, 10.0
+    pinned = {"length": L, "elements": 16, "axial_stiffness": EA, "bending_stiffness": EJ, "mass_per_length": 1.51}
+    text = "\n".join(line for line in TIP.splitlines() if not line.startswith("disturbance"))
+    base = read(
+        Document.parse(
+            text.format(mass=0.0, outlet=1.0).replace("tip_mass: 0.0", "end: pinned, root_support: pinned"), "hose.yaml"
+        )
+    )
+    base = base.replace({f"hose.{key}": value for key, value in pinned.items()} | {"water.mass_per_length": 1e-9})
+
+    def told(gravity):
+        scene = base.replace({"gravity": [gravity, 0, 0]})
+        linear = 5.0 / 384.0 * 1.51 * gravity * L**4 / EJ
+        exact = brentq(lambda a: a * (1.0 + EA * a**2 / (4.0 * EJ)) - linear, 0.0, linear)
+        return figures(scene)["hose"]["droop"], linear, exact
+
+    droop, linear, exact = told(0.02)
+    assert droop == pytest.approx(linear, rel=1e-6) and 1.0 < droop / exact < 1.03
+    droop, linear, exact = told(9.81)
+    assert droop is None and linear > 10.0 * exact

@@ -57,6 +57,17 @@ def test_a_file_that_has_grown_is_gone_on_with_where_it_ended_also_where_its_clo
     assert first + gone_on(stamps, memory) == whole
 
 
+@pytest.mark.parametrize("lost", [slice(100, 120), slice(60, 100)])
+def test_a_file_that_has_lost_rows_since_loses_none_that_are_new(lost):
+    stamps = [0.1 * k for k in range(240)]
+    first, memory = taken(stamps[:120], end=False)
+    fewer = [*stamps[: lost.start], *stamps[lost.stop :]]
+    found = gone_on(fewer, memory)
+    answered = stamps[: len(first)]
+    # readings are places in the file: those behind what was answered
+    assert [fewer[int(k)] for k in found] == [t for t in fewer if t > answered[-1]]
+
+
 def test_another_file_is_gone_on_with_by_its_stamps_and_its_rows_are_not_those_of_the_first():
     _, memory = taken(STAMPS)
     other = [t + 0.05 for t in STAMPS] + [10.0 + t for t in STAMPS]

@@ -66,6 +66,30 @@ def test_a_header_by_which_rows_cannot_be_read_ends_the_source_after_the_rows_be
 
 
 @pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "line",
+    ["s,m,t\n", "time,set by operator\n", "time,,overload\n", "t,,\n", "time [s],win\ntime [s],winch [m],rope [kN]\n"],
+)
+def test_units_remarks_and_a_torn_header_before_a_good_one_end_no_source(tmp_path, of, line):
+    source = of(tmp_path, FIRST + line + "1,1,50\n")
+    assert [row.time for row in all_of(source) if row.time == row.time] == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_half_a_header_at_the_end_of_a_file_is_no_header(tmp_path, of):
+    source = of(tmp_path, FIRST + "time [s],winch [m],ro")
+    assert [row.time for row in all_of(source) if row.time == row.time] == [0.0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_header_whose_columns_are_all_renamed_ends_the_source(tmp_path, of):
+    source = of(tmp_path, FIRST + "time [s],A,B\n1,1,50\n")
+    with pytest.raises(SourceStopped, match="there is no column 'winch'"):
+        while not source.ended:
+            source.poll(0.05)
+
+
+@pytest.mark.parametrize("of", [file, stream])
 def test_a_line_without_a_stamp_is_no_header_even_where_it_names_a_column(tmp_path, of):
     source = of(tmp_path, FIRST + "time,1,50\nerror,winch,lost\n1,1,50\n")
     assert [row.time for row in all_of(source) if row.time == row.time] == [0.0, 1.0]

@@ -137,8 +137,7 @@ def _refuse_unknown_rows(state: Path | None) -> None:
     """Refuse to go on in a file whose clock was set back from a state that has not counted its rows."""
     from tautline.results.errors import ResultError
 
-    cause = "was written by an earlier version or of a live source, and the clock of the source was set back: "
-    cause += "which rows of a file are new is not known"
+    cause = "the clock of the source was set back, and this state does not say which rows of the file it has read"
     raise ResultError(state or "", cause, "begin the twin anew, without --resume")
 
 
@@ -359,8 +358,9 @@ class _Loop:
             counted = self._keep("account", self.twin.operation.save)
         # A state that is later than the account would leave out how the rope was bent meanwhile.
         if self.lines and self.state is not None and counted:
-            if self.rereading is not None:
-                self.twin.heard = self.rereading.memory(self.twin.readings.rows.held)
+            # What a live source gave is in no file: there its stamps tell what is new.
+            again = self.rereading
+            self.twin.heard = {} if again is None else again.memory(self.twin.readings.rows.held)
             self._keep("state", partial(save, self.twin, self.state))
         self.saved = clock.monotonic()
 

@@ -85,14 +85,14 @@ class CsvFile:
 
     def _read(self) -> Record | None:
         while (line := self._line()) is not None:
-            row = self._header.read(line, self._whole)
-            if row is not None and math.isfinite(row[0]):
-                return Record(row[0], row[1], 0.0, self._whole)
             try:
-                header = self._header.next_header(line, self._number)
+                row = self._header.read(line, self._whole)
             except SourceStopped as stop:
                 self._stopped = stop
                 return None
+            if row is not None and math.isfinite(row[0]):
+                return Record(row[0], row[1], 0.0, self._whole)
+            header = self._header.next_header(line, self._number, self._whole)
             if header is not None:
                 self._header = header
                 continue

@@ -76,7 +76,7 @@ class Stream:
         else:
             row = self._header.read(line, whole)
             if row is None or not math.isfinite(row[0]):
-                header = self._header.next_header(line, self._number)
+                header = self._header.next_header(line, self._number, whole)
                 if header is not None:
                     self._begin(header)
                     return

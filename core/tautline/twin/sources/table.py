@@ -83,6 +83,7 @@ class Header:
         self.names, self.units = heads(titles)
         self.width = self._before = len(titles)
         self.notes: list[str] = [] if notes is None else notes
+        self._unusable: NewHeader | None = None  # a later header by which rows cannot be read
         self._stamps = Stamps(time, self.notes)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles)
         problems = []
@@ -125,11 +126,12 @@ class Header:
             return 1.0
         return factor
 
-    def next_header(self, line: str, number: int) -> Header | None:
+    def next_header(self, line: str, number: int, whole: bool = True) -> Header | None:
         """The header that a line is, from which on rows are read by it; None for a line that is none.
 
         Where a log is begun anew while it is followed, and where files are put together, a header comes once more. It
-        may have its columns in another order, and other units.
+        may have its columns in another order, and other units. One by which rows cannot be read may be torn, with a
+        good one behind it: this header stays, and `read` raises at the first row behind that one.
 
         Parameters
         ----------
@@ -137,27 +139,40 @@ class Header:
             One that has no stamp which can be read.
         number : int
             Of the line, for messages.
-
-        Raises
-        ------
-        NewHeader
-            For a header by which rows cannot be read.
+        whole : bool
+            Whether it ends: half a line is none.
         """
         columns, time, where, units = self._given
-        titles = cells_of(line, separator_of(line))
-        names = {*heads(titles)[0], *titles}
-        stamped = self._stamps.column(list(names)) is not None
-        if not (stamped and all(math.isnan(number_of(one)) for one in titles)) and not names.issuperset(columns):
+        if not whole or not self._is_header(line):
             return None
         try:
             found = Header(line, columns, time, where, units, self.notes, number)
         except SceneError as error:
-            raise NewHeader(error) from None
+            self._unusable = NewHeader(error)
+            self.notes.append(f"{where}:{number}: a new header by which rows cannot be read; it may be torn")
+            return self
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
-            other = "its columns, units or separator are others"
-            self.notes.append(f"{where}:{number}: a new header; {other}, and rows are read by it from here on")
+            other = "its columns, units or separator differ"
+            self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
+
+    def _is_header(self, line: str) -> bool:
+        """Whether a line has names and no number: all columns, the stamp and some, or as many as the header has.
+
+        Units below a header are none, nor is a remark among rows.
+        """
+        columns, *_ = self._given
+        titles = cells_of(line, separator_of(line))
+        while titles and not titles[-1]:
+            titles.pop()
+        names = {*heads(titles)[0], *titles}
+        if names.issuperset(columns):
+            return True
+        if not all(math.isnan(number_of(one)) for one in titles):
+            return False
+        renamed = len(titles) == self.width and all(titles) and self.names[self.stamp] in names
+        return renamed or (self._stamps.column(list(names)) is not None and not names.isdisjoint(columns))
 
     def read(self, line: str, whole: bool = True) -> tuple[float, Mapping[str, float]] | None:
         """Stamp and values of a line; None for a line that has too few cells.
@@ -165,6 +180,11 @@ class Header:
         Where a line is shorter than the header, its last cell may be half of one: it counts as missing. A table whose
         lines are all as short, with cells that are left out at their ends, loses by this no more than one cell. So does
         the last cell of a line that is not `whole`: 47.58 may end as 4.
+
+        Raises
+        ------
+        NewHeader
+            For a row with a stamp behind a header by which it cannot be read.
         """
         cells = cells_of(line, self.separator)
         count = len(cells)
@@ -177,4 +197,7 @@ class Header:
             name: self.factors[name] * number_of(cells[place]) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
-        return self._stamps.read(self.names[self.stamp] or "time", cells[self.stamp], self.factor), values
+        stamp = self._stamps.read(self.names[self.stamp] or "time", cells[self.stamp], self.factor)
+        if self._unusable is not None and math.isfinite(stamp):
+            raise self._unusable
+        return stamp, values
