@@ -42,7 +42,7 @@ def cluster(tmp_path_factory):
         worker = ("distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", "--no-dashboard")
         workers = [begin(*worker), begin(*worker)]
         until = time.monotonic() + 30.0
-        while not place.exists() and time.monotonic() < until:
+        while not (place.exists() and place.read_text(encoding="utf8")) and time.monotonic() < until:
             time.sleep(0.05)
         yield json.loads(place.read_text(encoding="utf8"))["address"], workers
     finally:
@@ -171,7 +171,7 @@ def test_a_scheduler_that_is_killed_is_told_without_a_traceback_and_dask_speaks_
     )  # fmt: skip
     try:
         until = time.monotonic() + 30.0
-        while not place.exists() and time.monotonic() < until:
+        while not (place.exists() and place.read_text(encoding="utf8")) and time.monotonic() < until:
             time.sleep(0.05)
         address = json.loads(place.read_text(encoding="utf8"))["address"]
         done = subprocess.run(

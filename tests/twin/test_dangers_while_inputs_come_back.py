@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from twin.rehearsal import HOIST, alarms, changed
 from twin.test_inputs_that_come_back import MAP, finer_rows, lines_with, lost_between
 
@@ -16,7 +17,8 @@ def left_out(begin, end):
 
 
 @pytest.mark.parametrize(
-    "change", [left_out(10.0, 10.5), lost_between("winch_pos", 10.0, 10.5), lost_between("heave", 10.8, 11.3)]
+    "change",
+    [left_out(10.0, 10.5), lost_between("winch_pos", 10.0, 10.5), *studies(lost_between("heave", 10.8, 11.3))],
 )
 def test_two_blocking_is_foreseen_in_time_while_an_input_that_was_missing_is_caught_up_with(change):
     lines, _ = lines_with(change)

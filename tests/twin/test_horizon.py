@@ -91,8 +91,9 @@ def test_of_a_long_window_the_last_samples_are_enough_to_tell_that_a_value_has_c
     assert abs(window[0].mean[0] - 0.35) > 0.05 and window[0].since == -np.inf
 
 
-def test_what_stays_as_it_is_is_not_forgotten():
-    for seed in range(100):
+@pytest.mark.parametrize("seeds", [range(30), *studies(range(30, 100))])
+def test_what_stays_as_it_is_is_not_forgotten(seeds):
+    for seed in seeds:
         rng = np.random.default_rng(seed)
         noise = np.zeros(60)
         for k in range(60):  # noise with a memory, and some wild samples

@@ -7,6 +7,7 @@ import functools
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from twin.rehearsal import HOIST, SENSORS, alarms, changed
 
 import tautline
@@ -163,7 +164,7 @@ def in_the_dark(stamp, readings):
     return None if 5.0 <= stamp < 5.5 else readings
 
 
-@pytest.mark.parametrize("back", [0.0, 1.0])
+@pytest.mark.parametrize("back", [0.0, *studies(1.0)])
 def test_motion_that_is_caught_up_with_raises_no_alarm_of_its_own(back):
     twin, lines = Twin(HOIST, MAP), []
     for stamp, readings in changed(finer_rows(), in_the_dark):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from twin.test_inputs_that_come_back import MAP, QUIET, RATE, UNTRUE
 
 import tautline
@@ -216,7 +217,7 @@ def test_a_replay_that_cannot_go_on_is_not_told_as_an_accident(monkeypatch):
     assert not twin.estimate.relinearising
 
 
-@pytest.mark.parametrize("step", [0.01, 0.03, 0.045, 0.05])
+@pytest.mark.parametrize("step", [0.01, 0.03, *studies(0.045, 0.05)])
 def test_an_encoder_in_steps_moves_the_tension_by_little_and_two_blocking_is_told_a_second_before(step):
     lines, twin = twin_of_noise(0.0, step)
     late = [line for line in lines if line["time"] > QUIET]

@@ -81,7 +81,7 @@ class Rereading:
 
     def _is_new(self, record: Record) -> bool:
         if self._known:
-            # A file that has lost rows since is known by its begin: while no clock was set back its stamps count as well.
+            # A file that has lost rows since is known by its begin. While no clock was set back its stamps count too.
             later = self._shift == 0.0 and record.time > self._begin
             return later or self.place >= self._read or self.place in self._held
         if math.isnan(self._begin) or self._following >= FOLLOWING:
