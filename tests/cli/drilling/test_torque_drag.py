@@ -493,6 +493,7 @@ TONS = dict.fromkeys(
     ("ton", "tons", "Tons", "TONF"), f"for tonnes {TONNES}; for short tons multiply the numbers by 2 and "
 )
 FORCES = {"KN": "write pick_up [kN]", "KLBF": POUNDS, "kips": "", "Kips": "write pick_up [kip]", "DAN": "pick_up [daN]"}
+FORCES |= {"kkgf": "write pick_up [tf]", "kdaN": "multiply the numbers by 10 and write pick_up [kN]"}
 
 
 @pytest.mark.parametrize(

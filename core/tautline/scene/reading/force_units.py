@@ -21,6 +21,11 @@ TONS = ("ton", "tons", "tonf", "tonsf")
 SHORT_TONS = tuple(f"{before}{ton}" for before in ("short", "us", "s") for ton in TONS)
 FORCES = ("N", "daN", "kN", "MN", "lbf", "klbf", "kip", "kgf", "tf")
 """Units of force that loads come in."""
+THOUSANDS = {
+    "kkgf": "write {column} [tf]",
+    "kdan": "multiply the numbers by 10 and write {column} [kN]",
+}
+"""Thousands of kilograms and of ten newtons; the unit without its thousand would be the nearest in letters."""
 THOUSAND = re.compile(r"^(1000|10\^3|10\*\*3|10³)(?=[a-z])")
 
 
@@ -34,6 +39,8 @@ def unit_of_force(written: str, column: str) -> tuple[str, str] | None:
     if plain in FORCE_OF_MASS:
         what, force = FORCE_OF_MASS[plain]
         return f"'{written}': {what} is a mass", f"write {column} [{force}]"
+    if plain in THOUSANDS:
+        return f"unknown unit '{written}'", THOUSANDS[plain].format(column=column)
     doubled = f"multiply the numbers by 2 and write {column} [klbf]"
     if plain in TONS:
         cause = f"'{written}' may be a tonne of 1000 kg or a short ton of 2000 lb"
