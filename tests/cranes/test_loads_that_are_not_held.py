@@ -189,3 +189,26 @@ def test_rope_that_passes_an_open_brake_is_no_slip_and_each_closure_begins_anew(
     paid_out, turns = np.array([0, 0, 2, 2, 9, 9, 9, 12, 12, 12, 12.0]), np.zeros(11, bool)
     closed = np.array([1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1], bool)
     assert slips_of(time, paid_out, turns, closed, 0.01) == [(pytest.approx(0.1), pytest.approx(3.0), True)]
+
+
+def test_a_result_of_statistics_says_nothing_of_a_brake_that_was_open_between_its_windows():
+    # The load is lowered from 10 to 15 s with the brake open; the windows lie round the jerks at 3 s and 20 s.
+    motor = (
+        "{table: {time: [0, 3, 3.1, 3.5, 3.6, 10, 10.1, 12.5, 12.6, 15, 15.1, 20, 20.1, 20.3, 20.4, 40], value: "
+        "[24525, 24525, 30525, 30525, 24525, 24525, 24125, 24125, "
+        "24925, 24925, 24525, 24525, 2000, 2000, 24525, 24525]}}"
+    )
+    closed = (
+        "{table: {time: [0, 3, 3.05, 3.5, 3.55, 10, 10.05, 15, 15.05, 20, 20.05, 20.3, 20.35, 40], "
+        "value: [1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1]}}"
+    )
+    text = SCENE.format(
+        mass=MASS, radius=RADIUS, inertia=INERTIA, law="", more="", end=25.0,
+        drive=f"torque: {motor}, brake: {{torque: 60 kN m, closed: {closed}}}",
+    )  # fmt: skip
+    kept = "interval: 50 ms, keep: statistics, windows: 1 s, of: [tension]"
+    result = tautline.simulate(tautline.read(text.replace("interval: 50 ms", kept)))
+    time, passed = np.asarray(result.time), np.asarray(result["paid_out"])[:, 0]
+    gap = int(np.argmax(np.diff(time)))
+    assert time[gap] < 10.0 and time[gap + 1] > 15.0 and passed[gap + 1] - passed[gap] > 0.1
+    assert not [text for text in result.warnings if "brake" in text]

@@ -38,10 +38,13 @@ def remarks(result: Any, scene: CraneScene) -> list[str]:
     Parameters
     ----------
     result : Result
-        With ``paid_out``; of one that holds statistics alone nothing is told.
+        With ``paid_out``; of one that keeps statistics nothing is told, with windows or without.
     scene : CraneScene
     """
-    if "paid_out" not in result or "pay_out_speed" not in result or result.attributes.get(INPUTS_DRIVEN):
+    # Between the windows of statistics nobody knows what passed while the brake was open.
+    if scene.output.statistics or result.attributes.get(INPUTS_DRIVEN):
+        return []
+    if "paid_out" not in result or "pay_out_speed" not in result:
         return []
     time, paid_out, speed = (np.asarray(a, float) for a in (result.time, result["paid_out"], result["pay_out_speed"]))
     found = []
