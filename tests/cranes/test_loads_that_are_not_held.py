@@ -185,10 +185,10 @@ def test_rope_that_passes_an_open_brake_is_no_slip_and_each_closure_begins_anew(
     turns[0] = False
     (one,) = slips_of(time, -paid_out, turns, np.ones(11, bool), 0.01)
     assert one == (0.0, pytest.approx(-0.4), True)
-    # Held in two closures, and more in the second; the first is when it began.
+    # Held in two closures, and more in the second: its own begin stands beside its rope.
     paid_out, turns = np.array([0, 0, 2, 2, 9, 9, 9, 12, 12, 12, 12.0]), np.zeros(11, bool)
     closed = np.array([1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1], bool)
-    assert slips_of(time, paid_out, turns, closed, 0.01) == [(pytest.approx(0.1), pytest.approx(3.0), True)]
+    assert slips_of(time, paid_out, turns, closed, 0.01) == [(pytest.approx(0.6), pytest.approx(3.0), True)]
 
 
 def test_a_result_of_statistics_says_nothing_of_a_brake_that_was_open_between_its_windows():
@@ -212,3 +212,13 @@ def test_a_result_of_statistics_says_nothing_of_a_brake_that_was_open_between_it
     gap = int(np.argmax(np.diff(time)))
     assert time[gap] < 10.0 and time[gap + 1] > 15.0 and passed[gap + 1] - passed[gap] > 0.1
     assert not [text for text in result.warnings if "brake" in text]
+
+
+def test_of_two_closures_that_do_not_stop_a_drum_the_one_with_the_most_rope_is_told_with_its_own_begin():
+    result = sinking(3.0, "{time: [0, 0.5, 0.51, 0.7, 0.71, 1.5, 1.51, 10], value: [0, 0, 1, 1, 0, 0, 1, 1]}")
+    (text,) = [text for text in result.warnings if "brake" in text]
+    begin = float(re.search(r"closed at t = ([0-9.]+) s", text)[1])
+    assert begin == pytest.approx(1.55)
+    time, passed = np.asarray(result.time), np.asarray(result["paid_out"])[:, 0]
+    rope = passed[-1] - passed[np.searchsorted(time, begin - 1e-9)]
+    assert float(re.search(r"([0-9.]+) m of rope ran out", text)[1]) == pytest.approx(rope, rel=5e-3)

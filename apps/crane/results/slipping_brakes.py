@@ -93,7 +93,7 @@ def slips_of(time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closed: 
     Returns
     -------
     list of Slip
-        None of a kind that there was not; ``begin`` is that of the first of its kind.
+        None of a kind that there was not. All of one is of the same closure, the one with the most rope.
     """
     found: dict[bool, Slip] = {}
     edges = np.flatnonzero(np.diff(np.concatenate([[0], closed.astype(int), [0]])))
@@ -106,6 +106,6 @@ def slips_of(time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closed: 
         if over.size:
             begin = float(time[start + max(int(over[0]) - 1, 0)]) if held else float(time[first])
             far = float(passed[np.argmax(np.abs(passed))])
-            known = found.get(held, Slip(begin, 0.0, held))
-            found[held] = Slip(known.begin, far if abs(far) > abs(known.passed) else known.passed, held)
+            if held not in found or abs(far) > abs(found[held].passed):
+                found[held] = Slip(begin, far, held)
     return list(found.values())
