@@ -9,7 +9,7 @@ import pytest
 
 import tautline
 from crane.application import Crane
-from crane.results.slipping_brakes import slips_of
+from crane.results.slipping_brakes import closures_of, slips_of
 
 MASS, GRAVITY, RADIUS, INERTIA = 5000.0, 9.81, 0.5, 5000.0
 WEIGHT = MASS * GRAVITY
@@ -173,22 +173,25 @@ def test_a_brake_that_holds_a_load_and_then_slips_is_warned_of_with_the_rope_sin
 
 
 def test_rope_that_passes_an_open_brake_is_no_slip_and_each_closure_begins_anew():
+    def spans(closed):
+        return closures_of(time, lambda moments: closed[np.searchsorted(time, moments - 1e-9)], np.zeros(0))
+
     time = np.linspace(0.0, 1.0, 11)
     paid_out, turns = np.where(time < 0.45, time, 0.4), time < 0.45
-    assert slips_of(time, paid_out, turns, time > 0.45, 0.01) == []
+    assert slips_of(time, paid_out, turns, spans(time > 0.45), 0.01) == []
     # It is stopped in the closure.
-    assert slips_of(time, paid_out, turns, time > 0.15, 0.01) == []
+    assert slips_of(time, paid_out, turns, spans(time > 0.15), 0.01) == []
     # It is let go before.
-    (one,) = slips_of(time, paid_out, turns, (time > 0.15) & (time < 0.35), 0.01)
+    (one,) = slips_of(time, paid_out, turns, spans((time > 0.15) & (time < 0.35)), 0.01)
     assert one == (pytest.approx(0.2), pytest.approx(0.1), False)
     # It begins at rest.
     turns[0] = False
-    (one,) = slips_of(time, -paid_out, turns, np.ones(11, bool), 0.01)
+    (one,) = slips_of(time, -paid_out, turns, spans(np.ones(11, bool)), 0.01)
     assert one == (0.0, pytest.approx(-0.4), True)
     # Held in two closures, and more in the second: its own begin stands beside its rope.
     paid_out, turns = np.array([0, 0, 2, 2, 9, 9, 9, 12, 12, 12, 12.0]), np.zeros(11, bool)
     closed = np.array([1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1], bool)
-    assert slips_of(time, paid_out, turns, closed, 0.01) == [(pytest.approx(0.6), pytest.approx(3.0), True)]
+    assert slips_of(time, paid_out, turns, spans(closed), 0.01) == [(pytest.approx(0.6), pytest.approx(3.0), True)]
 
 
 def test_a_result_of_statistics_says_nothing_of_a_brake_that_was_open_between_its_windows():
@@ -222,3 +225,25 @@ def test_of_two_closures_that_do_not_stop_a_drum_the_one_with_the_most_rope_is_t
     time, passed = np.asarray(result.time), np.asarray(result["paid_out"])[:, 0]
     rope = passed[-1] - passed[np.searchsorted(time, begin - 1e-9)]
     assert float(re.search(r"([0-9.]+) m of rope ran out", text)[1]) == pytest.approx(rope, rel=5e-3)
+
+
+@pytest.mark.parametrize("interval", ["50 ms", "500 ms", "1 s"])
+def test_a_brake_that_is_opened_between_two_frames_has_not_slipped(interval):
+    closed = "{table: {time: [0, 2.1, 2.15, 2.85, 2.9, 10], value: [1, 1, 0, 0, 1, 1]}}"
+    text = SCENE.format(
+        mass=MASS, radius=RADIUS, inertia=INERTIA, law="", more="", end=5.0,
+        drive=f"torque: 20 kN m, brake: {{torque: 60 kN m, closed: {closed}}}",
+    )  # fmt: skip
+    result = tautline.simulate(tautline.read(text.replace("interval: 50 ms", f"interval: {interval}")))
+    passed = np.asarray(result["paid_out"])[:, 0]
+    assert passed[-1] - passed[0] > 0.05
+    assert not [text for text in result.warnings if "brake" in text]
+
+
+def test_a_closure_ends_where_a_brake_opens_between_frames_be_it_only_at_a_corner_of_its_table():
+    time = np.arange(6.0)
+    corner = 2.0 + 1.0 / 64.0
+    assert closures_of(time, lambda moments: moments != corner, np.array([corner])) == [(0, 3), (3, 6)]
+    assert closures_of(time, lambda moments: np.abs(moments - 3.5) > 0.06, np.zeros(0)) == [(0, 4), (4, 6)]
+    assert closures_of(time, lambda moments: moments < 2.5, np.array([-1.0, 2.5, 9.0])) == [(0, 3)]
+    assert closures_of(time, lambda moments: moments < -1.0, np.array([2.5])) == []

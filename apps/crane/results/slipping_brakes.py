@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +19,8 @@ SLIPS = 0.01
 """Share of the radius by which rope passes a drum that slips. What holds a drum gives way by a thousandth of that."""
 TURNS = 0.01
 """Share of the radius, 1/s, from which on the speed of the rope is that of a drum that turns."""
+PARTS = 20
+"""Parts of the time between two frames at whose ends it is looked whether a brake is closed."""
 
 
 class Slip(NamedTuple):
@@ -52,7 +56,7 @@ def remarks(result: Any, scene: CraneScene) -> list[str]:
         if drum.prescribed or drum.brake is None or drum.brake.torque == 0.0:
             continue
         turns = np.abs(speed[:, k]) > TURNS * drum.radius
-        for slip in slips_of(time, paid_out[:, k], turns, _closed(drum, time), SLIPS * drum.radius):
+        for slip in slips_of(time, paid_out[:, k], turns, _closures(drum, time), SLIPS * drum.radius):
             found.append(_said(drum, slip))
     return found
 
@@ -72,11 +76,47 @@ def _said(drum: Drum, slip: Slip) -> str:
     )
 
 
-def _closed(drum: Drum, time: np.ndarray) -> np.ndarray:
-    return sample(compile_functions([FunctionRequest(closure_of(drum))]), 0, time)[:, 0] >= CLOSED
+def _closures(drum: Drum, time: np.ndarray) -> list[tuple[int, int]]:
+    function = compile_functions([FunctionRequest(closure_of(drum))])
+
+    def is_closed(moments: np.ndarray) -> np.ndarray:
+        return sample(function, 0, moments)[:, 0] >= CLOSED
+
+    return closures_of(time, is_closed, function.breaks)
 
 
-def slips_of(time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closed: np.ndarray, least: float) -> list[Slip]:
+def closures_of(
+    time: np.ndarray, is_closed: Callable[[np.ndarray], np.ndarray], corners: np.ndarray
+) -> list[tuple[int, int]]:
+    """Frames, from the first to the last not counted, between which a brake is closed all the time.
+
+    Parameters
+    ----------
+    time : (m,) array
+        Of the frames, s.
+    is_closed : callable
+        Tells of times (k,) whether the brake is closed, as bool (k,).
+    corners : (n,) array
+        Times, s, at which the closure has a corner: there it is least, if it is a table.
+    """
+    closed = is_closed(time)
+    opened = np.zeros(max(time.size - 1, 0), bool)
+    # A brake may open and close again between two frames. One part after the other, so as to hold no more than frames.
+    for part in np.arange(1, PARTS) / PARTS:
+        opened |= ~is_closed(time[:-1] + part * np.diff(time))
+    within = corners[(corners > time[0]) & (corners < time[-1])]
+    opened[np.searchsorted(time, within[~is_closed(within)]) - 1] = True
+    found: list[tuple[int, int]] = []
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], closed.astype(int), [0]])))
+    for first, end in edges.reshape(-1, 2).tolist():
+        cuts = first + 1 + np.flatnonzero(opened[first : end - 1])
+        found += itertools.pairwise([first, *cuts.tolist(), end])
+    return found
+
+
+def slips_of(
+    time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closures: list[tuple[int, int]], least: float
+) -> list[Slip]:
     """The longest slip of a drum that its brake had held, and of one that it did not stop.
 
     A drum that turns when its brake closes is looked at from where it has come to rest.
@@ -85,8 +125,10 @@ def slips_of(time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closed: 
     ----------
     time, paid_out : (m,) array
         s; m of rope since the start.
-    turns, closed : (m,) array of bool
-        Whether the drum turns, and whether its brake is closed.
+    turns : (m,) array of bool
+        Whether the drum turns.
+    closures : list of (int, int)
+        Of :func:`closures_of`.
     least : float
         Rope, m, that counts as slip.
 
@@ -96,8 +138,7 @@ def slips_of(time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closed: 
         None of a kind that there was not. All of one is of the same closure, the one with the most rope.
     """
     found: dict[bool, Slip] = {}
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], closed.astype(int), [0]])))
-    for first, end in edges.reshape(-1, 2).tolist():
+    for first, end in closures:
         rest = np.flatnonzero(~turns[first:end])
         held = bool(rest.size)
         start = first + int(rest[0]) if held else first
