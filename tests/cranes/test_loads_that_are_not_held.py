@@ -247,3 +247,25 @@ def test_a_closure_ends_where_a_brake_opens_between_frames_be_it_only_at_a_corne
     assert closures_of(time, lambda moments: np.abs(moments - 3.5) > 0.06, np.zeros(0)) == [(0, 4), (4, 6)]
     assert closures_of(time, lambda moments: moments < 2.5, np.array([-1.0, 2.5, 9.0])) == [(0, 3)]
     assert closures_of(time, lambda moments: moments < -1.0, np.array([2.5])) == []
+
+
+@pytest.mark.parametrize("closed", [0.99, 0.5])
+def test_a_brake_that_stays_partly_closed_holds_with_that_share_of_its_torque(closed):
+    # Half the load's torque at 0.99, and at 0.5 a brake that would hold if it were closed.
+    torque = {0.99: 0.5, 0.5: 1.5}[closed]
+    scene = read(braked(torque, f", closed: {closed}"))
+    (one,) = told(scene)
+    assert f"closed to {closed:g}, that is" in one.text and "of brake.torque times brake.closed" in one.text
+    acting = 1e3 * float(re.search(r"that is ([0-9.]+) kN m", one.text)[1])
+    needed = 1e3 * float(re.search(r"it takes ([0-9.]+) kN m or more", one.text)[1])
+    assert acting == pytest.approx(torque * closed * MOMENT, rel=2e-3) and needed == pytest.approx(MOMENT, rel=2e-3)
+    # m g R - M c = (m R^2 + I) alpha
+    a = (1.0 - torque * closed) * MOMENT * RADIUS / (MASS * RADIUS**2 + INERTIA)
+    (text,) = slips(tautline.simulate(scene))
+    assert float(re.search(r"([0-9.]+) m of rope ran out", text)[1]) == pytest.approx(0.5 * a * 2.0**2, rel=0.02)
+    assert "give brake.torque times brake.closed more than" in text
+
+
+def test_a_brake_that_stays_partly_closed_and_holds_is_not_warned_of():
+    scene = read(braked(2.1, ", closed: 0.5"))
+    assert told(scene) == [] and slips(tautline.simulate(scene)) == []

@@ -13,6 +13,7 @@ from crane.assembly.held_loads import CLOSED
 from crane.scene.scene import CraneScene, Drum
 from tautline.kernels.time_function import sample
 from tautline.live.simulation import INPUTS_DRIVEN
+from tautline.scene.functions import Constant
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIPS = 0.01
@@ -65,9 +66,12 @@ def _said(drum: Drum, slip: Slip) -> str:
     way = "ran out" if slip.passed > 0.0 else "was taken in"
     rope = f"{abs(slip.passed):.3g} m of rope {way} while it stayed closed"
     if slip.held:
+        closure = closure_of(drum)
+        share = " times brake.closed" if isinstance(closure, Constant) and closure.value < CLOSED else ""
         return (
             f"the brake of {drum.name} slipped while it was closed, from t = {slip.begin:.3g} s: {rope}. Its heat and "
-            "wear are not computed. If it is to hold, give brake.torque more than the load and the motor pull with"
+            f"wear are not computed. If it is to hold, give brake.torque{share} more than the load and the motor pull "
+            "with"
         )
     return (
         f"the brake of {drum.name} was closed at t = {slip.begin:.3g} s on a drum that turned, and did not stop it: "
@@ -77,7 +81,11 @@ def _said(drum: Drum, slip: Slip) -> str:
 
 
 def _closures(drum: Drum, time: np.ndarray) -> list[tuple[int, int]]:
-    function = compile_functions([FunctionRequest(closure_of(drum))])
+    closure = closure_of(drum)
+    if isinstance(closure, Constant):
+        # One that stays partly closed holds with that share of its torque, and slips beyond it.
+        return [(0, time.size)] if closure.value > 0.0 else []
+    function = compile_functions([FunctionRequest(closure)])
 
     def is_closed(moments: np.ndarray) -> np.ndarray:
         return sample(function, 0, moments)[:, 0] >= CLOSED
