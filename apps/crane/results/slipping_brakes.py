@@ -20,6 +20,8 @@ SLIPS = 0.01
 """Share of the radius by which rope passes a drum that slips. What holds a drum gives way by a thousandth of that."""
 TURNS = 0.01
 """Share of the radius, 1/s, from which on the speed of the rope is that of a drum that turns."""
+FALLS = 0.01
+"""Share of its speed that a drum loses that slows down."""
 PARTS = 20
 """Parts of the time between two frames at whose ends it is looked whether a brake is closed."""
 
@@ -33,6 +35,8 @@ class Slip(NamedTuple):
     """Rope, m, positive out."""
     held: bool
     """Whether the drum was at rest in that closure before; if not, it turned throughout."""
+    unfinished: bool = False
+    """Whether the run ended while the brake was slowing down a drum that turned throughout."""
 
 
 def remarks(result: Any, scene: CraneScene) -> list[str]:
@@ -56,8 +60,8 @@ def remarks(result: Any, scene: CraneScene) -> list[str]:
     for k, drum in enumerate(scene.drums):
         if drum.prescribed or drum.brake is None or drum.brake.torque == 0.0:
             continue
-        turns = np.abs(speed[:, k]) > TURNS * drum.radius
-        for slip in slips_of(time, paid_out[:, k], turns, _closures(drum, time), SLIPS * drum.radius):
+        rest = TURNS * drum.radius
+        for slip in slips_of(time, paid_out[:, k], speed[:, k], rest, _closures(drum, time), SLIPS * drum.radius):
             found.append(_said(drum, slip))
     return found
 
@@ -72,6 +76,12 @@ def _said(drum: Drum, slip: Slip) -> str:
             f"the brake of {drum.name} slipped while it was closed, from t = {slip.begin:.3g} s: {rope}. Its heat and "
             f"wear are not computed. If it is to hold, give brake.torque{share} more than the load and the motor pull "
             "with"
+        )
+    if slip.unfinished:
+        return (
+            f"the brake of {drum.name} was closed at t = {slip.begin:.3g} s on a drum that turned, and slowed it down. "
+            f"The run ended while it still turned: {rope}. Whether the brake stops it is not known. To see it, give a "
+            "later solver.end"
         )
     return (
         f"the brake of {drum.name} was closed at t = {slip.begin:.3g} s on a drum that turned, and did not stop it: "
@@ -123,18 +133,23 @@ def closures_of(
 
 
 def slips_of(
-    time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closures: list[tuple[int, int]], least: float
+    time: np.ndarray,
+    paid_out: np.ndarray,
+    speed: np.ndarray,
+    rest: float,
+    closures: list[tuple[int, int]],
+    least: float,
 ) -> list[Slip]:
-    """The longest slip of a drum that its brake had held, and of one that it did not stop.
+    """The longest slip of a drum that its brake had held, of one that it did not stop, and of one it had yet to stop.
 
     A drum that turns when its brake closes is looked at from where it has come to rest.
 
     Parameters
     ----------
-    time, paid_out : (m,) array
-        s; m of rope since the start.
-    turns : (m,) array of bool
-        Whether the drum turns.
+    time, paid_out, speed : (m,) array
+        s; m of rope since the start; its rate, m/s.
+    rest : float
+        Speed, m/s, up to which the drum is at rest.
     closures : list of (int, int)
         Of :func:`closures_of`.
     least : float
@@ -145,16 +160,29 @@ def slips_of(
     list of Slip
         None of a kind that there was not. All of one is of the same closure, the one with the most rope.
     """
-    found: dict[bool, Slip] = {}
+    found: dict[tuple[bool, bool], Slip] = {}
     for first, end in closures:
-        rest = np.flatnonzero(~turns[first:end])
-        held = bool(rest.size)
-        start = first + int(rest[0]) if held else first
+        still = np.flatnonzero(np.abs(speed[first:end]) <= rest)
+        held = bool(still.size)
+        start = first + int(still[0]) if held else first
         passed = paid_out[start:end] - paid_out[start]
         over = np.flatnonzero(np.abs(passed) > least)
         if over.size:
             begin = float(time[start + max(int(over[0]) - 1, 0)]) if held else float(time[first])
             far = float(passed[np.argmax(np.abs(passed))])
-            if held not in found or abs(far) > abs(found[held].passed):
-                found[held] = Slip(begin, far, held)
+            unfinished = not held and end == time.size and _slows_down(time[first:], speed[first:])
+            kind = held, unfinished
+            if kind not in found or abs(far) > abs(found[kind].passed):
+                found[kind] = Slip(begin, far, held, unfinished)
     return list(found.values())
+
+
+def _slows_down(time: np.ndarray, speed: np.ndarray) -> bool:
+    """Whether the speed falls, by the straight line through the last half of its values.
+
+    A load that bounces swings the speed about that line; of a fall by less than `FALLS` nobody knows what it comes to.
+    """
+    last = max(2, (time.size + 1) // 2)
+    lapse, size = time[-last:] - time[-1], np.abs(speed[-last:])
+    slope = float(np.polyfit(lapse, size, 1)[0])
+    return bool(slope * lapse[0] > FALLS * float(size.max()))
