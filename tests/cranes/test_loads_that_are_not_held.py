@@ -9,7 +9,7 @@ import pytest
 
 import tautline
 from crane.application import Crane
-from crane.results.slipping_brakes import closures_of, slips_of
+from crane.results.slipping_brakes import SLIPS, TURNS, closures_of, slips_of
 
 MASS, GRAVITY, RADIUS, INERTIA = 5000.0, 9.81, 0.5, 5000.0
 WEIGHT = MASS * GRAVITY
@@ -303,3 +303,39 @@ def test_only_a_drum_whose_speed_falls_is_said_to_slow_down_as_the_run_ends(spee
     # The brake opens before the end: it did not stop the drum, whatever its speed did.
     (one,) = slips_of(time, np.cumsum(v) / 40.0, v, 0.01, [(0, 40)], 0.01)
     assert not one.unfinished
+
+
+@pytest.mark.parametrize("share", [0.002, 0.0005])
+def test_a_drum_that_creeps_to_a_stop_under_its_brake_has_not_slipped(share):
+    # v = V - a t: from a hundredth of R per second on, more than the rope that counts as slip still passes.
+    v, a = 0.02 * RADIUS, share * RADIUS
+    time = np.linspace(0.0, 1.2 * v / a, 601)
+    speed = np.maximum(v - a * time, 0.0)
+    paid_out = v * np.minimum(time, v / a) - 0.5 * a * np.minimum(time, v / a) ** 2
+    assert (0.01 * RADIUS) ** 2 / (2.0 * a) > 0.01 * RADIUS
+    assert slips_of(time, paid_out, speed, TURNS * RADIUS, [(0, 601)], SLIPS * RADIUS) == []
+
+
+def test_a_load_that_sinks_slowly_and_is_stopped_slowly_is_not_said_to_slip():
+    closed = "{time: [0, 0.3, 0.31, 1000], value: [0, 0, 1, 1]}"
+    text = f"torque: 20 kN m, brake: {{torque: 4.545 kN m, closed: {{table: {closed}}}}}"
+    result = tautline.simulate(read(text, end=120.0))
+    speed, passed = np.asarray(result["pay_out_speed"])[:, 0], np.asarray(result["paid_out"])[:, 0]
+    slow = int(np.argmax((np.asarray(result.time) > 0.5) & (speed < 0.01 * RADIUS)))
+    assert passed[-1] - passed[slow] > SLIPS * RADIUS and abs(speed[-1]) < 1e-6
+    assert not [text for text in result.warnings if "brake" in text]
+
+
+@pytest.mark.parametrize("interval", ["50 ms", "200 ms"])
+def test_a_brake_that_stops_a_hoisted_load_and_lets_it_fall_again_has_slipped_whatever_the_interval(interval):
+    motor = "{table: {time: [0, 1, 1.1, 10], value: [40e3, 40e3, 0, 0]}}"
+    closed = "{table: {time: [0, 1, 1.1, 10], value: [0, 0, 1, 1]}}"
+    text = SCENE.format(
+        mass=MASS, radius=RADIUS, inertia=INERTIA, law="", more="", end=4.0,
+        drive=f"torque: {motor}, brake: {{torque: 15 kN m, closed: {closed}}}",
+    )  # fmt: skip
+    result = tautline.simulate(tautline.read(text.replace("interval: 50 ms", f"interval: {interval}")))
+    (said,) = [text for text in result.warnings if "brake" in text]
+    passed = np.asarray(result["paid_out"])[:, 0]
+    assert "slipped while it was closed" in said
+    assert float(re.search(r"([0-9.]+) m of rope ran out", said)[1]) == pytest.approx(np.ptp(passed), rel=0.02)

@@ -18,8 +18,12 @@ from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIPS = 0.01
 """Share of the radius by which rope passes a drum that slips. What holds a drum gives way by a thousandth of that."""
-TURNS = 0.01
-"""Share of the radius, 1/s, from which on the speed of the rope is that of a drum that turns."""
+TURNS = 0.001
+"""Share of the radius, 1/s, from which on the speed of the rope is that of a drum that turns.
+
+A drum that creeps to a stop passes less than `SLIPS` below it, if it is slowed down by 5e-5 R/s2 or more. One that
+is held gives way slower: by 4e-5 R/s as its motor jumps by four fifths of the load's moment.
+"""
 FALLS = 0.01
 """Share of its speed that a drum loses that slows down."""
 PARTS = 20
@@ -142,7 +146,8 @@ def slips_of(
 ) -> list[Slip]:
     """The longest slip of a drum that its brake had held, of one that it did not stop, and of one it had yet to stop.
 
-    A drum that turns when its brake closes is looked at from where it has come to rest.
+    A drum that turns when its brake closes is looked at from where it has come to rest. One that still turns as the run
+    ends, and slows down, the brake had yet to stop.
 
     Parameters
     ----------
@@ -162,7 +167,7 @@ def slips_of(
     """
     found: dict[tuple[bool, bool], Slip] = {}
     for first, end in closures:
-        still = np.flatnonzero(np.abs(speed[first:end]) <= rest)
+        still = np.flatnonzero(_at_rest(speed[first:end], rest))
         held = bool(still.size)
         start = first + int(still[0]) if held else first
         passed = paid_out[start:end] - paid_out[start]
@@ -175,6 +180,12 @@ def slips_of(
             if kind not in found or abs(far) > abs(found[kind].passed):
                 found[kind] = Slip(begin, far, held, unfinished)
     return list(found.values())
+
+
+def _at_rest(speed: np.ndarray, rest: float) -> np.ndarray:
+    """Of each frame, whether the drum is at rest, or turned back since the frame before and so was at rest between."""
+    back = np.concatenate([[False], speed[1:] * speed[:-1] < 0.0])
+    return (np.abs(speed) <= rest) | back
 
 
 def _slows_down(time: np.ndarray, speed: np.ndarray) -> bool:
