@@ -11,7 +11,7 @@ import numpy as np
 from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoisted_spans, reeled_of, supply_of
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
-from crane.assembly.held_loads import lacks
+from crane.assembly.held_loads import CLOSED, lacks
 from crane.assembly.layout import entries_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
@@ -427,12 +427,16 @@ def _let_go(found: Estimate) -> Sentences:
         drum, braked = one.drum, one.brake is not None
         load, needed, friction, motor = (sized(x, "N m") for x in (one.load, one.needed, one.friction, one.motor))
         others = f"friction of {friction} and a motor with {motor}"
-        holds = f"A closed brake of {sized(one.brake or 0.0, 'N m')}, {others}" if braked else f"No brake, {others}"
+        partly = braked and one.closed < CLOSED
+        way = f"brake closed to {one.closed:.4g}, that is" if partly else "closed brake of"
+        holds = f"A {way} {sized(one.brake or 0.0, 'N m')}, {others}" if braked else f"No brake, {others}"
+        of = " of brake.torque times brake.closed" if partly else ""
         helped = ", with the friction of the sheaves on its side" if one.helped else ""
         text = (
             "the drum does not hold the load, which falls from t = 0. The tension at rest, "
             f"{sized(one.tension, 'N')} on a radius of {drum.radius:.4g} m, turns the drum with {load}{helped}. "
-            f"{holds} act against it. To hold the load at rest it takes {needed} or more; a load in motion pulls more"
+            f"{holds} act against it. To hold the load at rest it takes {needed} or more{of}; a load in motion "
+            "pulls more"
         )
         yield where(found.scene, drum, "brake.torque" if braked else "torque"), text
 

@@ -9,7 +9,7 @@ import pytest
 
 import tautline
 from crane.application import Crane
-from crane.results.slipping_brakes import slips_of
+from crane.results.slipping_brakes import SLIPS, TURNS, closures_of, slips_of
 
 MASS, GRAVITY, RADIUS, INERTIA = 5000.0, 9.81, 0.5, 5000.0
 WEIGHT = MASS * GRAVITY
@@ -173,19 +173,169 @@ def test_a_brake_that_holds_a_load_and_then_slips_is_warned_of_with_the_rope_sin
 
 
 def test_rope_that_passes_an_open_brake_is_no_slip_and_each_closure_begins_anew():
+    def spans(closed):
+        return closures_of(time, lambda moments: closed[np.searchsorted(time, moments - 1e-9)], np.zeros(0))
+
     time = np.linspace(0.0, 1.0, 11)
-    paid_out, turns = np.where(time < 0.45, time, 0.4), time < 0.45
-    assert slips_of(time, paid_out, turns, time > 0.45, 0.01) == []
+    paid_out, speed = np.where(time < 0.45, time, 0.4), np.where(time < 0.45, 1.0, 0.0)
+    assert slips_of(time, paid_out, speed, 0.1, spans(time > 0.45), 0.01) == []
     # It is stopped in the closure.
-    assert slips_of(time, paid_out, turns, time > 0.15, 0.01) == []
+    assert slips_of(time, paid_out, speed, 0.1, spans(time > 0.15), 0.01) == []
     # It is let go before.
-    (one,) = slips_of(time, paid_out, turns, (time > 0.15) & (time < 0.35), 0.01)
-    assert one == (pytest.approx(0.2), pytest.approx(0.1), False)
+    (one,) = slips_of(time, paid_out, speed, 0.1, spans((time > 0.15) & (time < 0.35)), 0.01)
+    assert one == (pytest.approx(0.2), pytest.approx(0.1), False, False)
     # It begins at rest.
-    turns[0] = False
-    (one,) = slips_of(time, -paid_out, turns, np.ones(11, bool), 0.01)
-    assert one == (0.0, pytest.approx(-0.4), True)
-    # Held in two closures, and more in the second; the first is when it began.
-    paid_out, turns = np.array([0, 0, 2, 2, 9, 9, 9, 12, 12, 12, 12.0]), np.zeros(11, bool)
+    speed[0] = 0.0
+    (one,) = slips_of(time, -paid_out, -speed, 0.1, spans(np.ones(11, bool)), 0.01)
+    assert one == (0.0, pytest.approx(-0.4), True, False)
+    # Held in two closures, and more in the second: its own begin stands beside its rope.
+    paid_out, speed = np.array([0, 0, 2, 2, 9, 9, 9, 12, 12, 12, 12.0]), np.zeros(11)
     closed = np.array([1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1], bool)
-    assert slips_of(time, paid_out, turns, closed, 0.01) == [(pytest.approx(0.1), pytest.approx(3.0), True)]
+    (one,) = slips_of(time, paid_out, speed, 0.1, spans(closed), 0.01)
+    assert one == (pytest.approx(0.6), pytest.approx(3.0), True, False)
+
+
+def test_a_result_of_statistics_says_nothing_of_a_brake_that_was_open_between_its_windows():
+    # The load is lowered from 10 to 15 s with the brake open; the windows lie round the jerks at 3 s and 20 s.
+    motor = (
+        "{table: {time: [0, 3, 3.1, 3.5, 3.6, 10, 10.1, 12.5, 12.6, 15, 15.1, 20, 20.1, 20.3, 20.4, 40], value: "
+        "[24525, 24525, 30525, 30525, 24525, 24525, 24125, 24125, "
+        "24925, 24925, 24525, 24525, 2000, 2000, 24525, 24525]}}"
+    )
+    closed = (
+        "{table: {time: [0, 3, 3.05, 3.5, 3.55, 10, 10.05, 15, 15.05, 20, 20.05, 20.3, 20.35, 40], "
+        "value: [1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1]}}"
+    )
+    text = SCENE.format(
+        mass=MASS, radius=RADIUS, inertia=INERTIA, law="", more="", end=25.0,
+        drive=f"torque: {motor}, brake: {{torque: 60 kN m, closed: {closed}}}",
+    )  # fmt: skip
+    kept = "interval: 50 ms, keep: statistics, windows: 1 s, of: [tension]"
+    result = tautline.simulate(tautline.read(text.replace("interval: 50 ms", kept)))
+    time, passed = np.asarray(result.time), np.asarray(result["paid_out"])[:, 0]
+    gap = int(np.argmax(np.diff(time)))
+    assert time[gap] < 10.0 and time[gap + 1] > 15.0 and passed[gap + 1] - passed[gap] > 0.1
+    assert not [text for text in result.warnings if "brake" in text]
+
+
+def test_of_two_closures_that_do_not_stop_a_drum_the_one_with_the_most_rope_is_told_with_its_own_begin():
+    result = sinking(3.0, "{time: [0, 0.5, 0.51, 0.7, 0.71, 1.5, 1.51, 10], value: [0, 0, 1, 1, 0, 0, 1, 1]}")
+    (text,) = [text for text in result.warnings if "brake" in text]
+    begin = float(re.search(r"closed at t = ([0-9.]+) s", text)[1])
+    assert begin == pytest.approx(1.55)
+    time, passed = np.asarray(result.time), np.asarray(result["paid_out"])[:, 0]
+    rope = passed[-1] - passed[np.searchsorted(time, begin - 1e-9)]
+    assert float(re.search(r"([0-9.]+) m of rope ran out", text)[1]) == pytest.approx(rope, rel=5e-3)
+
+
+@pytest.mark.parametrize("interval", ["50 ms", "500 ms", "1 s"])
+def test_a_brake_that_is_opened_between_two_frames_has_not_slipped(interval):
+    closed = "{table: {time: [0, 2.1, 2.15, 2.85, 2.9, 10], value: [1, 1, 0, 0, 1, 1]}}"
+    text = SCENE.format(
+        mass=MASS, radius=RADIUS, inertia=INERTIA, law="", more="", end=5.0,
+        drive=f"torque: 20 kN m, brake: {{torque: 60 kN m, closed: {closed}}}",
+    )  # fmt: skip
+    result = tautline.simulate(tautline.read(text.replace("interval: 50 ms", f"interval: {interval}")))
+    passed = np.asarray(result["paid_out"])[:, 0]
+    assert passed[-1] - passed[0] > 0.05
+    assert not [text for text in result.warnings if "brake" in text]
+
+
+def test_a_closure_ends_where_a_brake_opens_between_frames_be_it_only_at_a_corner_of_its_table():
+    time = np.arange(6.0)
+    corner = 2.0 + 1.0 / 64.0
+    assert closures_of(time, lambda moments: moments != corner, np.array([corner])) == [(0, 3), (3, 6)]
+    assert closures_of(time, lambda moments: np.abs(moments - 3.5) > 0.06, np.zeros(0)) == [(0, 4), (4, 6)]
+    assert closures_of(time, lambda moments: moments < 2.5, np.array([-1.0, 2.5, 9.0])) == [(0, 3)]
+    assert closures_of(time, lambda moments: moments < -1.0, np.array([2.5])) == []
+
+
+@pytest.mark.parametrize("closed", [0.99, 0.5])
+def test_a_brake_that_stays_partly_closed_holds_with_that_share_of_its_torque(closed):
+    # Half the load's torque at 0.99, and at 0.5 a brake that would hold if it were closed.
+    torque = {0.99: 0.5, 0.5: 1.5}[closed]
+    scene = read(braked(torque, f", closed: {closed}"))
+    (one,) = told(scene)
+    assert f"closed to {closed:g}, that is" in one.text and "of brake.torque times brake.closed" in one.text
+    acting = 1e3 * float(re.search(r"that is ([0-9.]+) kN m", one.text)[1])
+    needed = 1e3 * float(re.search(r"it takes ([0-9.]+) kN m or more", one.text)[1])
+    assert acting == pytest.approx(torque * closed * MOMENT, rel=2e-3) and needed == pytest.approx(MOMENT, rel=2e-3)
+    # m g R - M c = (m R^2 + I) alpha
+    a = (1.0 - torque * closed) * MOMENT * RADIUS / (MASS * RADIUS**2 + INERTIA)
+    (text,) = slips(tautline.simulate(scene))
+    assert float(re.search(r"([0-9.]+) m of rope ran out", text)[1]) == pytest.approx(0.5 * a * 2.0**2, rel=0.02)
+    assert "give brake.torque times brake.closed more than" in text
+
+
+def test_a_brake_that_stays_partly_closed_and_holds_is_not_warned_of():
+    scene = read(braked(2.1, ", closed: 0.5"))
+    assert told(scene) == [] and slips(tautline.simulate(scene)) == []
+
+
+def test_a_brake_that_still_slows_the_drum_down_as_the_run_ends_is_not_said_to_be_too_weak():
+    result = sinking(30.0, "{time: [0, 2.7, 2.8, 10], value: [0, 0, 1, 1]}")
+    speed = np.asarray(result["pay_out_speed"])[:, 0]
+    assert speed[-1] > 0.1 * RADIUS
+    (text,) = [text for text in result.warnings if "brake" in text]
+    assert "The run ended while it still turned" in text and "solver.end" in text
+    assert "did not stop" not in text and "brake.torque" not in text
+    # With more time it stops the drum.
+    result = sinking(30.0, "{time: [0, 1.7, 1.8, 10], value: [0, 0, 1, 1]}")
+    assert not [text for text in result.warnings if "brake" in text]
+
+
+@pytest.mark.parametrize(
+    ("speed", "unfinished"),
+    [
+        (lambda t: 1.0 - 0.5 * t, True),
+        (lambda t: -1.0 + 0.5 * t, True),
+        (lambda t: 1.0 + 0.0 * t, False),
+        (lambda t: 1.0 + 0.5 * t, False),
+        # It falls at the last, and grows on the whole.
+        (lambda t: 1.0 + 0.5 * t + 0.1 * np.sin(22.0 * t), False),
+    ],
+)
+def test_only_a_drum_whose_speed_falls_is_said_to_slow_down_as_the_run_ends(speed, unfinished):
+    time = np.linspace(0.0, 1.0, 41)
+    v = speed(time)
+    (one,) = slips_of(time, np.cumsum(v) / 40.0, v, 0.01, [(0, 41)], 0.01)
+    assert one.unfinished is unfinished and not one.held
+    # The brake opens before the end: it did not stop the drum, whatever its speed did.
+    (one,) = slips_of(time, np.cumsum(v) / 40.0, v, 0.01, [(0, 40)], 0.01)
+    assert not one.unfinished
+
+
+@pytest.mark.parametrize("share", [0.002, 0.0005])
+def test_a_drum_that_creeps_to_a_stop_under_its_brake_has_not_slipped(share):
+    # v = V - a t: from a hundredth of R per second on, more than the rope that counts as slip still passes.
+    v, a = 0.02 * RADIUS, share * RADIUS
+    time = np.linspace(0.0, 1.2 * v / a, 601)
+    speed = np.maximum(v - a * time, 0.0)
+    paid_out = v * np.minimum(time, v / a) - 0.5 * a * np.minimum(time, v / a) ** 2
+    assert (0.01 * RADIUS) ** 2 / (2.0 * a) > 0.01 * RADIUS
+    assert slips_of(time, paid_out, speed, TURNS * RADIUS, [(0, 601)], SLIPS * RADIUS) == []
+
+
+def test_a_load_that_sinks_slowly_and_is_stopped_slowly_is_not_said_to_slip():
+    closed = "{time: [0, 0.3, 0.31, 1000], value: [0, 0, 1, 1]}"
+    text = f"torque: 20 kN m, brake: {{torque: 4.545 kN m, closed: {{table: {closed}}}}}"
+    result = tautline.simulate(read(text, end=120.0))
+    speed, passed = np.asarray(result["pay_out_speed"])[:, 0], np.asarray(result["paid_out"])[:, 0]
+    slow = int(np.argmax((np.asarray(result.time) > 0.5) & (speed < 0.01 * RADIUS)))
+    assert passed[-1] - passed[slow] > SLIPS * RADIUS and abs(speed[-1]) < 1e-6
+    assert not [text for text in result.warnings if "brake" in text]
+
+
+@pytest.mark.parametrize("interval", ["50 ms", "200 ms"])
+def test_a_brake_that_stops_a_hoisted_load_and_lets_it_fall_again_has_slipped_whatever_the_interval(interval):
+    motor = "{table: {time: [0, 1, 1.1, 10], value: [40e3, 40e3, 0, 0]}}"
+    closed = "{table: {time: [0, 1, 1.1, 10], value: [0, 0, 1, 1]}}"
+    text = SCENE.format(
+        mass=MASS, radius=RADIUS, inertia=INERTIA, law="", more="", end=4.0,
+        drive=f"torque: {motor}, brake: {{torque: 15 kN m, closed: {closed}}}",
+    )  # fmt: skip
+    result = tautline.simulate(tautline.read(text.replace("interval: 50 ms", f"interval: {interval}")))
+    (said,) = [text for text in result.warnings if "brake" in text]
+    passed = np.asarray(result["paid_out"])[:, 0]
+    assert "slipped while it was closed" in said
+    assert float(re.search(r"([0-9.]+) m of rope ran out", said)[1]) == pytest.approx(np.ptp(passed), rel=0.02)

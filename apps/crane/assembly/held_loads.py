@@ -17,19 +17,21 @@ from tautline.system.time_functions import FunctionRequest, compile_functions
 SURE = 0.02
 """Share of the load's moment that may lack without a word: torques are written to two digits."""
 CLOSED = 0.999
-"""Share from which a brake counts as closed."""
+"""Share from which a brake counts as closed whose closure changes."""
 
 
 class Lack(NamedTuple):
     """A drum that lets the load go: what pulls and what holds, N, m and N m.
 
-    ``brake`` is None of a drum without one, or with one that is open at t = 0; ``motor`` is positive where it hoists.
+    ``brake`` is None of a drum without one, or with one that is open at t = 0, and else its torque times ``closed``,
+    the share of :func:`holding_share`. ``motor`` is positive where it hoists.
     ``tension`` is the least that may stand at the drum, with all friction of sheaves on its side where ``helped``.
     """
 
     drum: Drum
     tension: float
     brake: float | None
+    closed: float
     friction: float
     motor: float
     helped: bool
@@ -41,16 +43,17 @@ class Lack(NamedTuple):
 
     @property
     def needed(self) -> float:
-        """Torque of the brake that would hold, or of the motor where there is no closed brake, N m."""
+        """Torque of the brake, as far as it is closed, that would hold; of the motor where there is none, N m."""
         return self.load - self.friction - (self.motor if self.brake is not None else 0.0)
 
 
 def lacks(scene: CraneScene, path: Path, tension: np.ndarray | None) -> list[Lack]:
     """Drums from which a load pulls rope as soon as the run begins.
 
-    Judged is what is meant to hold: a brake that is closed at t = 0, and without a brake a motor whose torque does not
-    change. A brake that is open at t = 0, a motor whose torque is a function of time, and a winch that holds a tension
-    or a speed are left to their operator; so is a load that stands on the ground.
+    Judged is what is meant to hold: a brake that is closed at t = 0, or stays partly closed, and without a brake a
+    motor whose torque does not change. A brake that is open at t = 0, a motor whose torque is a function of
+    time, and a winch that holds a tension or a speed are left to their operator. So is a load that stands on the
+    ground.
 
     Parameters
     ----------
@@ -64,13 +67,14 @@ def lacks(scene: CraneScene, path: Path, tension: np.ndarray | None) -> list[Lac
     for drum in scene.drums:
         if drum.torque is None:
             continue
-        brake = _closed_brake(drum)
+        closed = 0.0 if drum.brake is None else holding_share(drum)
+        brake = drum.brake.torque * closed if drum.brake is not None and closed > 0.0 else None
         meant = brake is not None or (drum.brake is None and isinstance(drum.torque, Constant))
         if not meant:
             continue
         pull = share * float(tension[(0, 0) if drum is scene.path[0] else (-1, 1)])
         motor = _at_start(drum.torque)
-        one = Lack(drum, pull, brake, drum.friction_torque, motor, share < 1.0)
+        one = Lack(drum, pull, brake, closed, drum.friction_torque, motor, share < 1.0)
         if one.load - motor - drum.friction_torque - (brake or 0.0) > SURE * one.load:
             found.append(one)
     return found
@@ -80,11 +84,14 @@ def _at_start(function: object) -> float:
     return float(value_at(compile_functions([FunctionRequest(function)]), 0, 0.0)[0])
 
 
-def _closed_brake(drum: Drum) -> float | None:
-    """Torque of a brake that is closed at t = 0, N m; None where there is none."""
-    if drum.brake is None or _at_start(closure_of(drum)) < CLOSED:
-        return None
-    return drum.brake.torque
+def holding_share(drum: Drum) -> float:
+    """Share of its torque with which a brake holds at t = 0; 0 of one that is open, or is being closed or opened.
+
+    A brake that stays partly closed holds with that share; one whose closure changes counts as closed or open.
+    """
+    closure = closure_of(drum)
+    share = _at_start(closure)
+    return share if isinstance(closure, Constant) or share >= CLOSED else 0.0
 
 
 def _grounded(scene: CraneScene) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,12 +13,21 @@ from crane.assembly.held_loads import CLOSED
 from crane.scene.scene import CraneScene, Drum
 from tautline.kernels.time_function import sample
 from tautline.live.simulation import INPUTS_DRIVEN
+from tautline.scene.functions import Constant
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIPS = 0.01
 """Share of the radius by which rope passes a drum that slips. What holds a drum gives way by a thousandth of that."""
-TURNS = 0.01
-"""Share of the radius, 1/s, from which on the speed of the rope is that of a drum that turns."""
+TURNS = 0.001
+"""Share of the radius, 1/s, from which on the speed of the rope is that of a drum that turns.
+
+A drum that creeps to a stop passes less than `SLIPS` below it, if it is slowed down by 5e-5 R/s2 or more. One that
+is held gives way slower: by 4e-5 R/s as its motor jumps by four fifths of the load's moment.
+"""
+FALLS = 0.01
+"""Share of its speed that a drum loses that slows down."""
+PARTS = 20
+"""Parts of the time between two frames at whose ends it is looked whether a brake is closed."""
 
 
 class Slip(NamedTuple):
@@ -28,6 +39,8 @@ class Slip(NamedTuple):
     """Rope, m, positive out."""
     held: bool
     """Whether the drum was at rest in that closure before; if not, it turned throughout."""
+    unfinished: bool = False
+    """Whether the run ended while the brake was slowing down a drum that turned throughout."""
 
 
 def remarks(result: Any, scene: CraneScene) -> list[str]:
@@ -38,18 +51,21 @@ def remarks(result: Any, scene: CraneScene) -> list[str]:
     Parameters
     ----------
     result : Result
-        With ``paid_out``; of one that holds statistics alone nothing is told.
+        With ``paid_out``; of one that keeps statistics nothing is told, with windows or without.
     scene : CraneScene
     """
-    if "paid_out" not in result or "pay_out_speed" not in result or result.attributes.get(INPUTS_DRIVEN):
+    # Between the windows of statistics nobody knows what passed while the brake was open.
+    if scene.output.statistics or result.attributes.get(INPUTS_DRIVEN):
+        return []
+    if "paid_out" not in result or "pay_out_speed" not in result:
         return []
     time, paid_out, speed = (np.asarray(a, float) for a in (result.time, result["paid_out"], result["pay_out_speed"]))
     found = []
     for k, drum in enumerate(scene.drums):
         if drum.prescribed or drum.brake is None or drum.brake.torque == 0.0:
             continue
-        turns = np.abs(speed[:, k]) > TURNS * drum.radius
-        for slip in slips_of(time, paid_out[:, k], turns, _closed(drum, time), SLIPS * drum.radius):
+        rest = TURNS * drum.radius
+        for slip in slips_of(time, paid_out[:, k], speed[:, k], rest, _closures(drum, time), SLIPS * drum.radius):
             found.append(_said(drum, slip))
     return found
 
@@ -58,9 +74,18 @@ def _said(drum: Drum, slip: Slip) -> str:
     way = "ran out" if slip.passed > 0.0 else "was taken in"
     rope = f"{abs(slip.passed):.3g} m of rope {way} while it stayed closed"
     if slip.held:
+        closure = closure_of(drum)
+        share = " times brake.closed" if isinstance(closure, Constant) and closure.value < CLOSED else ""
         return (
             f"the brake of {drum.name} slipped while it was closed, from t = {slip.begin:.3g} s: {rope}. Its heat and "
-            "wear are not computed. If it is to hold, give brake.torque more than the load and the motor pull with"
+            f"wear are not computed. If it is to hold, give brake.torque{share} more than the load and the motor pull "
+            "with"
+        )
+    if slip.unfinished:
+        return (
+            f"the brake of {drum.name} was closed at t = {slip.begin:.3g} s on a drum that turned, and slowed it down. "
+            f"The run ended while it still turned: {rope}. Whether the brake stops it is not known. To see it, give a "
+            "later solver.end"
         )
     return (
         f"the brake of {drum.name} was closed at t = {slip.begin:.3g} s on a drum that turned, and did not stop it: "
@@ -69,40 +94,106 @@ def _said(drum: Drum, slip: Slip) -> str:
     )
 
 
-def _closed(drum: Drum, time: np.ndarray) -> np.ndarray:
-    return sample(compile_functions([FunctionRequest(closure_of(drum))]), 0, time)[:, 0] >= CLOSED
+def _closures(drum: Drum, time: np.ndarray) -> list[tuple[int, int]]:
+    closure = closure_of(drum)
+    if isinstance(closure, Constant):
+        # One that stays partly closed holds with that share of its torque, and slips beyond it.
+        return [(0, time.size)] if closure.value > 0.0 else []
+    function = compile_functions([FunctionRequest(closure)])
+
+    def is_closed(moments: np.ndarray) -> np.ndarray:
+        return sample(function, 0, moments)[:, 0] >= CLOSED
+
+    return closures_of(time, is_closed, function.breaks)
 
 
-def slips_of(time: np.ndarray, paid_out: np.ndarray, turns: np.ndarray, closed: np.ndarray, least: float) -> list[Slip]:
-    """The longest slip of a drum that its brake had held, and of one that it did not stop.
-
-    A drum that turns when its brake closes is looked at from where it has come to rest.
+def closures_of(
+    time: np.ndarray, is_closed: Callable[[np.ndarray], np.ndarray], corners: np.ndarray
+) -> list[tuple[int, int]]:
+    """Frames, from the first to the last not counted, between which a brake is closed all the time.
 
     Parameters
     ----------
-    time, paid_out : (m,) array
-        s; m of rope since the start.
-    turns, closed : (m,) array of bool
-        Whether the drum turns, and whether its brake is closed.
+    time : (m,) array
+        Of the frames, s.
+    is_closed : callable
+        Tells of times (k,) whether the brake is closed, as bool (k,).
+    corners : (n,) array
+        Times, s, at which the closure has a corner: there it is least, if it is a table.
+    """
+    closed = is_closed(time)
+    opened = np.zeros(max(time.size - 1, 0), bool)
+    # A brake may open and close again between two frames. One part after the other, so as to hold no more than frames.
+    for part in np.arange(1, PARTS) / PARTS:
+        opened |= ~is_closed(time[:-1] + part * np.diff(time))
+    within = corners[(corners > time[0]) & (corners < time[-1])]
+    opened[np.searchsorted(time, within[~is_closed(within)]) - 1] = True
+    found: list[tuple[int, int]] = []
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], closed.astype(int), [0]])))
+    for first, end in edges.reshape(-1, 2).tolist():
+        cuts = first + 1 + np.flatnonzero(opened[first : end - 1])
+        found += itertools.pairwise([first, *cuts.tolist(), end])
+    return found
+
+
+def slips_of(
+    time: np.ndarray,
+    paid_out: np.ndarray,
+    speed: np.ndarray,
+    rest: float,
+    closures: list[tuple[int, int]],
+    least: float,
+) -> list[Slip]:
+    """The longest slip of a drum that its brake had held, of one that it did not stop, and of one it had yet to stop.
+
+    A drum that turns when its brake closes is looked at from where it has come to rest. One that still turns as the run
+    ends, and slows down, the brake had yet to stop.
+
+    Parameters
+    ----------
+    time, paid_out, speed : (m,) array
+        s; m of rope since the start; its rate, m/s.
+    rest : float
+        Speed, m/s, up to which the drum is at rest.
+    closures : list of (int, int)
+        Of :func:`closures_of`.
     least : float
         Rope, m, that counts as slip.
 
     Returns
     -------
     list of Slip
-        None of a kind that there was not; ``begin`` is that of the first of its kind.
+        None of a kind that there was not. All of one is of the same closure, the one with the most rope.
     """
-    found: dict[bool, Slip] = {}
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], closed.astype(int), [0]])))
-    for first, end in edges.reshape(-1, 2).tolist():
-        rest = np.flatnonzero(~turns[first:end])
-        held = bool(rest.size)
-        start = first + int(rest[0]) if held else first
+    found: dict[tuple[bool, bool], Slip] = {}
+    for first, end in closures:
+        still = np.flatnonzero(_at_rest(speed[first:end], rest))
+        held = bool(still.size)
+        start = first + int(still[0]) if held else first
         passed = paid_out[start:end] - paid_out[start]
         over = np.flatnonzero(np.abs(passed) > least)
         if over.size:
             begin = float(time[start + max(int(over[0]) - 1, 0)]) if held else float(time[first])
             far = float(passed[np.argmax(np.abs(passed))])
-            known = found.get(held, Slip(begin, 0.0, held))
-            found[held] = Slip(known.begin, far if abs(far) > abs(known.passed) else known.passed, held)
+            unfinished = not held and end == time.size and _slows_down(time[first:], speed[first:])
+            kind = held, unfinished
+            if kind not in found or abs(far) > abs(found[kind].passed):
+                found[kind] = Slip(begin, far, held, unfinished)
     return list(found.values())
+
+
+def _at_rest(speed: np.ndarray, rest: float) -> np.ndarray:
+    """Of each frame, whether the drum is at rest, or turned back since the frame before and so was at rest between."""
+    back = np.concatenate([[False], speed[1:] * speed[:-1] < 0.0])
+    return (np.abs(speed) <= rest) | back
+
+
+def _slows_down(time: np.ndarray, speed: np.ndarray) -> bool:
+    """Whether the speed falls, by the straight line through the last half of its values.
+
+    A load that bounces swings the speed about that line; of a fall by less than `FALLS` nobody knows what it comes to.
+    """
+    last = max(2, (time.size + 1) // 2)
+    lapse, size = time[-last:] - time[-1], np.abs(speed[-last:])
+    slope = float(np.polyfit(lapse, size, 1)[0])
+    return bool(slope * lapse[0] > FALLS * float(size.max()))
