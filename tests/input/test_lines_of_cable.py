@@ -380,3 +380,30 @@ def test_the_elements_that_are_enough_are_looked_for_once_for_lines_that_hang_al
     scene = lines_beside_one_another(20, lambda i: 21.5)
     assert sum("too few for the bend" in one.text for one in Installed().of(scene).warnings(scene)) == 20
     assert set(looked.values()) == {1}
+
+
+@pytest.mark.parametrize(("length", "last"), [(12, "[1.0e-3, 0, 10]"), (12, "[1.0e-3, 0, 0]"), (20000, "[1, 0, 0]")])
+def test_a_line_too_folded_for_any_number_of_elements_is_told_to_hang_folded_and_no_number_that_is_refused(
+    length, last
+):
+    (said,) = told_of_a_line(5, length, last)
+    across = last.split(",")[0][1:]
+    assert "hangs folded" in said and f"only {float(across):.3g} m apart, too close for a length of {length} m" in said
+    assert "Give" not in said and "Even 100000 elements" in said
+
+
+def test_the_cures_of_a_folded_line_leave_nothing_to_be_said():
+    """Ends farther apart, and two lines whose lower ends are tied."""
+    assert told_of_a_line(60, 12, "[0.5, 0, 10]") == []
+    free = "BC: [0, 0, 0, 0, 0, 0, 1]"
+    more = (
+        f"  - Node7Dof: {{id: 2, xyz: [0, 0, -1], {free}}}\n  - Node7Dof: {{id: 3, xyz: [0.001, 0, 10], {HELD}}}\n"
+        f"  - CableLine: {{id: 20, nodes7: [2, 3], elements: 11, length: 11, {SECTION}}}\n"
+        "  - LagMultipl7: {id: 0, nodes7: [1, 2], constr: 0}\n"
+    )
+    scene = text(f"nodes7: [0, 1], elements: 5, length: 1, {SECTION}", last="[0, 0, -1]", more=more)
+    scene = parse(scene.replace(f"xyz: [0, 0, -1], {HELD}", f"xyz: [0, 0, -1], {free}"))
+    assert [one.text for one in Installed().of(scene).warnings(scene)] == []
+    force = simulate(build(scene))["axial_force"][-1]
+    # The lower end of each hangs free, and its upper end carries it all but half an element.
+    assert np.isfinite(force).all() and force.max() < 12.0 * 5.0 * 9.81
