@@ -213,8 +213,9 @@ def scale_in(system: str, values: Sequence[np.ndarray], unit: str) -> tuple[floa
 def label(text: str, unit: str, letters: int = 0) -> str:
     """Axis label: ``hook load [MN]``; in lines of at most so many letters, if that is said."""
     whole = f"{text} [{unit}]" if unit else text
-    # A unit such as [N m] is one word.
-    lines = textwrap.wrap(whole.replace(f"[{unit}]", f"[{unit}]".replace(" ", "\0")), letters) if letters else [whole]
+    # A unit such as [N m] or [kft-lbf] is one word.
+    words = whole.replace(f"[{unit}]", f"[{unit}]".replace(" ", "\0"))
+    lines = textwrap.wrap(words, letters, break_on_hyphens=False) if letters else [whole]
     return "\n".join(lines).replace("\0", " ")
 
 
