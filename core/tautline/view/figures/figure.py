@@ -239,8 +239,9 @@ def but_for_rounding(values: np.ndarray) -> tuple[float, float]:
 
 def flatten_rounding(plot: Axes, values: np.ndarray, along: str = "y") -> None:
     """Keep an axis from blowing up values that differ by rounding alone."""
-    low, high = but_for_rounding(values)
-    if values.size and low < np.nanmin(values):
+    known = values[np.isfinite(values)]
+    low, high = but_for_rounding(known)
+    if known.size and low < known.min():
         getattr(plot, f"set_{along}lim")(low, high)
 
 
