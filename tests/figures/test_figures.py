@@ -14,7 +14,7 @@ from of_the_suite import studies
 
 from drillstring.view.figures import FIGURES, draw, figures
 from tautline.results.errors import ResultError
-from tautline.view.figures.figure import LONGEST_NAME, save, scale, shortened
+from tautline.view.figures.figure import LONGEST_NAME, axes, flatten_rounding, label, save, scale, shortened
 from tautline.view.figures.spectrum import full_spectra
 
 BIT = ("drilling", "phase")
@@ -290,6 +290,32 @@ def test_units_get_a_prefix_that_keeps_labels_short():
     assert scale([array], "m") == (1.0, "m")
     assert scale([1e-9 * array], "N") == (1e-3, "mN") and scale([1e-6 * array], "J") == (1.0, "J")
     assert scale([0.0 * array], "N") == (1.0, "N")
+
+
+@pytest.mark.parametrize("unit", ["kft-lbf", "N m", "lbf-s/ft"])
+def test_a_unit_stands_in_one_line_of_a_label_wherever_the_line_must_break(unit):
+    for letters in range(12, 40):
+        lines = label("torque percentiles", unit, letters).split("\n")
+        assert sum(f"[{unit}]" in line for line in lines) == 1 and max(map(len, lines)) <= letters
+        assert " ".join(lines) == f"torque percentiles [{unit}]"
+
+
+@pytest.mark.parametrize(
+    ("values", "limits"),
+    [
+        ([np.nan, np.nan], None),
+        ([], None),
+        ([np.nan, 5.0, 5.0 + 1e-9], (4.95, 5.05)),
+        ([np.inf, -np.inf, 1.0], (0.99, 1.01)),
+    ],
+)
+def test_an_axis_is_kept_from_blowing_up_rounding_and_left_alone_without_a_number(values, limits):
+    _, plots = axes()
+    before = plots[0, 0].get_ylim()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        flatten_rounding(plots[0, 0], np.array(values))
+    assert plots[0, 0].get_ylim() == pytest.approx(limits or before)
 
 
 ANEW = """

@@ -1,6 +1,8 @@
 """A cable written as one item, `CableLine`: what it stands for, how it hangs, and what is refused of it."""
 
+import dataclasses
 import re
+from collections import Counter
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +11,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tautline.application.installed import Installed
+from tautline.cable import warnings as cable_warnings
 from tautline.cable.input.lines import hanging
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.scene import parse
@@ -330,3 +333,77 @@ def test_forces_of_a_coarse_line_lack_the_share_of_the_catenarys_mean_that_the_w
     force = simulate(build(parse(source.replace("0.05}", "0.05, start: static}"))))["axial_force"][0]
     worst = (force / mean - 1.0)[np.abs(force / mean - 1.0).argmax()]
     assert 100.0 * worst == pytest.approx(-lacking, abs=0.35 if elements == 1 else 0.06)
+
+
+def passes_over(scene):
+    """How often the warnings of a scene go through all of its nodes, and through all of its elements."""
+    passes = Counter()
+
+    class Counted(list):
+        def __init__(self, name, parts):
+            super().__init__(parts)
+            self.name = name
+
+        def __iter__(self):
+            passes[self.name] += 1
+            return super().__iter__()
+
+    counted = {name: Counted(name, getattr(scene, name)) for name in ("nodes", "elements")}
+    scene = dataclasses.replace(scene, **counted)
+    assert sum("too few for the bend" in one.text for one in Installed().of(scene).warnings(scene))
+    return passes
+
+
+def lines_beside_one_another(count, spans=lambda i: 20.0):
+    """Lines of three elements, 40 m each, that hang beside one another."""
+    ends = "".join(
+        f"  - Node7Dof: {{id: {2 * i + k}, xyz: [{k * spans(i)}, {i}, 0], {HELD}}}\n"
+        for i in range(count)
+        for k in (0, 1)
+    )
+    lines = "".join(
+        f"  - CableLine: {{id: {6 * i}, nodes7: [{2 * i}, {2 * i + 1}], elements: 3, length: 40, {SECTION}}}\n"
+        for i in range(count)
+    )
+    return parse(f"CableModelMaterial: {{Gravity: [0, 0, -9.81]}}\nCableModel:\n{ends}{lines}{SOLVER}")
+
+
+def test_warnings_of_many_coarse_lines_go_through_the_scene_as_often_as_those_of_a_few():
+    few, many = (passes_over(lines_beside_one_another(n, lambda i: 20.0 + 0.01 * i)) for n in (2, 30))
+    assert many == few and min(few.values()) > 0
+
+
+def test_the_elements_that_are_enough_are_looked_for_once_for_lines_that_hang_alike(monkeypatch):
+    looked = Counter()
+    true = cable_warnings._is_quiet
+    monkeypatch.setattr(cable_warnings, "_is_quiet", lambda *asked: (looked.update([asked]), true(*asked))[1])
+    scene = lines_beside_one_another(20, lambda i: 21.5)
+    assert sum("too few for the bend" in one.text for one in Installed().of(scene).warnings(scene)) == 20
+    assert set(looked.values()) == {1}
+
+
+@pytest.mark.parametrize(("length", "last"), [(12, "[1.0e-3, 0, 10]"), (12, "[1.0e-3, 0, 0]"), (20000, "[1, 0, 0]")])
+def test_a_line_too_folded_for_any_number_of_elements_is_told_to_hang_folded_and_no_number_that_is_refused(
+    length, last
+):
+    (said,) = told_of_a_line(5, length, last)
+    across = last.split(",")[0][1:]
+    assert "hangs folded" in said and f"only {float(across):.3g} m apart, too close for a length of {length} m" in said
+    assert "Give" not in said and "Even 100000 elements" in said
+
+
+def test_the_cures_of_a_folded_line_leave_nothing_to_be_said():
+    """Ends farther apart, and two lines whose lower ends are tied."""
+    assert told_of_a_line(60, 12, "[0.5, 0, 10]") == []
+    free = "BC: [0, 0, 0, 0, 0, 0, 1]"
+    more = (
+        f"  - Node7Dof: {{id: 2, xyz: [0, 0, -1], {free}}}\n  - Node7Dof: {{id: 3, xyz: [0.001, 0, 10], {HELD}}}\n"
+        f"  - CableLine: {{id: 20, nodes7: [2, 3], elements: 11, length: 11, {SECTION}}}\n"
+        "  - LagMultipl7: {id: 0, nodes7: [1, 2], constr: 0}\n"
+    )
+    scene = text(f"nodes7: [0, 1], elements: 5, length: 1, {SECTION}", last="[0, 0, -1]", more=more)
+    scene = parse(scene.replace(f"xyz: [0, 0, -1], {HELD}", f"xyz: [0, 0, -1], {free}"))
+    assert [one.text for one in Installed().of(scene).warnings(scene)] == []
+    force = simulate(build(scene))["axial_force"][-1]
+    # The lower end of each hangs free, and its upper end carries it all but half an element.
+    assert np.isfinite(force).all() and force.max() < 12.0 * 5.0 * 9.81

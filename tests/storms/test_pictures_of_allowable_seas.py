@@ -51,9 +51,16 @@ def test_seas_of_one_heading_that_are_refused_stand_as_whole_circles_on_the_axis
     assert at_zero and not any(line.get_clip_on() for line in at_zero)
 
 
-def test_an_interval_above_zero_is_shown_beside_the_words():
-    plot, texts, legend = drawn(*[Allowable(0.0, 0.0, 0.8, BELOW, BELOW, "")] * 4)
-    assert len(texts) == 1 and legend == ["0 deg", "90 deg"] and len(plot.collections) == 2
+@pytest.mark.parametrize(("high", "bound", "reach"), [(0.8, "", "0.8 m"), (3.0, ABOVE, "3 m or more")])
+def test_an_interval_above_zero_is_shown_and_the_words_say_how_far_it_reaches_and_not_that_no_sea_is_allowable(
+    high, bound, reach
+):
+    plot, texts, legend = drawn(NONE, *[Allowable(0.0, 0.0, high, BELOW, BELOW, bound)] * 3)
+    assert texts == [
+        "By the estimate not even the lowest sea\nthat was computed, Hs = 0.5 m, is allowable.\n"
+        f"The confidence interval reaches up to Hs = {reach}."
+    ]
+    assert legend == ["0 deg", "90 deg"] and len(plot.collections) == 2
 
 
 def test_the_steepest_waves_are_named_where_they_are_in_view_alone():

@@ -207,3 +207,23 @@ def test_numbers_of_a_bar_of_colours_and_below_a_tornado_stand_apart_however_lon
         texts = [text for text in axis.get_ticklabels() if low <= text.get_position()[0] <= high]
         boxes = sorted((text.get_window_extent().x0, text.get_window_extent().x1) for text in texts)
         assert len(boxes) > 1 and all(end < start for (_, end), (start, _) in pairwise(boxes))
+
+
+def test_a_logarithmic_map_of_two_values_reaches_half_a_decade_beyond_them_and_has_numbers_at_both():
+    pair = [number("stiffness", 8.0, 800.0), number("mass", 3.0, 0.02)]
+    data, cases = made(pair, Plan(GRID), float)
+    plot, _ = laid_out(_map(data, cases, "tension")).axes
+    found = {axis.get_label_text(): axis for axis in (plot.xaxis, plot.yaxis)}
+    for name, (low, high) in {"stiffness": (8.0, 800.0), "mass": (0.02, 3.0)}.items():
+        axis = found[name]
+        assert axis.get_scale() == "log"
+        assert axis.get_view_interval() == pytest.approx([low / 10**0.5, high * 10**0.5])
+        assert list(axis.get_majorticklocs()) == pytest.approx([low, high])
+        assert [text.get_text() for text in axis.get_majorticklabels()] == [f"{low:g}", f"{high:g}"]
+        assert not any(text.get_text() for text in axis.get_minorticklabels())
+
+
+def test_a_logarithmic_map_of_values_close_to_one_another_reaches_half_a_cell_beyond_them():
+    data, cases = made([number("stiffness", 1.0, 2.0, 4.0, 8.0, 16.0), number("mass", 1, 2)], Plan(GRID), float)
+    plot, _ = laid_out(_map(data, cases, "tension")).axes
+    assert plot.get_xscale() == "log" and plot.get_xlim() == pytest.approx((0.5**0.5, 16.0 * 2**0.5))

@@ -2,11 +2,13 @@
 
 from itertools import pairwise
 
+import matplotlib
 import numpy as np
 import pytest
 from of_the_suite import studies
 
-from tautline.view.figures.figure import axes, legend_above, save, styled
+from tautline.results.errors import ResultError
+from tautline.view.figures.figure import STYLE, axes, legend_above, powers_in_labels, save, styled
 
 
 @styled
@@ -47,15 +49,60 @@ def test_a_power_of_ten_stands_in_the_label_of_its_own_axis_and_numbers_times_it
     plot.set_xlabel("strain [–]")
     plot.set_ylabel("path[0].stiffness\nof the rope [kN m]")
     legend_above(plot)
-    save(figure, tmp_path / "plot.png")
-    assert plot.get_ylabel() == "path[0].stiffness\nof the rope [10⁵ kN m]" and plot.get_xlabel() == "strain [10⁻⁶]"
-    for axis, power in ((plot.yaxis, 1e5), (plot.xaxis, 1e-6)):
-        assert not axis.get_offset_text().get_visible()
-        for text, place in zip(axis.get_ticklabels(), axis.get_majorticklocs(), strict=True):
-            assert float(text.get_text().replace("−", "-")) * power == pytest.approx(place, abs=1e-3 * power)
+    with powers_in_labels(figure):
+        figure.draw_without_rendering()
+        assert plot.get_ylabel() == "path[0].stiffness\nof the rope [10⁵ kN m]" and plot.get_xlabel() == "strain [10⁻⁶]"
+        for axis, power in ((plot.yaxis, 1e5), (plot.xaxis, 1e-6)):
+            assert not axis.get_offset_text().get_visible()
+            for text, place in zip(axis.get_ticklabels(), axis.get_majorticklocs(), strict=True):
+                assert float(text.get_text().replace("−", "-")) * power == pytest.approx(place, abs=1e-3 * power)
     # Saved once more nothing is added.
-    save(figure, tmp_path / "plot.svg")
-    assert plot.get_ylabel().count("10⁵") == 1
+    for _ in range(2):
+        assert save(figure, tmp_path / "plot.svg").read_text(encoding="utf-8").count("10⁵") == 1
+
+
+def seen(plot):
+    """What stands at the vertical axis of a plot: its label, its numbers, and the power of ten beside it."""
+    plot.figure.draw_without_rendering()
+    power = plot.yaxis.get_offset_text()
+    return (
+        plot.get_ylabel(),
+        [text.get_text() for text in plot.get_yticklabels()],
+        power.get_text(),
+        power.get_visible(),
+    )
+
+
+@pytest.mark.parametrize("shown", [lambda figure, path: save(figure, path), lambda figure, _: figure._repr_png_()])
+def test_a_figure_that_was_saved_or_shown_is_as_it_was_and_keeps_its_power_with_a_label_of_the_users_own(
+    tmp_path, shown
+):
+    with matplotlib.rc_context(STYLE):
+        figure, plots = axes(2, 1, sharey=True)
+        plot = plots[0, 0]
+        plot.plot([0.0, 1.0], [-6.0e-4, 6.0e-4])
+        for each in plots.flat:
+            each.set_ylabel("bit speed [m/s]")
+        before = seen(plot)
+        assert before[0] == "bit speed [m/s]" and before[2:] == ("1e−4", True)
+        shown(figure, tmp_path / "plot.png")
+        assert seen(plot) == before
+        plot.set_ylabel("mine")
+        assert seen(plot) == ("mine", *before[1:])
+        # Zoomed out, the power is another.
+        plot.set_ylim(-6.0e6, 6.0e6)
+        assert seen(plot)[2] == "1e6"
+
+
+def test_a_figure_that_cannot_be_saved_is_as_it_was(tmp_path):
+    with matplotlib.rc_context(STYLE):
+        figure, plots = axes(1, 1)
+        plots[0, 0].plot([0.0, 1.0], [0.0, 8.0e5])
+        plots[0, 0].set_ylabel("force [kN]")
+        before = seen(plots[0, 0])
+        with pytest.raises(ResultError):
+            save(figure, tmp_path / "plot.words")
+        assert seen(plots[0, 0]) == before
 
 
 @styled

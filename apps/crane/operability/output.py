@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.operability.allowable import FITTED, Allowable, Table, governing, of_all, steepest
+from crane.operability.allowable import FITTED, UPWARDS, Allowable, Table, governing, of_all, steepest
 from crane.operability.criteria import Criterion
 from crane.operability.scatter import Fatigue
 from tautline.results.errors import WriteError
@@ -204,4 +204,12 @@ def _without_heights(table: Table, allowable: np.ndarray) -> str:
         return ""
     if any(math.isnan(height) for height in heights):
         return "No sea is known to be allowable: see allowable.csv"
-    return f"No sea is allowable, and not even the lowest\nthat was computed, Hs = {table.heights[0]:.4g} m."
+    lowest = f"Hs = {table.heights[0]:.4g} m"
+    if reaching := [each for each in allowable.ravel() if each.high > 0.0]:
+        highest = max(reaching, key=lambda each: each.high)
+        beyond = " or more" if highest.high_bound in UPWARDS else ""
+        return (
+            f"By the estimate not even the lowest sea\nthat was computed, {lowest}, is allowable.\n"
+            f"The confidence interval reaches up to Hs = {highest.high:.4g} m{beyond}."
+        )
+    return f"No sea is allowable, and not even the lowest\nthat was computed, {lowest}."

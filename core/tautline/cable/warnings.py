@@ -15,7 +15,8 @@ from tautline.cable.input.couplings import APART, coupling_gap, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
 from tautline.cable.input.lines import TAUT, hanging
 from tautline.cable.input.material import element_lengths, material_coordinates, nodes_key
-from tautline.cable.input.parts import CableScene, Node, Place, Tie
+from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
+from tautline.cable.input.syntax.models import MOST_OF_A_LINE
 from tautline.cable.input.syntax.nodal import item_of
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
@@ -41,8 +42,8 @@ RIGHT = -1.0e-9
 """Cosine below which an angle is more than a right one."""
 BRANCH = math.cos(math.radians(30.0))
 """The same of 30 degrees: where three elements or more meet, one of them leaves the others' way."""
-FASTEST = "fastest part"
-"""Where a scene keeps it."""
+FASTEST, LINES = "fastest part", "lines"
+"""Where a scene keeps them."""
 COUNTED = ("PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring")
 """Items on nodes that ``check`` counts by another name than their key."""
 WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
@@ -201,16 +202,16 @@ def _coarse_lines(scene: CableScene) -> Sentences:
     """Lines whose elements turn far: their forces are those of a shape that a cubic does not have."""
     for place, (number, turn) in _turned(scene).items():
         length = scene.elements[number].length
-        least = _enough(scene, place)
+        cure = _cure(scene, place)
         if turn > RIGHT_ANGLE:
             text = (
                 f"are too few for the bend of the hanging cable: an element of {length:.4g} m turns by more than a "
-                f"right angle. Give {least} or more"
+                f"right angle. {cure}"
             )
         else:
             text = (
                 f"are too few for the bend of the cable: one turns by {math.degrees(turn):.0f} degrees. Its forces may "
-                f"be some per cent off. Give {least} or more, and compare"
+                f"be some per cent off. {cure}, and compare"
             )
         yield (*place, "elements"), text
 
@@ -231,24 +232,65 @@ def _turned(scene: CableScene) -> dict[Place, tuple[int, float]]:
     return {place: one for place, one in found.items() if one[1] > RIGHT_ANGLE or counts[place] < FEW}
 
 
+def _cure(scene: CableScene, place: Place) -> str:
+    """What to do about a line whose elements are too few."""
+    least = _enough(scene, place)
+    if least <= MOST_OF_A_LINE:
+        return f"Give {least} or more"
+    width, _, length = _span(scene, place)
+    return (
+        f"The line hangs folded: at right angles to gravity its ends are only {width:.3g} m apart, too close for a "
+        f"length of {length:.6g} m. Even {MOST_OF_A_LINE} elements are too few for such a fold. Move the ends farther "
+        "apart, or draw two lines that end at the bottom, each at a node of its own, and tie r of these nodes"
+    )
+
+
 def _enough(scene: CableScene, place: Place) -> int:
     """Elements from which on a line is not warned of, however many they are."""
-    own = [element for element in scene.elements if element.place == place]
-    places = {node.id: node.position for node in scene.nodes}
-    way = np.array(chord(places[own[0].nodes[0]], places[own[-1].nodes[1]]))
-    gravity = np.array(scene.gravity)
-    weight, length = float(np.linalg.norm(gravity)), sum(element.length or 0.0 for element in own)
-    rise = -float(way @ gravity) / (weight or 1.0)
-    width = math.sqrt(max(0.0, float(way @ way) - rise**2))
-    if weight == 0.0 or float(np.linalg.norm(way)) >= length * (1.0 - TAUT):
+    width, rise, length = _span(scene, place)
+    if not any(scene.gravity) or math.hypot(width, rise) >= length * (1.0 - TAUT):
         # Its ends alone are bent, however many elements it has.
         return FEW
+    return _enough_of_hanging(width, rise, length, _lines(scene)[place][0])
+
+
+def _span(scene: CableScene, place: Place) -> tuple[float, float, float]:
+    """How far the ends of a line are apart across gravity and against it, and its unstretched length, m."""
+    _, length, way = _lines(scene)[place]
+    gravity = np.array(scene.gravity)
+    rise = -float(way @ gravity) / (float(np.linalg.norm(gravity)) or 1.0)
+    return math.sqrt(max(0.0, float(way @ way) - rise**2)), rise, length
+
+
+def _lines(scene: CableScene) -> dict[Place, tuple[int, float, np.ndarray]]:
+    """Elements of each line, its unstretched length, m, and the vector (3,) between its ends, m; found once."""
+    kept = scene.__dict__.setdefault(MADE, {})
+    if LINES not in kept:
+        places = {node.id: node.position for node in scene.nodes}
+        own: dict[Place, list[Element]] = {}
+        for element in scene.elements:
+            if element.place[-1] == "CableLine":
+                own.setdefault(element.place, []).append(element)
+        kept[LINES] = {
+            place: (
+                len(elements),
+                sum(element.length or 0.0 for element in elements),
+                np.array(chord(places[elements[0].nodes[0]], places[elements[-1].nodes[1]])),
+            )
+            for place, elements in own.items()
+        }
+    return kept[LINES]
+
+
+@functools.lru_cache(maxsize=1024)
+def _enough_of_hanging(width: float, rise: float, length: float, own: int) -> int:
+    """Elements that are enough for a line of `own` that hangs; its span, rise and length in m."""
     _, _, (begin, end) = hanging(width, rise, length, np.array([0.0, length]))
     # Along a catenary the steepness grows evenly: so many elements turn by 53 degrees at most, 2 atan(1/2).
     count = max(FEW, math.ceil(end - begin))
-    while MOST_COUNTED > count > len(own) + 1 and _is_quiet(width, rise, length, count - 1):
+    while MOST_COUNTED > count > own + 1 and _is_quiet(width, rise, length, count - 1):
         count -= 1
-    return max(count, len(own) + 1)
+    return max(count, own + 1)
 
 
 def _is_quiet(width: float, rise: float, length: float, count: int) -> bool:
@@ -290,7 +332,7 @@ def _lengths(scene: CableScene) -> Sentences:
                 told.add(element.place)
                 text = (
                     f"are too few for the bend of the hanging cable: an element of {length:.4g} m is drawn {arc:.4g} m "
-                    f"long. Give {_enough(scene, element.place)} or more"
+                    f"long. {_cure(scene, element.place)}"
                 )
                 yield (*element.place, "elements"), text
             continue

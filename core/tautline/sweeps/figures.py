@@ -51,6 +51,8 @@ FAILED = "#B00000"
 """Colour of crosses at cases without a number."""
 MUCH, VERY_MUCH = 10.0, 30.0
 """Largest over smallest from which on an axis of equal ratios, and any of uneven steps, is logarithmic."""
+HALF_DECADE = 10.0**0.5
+"""Factor by which the outer cells of a logarithmic map reach beyond their values at most."""
 
 GRACE, MOST_OF_WIDTH, ROUNDS = 0.15, 0.6, 60
 """What texts at the ends of bars get more than their width, the share of an axis that they may take up, and how often
@@ -208,7 +210,7 @@ def _lines(data: Variables, cases: Cases, name: str) -> Any:
         # Of few curves each has its own row of crosses, and its colour.
         own = {"color": colour(k, curves)} if 1 < curves <= len(COLOURS) else {}
         _crosses(plot, places[column], missing.word, 0.04 * k if own else 0.0, **own)
-    _ticks(plot, one, text_of_places)
+    _ticks(plot, one, text_of_places, places=places)
     plot.set_ylabel(text)
     flatten_rounding(plot, values)
     if len(long) == 1:
@@ -251,8 +253,8 @@ def _in_lines(key: str, unit: str, letters: int) -> str:
     return "\n".join(line.replace(". ", ".") for line in lines)
 
 
-def _ticks(plot: Any, one: Any, text: str, along: str = "x") -> None:
-    """Name an axis by a parameter, and its places by the values where these are no numbers."""
+def _ticks(plot: Any, one: Any, text: str, along: str = "x", places: np.ndarray | None = None) -> None:
+    """Name an axis by a parameter, and its places by the values where these are no numbers, or two far apart."""
     getattr(plot, f"set_{along}label")(text)
     if not one.numeric:
         getattr(plot, f"set_{along}ticks")(
@@ -260,6 +262,10 @@ def _ticks(plot: Any, one: Any, text: str, along: str = "x") -> None:
         )
     elif _logarithmic(np.array(one.numbers)):
         getattr(plot, f"set_{along}scale")("log")
+        if len(one.values) == 2 and places is not None:
+            # Powers of ten may be far from both.
+            getattr(plot, f"set_{along}ticks")(places, [f"{place:.4g}" for place in places])
+            getattr(plot, f"set_{along}ticks")([], minor=True)
 
 
 def _logarithmic(numbers: np.ndarray) -> bool:
@@ -284,11 +290,19 @@ def _edges_on_its_side(numbers: np.ndarray) -> np.ndarray:
     return np.maximum(edges, 0.0) if numbers[0] > 0.0 else edges
 
 
+def _edges_by_ratio(numbers: np.ndarray) -> np.ndarray:
+    """Edges of cells about positive numbers (n,): halfway by their ratio, and beyond the outer ones half a decade."""
+    from tautline.view.figures.waterfall import edges_of
+
+    edges = np.exp(edges_of(np.log(numbers)))
+    # Cells of values far apart would reach decades beyond all that was run.
+    edges[0], edges[-1] = max(edges[0], numbers[0] / HALF_DECADE), min(edges[-1], numbers[-1] * HALF_DECADE)
+    return edges
+
+
 @styled
 def _map(data: Variables, cases: Cases, name: str) -> Any:
     """Colours over two parameters; cases without a number are left white, with a cross."""
-    from tautline.view.figures.waterfall import edges_of
-
     across, up = _long(cases)
     values, text = _scaled(data, name)
     values = np.moveaxis(values.reshape(cases.shape), (up, across), (0, 1)).reshape(
@@ -305,14 +319,14 @@ def _map(data: Variables, cases: Cases, name: str) -> Any:
     low, high = but_for_rounding(values)
     # Where an axis is logarithmic, halfway between two values is so by their ratio.
     x_edges, y_edges = (
-        np.exp(edges_of(np.log(at))) if _logarithmic(np.array(each.numbers)) else _edges_on_its_side(at)
+        _edges_by_ratio(at) if _logarithmic(np.array(each.numbers)) else _edges_on_its_side(at)
         for at, each in ((x, one), (y, two))
     )
     by_ratio = low > 0.0 and high > VERY_MUCH * low
     plot.pcolormesh(x_edges, y_edges, shown, cmap=SHADES, norm=shades_between(low, high, by_ratio))
     plot.grid(False)
-    _ticks(plot, one, text_x)
-    _ticks(plot, two, text_y, "y")
+    _ticks(plot, one, text_x, places=x)
+    _ticks(plot, two, text_y, "y", y)
     # A mesh does not widen an axis for cells without a number.
     plot.set_xlim(*sorted((x_edges[0], x_edges[-1])))
     plot.set_ylim(*sorted((y_edges[0], y_edges[-1])))

@@ -8,7 +8,8 @@ from __future__ import annotations
 import io
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import matplotlib
 import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes as Axes
+from matplotlib.axis import Axis
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize
@@ -106,8 +108,8 @@ class Figure(Page):
         """PNG of the figure, which notebooks ask for."""
         written = io.BytesIO()
         with matplotlib.rc_context(STYLE):
-            powers_into_labels(self)
-            self.savefig(written, format="png", dpi=self.dpi)
+            with powers_in_labels(self):
+                self.savefig(written, format="png", dpi=self.dpi)
         return written.getvalue()
 
 
@@ -211,8 +213,9 @@ def scale_in(system: str, values: Sequence[np.ndarray], unit: str) -> tuple[floa
 def label(text: str, unit: str, letters: int = 0) -> str:
     """Axis label: ``hook load [MN]``; in lines of at most so many letters, if that is said."""
     whole = f"{text} [{unit}]" if unit else text
-    # A unit such as [N m] is one word.
-    lines = textwrap.wrap(whole.replace(f"[{unit}]", f"[{unit}]".replace(" ", "\0")), letters) if letters else [whole]
+    # A unit such as [N m] or [kft-lbf] is one word.
+    words = whole.replace(f"[{unit}]", f"[{unit}]".replace(" ", "\0"))
+    lines = textwrap.wrap(words, letters, break_on_hyphens=False) if letters else [whole]
     return "\n".join(lines).replace("\0", " ")
 
 
@@ -236,8 +239,9 @@ def but_for_rounding(values: np.ndarray) -> tuple[float, float]:
 
 def flatten_rounding(plot: Axes, values: np.ndarray, along: str = "y") -> None:
     """Keep an axis from blowing up values that differ by rounding alone."""
-    low, high = but_for_rounding(values)
-    if values.size and low < np.nanmin(values):
+    known = values[np.isfinite(values)]
+    low, high = but_for_rounding(known)
+    if known.size and low < known.min():
         getattr(plot, f"set_{along}lim")(low, high)
 
 
@@ -351,26 +355,41 @@ def thin_logarithms(figure: Figure) -> None:
             plot.xaxis.set_minor_formatter(FuncFormatter(lambda x, _, few=few: _power(x) if _digit(x) in few else ""))
 
 
-def powers_into_labels(figure: Figure) -> None:
-    """Write the power of ten of an axis into the unit of its label: beside the axis it is taken for that of another."""
-    for plot in figure.axes:
-        for axis in (plot.xaxis, plot.yaxis):
-            numbers, text = axis.get_major_formatter(), axis.get_label_text()
-            # Without a unit the power stands at the end of the axis. Where it is hidden it is written already.
-            hidden = not axis.get_offset_text().get_visible()
-            if hidden or not isinstance(numbers, ScalarFormatter) or not (unit := UNIT.search(text)):
-                continue
-            low, high = sorted(axis.get_view_interval())
-            places = np.array(axis.get_majorticklocs())
-            numbers.set_locs(places[(places >= low) & (places <= high)])
-            if not (found := POWER.fullmatch(numbers.get_offset())):
-                continue
-            power = int(found[1].replace("−", "-"))
-            # The layout may move ticks, and the power is written.
-            numbers.set_powerlimits((power, power))
-            name = unit[1] if unit[1] != "–" else ""
-            axis.set_label_text(f"{text[: unit.start()]}[10{str(power).translate(RAISED)} {name}".rstrip() + "]")
-            axis.get_offset_text().set_visible(False)
+@contextmanager
+def powers_in_labels(figure: Figure) -> Iterator[None]:
+    """Write the power of ten of an axis into the unit of its label: beside the axis it is taken for that of another.
+
+    Afterwards the figure is as it was: whoever goes on with it may change the label, and the power must not go with it.
+    """
+    with ExitStack() as afterwards:
+        for plot in figure.axes:
+            for axis in (plot.xaxis, plot.yaxis):
+                _power_into_label(axis, afterwards)
+        yield
+
+
+def _power_into_label(axis: Axis, afterwards: ExitStack) -> None:
+    """Write the power of ten of one axis into its label, until `afterwards` is closed."""
+    numbers, text, beside = axis.get_major_formatter(), axis.get_label_text(), axis.get_offset_text()
+    # Without a unit the power stands at the end of the axis. Where it is hidden it is written already.
+    hidden = not beside.get_visible()
+    if hidden or not isinstance(numbers, ScalarFormatter) or not (unit := UNIT.search(text)):
+        return
+    # All that it knows: matplotlib does not tell the limits of its powers, and axes may share it.
+    afterwards.callback(vars(numbers).update, dict(vars(numbers)))
+    low, high = sorted(axis.get_view_interval())
+    places = np.array(axis.get_majorticklocs())
+    numbers.set_locs(places[(places >= low) & (places <= high)])
+    if not (found := POWER.fullmatch(numbers.get_offset())):
+        return
+    power = int(found[1].replace("−", "-"))
+    # The layout may move ticks, and the power is written.
+    numbers.set_powerlimits((power, power))
+    name = unit[1] if unit[1] != "–" else ""
+    afterwards.callback(axis.set_label_text, text)
+    axis.set_label_text(f"{text[: unit.start()]}[10{str(power).translate(RAISED)} {name}".rstrip() + "]")
+    afterwards.callback(beside.set_visible, True)
+    beside.set_visible(False)
 
 
 def _digit(x: float) -> int:
@@ -394,8 +413,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     path = Path(path)
     try:
         thin_logarithms(figure)
-        powers_into_labels(figure)
-        with whole_file(path) as waiting:
+        with powers_in_labels(figure), whole_file(path) as waiting:
             figure.savefig(waiting)
     except OSError as error:
         raise ResultError(path, f"cannot be written: {error.strerror}", "name another with -o") from None
