@@ -27,7 +27,9 @@ BRACED = 1.3
 ZIGZAG = 4.0
 """x = 2 - 2 cos(th) of lumps that lie in turn on one side and on the other."""
 ASIDE = 1.0e-3
-"""Offset from the hole's axis, m, that a search begins with: on it a brace has no direction to press in."""
+"""Offset from the hole's axis, m, that a search with braces begins with: on it a brace has no direction to press in."""
+CLOSE = 1.0e-3
+"""Share of that up to which a lump lies on the axis."""
 
 
 class SlidingLumps:
@@ -111,9 +113,16 @@ class SlidingLumps:
         state.q[np.isin(self.system.free, PER_BODY * np.arange(self.lumps.length.size + 1))] -= up
 
     def move_aside(self, state: State) -> None:
-        """Take the lumps off the hole's axis, on which they are in a new state."""
-        for across in (1, 2):
-            state.q[np.isin(self.system.free, PER_BODY * self.contact.springs.body + across)] += ASIDE
+        """Take lumps that are braced off the hole's axis, if they lie on it.
+
+        A string that nothing braces stays there: slightly off it a nearly weightless one finds its balance too slowly.
+        """
+        if self.braces is None:
+            return
+        across = [np.isin(self.system.free, PER_BODY * self.contact.springs.body + way) for way in (1, 2)]
+        centred = np.hypot(*(state.q[where] for where in across)) < CLOSE * ASIDE
+        for where in across:
+            state.q[where] += np.where(centred, ASIDE, 0.0)
 
     def measured_depth(self, q: np.ndarray) -> np.ndarray:
         """Of the places, (n + 1,) m."""

@@ -233,10 +233,10 @@ class Statics:
             self.rows.factor = 0.0
             if self.begun is None:
                 self._shift(state, self.above)
-                self.string.move_aside(state)
             else:
                 # With other braces it lies nearly as it did.
                 state.q[:], self.system.dofs.offset[self.block] = self.begun
+            self.string.move_aside(state)
             self._place(state)
             self.free = state.q.copy(), float(self.system.dofs.offset[self.block])
         state.q[:], self.system.dofs.offset[self.block] = self.free
