@@ -27,7 +27,9 @@ def test_two_blocking_is_foreseen_in_time_while_an_input_that_was_missing_is_cau
     assert raised[-1] == lines[-1]["time"]
 
 
-@pytest.mark.parametrize("lost", [("winch_pos", 11.2, 11.5), ("winch_pos", 11.2, np.inf)])
+@pytest.mark.parametrize(
+    "lost", [("winch_pos", 11.2, np.inf), pytest.param(("winch_pos", 11.2, 11.5), marks=pytest.mark.study)]
+)
 def test_two_blocking_that_was_foreseen_is_not_over_while_the_winch_is_not_measured(lost):
     lines, _ = lines_with(lost_between(*lost))
     late = [line for line in lines if line["time"] > TOLD_WITH_ALL_SENSORS + 0.1]

@@ -92,7 +92,9 @@ def test_neither_the_rate_nor_the_second_rate_of_an_input_jumps_where_samples_ar
     assert np.abs(states[:, 2]).max() < 1.5
 
 
-@pytest.mark.parametrize("missing", [("winch_pos", 5.0, 5.5), ("heave", 5.0, 5.2)])
+@pytest.mark.parametrize(
+    "missing", [("winch_pos", 5.0, 5.5), pytest.param(("heave", 5.0, 5.2), marks=pytest.mark.study)]
+)
 def test_an_input_that_was_missing_for_a_moment_sets_off_no_bounce(missing):
     lines, twin = lines_with(lost_between(*missing))
     # With an encoder that stood still for a row it was 167 kN and less than nothing, for 58 kN.
@@ -152,7 +154,14 @@ def held_between(column, begin, end, noise=0.0):
     return change
 
 
-@pytest.mark.parametrize("stuck", [("heave", 5.0, 5.5), ("heave", 5.0, 6.0, 1e-4), ("winch_pos", 5.0, 5.3)])
+@pytest.mark.parametrize(
+    "stuck",
+    [
+        ("heave", 5.0, 5.5),
+        pytest.param(("heave", 5.0, 6.0, 1e-4), marks=pytest.mark.study),
+        pytest.param(("winch_pos", 5.0, 5.3), marks=pytest.mark.study),
+    ],
+)
 def test_a_place_that_sticks_and_lets_go_is_neither_followed_nor_judged_by(stuck):
     lines, _ = lines_with(held_between(*stuck))
     # The ship's motion that was followed into the stop, and after it, made 163 kN of 57 kN, with good health.

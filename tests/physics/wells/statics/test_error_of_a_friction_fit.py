@@ -78,6 +78,7 @@ def test_the_error_of_a_fitted_factor_falls_with_the_elements_and_still_covers_t
     assert abs(found.friction - FRICTION) < found.error < 0.3 / elements
 
 
+@pytest.mark.study
 def test_loads_of_a_string_without_clearance_ask_for_more_friction_than_there_is_by_what_clearance_takes_off():
     # picked up it is 0.28 % of the hook load, whatever the number of elements
     assert fitted(200, True).friction - fitted(200).friction == pytest.approx(0.0031, abs=2e-4)
