@@ -4,25 +4,11 @@ from __future__ import annotations
 
 import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
+from storms.test_limits_of_the_scene import SCENE
 
 from crane.application import Crane
 from tautline.sweeps.journal import ASIDE
 
-SCENE = """
-title: Load on a rope under a tip that heaves
-rope: {mass_per_length: 0.01, axial_stiffness: 4.0e8, damping: 2.0e-3, diameter: 36 mm, breaking_load: 1.1 MN}
-bodies:
-  - {name: load, mass: 5 t, position: [0, 0, 0]}
-path:
-  - anchor: {name: tip, position: [0, 0, 10]}
-  - end: {name: hook, body: load}
-mesh: {elements_per_span: 1}
-vessel:
-  reference: [0, 0, 0]
-  motion: {heave: {spectrum: {significant_height: 1, peak_period: 8 s, seed: 1, rao: 0.8, components: 100}}}
-solver: {step: 50 ms, end: 100 s}
-output: {interval: 50 ms}
-"""
 SEA = ("--hs", "0.5,1", "--tp", "8", "--seeds", "3", "--duration", "10 s", "--lead-in", "5 s", "-j", "1", "--quiet")
 
 
