@@ -82,8 +82,9 @@ class Window(NamedTuple):
 class Stability(NamedTuple):
     """Eigenvalues against speed.
 
-    ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed, and of a
-    straight hose, which moves in all planes alike, those of one plane;
+    ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed: those
+    asked for and all that grow at a speed, not a number where one is no more found, and of a straight hose, which moves
+    in all planes alike, those of one plane;
     ``out_of_plane`` (k, m) the share of the motion that is; ``grows`` (k,) whether any motion does, by more than what
     may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once, and once more where it is
     unstable without flow; ``stable_from`` the speed, m/s, from which nothing grows that does at the slowest one, None
@@ -154,9 +155,14 @@ class _Linear:
         chosen = motions.value[those]
         if not chosen.size:
             return -np.inf, 0j
-        grows = chosen.real - STILL * np.abs(chosen) - ROUNDING * motions.rounding[those]
+        grows = _growths(motions)[those]
         fastest = int(np.argmax(grows))
         return float(grows[fastest]), complex(chosen[fastest])
+
+
+def _growths(motions: Vibrations) -> np.ndarray:
+    """Growth rates (k,) less what may be rounding, 1/s."""
+    return motions.value.real - STILL * np.abs(motions.value) - ROUNDING * motions.rounding
 
 
 def _of_one_plane(motions: Vibrations) -> Vibrations:
@@ -185,7 +191,7 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     speeds : sequence of float or None
         m/s, in any order; None goes from zero to well beyond the first critical speed.
     modes : int
-        Pairs of eigenvalues to follow.
+        Pairs of eigenvalues to follow: the slowest at the slowest speed. What grows at any speed is followed too.
 
     Without ``speeds`` the flow goes the way that the scene's does (`direction_of`); from tip to root they are negative.
 
@@ -482,21 +488,67 @@ def _kind(linear: _Linear, speed: float, plane: Plane) -> Critical:
     )
 
 
-def _follow(rows: list[tuple[Vibrations, np.ndarray]], modes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Give each mode a column of its own over all speeds: the eigenvalue and shape nearest to the last."""
+_Row = tuple[Vibrations, np.ndarray]
+"""The motions at a speed, and the share of each that is out of the plane."""
+
+
+def _follow(rows: Sequence[_Row], modes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Give each mode a column of its own over all speeds: the slowest at first, and beside them all that ever grow.
+
+    What grows at some speed need not be slow at the first one: with heavy damping it is none of the slowest there.
+    """
+    motions = [one for one, _ in rows]
     # Two real ones may become a pair, of which one is listed: at other speeds there may be fewer.
-    modes = min(modes, *(motions.value.size for motions, _ in rows))
-    # The slowest at first, real ones of heavy damping left out: they belong to no vibration. Those that grow stay.
-    first, share = rows[0]
-    damped = (first.value.imag == 0.0) & (first.value.real <= 0.0)
-    order = np.argsort(np.abs(first.value) + np.where(damped, np.inf, 0.0), kind="stable")[:modes]
-    values, shares, shapes = [first.value[order]], [share[order]], first.shape[:, order]
-    for motions, share in rows[1:]:
-        alike = np.abs(shapes.conj().T @ motions.shape)
-        alike /= np.linalg.norm(shapes, axis=0)[:, None] * np.linalg.norm(motions.shape, axis=0)
-        apart = np.abs(motions.value - values[-1][:, None]) / (np.abs(values[-1]) + 1e-300)[:, None]
-        _, chosen = linear_sum_assignment(apart + (1.0 - alike))
-        values.append(motions.value[chosen])
-        shares.append(share[chosen])
-        shapes = motions.shape[:, chosen]
-    return np.array(values), np.array(shares)
+    modes = min(modes, *(one.value.size for one in motions))
+    chosen = np.array([_slowest(motions[0], modes), *_kept(motions, _slowest(motions[0], modes))])
+    for k, one in enumerate(motions):
+        for growing in np.flatnonzero(_growths(one) > 0.0):
+            if growing not in chosen[k]:
+                chosen = np.column_stack([chosen, _alone(motions, k, int(growing), chosen)])
+    return _columns(rows, chosen)
+
+
+def _slowest(motions: Vibrations, modes: int) -> np.ndarray:
+    """Numbers of the slowest motions. Real ones of heavy damping belong to no vibration: they come last."""
+    damped = (motions.value.imag == 0.0) & (motions.value.real <= 0.0)
+    return np.argsort(np.abs(motions.value) + np.where(damped, np.inf, 0.0), kind="stable")[:modes]
+
+
+def _kept(motions: Sequence[Vibrations], those: np.ndarray) -> list[np.ndarray]:
+    """Numbers of the motions at each further speed that go on with those of the first one."""
+    kept = []
+    for before, after in pairwise(motions):
+        those = _nearest(before, those, after, np.arange(after.value.size))
+        kept.append(those)
+    return kept
+
+
+def _alone(motions: Sequence[Vibrations], k: int, growing: int, chosen: np.ndarray) -> np.ndarray:
+    """Numbers (k,) of the motions that go on with one at the k-th speed to both sides, -1 where no other is left."""
+    numbers = np.full(len(motions), -1)
+    numbers[k] = growing
+    for way in (range(k + 1, len(motions)), range(k - 1, -1, -1)):
+        last = k
+        for i in way:
+            left = np.setdiff1d(np.arange(motions[i].value.size), chosen[i])
+            if not left.size:
+                break
+            numbers[i] = _nearest(motions[last], numbers[last : last + 1], motions[i], left)[0]
+            last = i
+    return numbers
+
+
+def _nearest(before: Vibrations, those: np.ndarray, after: Vibrations, left: np.ndarray) -> np.ndarray:
+    """Of what is left at the next speed, the motions nearest to those before by eigenvalue and shape together."""
+    value, shape = before.value[those], before.shape[:, those]
+    alike = np.abs(shape.conj().T @ after.shape[:, left])
+    alike /= np.linalg.norm(shape, axis=0)[:, None] * np.linalg.norm(after.shape[:, left], axis=0)
+    apart = np.abs(after.value[left] - value[:, None]) / (np.abs(value) + 1e-300)[:, None]
+    return left[linear_sum_assignment(apart + (1.0 - alike))[1]]
+
+
+def _columns(rows: Sequence[_Row], chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and shares of the motions that are chosen, not a number where none is."""
+    values = np.array([motions.value[those] for (motions, _), those in zip(rows, chosen, strict=True)])
+    shares = np.array([share[those] for (_, share), those in zip(rows, chosen, strict=True)])
+    return np.where(chosen < 0, complex(np.nan, np.nan), values), np.where(chosen < 0, 0.0, shares)

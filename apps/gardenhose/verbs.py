@@ -39,7 +39,7 @@ FlutterSpeeds = Annotated[
 ]
 NEGATIVE_PIVOTS = "negative pivots of the tangent: 0 is stable, none where it is not judged"
 USUAL_MODES, MOST_MODES = 8, 100
-Modes = Annotated[int, typer.Option("--modes", min=1, max=MOST_MODES, help="Modes to follow.")]
+Modes = Annotated[int, typer.Option("--modes", min=1, max=MOST_MODES, help="Modes to follow, besides those that grow.")]
 
 
 def static(

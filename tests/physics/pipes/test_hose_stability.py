@@ -322,6 +322,18 @@ def test_heavy_damping_that_makes_many_motions_slow_hides_none_that_grows(monkey
     assert few.growth == pytest.approx(dense.growth, rel=1e-6) and few.growth > 1.0
 
 
+@pytest.mark.parametrize("modes", [1, 8])
+def test_a_mode_that_grows_at_some_speed_is_followed_from_the_slowest_to_the_fastest_though_it_is_none_of_the_slow(
+    modes,
+):
+    # Two planes, and a second motion in each that begins to grow at 38.9 m/s
+    found = stability(scene({"damping": 0.3}), np.linspace(10.0, 40.0, 13), modes)
+    growing = found.eigenvalues.real > 1e-6
+    assert (growing.any(axis=1) == found.grows).all() and growing[-1].sum() == 4
+    fluttering = found.eigenvalues[:, growing[-1]]
+    assert np.isfinite(fluttering).all() and (np.diff(fluttering.real, axis=0) > 0.0).all()
+
+
 def test_a_hose_of_sixty_elements_tied_by_multipliers_flutters_where_one_of_ten_does():
     (few, many) = (
         crossings(scene({"elements": n}, coupling="lagrange"), [13.5, 14.2], "in")[0].speed for n in (10, 60)
