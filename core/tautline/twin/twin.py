@@ -429,7 +429,7 @@ class Twin:
             more[one.name] = value, np.hypot(own, beyond[one.name])
             # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
             self.unsure |= bool(not self.estimate.known and own > MANY * sd)
-            self.unsure |= bool(self.readings.shaken and np.hypot(own, shaken) > MANY * sd)
+            self.unsure |= bool(self.readings.shaken and np.hypot(own, beyond[one.name]) > MANY * sd)
             # A step that is not recognised shows in what rows miss, and in what the best estimate leaves of the window:
             # a single snap that comes a little later than computed is missed by more.
             self.unsure |= bool(missed > MANY * sd and spread > MANY**2)
