@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from tautline.explicit_watch import ExplicitWatch, explicit_step_of
+from tautline.integrators.explicit_step import SAFE
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import method_for
 from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
@@ -47,7 +49,6 @@ from tautline.integrators.time_loop import (
     new_pause,
     run_steps,
 )
-from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import listening, undisturbed
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.assessment.bounds import judge
@@ -67,7 +68,7 @@ from tautline.results.resumption import (
     taken_over,
 )
 from tautline.results.store import FrameStore, Store
-from tautline.scene.methods import explicit_like, method_of
+from tautline.scene.methods import method_of
 from tautline.system.memory import copied, places_of, recall, remember
 from tautline.system.model import Model
 from tautline.version import __version__
@@ -82,14 +83,6 @@ FIRST_WORK, MORE_WORK = 64, 8
 BATCH_NUMBERS, DIGESTED_NUMBERS = 4_000_000, 1_000_000
 """Numbers that a batch of frames may hold in memory; and where statistics are kept, for which it is copied."""
 
-FRAMES_UNCHECKED, FRAMES_SAFE = 20, 400
-"""Frames that an explicit run may go on before its step is checked again: near the critical step, and far from it."""
-CHECKED = 20.0
-"""Times that the run may go on, of what a look at its step took."""
-FAR = 0.7
-"""Share of the critical step below which a step is far from it."""
-SAFE = 0.8
-"""Share of the critical step that an explicit run takes where its step is chosen for it."""
 GAINED = 0.05
 """Share of the energy that went through a run above which energy created numerically makes its result wrong. What is
 lost without account may be what the method is to damp, and is only warned of."""
@@ -293,7 +286,7 @@ class Run:
         self.ends, self.steps = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self.step = float(self.ends[0] / self.steps[0])
         self.time, self.wall, self.cpu, self.done, self.batch = 0.0, 0.0, 0.0, 0, 1
-        self.reached, self.waiting, self.spent = 0.0, 0, 0.0
+        self.reached, self.waiting, self.spent, self.began_at = 0.0, 0, 0.0, 0.0
         self.pause, self.work, self.at_first, self.since = new_pause(), FIRST_WORK, 0, 0.0
         if brief is not None:
             self.batch, self.work = brief.batch, brief.work
@@ -305,19 +298,7 @@ class Run:
         self.ahead, self.stored_at = 0, time.perf_counter()
         """Frames in the room before those of the batch, stored with what follows; and when frames were stored last."""
         self.frames = self._room(1 if brief is None else 1 + min(self.batch, self.ends.size))
-        self._critical: CriticalStep | None = None
-        self.unchecked = FRAMES_UNCHECKED
-
-    @property
-    def critical(self) -> CriticalStep:
-        """What looks for the critical step, made when it is first asked: an implicit run asks for none."""
-        if self._critical is None:
-            self._critical = CriticalStep(self.model.system, method_of(explicit_like(self.model.solver.method)))
-        return self._critical
-
-    @critical.setter
-    def critical(self, given: CriticalStep) -> None:
-        self._critical = given
+        self.watch = ExplicitWatch(self) if self.explicit and model.solver.guarded else None
 
     def _room(self, rows: int) -> Frames:
         return new_frames(rows, self.model.system.q.size, self.model.own)
@@ -328,7 +309,7 @@ class Run:
         if recall(earlier.restart, *self._parts()):
             raise of_another_build(earlier)
         # The state may stand between two frames: the clock is that of the state, or its own time would be shifted.
-        self.time = self.reached = self.remembered = restart_time(earlier)
+        self.time = self.reached = self.remembered = self.began_at = restart_time(earlier)
         frames = frames_until(earlier, self.time, tuple(variable.name for variable in self.model.variables))
         self.began = Start.of_attribute(earlier.attributes.get("start"))
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
@@ -419,16 +400,14 @@ class Run:
     def advance(self, store: FrameStore) -> None:
         """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``."""
         under_way, first = self._under_way(), self.done + self.waiting
-        most = self._most_rows()
-        rows = 1 if under_way else min(self.batch, self.ends.size - first, max(1, most - self.ahead))
+        most = self.most_rows()
+        until = self.ends.size - first if self.watch is None else self.watch.frames_until(first)
+        rows = 1 if under_way else min(self.batch, until, max(1, most - self.ahead))
         if self.frames.time.size < self.ahead + rows:
             held, self.frames = self.frames, self._room(max(self.ahead + rows, min(2 * self.ahead + rows, most)))
             self.frames.rows[: self.ahead] = held.rows[: self.ahead]
         system, some = self.model.system, slice(first, first + rows)
         before, used = time.perf_counter(), time.thread_time()
-        if not under_way:
-            self._check_step()
-        checked = time.perf_counter() - before
         if not under_way:
             self.at_first, self.since = self._work(), 0.0
         self.pause[WORK_LIMIT] = self._work() + self.work
@@ -443,20 +422,24 @@ class Run:
         self.reached, self.waiting = reached, self.waiting + filled
         if filled:
             self.time = float(self.ends[first + filled - 1])
-        self.since += spent - checked
+        self.since += spent
         self._allow(self._work() - self.at_first, self.since)
-        self.spent += spent - checked
+        self.spent += spent
         stopped = status != Status.DONE
+        if stopped and self.watch is not None and self.watch.tries_again(Status(status), reached):
+            return
         if self.waiting and (stopped or not self._under_way()):
             made, self.waiting = self.waiting, 0
             self.done, self.ahead = self.done + made, self.ahead + made
             if not stopped:
                 self._remember()
+                if self.watch is not None and not self.watch.holds():
+                    return
             if stopped or self._store_is_due():
                 self._store(store)
             if self.look is not None:
                 self.look(self.state, self.time, self.method)
-            self._size_batch(made, checked)
+            self._size_batch(made)
         if stopped:
             worst = int(self.state.counters[WORST])
             end, part, detail = self.model.end_of(self.state, Status(status), worst)
@@ -493,57 +476,50 @@ class Run:
         if work > 0:
             self.work = max(1, int(min(MORE_WORK * work, PATIENCE * BATCH * work / max(spent, 1e-9))))
 
-    def _most_rows(self) -> int:
+    def step_to(self, frame: int) -> float:
+        """Length of the steps from the frame before, or from where the run began, to a frame, s."""
+        begin = self.ends[frame - 1] if frame else self.began_at
+        return float((self.ends[frame] - begin) / self.steps[frame])
+
+    def most_rows(self) -> int:
         """Frames that may be in memory at once."""
         most = BATCH_NUMBERS if self.model.keep is None else DIGESTED_NUMBERS
         return max(1, most // (4 * self.model.system.q.size + self.model.own + 6))
 
-    def _size_batch(self, rows: int, checked: float) -> None:
-        """Set the length of the next batch from frames stored and from the time, s, that a look at the step took."""
-        limit = self._most_rows()
+    def _size_batch(self, rows: int) -> None:
+        """Set the length of the next batch from the number of frames of the last one and the time that they took."""
+        limit = self.most_rows()
         per_frame, self.spent = max(self.spent, 1e-9) / rows, 0.0
-        if self.explicit:
-            # A look at the step takes a millisecond, which is hundreds of steps of a small scene.
-            limit = min(limit, max(self.unchecked, math.ceil(CHECKED * checked / per_frame)))
         if self.look is not None:
             limit = min(limit, -(-self.ends.size // LOOKS))
         self.batch = int(min(limit, max(1.0, min(4.0 * rows, BATCH / max(per_frame, 1e-9)))))
-
-    def _check_step(self) -> None:
-        """Stop an explicit run whose step is beyond the critical one: contacts may hide its growth by opening.
-
-        Where the step is chosen for it the next frames are divided into steps that are well below.
-        """
-        if not (self.explicit and self.model.solver.guarded):
-            return
-        critical, worst = self.critical.search(self.state, self.time)
-        if self.model.solver.automatic:
-            self.steps[self.done :] = steps_to(self.ends[self.done :], self.time, SAFE * critical)
-        step = float((self.ends[self.done] - self.time) / self.steps[self.done])
-        self.unchecked = FRAMES_SAFE if step < FAR * critical else FRAMES_UNCHECKED
-        if step > critical:
-            detail = f"step {step:g} s, critical step {critical:.4g} s"
-            raise StoppedEarly(Status.UNSTABLE, self.time, self.model.system.names[worst], detail)
 
     def _stable_step(self) -> float:
         """The scene's step, or one that an explicit method can take where it is to be chosen."""
         if not (self.model.solver.automatic and self.explicit):
             return self.step
-        return min(self.step, SAFE * self.critical.search(self.state, self.time)[0])
+        return min(self.step, SAFE * explicit_step_of(self.model).critical.search(self.state, self.time)[0])
 
     def _store_is_due(self) -> bool:
         """Whether frames that wait are to be stored: the first batches are short, and to store them takes longer."""
+        if self.watch is not None and self.watch.may_go_back():
+            return False
         if self.brief is not None or self.done == self.ends.size:
             return True
-        return self.ahead >= self._most_rows() or time.perf_counter() - self.stored_at > BATCH
+        most = self.most_rows() if self.watch is None else self.most_rows() // 2
+        return self.ahead >= most or time.perf_counter() - self.stored_at > BATCH
 
     def _remember(self) -> None:
         """Remember the state, which is that of a frame: a run that has stopped is gone on with from there."""
         if self.brief is not None:
             return
+        self.memory, self.remembered = copied(self.arrays()), self.time
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The arrays of what has a memory, themselves."""
         if self.places[0] is not self.method:
             self.places = self.method, places_of(*self._parts())
-        self.memory, self.remembered = copied(self.places[1]), self.time
+        return self.places[1]
 
     @undisturbed()
     def _store(self, store: FrameStore) -> None:

@@ -14,6 +14,8 @@ import numpy as np
 
 from tautline.application.installed import Installed
 from tautline.errors import ArgumentTypeError
+from tautline.explicit_watch import ExplicitWatch
+from tautline.integrators.explicit_step import ExplicitStep
 from tautline.integrators.method import method_for
 from tautline.integrators.schedule import frame_times
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
@@ -30,7 +32,6 @@ from tautline.integrators.time_loop import (
     new_pause,
     record_now,
 )
-from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
 from tautline.live.equations import Equations
@@ -45,8 +46,7 @@ from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.result import Result
 from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
 from tautline.results.store import Store
-from tautline.scene.methods import explicit_like, method_of
-from tautline.simulation import FAR, FRAMES_SAFE, FRAMES_UNCHECKED, SAFE, Run
+from tautline.simulation import Run
 from tautline.system.handles import Handles, outputs_of
 from tautline.system.memory import arrays_of, recall, remember
 from tautline.system.model import Model
@@ -157,13 +157,13 @@ class Simulation:
         self._turn = Turn(self._forces)
         self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
         self._time, self._stopped, self._status = 0.0, "", ""
-        self._step, self._watched = model.solver.step, run.explicit and model.solver.guarded
+        self._step, self._looked = model.solver.step, False
         self._mark = (
             f"{model.attributes.get('application', '')} {model.attributes.get('model_hash', '')} {model.solver.method}"
         )
         self._grid, _ = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self._tolerance = CLOSE * model.solver.interval
-        self._clock, self._unchecked = np.zeros(2), 0.0
+        self._clock = np.zeros(2)
         self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
         self.outputs = Outputs(handles.outputs, self._observe, lambda: self._observed, vectors, self._turn)
@@ -314,8 +314,8 @@ class Simulation:
 
     def _go(self, begin: float, end: float, ear: Ear) -> None:
         """Take the steps from one time to the next; raises Interrupted where Ctrl-C was heard meanwhile."""
-        if self._watched:
-            self._check_step(end - begin)
+        if self._run.watch is not None:
+            self._check_step(self._run.watch.explicit)
         self._steps[0] = max(1, math.ceil((end - begin) / self._step - CLOSE))
         self._ends[0] = end
         counters = self._state.counters
@@ -355,21 +355,21 @@ class Simulation:
         self._clock[CPU] += clock.thread_time() - used
         return found
 
-    def _check_step(self, ahead: float) -> None:
-        """Refuse an explicit step that is longer than the critical one, looked for again every so many frames."""
-        self._unchecked -= ahead
-        if self._unchecked > 0.0:
+    def _check_step(self, found: ExplicitStep) -> None:
+        """Refuse an explicit step that is longer than the critical one, or choose one, where it is due."""
+        if not self._looked:
+            found.begin(self._state, self._time)
+        elif self._time < found.due - self._tolerance:
             return
-        run, solver = self._run, self.model.solver
-        critical, worst = run.critical.search(self._state, self._time)
-        if solver.automatic:
-            self._step = min(solver.step, SAFE * critical)
-        frames = FRAMES_SAFE if self._step < FAR * critical else FRAMES_UNCHECKED
-        self._unchecked = frames * solver.interval
-        if self._step > critical:
-            detail = f"step {self._step:g} s, critical step {critical:.4g} s"
+        else:
+            found.look(self._state, self._time, self._step)
+        self._looked, self._step = True, found.step
+        if self._step > found.found:
+            detail = f"step {self._step:g} s, critical step {found.found:.4g} s"
             self._stopped, self._status = "the explicit method is unstable at this step", Status.UNSTABLE.word
-            raise StoppedEarly(Status.UNSTABLE, self._time, self.model.system.names[worst], detail, self._so_far())
+            raise StoppedEarly(
+                Status.UNSTABLE, self._time, self.model.system.names[found.worst], detail, self._so_far()
+            )
 
     def _leave(self, begin: float, end: float) -> None:
         """Stand where an advance was left in its middle."""
@@ -535,7 +535,7 @@ class Simulation:
         while self._frame_time(k) <= reached:
             k += 1
         self._frame, self._next = k, self._frame_time(k)
-        self._unchecked = 0.0
+        self._looked = False
 
     def displace(self, name: str, by: Sequence[float]) -> None:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
@@ -634,7 +634,8 @@ class Simulation:
         method = method_for(system, self.model.solver)
         recall(remember((), (), old), (), (), method)
         run.method = method
-        run.critical = CriticalStep(system, method_of(explicit_like(self.model.solver.method)))
+        run.watch = None if run.watch is None else ExplicitWatch(run)
+        self._looked = False
         self._forces.append(force)
         compile_for(method, system, run.state)
         self._bind()

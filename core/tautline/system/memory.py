@@ -54,9 +54,14 @@ def recall(memory: Mapping[str, np.ndarray], state: Any, groups: tuple[Any, ...]
     wrong = sorted(set(places) ^ set(memory))
     wrong += [name for name, place in places.items() if name in memory and place.nbytes != memory[name].nbytes]
     if not wrong:
-        for name, place in places.items():
-            place[...] = np.frombuffer(memory[name].tobytes(), place.dtype).reshape(place.shape)
+        restore(memory, places)
     return wrong
+
+
+def restore(memory: Mapping[str, np.ndarray], places: Mapping[str, np.ndarray]) -> None:
+    """Write copies of arrays back into the arrays that they are of."""
+    for name, place in places.items():
+        place[...] = np.frombuffer(memory[name].tobytes(), place.dtype).reshape(place.shape)
 
 
 class Beginning:

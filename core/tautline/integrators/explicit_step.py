@@ -1,0 +1,91 @@
+"""The step of an explicit run beside the critical one, which is looked for again as the run goes on."""
+
+from __future__ import annotations
+
+from tautline.integrators.state import State
+from tautline.integrators.vibration.critical_step import CriticalStep
+from tautline.scene.methods import Method
+from tautline.system.system import System
+
+SAFE = 0.8
+"""Share of the critical step that is taken where the step is chosen."""
+LONGER = 1.25
+"""Times, at most, that a chosen step gets longer at one look: what opened, as a contact, may close again."""
+ALMOST = 0.95
+"""Share of the critical step that the next look is to find, at most."""
+STEADY = 0.005
+"""Change of that share between two looks that is none."""
+FRAMES, FEWEST_STEPS, MOST_STEPS = 20, 100, 20_000
+"""Frames between two looks where little changes, steps between two at least, and at most where they are more: the first
+look comes after a frame, or after the fewest steps.
+
+A look takes about a millisecond, which is hundreds of steps of a small scene.
+"""
+
+
+class ExplicitStep:
+    """The longest step that an explicit run takes, and when it is looked at again.
+
+    It is looked at after spans of simulated time, which follow from the motion alone: a run takes the same steps on
+    every machine, however busy it is. A span is half as long as the last one where the step came near to the critical
+    one, and twice as long where it stays far from it.
+
+    Attributes
+    ----------
+    step : float
+        Longest step from here on, s.
+    due : float
+        When it is to be looked at again, s.
+    share : float
+        Step taken up to the last look over the critical one that it found.
+    critical : CriticalStep
+        What looks for it.
+    worst : int
+        Unknown that has most of the mode that sets it.
+    """
+
+    def __init__(self, system: System, method: Method, step: float, interval: float, automatic: bool) -> None:
+        self.critical = CriticalStep(system, method)
+        self.step, self.due, self.share, self.worst = step, 0.0, 0.0, 0
+        self._longest, self._interval, self._automatic = step, interval, automatic
+        self._span, self._found, self._before = 0.0, 0.0, 0.0
+
+    @property
+    def found(self) -> float:
+        """Critical step of the last look, s."""
+        return self._found
+
+    def begin(self, state: State, time: float) -> None:
+        """Look at the step at the start of a run, or where the state was changed from outside."""
+        self._found, self.worst = self.critical.search(state, time)
+        if self._automatic:
+            self.step = min(self._longest, SAFE * self._found)
+        self.share = self._before = self.step / self._found
+        self._span = 0.0
+        self._go_on(time)
+
+    def look(self, state: State, time: float, taken: float) -> None:
+        """Look at the step that was taken up to now, s, and choose the next where it is to be chosen."""
+        self._found, self.worst = self.critical.search(state, time)
+        self.share = taken / self._found
+        if self._automatic:
+            self.step = min(self._longest, SAFE * self._found, LONGER * self.step)
+        rise, ahead = max(0.0, self.share - self._before), self.step / self._found
+        if rise > STEADY and ahead + rise > ALMOST:
+            self._span *= 0.5
+        elif ahead + 2.0 * rise <= ALMOST or rise <= STEADY:
+            self._span *= 2.0
+        self._before = ahead
+        self._go_on(time)
+
+    def shorten(self, time: float, step: float) -> None:
+        """Go on from an earlier time with a shorter step, s, and look at it sooner."""
+        self.step, self._span = step, 0.5 * self._span
+        self._before = SAFE
+        self._go_on(time)
+
+    def _go_on(self, time: float) -> None:
+        fewest = max(self._interval, FEWEST_STEPS * self.step)
+        most = max(FRAMES * self._interval, MOST_STEPS * self.step)
+        self._span = min(max(self._span, fewest), most)
+        self.due = time + self._span

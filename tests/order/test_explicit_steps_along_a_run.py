@@ -1,0 +1,67 @@
+"""A load that is hoisted to its sheave: the critical step of the rope above it falls to a half within four seconds.
+
+The reference is generalized-alpha with a step of 0.5 ms, another integrator, which knows no critical step.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tautline
+from tautline import simulation
+from tautline.integrators.status import Status, StoppedEarly
+
+DATA = Path(__file__).parents[2] / "data"
+HOISTED = {"bodies[0].position": [12.4, 0.0, 20.0], "solver.end": "4.4 s", "mesh.elements_per_span": 2}
+
+
+def hoisted(**how):
+    return tautline.simulate(tautline.read(DATA / "hoist.yaml").replace(HOISTED), **how)
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return hoisted(step="0.5 ms")
+
+
+@pytest.fixture(scope="module")
+def chosen():
+    return hoisted(method="rk4", step="auto")
+
+
+def test_a_step_that_is_chosen_follows_the_critical_one_down(chosen, reference):
+    # It was ten steps beyond: 1494 kN in place of 51.17.
+    assert chosen.attributes["energy_error"] < 1e-6
+    np.testing.assert_allclose(chosen["tension"], reference["tension"], atol=3.0)
+
+
+def test_steps_that_are_chosen_do_not_depend_on_how_busy_the_machine_is(chosen, monkeypatch):
+    monkeypatch.setattr(simulation, "BATCH", 1e-3)
+    again = hoisted(method="rk4", step="auto")
+    assert again.attributes["steps"] == chosen.attributes["steps"]
+    for name in ("time", "position", "velocity", "tension", "strain_energy"):
+        np.testing.assert_array_equal(again[name], chosen[name])
+
+
+def test_a_live_simulation_follows_the_critical_step_down(reference):
+    scene = tautline.read(DATA / "hoist.yaml").replace(HOISTED | {"solver.method": "rk4", "solver.step": "auto"})
+    live = tautline.Simulation(scene, keep=False)
+    for _ in reference.time[1:]:
+        live.advance(0.05)
+    assert float(np.ravel(live["winch.tension"])[0]) == pytest.approx(float(np.ravel(reference["tension"][-1])[0]), abs=3.0)
+
+
+def test_what_a_step_beyond_the_critical_one_made_is_done_again(chosen, monkeypatch):
+    # A run that looks so seldom that its first look comes too late
+    monkeypatch.setattr("tautline.integrators.explicit_step.FEWEST_STEPS", 100_000)
+    late = hoisted(method="rk4", step="auto")
+    assert late.attributes["energy_error"] < 1e-6
+    np.testing.assert_allclose(late["tension"], chosen["tension"], atol=1.0)
+    assert (np.diff(late.time) > 0.0).all() and late.time.size == chosen.time.size
+
+
+def test_a_step_that_is_given_ends_the_run_where_the_critical_one_has_fallen_below_it():
+    with pytest.raises(StoppedEarly) as stop:
+        hoisted(method="rk4", step="0.62 ms")
+    assert stop.value.status == Status.UNSTABLE and stop.value.time > 3.0
