@@ -9,7 +9,8 @@ import pytest
 
 import tautline
 from crane.application import Crane
-from crane.results.slipping_brakes import SLIPS, TURNS, closures_of, slips_of
+from crane.results.slipping_brakes import SLIPS, TURNS, closing, closures_of, slips_of
+from tautline import StoppedEarly
 
 MASS, GRAVITY, RADIUS, INERTIA = 5000.0, 9.81, 0.5, 5000.0
 WEIGHT = MASS * GRAVITY
@@ -222,9 +223,10 @@ def test_of_two_closures_that_do_not_stop_a_drum_the_one_with_the_most_rope_is_t
     result = sinking(3.0, "{time: [0, 0.5, 0.51, 0.7, 0.71, 1.5, 1.51, 10], value: [0, 0, 1, 1, 0, 0, 1, 1]}")
     (text,) = [text for text in result.warnings if "brake" in text]
     begin = float(re.search(r"closed at t = ([0-9.]+) s", text)[1])
-    assert begin == pytest.approx(1.55)
+    frame = float(re.search(r"from the frame at t = ([0-9.]+) s on", text)[1])
+    assert begin == pytest.approx(1.51) and frame == pytest.approx(1.55)
     time, passed = np.asarray(result.time), np.asarray(result["paid_out"])[:, 0]
-    rope = passed[-1] - passed[np.searchsorted(time, begin - 1e-9)]
+    rope = passed[-1] - passed[np.searchsorted(time, frame - 1e-9)]
     assert float(re.search(r"([0-9.]+) m of rope ran out", text)[1]) == pytest.approx(rope, rel=5e-3)
 
 
@@ -339,3 +341,53 @@ def test_a_brake_that_stops_a_hoisted_load_and_lets_it_fall_again_has_slipped_wh
     passed = np.asarray(result["paid_out"])[:, 0]
     assert "slipped while it was closed" in said
     assert float(re.search(r"([0-9.]+) m of rope ran out", said)[1]) == pytest.approx(np.ptp(passed), rel=0.02)
+
+
+def hoisted(end, step="50 ms", torque=1.0):
+    """A load that is hoisted fast into its sheave at 4.76 s, and a brake in kN m that closes at 4.1 s."""
+    after = "{table: {time: [0, 4, 4.1, 100], value: [%s]}}"
+    drive = f"torque: {after % '60e3, 60e3, 0, 0'}, brake: {{torque: {torque} kN m, closed: {after % '0, 0, 1, 1'}}}"
+    text = SCENE.format(mass=MASS, radius=RADIUS, inertia=INERTIA, law="", more="", end=end, drive=drive)
+    return tautline.read(text.replace("interval: 50 ms", f"interval: {step}"))
+
+
+def test_a_run_that_stopped_while_the_brake_slowed_the_drum_is_not_told_to_end_later():
+    with pytest.raises(StoppedEarly) as caught:
+        tautline.simulate(hoisted(end=30.0))
+    result = caught.value.result
+    (text,) = [text for text in result.warnings if "brake" in text]
+    assert "It had not stopped the drum when the run stopped" in text and "The last frame is at t = 4.75 s" in text
+    assert "solver.end" not in text and "The run ended" not in text and "did not stop it" not in text
+    # One that comes to its end before it is stopped has more to show.
+    (text,) = [text for text in tautline.simulate(hoisted(end=4.62)).warnings if "brake" in text]
+    assert "The run ended while it still turned" in text and "give a later solver.end" in text
+
+
+def test_a_simulation_that_is_looked_at_on_its_way_is_not_told_to_end_later():
+    simulation = tautline.Simulation(hoisted(end=30.0), keep=True)
+    simulation.advance(4.5)
+    (text,) = [text for text in simulation.result.warnings if "brake" in text]
+    assert "It had not stopped the drum" in text and "solver.end" not in text
+
+
+@pytest.mark.parametrize(("interval", "frame"), [("50 ms", ""), ("1 s", "from the frame at t = 2 s on, 0.3")])
+def test_a_brake_is_said_to_have_closed_when_its_table_closed_it_whatever_the_interval(interval, frame):
+    text = f"torque: 20 kN m, brake: {{torque: 4.4 kN m, closed: {{table: {CLOSES}}}}}"
+    scene = SCENE.format(mass=MASS, radius=RADIUS, inertia=INERTIA, law="", more="", end=3.0, drive=text)
+    result = tautline.simulate(tautline.read(scene.replace("interval: 50 ms", f"interval: {interval}")))
+    (said,) = [text for text in result.warnings if "brake" in text]
+    assert "was closed at t = 1.1 s on a drum that turned" in said
+    assert frame in said and ("from the frame" in said) == bool(frame)
+
+
+def test_a_closing_is_found_between_frames_after_the_last_time_at_which_the_brake_was_open():
+    time, none = np.arange(6.0), np.zeros(0)
+    assert closing(time, 2.0, lambda moments: moments >= 1.337, none) == pytest.approx(1.337, abs=1e-9)
+    # All but closed before the corner of a smooth table at which it has closed.
+    assert closing(time, 2.0, lambda moments: moments >= 1.337, np.array([1.2, 1.34, 1.9])) == 1.34
+    # Opened and closed again, be it only at a corner.
+    assert closing(time, 3.0, lambda moments: np.abs(moments - 2.5) > 0.06, none) == pytest.approx(2.56, abs=1e-9)
+    corner = 2.0 + 1.0 / 64.0
+    assert closing(time, 3.0, lambda moments: moments != corner, np.array([corner])) == pytest.approx(corner, abs=1e-9)
+    # Closed from the start.
+    assert closing(time, 0.0, lambda moments: moments < 3.0, none) == 0.0

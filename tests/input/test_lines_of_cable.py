@@ -392,6 +392,19 @@ def test_a_line_too_folded_for_any_number_of_elements_is_told_to_hang_folded_and
     assert "Give" not in said and "Even 100000 elements" in said
 
 
+@pytest.mark.parametrize("across", ["0.00264", "0.00217", "0.00161"])
+def test_a_line_for_which_only_the_most_elements_are_enough_is_told_to_have_them(across):
+    (said,) = told_of_a_line(5, 12, f"[{across}, 0, 0]")
+    assert "Give 100000, the most that a line may have" in said and "too few for such a fold" not in said
+
+
+def test_of_a_line_with_the_most_elements_but_one_nothing_is_said_where_the_most_are_told_to_be_enough():
+    # The narrowest of these folds; so many elements have no node in it.
+    assert not [said for said in told_of_a_line(99999, 12, "[0.00161, 0, 0]") if "too few for" in said]
+    # Closer ends: the most are quiet only by the node in the fold.
+    assert "Even 100000 elements" in told_of_a_line(5, 12, "[0.0012, 0, 0]")[0]
+
+
 def test_the_cures_of_a_folded_line_leave_nothing_to_be_said():
     """Ends farther apart, and two lines whose lower ends are tied."""
     assert told_of_a_line(60, 12, "[0.5, 0, 10]") == []

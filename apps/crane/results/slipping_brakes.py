@@ -28,6 +28,10 @@ FALLS = 0.01
 """Share of its speed that a drum loses that slows down."""
 PARTS = 20
 """Parts of the time between two frames at whose ends it is looked whether a brake is closed."""
+HALVINGS = 40
+"""Of the time within which a brake closes: rounding is all that is left then."""
+ROUNDING = 1.0e-9
+"""Share by which two times that are the same may differ: of the last frame and solver.end, of a corner and a frame."""
 
 
 class Slip(NamedTuple):
@@ -40,7 +44,16 @@ class Slip(NamedTuple):
     held: bool
     """Whether the drum was at rest in that closure before; if not, it turned throughout."""
     unfinished: bool = False
-    """Whether the run ended while the brake was slowing down a drum that turned throughout."""
+    """Whether the last frame finds the brake slowing down a drum that turned throughout."""
+
+
+class Closure(NamedTuple):
+    """What a function tells of a brake."""
+
+    is_closed: Callable[[np.ndarray], np.ndarray]
+    """Of times (k,), s, whether the brake is closed, as bool (k,)."""
+    corners: np.ndarray
+    """Times (n,), s, at which the closure has a corner: there it is least, if it is a table."""
 
 
 def remarks(result: Any, scene: CraneScene) -> list[str]:
@@ -60,51 +73,72 @@ def remarks(result: Any, scene: CraneScene) -> list[str]:
     if "paid_out" not in result or "pay_out_speed" not in result:
         return []
     time, paid_out, speed = (np.asarray(a, float) for a in (result.time, result["paid_out"], result["pay_out_speed"]))
+    # A run that was stopped, or is looked at on its way, is not helped by a later end.
+    stopped = bool(time[-1] < scene.solver.end * (1.0 - ROUNDING))
     found = []
     for k, drum in enumerate(scene.drums):
         if drum.prescribed or drum.brake is None or drum.brake.torque == 0.0:
             continue
         rest = TURNS * drum.radius
-        for slip in slips_of(time, paid_out[:, k], speed[:, k], rest, _closures(drum, time), SLIPS * drum.radius):
-            found.append(_said(drum, slip))
+        closure, spans = _closures(drum, time)
+        for slip in slips_of(time, paid_out[:, k], speed[:, k], rest, spans, SLIPS * drum.radius):
+            if slip.held:
+                found.append(_of_held(drum, slip))
+            else:
+                closed = slip.begin if closure is None else closing(time, slip.begin, *closure)
+                found.append(_of_turning(drum, slip, closed, stopped, float(time[-1])))
     return found
 
 
-def _said(drum: Drum, slip: Slip) -> str:
-    way = "ran out" if slip.passed > 0.0 else "was taken in"
-    rope = f"{abs(slip.passed):.3g} m of rope {way} while it stayed closed"
-    if slip.held:
-        closure = closure_of(drum)
-        share = " times brake.closed" if isinstance(closure, Constant) and closure.value < CLOSED else ""
-        return (
-            f"the brake of {drum.name} slipped while it was closed, from t = {slip.begin:.3g} s: {rope}. Its heat and "
-            f"wear are not computed. If it is to hold, give brake.torque{share} more than the load and the motor pull "
-            "with"
-        )
-    if slip.unfinished:
-        return (
-            f"the brake of {drum.name} was closed at t = {slip.begin:.3g} s on a drum that turned, and slowed it down. "
-            f"The run ended while it still turned: {rope}. Whether the brake stops it is not known. To see it, give a "
-            "later solver.end"
-        )
+def _moment(time: float) -> str:
+    """A time in s to the millisecond, without zeros at its end."""
+    return f"{time:.3f}".rstrip("0").rstrip(".")
+
+
+def _rope(slip: Slip) -> str:
+    return f"{abs(slip.passed):.3g} m of rope {'ran out' if slip.passed > 0.0 else 'was taken in'}"
+
+
+def _of_held(drum: Drum, slip: Slip) -> str:
+    closure = closure_of(drum)
+    share = " times brake.closed" if isinstance(closure, Constant) and closure.value < CLOSED else ""
     return (
-        f"the brake of {drum.name} was closed at t = {slip.begin:.3g} s on a drum that turned, and did not stop it: "
-        f"{rope}. Its heat and wear are not computed. If it is to stop the drum, give more brake.torque, or keep it "
-        "closed for longer"
+        f"the brake of {drum.name} slipped while it was closed, from t = {_moment(slip.begin)} s: {_rope(slip)} while "
+        f"it stayed closed. Its heat and wear are not computed. If it is to hold, give brake.torque{share} more than "
+        "the load and the motor pull with"
     )
 
 
-def _closures(drum: Drum, time: np.ndarray) -> list[tuple[int, int]]:
+def _of_turning(drum: Drum, slip: Slip, closed: float, stopped: bool, end: float) -> str:
+    """Of a brake that closed at a time, s, on a drum that turned, in a run that was perhaps stopped; its end, s."""
+    since = "" if _moment(slip.begin) == _moment(closed) else f"from the frame at t = {_moment(slip.begin)} s on, "
+    rope = f"{since}{_rope(slip)} while it stayed closed"
+    begins = f"the brake of {drum.name} was closed at t = {_moment(closed)} s on a drum that turned, and"
+    if slip.unfinished and stopped:
+        return (
+            f"{begins} slowed it down. It had not stopped the drum when the run stopped. The last frame is at "
+            f"t = {_moment(end)} s. Until then: {rope}"
+        )
+    if slip.unfinished:
+        return (
+            f"{begins} slowed it down. The run ended while it still turned: {rope}. Whether the brake stops it is not "
+            "known. To see it, give a later solver.end"
+        )
+    return (
+        f"{begins} did not stop it: {rope}. Its heat and wear are not computed. If it is to stop the drum, give more "
+        "brake.torque, or keep it closed for longer"
+    )
+
+
+def _closures(drum: Drum, time: np.ndarray) -> tuple[Closure | None, list[tuple[int, int]]]:
+    """What closes a brake, None for a constant, and its closures of :func:`closures_of`."""
     closure = closure_of(drum)
     if isinstance(closure, Constant):
         # One that stays partly closed holds with that share of its torque, and slips beyond it.
-        return [(0, time.size)] if closure.value > 0.0 else []
+        return None, [(0, time.size)] if closure.value > 0.0 else []
     function = compile_functions([FunctionRequest(closure)])
-
-    def is_closed(moments: np.ndarray) -> np.ndarray:
-        return sample(function, 0, moments)[:, 0] >= CLOSED
-
-    return closures_of(time, is_closed, function.breaks)
+    made = Closure(lambda moments: sample(function, 0, moments)[:, 0] >= CLOSED, function.breaks)
+    return made, closures_of(time, *made)
 
 
 def closures_of(
@@ -134,6 +168,44 @@ def closures_of(
         cuts = first + 1 + np.flatnonzero(opened[first : end - 1])
         found += itertools.pairwise([first, *cuts.tolist(), end])
     return found
+
+
+def closing(
+    time: np.ndarray, begin: float, is_closed: Callable[[np.ndarray], np.ndarray], corners: np.ndarray
+) -> float:
+    """When a brake closed, s, that is closed at a frame and was open between that frame and the one before.
+
+    Where it was open at no time that is looked at, as at the first frame, this is the time of the frame itself.
+
+    Parameters
+    ----------
+    time : (m,) array
+        Of the frames, s.
+    begin : float
+        Time of the frame, s.
+    is_closed, corners
+        As of :func:`closures_of`.
+    """
+    at = int(np.searchsorted(time, begin))
+    if at == 0:
+        return begin
+    before = float(time[at - 1])
+    within = corners[(corners > before) & (corners < begin)]
+    moments = np.union1d(np.linspace(before, begin, PARTS + 1), within)
+    opened = np.flatnonzero(~is_closed(moments[:-1]))
+    if not opened.size:
+        return begin
+    last = int(opened[-1])
+    still, closed = float(moments[last]), float(moments[last + 1])
+    for _ in range(HALVINGS):
+        middle = 0.5 * (still + closed)
+        if is_closed(np.array([middle]))[0]:
+            closed = middle
+        else:
+            still = middle
+    # What closes smoothly is all but closed before the corner at which it has closed.
+    after = corners[(corners >= closed) & (corners <= begin + ROUNDING * abs(begin))]
+    return float(after.min(initial=begin)) if after.size else closed
 
 
 def slips_of(

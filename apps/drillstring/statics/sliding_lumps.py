@@ -26,10 +26,10 @@ BRACED = 1.3
 """Braces over those that a pushed string needs."""
 ZIGZAG = 4.0
 """x = 2 - 2 cos(th) of lumps that lie in turn on one side and on the other."""
-ASIDE = 1.0e-3
-"""Offset from the hole's axis, m, that a search with braces begins with: on it a brace has no direction to press in."""
-CLOSE = 1.0e-3
-"""Share of that up to which a lump lies on the axis."""
+ASIDE, MOST_ASIDE = 0.01, 1.0e-5
+"""Offset from the hole's axis that a search with braces begins with, on which a brace has no direction to press in:
+the share of a lump's clearance, and the most of it, m. One that begins at a wall, or tenths of a millimetre off the
+axis, where a vertical string comes to lie, finds its balance too slowly or not at all."""
 
 
 class SlidingLumps:
@@ -119,10 +119,15 @@ class SlidingLumps:
         """
         if self.braces is None:
             return
-        across = [np.isin(self.system.free, PER_BODY * self.contact.springs.body + way) for way in (1, 2)]
-        centred = np.hypot(*(state.q[where] for where in across)) < CLOSE * ASIDE
+        springs = self.contact.springs
+        aside = np.zeros(PER_BODY * (self.lumps.length.size + 1))
+        first = PER_BODY * springs.body + 1
+        # Across either axis: with the least of them it is beyond where it has no direction.
+        aside[first] = aside[first + 1] = np.maximum(CENTRED, np.minimum(MOST_ASIDE, ASIDE * springs.clearance))
+        across = [np.isin(self.system.free, first + way) for way in (0, 1)]
+        centred = np.hypot(*(state.q[where] for where in across)) < CENTRED
         for where in across:
-            state.q[where] += np.where(centred, ASIDE, 0.0)
+            state.q[where] += np.where(centred, aside[self.system.free[where]], 0.0)
 
     def measured_depth(self, q: np.ndarray) -> np.ndarray:
         """Of the places, (n + 1,) m."""

@@ -237,7 +237,9 @@ def _cure(scene: CableScene, place: Place) -> str:
     least = _enough(scene, place)
     if least <= MOST_OF_A_LINE:
         return f"Give {least} or more"
-    width, _, length = _span(scene, place)
+    width, rise, length = _span(scene, place)
+    if _is_most_enough(width, rise, length):
+        return f"Give {MOST_OF_A_LINE}, the most that a line may have"
     return (
         f"The line hangs folded: at right angles to gravity its ends are only {width:.3g} m apart, too close for a "
         f"length of {length:.6g} m. Even {MOST_OF_A_LINE} elements are too few for such a fold. Move the ends farther "
@@ -291,6 +293,15 @@ def _enough_of_hanging(width: float, rise: float, length: float, own: int) -> in
     while MOST_COUNTED > count > own + 1 and _is_quiet(width, rise, length, count - 1):
         count -= 1
     return max(count, own + 1)
+
+
+@functools.lru_cache(maxsize=1024)
+def _is_most_enough(width: float, rise: float, length: float) -> bool:
+    """Whether the most elements of a line are enough for one that hangs, though a number told is above them.
+
+    Beyond `MOST_COUNTED` the number is above the least. An even one may be quiet only as it has a node in the fold.
+    """
+    return all(_is_quiet(width, rise, length, count) for count in (MOST_OF_A_LINE - 1, MOST_OF_A_LINE))
 
 
 def _is_quiet(width: float, rise: float, length: float, count: int) -> bool:

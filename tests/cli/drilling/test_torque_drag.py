@@ -513,6 +513,31 @@ def test_a_mass_over_hook_loads_is_answered_with_the_force_that_is_meant_however
         assert f"did you mean {mass}" not in text
 
 
+THOUSANDS = {"kkgs": TONNES, "kkp": TONNES, "kkN": "write pick_up [MN]", "kkgforce": ""}
+THOUSANDS |= {"kklbf": "multiply the numbers by 1000 and write pick_up [klbf]"}
+THOUSANDS |= {"kkip": "by 1000 and write pick_up [kip]", "kkips": "by 1000 and write pick_up [kip]"}
+THOUSANDS |= {"kdaNs": "multiply the numbers by 10 and write pick_up [kN]", "kMN": ""}
+THOUSANDS |= dict.fromkeys(("Mgf", "Mkgf", "Mlbf", "MkN", "MdaN", "mkN", "dkN"), "")
+
+
+@pytest.mark.parametrize(("unit", "cure"), THOUSANDS.items())
+def test_a_unit_of_force_with_a_prefix_too_many_is_never_answered_with_one_that_lacks_it(tmp_path, unit, cure):
+    path = tmp_path / "loads.csv"
+    path.write_text(f"depth [m];pick_up [{unit}]\n2600;640\n", encoding="utf8")
+    with pytest.raises(SceneError) as caught:
+        read_measured(path)
+    said = str(caught.value)
+    assert cure in said and f"'{unit}'" in said and "did you mean" not in said
+
+
+def test_a_thousand_kilograms_are_named_as_they_were_written(tmp_path):
+    path = tmp_path / "loads.csv"
+    for unit in ("kkg", "1000 kg"):
+        path.write_text(f"depth [m];pick_up [{unit}]\n2600;640\n", encoding="utf8")
+        with pytest.raises(SceneError, match=rf"'{unit}': a thousand kilograms is a mass; write pick_up \[tf\]"):
+            read_measured(path)
+
+
 def test_empty_cells_and_a_missing_column_are_loads_that_were_not_measured(folder):
     Path("some.csv").write_text("md [m];pick up [kN]\n2600;640\n3000;\n3400;700\n", encoding="utf8")
     with pytest.raises(SceneError, match=r"some\.csv:3"):

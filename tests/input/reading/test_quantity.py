@@ -134,6 +134,21 @@ def test_decays_of_a_nuclide_are_no_frequency(unit):
         si("3 Bq", unit)
 
 
+@pytest.mark.parametrize("written", ["kkN", "MkN", "kkPa", "kkPas", "kkg", "mmm", "kMPa", "mft", "Mlbf"])
+def test_no_unit_that_lacks_or_changes_a_prefix_is_said_to_be_meant(written):
+    with pytest.raises(UnknownUnit) as caught:
+        read_unit(written)
+    assert "did you mean" not in str(caught.value) and "known: m, km, mm" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"), [("kpsii", "kpsi"), ("Mpaa", "MPa"), ("rpmm", "rpm"), ("lbff", "lbf"), ("Mfot", "foot")]
+)
+def test_a_slip_of_the_pen_in_a_unit_is_answered_with_the_unit(written, meant):
+    with pytest.raises(UnknownUnit, match=f"did you mean '{meant}'"):
+        read_unit(written)
+
+
 @pytest.mark.parametrize("written", ["pin", "mpsi", "kin", "mft", "Mlbf", "kmile"])
 def test_a_prefix_on_a_unit_that_takes_none_is_refused(written):
     with pytest.raises(UnknownUnit, match="takes no such prefix"):

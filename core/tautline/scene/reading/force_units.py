@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import re
 
-from tautline.scene.refusal import nearest
+from tautline.scene.values.units import nearest_unit
 
 POUND, THOUSAND_POUNDS = ("a pound", "lbf"), ("a thousand pounds", "klbf")
-KILOGRAM, TONNE = ("a kilogram", "kgf"), ("a tonne", "tf")
+KILOGRAM, THOUSAND_KILOGRAMS, TONNE = ("a kilogram", "kgf"), ("a thousand kilograms", "tf"), ("a tonne", "tf")
 FORCE_OF_MASS = {
     **dict.fromkeys(("lb", "lbs", "lbm", "pound", "pounds"), POUND),
     **dict.fromkeys(("klb", "klbs", "klbm"), THOUSAND_POUNDS),
     **dict.fromkeys(("kg", "kgs", "kgm"), KILOGRAM),
-    **dict.fromkeys(("t", "tonne", "tonnes", "te", "mt", "kkg", "metricton", "metrictons"), TONNE),
+    **dict.fromkeys(("kkg", "kkgs", "kkgm"), THOUSAND_KILOGRAMS),
+    **dict.fromkeys(("t", "tonne", "tonnes", "te", "mt", "metricton", "metrictons"), TONNE),
 }
 """Units of mass that stand for a force in many a sheet, in small letters without blanks and points: what they are, and
 the unit of their weight. In a sheet of loads MT is a metric ton."""
@@ -22,10 +23,13 @@ SHORT_TONS = tuple(f"{before}{ton}" for before in ("short", "us", "s") for ton i
 FORCES = ("N", "daN", "kN", "MN", "lbf", "klbf", "kip", "kgf", "tf")
 """Units of force that loads come in."""
 THOUSANDS = {
-    "kkgf": "write {column} [tf]",
+    **dict.fromkeys(("kkgf", "kkp"), "write {column} [tf]"),
     "kdan": "multiply the numbers by 10 and write {column} [kN]",
+    "kkn": "write {column} [MN]",
+    "kklbf": "multiply the numbers by 1000 and write {column} [klbf]",
+    "kkip": "multiply the numbers by 1000 and write {column} [kip]",
 }
-"""Thousands of kilograms and of ten newtons; the unit without its thousand would be the nearest in letters."""
+"""Thousands of units that have no prefix more; the unit without its thousand would be the nearest in letters."""
 THOUSAND = re.compile(r"^(1000|10\^3|10\*\*3|10³)(?=[a-z])")
 
 
@@ -39,8 +43,8 @@ def unit_of_force(written: str, column: str) -> tuple[str, str] | None:
     if plain in FORCE_OF_MASS:
         what, force = FORCE_OF_MASS[plain]
         return f"'{written}': {what} is a mass", f"write {column} [{force}]"
-    if plain in THOUSANDS:
-        return f"unknown unit '{written}'", THOUSANDS[plain].format(column=column)
+    if plain.removesuffix("s") in THOUSANDS:
+        return f"unknown unit '{written}'", THOUSANDS[plain.removesuffix("s")].format(column=column)
     doubled = f"multiply the numbers by 2 and write {column} [klbf]"
     if plain in TONS:
         cause = f"'{written}' may be a tonne of 1000 kg or a short ton of 2000 lb"
@@ -55,4 +59,4 @@ def unit_of_force(written: str, column: str) -> tuple[str, str] | None:
 
 def not_a_force(written: str) -> str:
     """That a unit which nobody knows is none of force, and which unit of force was perhaps meant."""
-    return f"'{written}' is not a unit of force; {nearest(written, FORCES)}"
+    return f"'{written}' is not a unit of force; {nearest_unit(written, FORCES)}"

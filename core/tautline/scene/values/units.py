@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -129,6 +130,8 @@ TOKEN = re.compile(
     r"(?:\s*(?:\^|\*\*)\s*(?P<power>-?\d{1,2}|\(-?\d{1,2}\))|(?P<bare>-?\d)(?![\d.])|(?P<raised>[²³⁴]))?"
     r"|(?P<divide>/)|(?P<times>\*|·|⋅|-(?=[A-Za-z]))|(?P<open>\()|(?P<close>\)))"
 )
+PREFIX = re.compile("da|[numcdhkgtµμ]")
+"""Prefixes of a thousand and the like, in small letters."""
 LONGEST = 80
 RPM = 2.0 * math.pi / 60.0
 """One turn a minute, rad/s."""
@@ -226,6 +229,40 @@ def _named(token: re.Match[str]) -> Unit:
     return (TABLE.get(name) or ask_pint(name)) ** power
 
 
+def nearest_unit(written: str, known: Iterable[str]) -> str:
+    """Say which known unit was probably meant, or list those there are.
+
+    One that differs from what was written by prefixes only, such as kN from kkN, is never said to be meant: the numbers
+    would be read a thousandth, or a thousand times, as large.
+    """
+    units = list(known)
+    told = nearest(written, units)
+    by_prefix = any(told == f"did you mean '{unit}'?" for unit in units if _differs_by_prefix(written, unit))
+    return f"known: {', '.join(units)}" if by_prefix else told
+
+
+def _differs_by_prefix(one: str, other: str) -> bool:
+    ways, others = _prefixes(one), _prefixes(other)
+    # The same prefixes with the same name are one unit, in other letters or as a plural.
+    return any(name in others and others[name] != prefix for name, prefix in ways.items()) and not any(
+        others.get(name) == prefix for name, prefix in ways.items()
+    )
+
+
+def _prefixes(unit: str) -> dict[str, str]:
+    """Ways to read a unit as a name behind prefixes, of which there may be none or more than one."""
+    rest = unit[:LONGEST].lower()
+    rest = rest[:-1] if len(rest) > 2 and rest.endswith("s") else rest
+    found, reached = {rest: ""}, [(rest, "")]
+    while reached:
+        name, before = reached.pop()
+        for end in (1, 2):
+            if end < len(name) and PREFIX.fullmatch(name[:end]) and name[end:] not in found:
+                found[name[end:]] = before + name[:end]
+                reached.append((name[end:], before + name[:end]))
+    return found
+
+
 @functools.lru_cache(maxsize=256)
 def ask_pint(name: str) -> Unit:
     """Look a single unit up in pint.
@@ -243,11 +280,11 @@ def ask_pint(name: str) -> Unit:
         dimension = {str(key): float(value) for key, value in base.dimensionality.items()}
         counted = {str(key): float(value) for key, value in base.unit_items()}
     except Exception as error:  # pint raises a dozen kinds, and for a name that a person typed all mean the same
-        raise UnknownUnit(f"unknown unit '{name}'; {nearest(name, TABLE)}") from error
+        raise UnknownUnit(f"unknown unit '{name}'; {nearest_unit(name, TABLE)}") from error
     prefix, stem, _ = registry.parse_unit_name(name)[0]
     if prefix and stem not in METRIC:
         said = f"'{name}' would be a {prefix}{stem.replace('_', ' ')}, and that unit takes no such prefix"
-        raise UnknownUnit(f"{said}; {nearest(name, TABLE)}")
+        raise UnknownUnit(f"{said}; {nearest_unit(name, TABLE)}")
     exponents = {key: dimension.pop(f"[{key}]", 0.0) for key in ("mass", "length", "time")}
     if not math.isfinite(magnitude) or magnitude <= 0.0 or any(not n.is_integer() for n in exponents.values()):
         raise UnknownUnit(f"unit '{name}' cannot be used here")
