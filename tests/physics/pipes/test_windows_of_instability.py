@@ -79,7 +79,7 @@ def test_speeds_that_are_given_step_over_no_window():
     assert found.critical[0].speed == window.begin
 
 
-@pytest.mark.parametrize("way", ["lagrange", "penalty"])
+@pytest.mark.parametrize("way", ["lagrange", *studies("penalty")])
 def test_windows_are_found_whatever_ties_hose_and_water(way):
     made = cantilever(0.2972, 10, along=1e4)
     plain, tied = stability(made), stability(made.replace({"coupling": way}))
