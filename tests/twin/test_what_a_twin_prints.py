@@ -1,5 +1,6 @@
 """What the command ``twin`` prints for people: notes of its source, counts, times."""
 
+import json
 import subprocess
 import sys
 
@@ -103,6 +104,17 @@ def test_a_file_with_nothing_new_for_a_twin_that_goes_on_is_no_fault(twin, tmp_p
     assert code == 0 and "nothing is new: 6 rows not after 0.5 s, from" in told
     code, _, told = twin(text + "today;0;49\n", "--resume", tmp_path / "twin.state")
     assert code == 0 and "goes on, 1 row without a stamp" in told and "could be used" not in told
+
+
+def test_false_stamps_of_a_file_end_no_twin_that_goes_on_and_a_file_that_lost_rows_is_told(twin, tmp_path):
+    lines = [f"{0.1 * k:.1f};0;49\n" for k in range(100)]
+    lines[30:30], lines[20:20] = ["4294967.295;0;49\n"], ["4294967.295;0;49\n"]
+    seen = []
+    for part, lost in ((lines[:82], False), (lines[:90], False), (lines[:60] + lines[65:], True)):
+        code, out, told = twin(HEADER + "".join(part), "--resume", tmp_path / "twin.state", "--json")
+        assert code == 0 and ("has lost rows" in told) == lost
+        seen += [json.loads(line)["time"] for line in out.splitlines()]
+    assert seen == pytest.approx([0.1 * k for k in range(100)])
 
 
 @pytest.mark.parametrize(

@@ -90,6 +90,81 @@ def test_a_header_whose_columns_are_all_renamed_ends_the_source(tmp_path, of):
 
 
 @pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "later",
+    [
+        "time [s],pressure [bar],flow [m3/h],temperature [degC],mode\n1,210.5,3.2,41,1\n",
+        "time [s],Winch [m],Rope [kN],extra\n1,7,8,9\n",
+        "time,pressure,,flow\n1,7,,8\n",
+        "Time [s],Winch [m],Rope [kN]\n1,7,8\n",
+        "t [s],A,B\n1,7,8\n",
+        "time [s],A\n1,7\n",
+        "time [s],A\n1,7,8\n",
+        "time,A\n1,7\n",
+        "time,A\n# a comment\nno row\n1,7\n",
+        "timestamp;A\n1,0;7,0\n",
+        "time;A;B\n1;7;8\n",
+        "seconds [s],A [bar]\n1,7,8\n",
+        "Pressure [bar],Flow [m3/h],Clock\n7,8,1\n",
+        "Datum,Druck,Fluss,Temperatur\n1,210.5,3.2,41\n",
+    ],
+)
+def test_a_header_whose_columns_all_have_other_names_ends_the_source_whatever_their_number(tmp_path, of, later):
+    source = of(tmp_path, FIRST + later)
+    found = []
+    with pytest.raises(SourceStopped, match="there is no column 'winch'"):
+        while not source.ended:
+            found += [row] if (row := source.poll(0.05)) is not None else []
+    assert [(row.time, *row.values.values()) for row in found if row.time == row.time] == [(0.0, 1.0, 50.0)]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "time,set by operator", "time,,overload", "t,,", "time", "overload", "s,m,t", "-,m,t", "error,lost", "a,b,c,d",
+        "time,set by operator\nerror,lost", "pump [1],pump [2],-",
+    ],
+)  # fmt: skip
+def test_a_remark_of_another_width_is_none_and_needs_no_word(tmp_path, of, line):
+    source = of(tmp_path, FIRST + line + "\n1,1,50\n2,1,50\n")
+    rows = [(row.time, *row.values.values()) for row in all_of(source) if row.time == row.time]
+    assert rows == [(0.0, 1.0, 50.0), (1.0, 1.0, 50.0), (2.0, 1.0, 50.0)]
+    assert not source.notes
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("units", ["s,m,t", "s,m,API", "UTC,m,t", "-,spm,t", "[s],[m],[t]"])
+def test_units_directly_below_a_header_end_no_source_also_where_a_tonne_is_written_as_a_stamp_may_be(
+    tmp_path, of, units
+):
+    source = of(tmp_path, FIRST.replace("\n", f"\n{units}\n", 1))
+    assert [row.time for row in all_of(source) if row.time == row.time] == [0.0] and not source.notes
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_readings_are_missing_while_no_row_shows_whether_a_line_was_a_header_or_a_remark(tmp_path, of):
+    source = of(tmp_path, FIRST + "time,overload\n1,7,\n2,7,\n3,1,50\n4,1,\n")
+    rows = [(row.time, *row.values.values()) for row in all_of(source) if row.time == row.time]
+    missing = float("nan")
+    expected = [
+        (0.0, 1.0, 50.0),
+        (1.0, missing, missing),
+        (2.0, missing, missing),
+        (3.0, 1.0, 50.0),
+        (4.0, 1.0, missing),
+    ]
+    assert str(rows) == str(expected)
+    assert [note for note in source.notes if ":3: a new header, or a remark?" in note] == source.notes != []
+
+
+def test_lines_that_are_all_shorter_than_the_header_are_read_also_behind_a_remark_as_short(tmp_path):
+    first = "time [s],winch [m],rope [kN],mode,text\n0,1,50\n1,1,50\n"
+    source = file(tmp_path, first + "error,winch,lost\n2,1,50\n")
+    assert [row.time for row in all_of(source) if row.time == row.time] == [0.0, 1.0, 2.0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
 def test_a_line_without_a_stamp_is_no_header_even_where_it_names_a_column(tmp_path, of):
     source = of(tmp_path, FIRST + "time,1,50\nerror,winch,lost\n1,1,50\n")
     assert [row.time for row in all_of(source) if row.time == row.time] == [0.0, 1.0]

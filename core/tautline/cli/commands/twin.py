@@ -256,6 +256,8 @@ class _Loop:
             except SourceStopped as fault:
                 say(str(fault), "red")
                 status = "source failed"
+            for one in self.rereading.rest() if self.rereading is not None else ():
+                self._add(one)
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
@@ -283,8 +285,6 @@ class _Loop:
             heard = clock.monotonic()
             for one in (record,) if self.rereading is None else self.rereading.new(record):
                 self._add(one)
-        for one in self.rereading.rest() if self.rereading is not None else ():
-            self._add(one)
 
     def _add(self, record: Record) -> None:
         """Answer a record, and what waited for it.
@@ -304,6 +304,8 @@ class _Loop:
         """Print what the source has to say, such as that nobody answers."""
         from tautline.twin.sources.connection import Notice
 
+        while self.rereading is not None and self.rereading.notes:
+            say(self.rereading.notes.pop(0), "yellow")
         while self.source.notes:
             note = self.source.notes.pop(0)
             say(note, "yellow")
@@ -360,7 +362,8 @@ class _Loop:
         if self.lines and self.state is not None and counted:
             # What a live source gave is in no file: there its stamps tell what is new.
             again = self.rereading
-            self.twin.heard = {} if again is None else again.memory(self.twin.readings.rows.held)
+            rows = self.twin.readings.rows
+            self.twin.heard = {} if again is None else again.memory(rows.held, rows.newest)
             self._keep("state", partial(save, self.twin, self.state))
         self.saved = clock.monotonic()
 

@@ -1,7 +1,11 @@
 """Which records are new of a file that is read once more from its begin, where a twin goes on from a state.
 
-Their stamps do not tell it: a clock may have been set back meanwhile. So records are counted. A state has how many were
-read, and the places of those that were read and not yet answered.
+Their stamps do not tell it: a clock may have been set back meanwhile, and a stamp may be false, such as 4294967.295. So
+records are counted. A state has how many were read, the places of those that were read and not yet answered, and the
+last one that was read. Where that one is no more in its place the file has lost rows, and stamps tell what is new.
+
+Two rows from far ahead, one behind the other, are believed to come after a gap. In a file every false stamp has true
+ones behind it; where the true ones are left out as they are not new, the false ones must be too.
 """
 
 from __future__ import annotations
@@ -17,7 +21,12 @@ from tautline.twin.sources.record import Record
 SHOWN = 50
 """Records at the begin of a file by which it is known again."""
 FOLLOWING = 5
-"""Records in a row behind the time that is gone on from, in another file: what comes then is new."""
+"""Records in a row behind the time that is gone on from: they, and what comes then, are new."""
+
+LOST = "the file has lost rows since the state was saved: its rows with later stamps are taken as new"
+LOST_BEFORE = (
+    "the file has lost rows since the state was saved, and its clock was set back before. As many new rows are left out"
+)
 
 
 class Rereading:
@@ -38,63 +47,137 @@ class Rereading:
         Records that were left out, as they are not new.
     place : int
         Place of the last record that was given by `new`, from zero.
+    notes : list of str
+        Sentences for the user that were not yet printed.
     """
 
     def __init__(self, memory: Mapping[str, Any], begin: float, shift: float) -> None:
         self._read, self._held = int(memory.get("read", 0)), frozenset(memory.get("held", ()))
         self._mark, self._shown = int(memory.get("mark", 0)), int(memory.get("shown", 0))
         self._begin, self._shift = begin, shift
+        self._newest = float(memory.get("newest", begin))
+        self._last: list[int] | None = memory.get("last")
         self._known: bool | None = None if self._read else False
-        self._first: list[Record] = []
+        # Whether rows are in their places: a state of an earlier version has not kept its last record, and is believed.
+        self._fits: bool | None = None if self._last else True
+        self._waiting: list[tuple[int, Record]] = []
+        self._unproven: list[tuple[int, Record]] = []
         self._following = 0
-        self.before, self.place = 0, -1
-        self._count, self._sum, self._summed = 0, 0, 0
+        self.before, self.place, self.notes = 0, -1, list[str]()
+        self._come, self._count, self._sum, self._summed = 0, 0, 0, 0
+        self._end: tuple[int, Record] | None = None
 
     def new(self, record: Record) -> Iterator[Record]:
-        """Records that are new, up to this one: those at the begin wait until it is known whose they are."""
-        if self._summed < SHOWN and record.whole:
-            self._sum, self._summed = sum_of(record, self._sum), self._summed + 1
-        if self._known is None:
-            self._first.append(record)
-            if self._summed == self._shown:
-                self._known = self._sum == self._mark
-            if self._known is None:
-                return
-            waiting, self._first = self._first, []
+        """Records that are new, up to this one: they wait until it is known whether the file is the same, and whole."""
+        place = self._come
+        self._come += record.whole  # a half line comes again, and is not counted in a state
+        self._recognise(place, record)
+        if self._known is None or (self._known and self._fits is None):
+            self._keep(place, record)
+        elif self._waiting:
+            self._waiting.append((place, record))
+            yield from self._waited()
         else:
-            waiting = [record]
-        yield from self._sorted_out(waiting)
+            yield from self._sorted_out(place, record)
 
     def rest(self) -> Iterator[Record]:
-        """Records that are new, of a source that has ended before it was known."""
-        self._known, waiting, self._first = False, self._first, []
-        yield from self._sorted_out(waiting)
+        """Records that are new, of a source that has ended: before it was known, or with fewer rows than were read."""
+        self._known, self._fits = bool(self._known), bool(self._fits)
+        yield from self._waited()
+        yield from self._proven()
+        self._count = self._come
 
-    def _sorted_out(self, waiting: list[Record]) -> Iterator[Record]:
-        for one in waiting:
-            self.place = self._count
-            self._count += one.whole  # a half line comes again, and is not counted in a state
-            if self._is_new(one):
-                yield one
-            else:
+    def _recognise(self, place: int, record: Record) -> None:
+        """Compare a record with what the state knows of the file."""
+        if self._summed < SHOWN and record.whole:
+            self._sum, self._summed = sum_of(record, self._sum), self._summed + 1
+            if self._known is None and self._summed == self._shown:
+                self._known = self._sum == self._mark
+        if self._fits is None and self._last is not None and record.whole and place == self._last[0]:
+            self._fits = sum_of(record) == self._last[1]
+
+    def _keep(self, place: int, record: Record) -> None:
+        """Let a record wait; of old ones, one behind the other, the last will do."""
+        if self._known and self._is_old(place, record):
+            if math.isnan(record.time):
                 self.before += 1
+                return
+            if self._waiting and self._is_old(*self._waiting[-1]):
+                self._waiting.pop()
+                self.before += 1
+        self._waiting.append((place, record))
 
-    def _is_new(self, record: Record) -> bool:
-        if self._known:
-            # A file that has lost rows since is known by its begin. While no clock was set back its stamps count too.
-            later = self._shift == 0.0 and record.time > self._begin
-            return later or self.place >= self._read or self.place in self._held
-        if math.isnan(self._begin) or self._following >= FOLLOWING:
-            return True
-        later = record.time + self._shift > self._begin
-        self._following = self._following + 1 if later else 0
-        return later or math.isnan(record.time)
+    def _is_old(self, place: int, record: Record) -> bool:
+        """Whether a record is new neither by its place nor by its stamp."""
+        return place < self._read and place not in self._held and not record.time > self._begin
 
-    def memory(self, held: list[int]) -> dict[str, Any]:
-        """What is to be saved with a state, where the records at some places are not answered yet."""
-        return {"read": self._count, "held": held, "mark": self._sum, "shown": self._summed}
+    def _waited(self) -> Iterator[Record]:
+        if self._waiting and self._known and not self._fits:
+            self.notes.append(LOST_BEFORE if self._shift else LOST)
+        waiting, self._waiting = self._waiting, []
+        for place, record in waiting:
+            yield from self._sorted_out(place, record)
+
+    def _sorted_out(self, place: int, record: Record) -> Iterator[Record]:
+        """This record if it is new, behind those that it shows to be new."""
+        self._count = place + record.whole
+        if record.whole and math.isfinite(record.time):
+            self._end = place, record
+        # Behind a clock that was set back stamps could not tell what is new.
+        if self._known and (self._fits or self._shift != 0.0 or place >= self._read):
+            yield from self._proven()
+            yield from self._given(place, record, place >= self._read or place in self._held)
+        elif math.isnan(self._begin) or self._following >= FOLLOWING or math.isnan(record.time):
+            yield from self._given(place, record)
+        else:
+            yield from self._later(place, record)
+
+    def _later(self, place: int, record: Record) -> Iterator[Record]:
+        """New by its stamp: one that was believed when the state was saved, or that others follow."""
+        time = record.time + self._shift
+        if time <= self._begin:
+            self.before += 1 + len(self._unproven)
+            self._unproven, self._following = [], 0
+            return
+        self._following += 1
+        if time <= self._newest:
+            yield from self._given(place, record)
+        else:
+            self._unproven.append((place, record))
+        if self._following >= FOLLOWING:
+            yield from self._proven()
+
+    def _proven(self) -> Iterator[Record]:
+        """Those that nothing has come behind that is not new."""
+        while self._unproven:
+            yield from self._given(*self._unproven.pop(0))
+
+    def _given(self, place: int, record: Record, new: bool = True) -> Iterator[Record]:
+        if new:
+            self.place = place
+            yield record
+        else:
+            self.before += 1
+
+    def memory(self, held: list[int], newest: float = math.nan) -> dict[str, Any]:
+        """What is to be saved with a state.
+
+        Parameters
+        ----------
+        held : list of int
+            Places of records that were taken and are not answered yet.
+        newest : float
+            Latest time that a stamp was believed to show, s; NaN for the time from which the operation is gone on with.
+        """
+        waiting = sorted({*held, *(place for place, record in self._unproven if record.whole)})
+        found: dict[str, Any] = {"read": self._count, "held": waiting, "mark": self._sum, "shown": self._summed}
+        if self._end is not None:
+            found["last"] = [self._end[0], sum_of(self._end[1])]
+        if math.isfinite(newest):
+            found["newest"] = newest
+        return found
 
 
-def sum_of(record: Record, before: int) -> int:
+def sum_of(record: Record, before: int = 0) -> int:
     """A checksum of a record, behind that of the records before it."""
     return zlib.crc32(struct.pack(f"{1 + len(record.values)}d", record.time, *record.values.values()), before)

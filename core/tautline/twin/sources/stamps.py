@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from tautline.scene.reading.columns import HEADER
+from tautline.scene.reading.columns import HEADER, unit_named
 from tautline.scene.values.moments import UNIX
-from tautline.scene.values.units import UnknownUnit, read_unit
+from tautline.scene.values.units import Unit, UnknownUnit, read_unit
 
 NAMES = ("time", "t", "timestamp", "stamp")
 """Columns of the stamp, where none is named."""
@@ -94,11 +94,27 @@ def heads(titles: Sequence[str]) -> tuple[list[str], list[str]]:
 
 def seconds_in(unit: str) -> float:
     """What a stamp in a unit is multiplied by; 1 where the unit is none of time."""
-    try:
-        read = read_unit(unit) if unit else None
-    except UnknownUnit:
-        return 1.0
+    read = _known(unit)
     return float(read.factor) if read is not None and read.dimension == read_unit("s").dimension else 1.0
+
+
+def is_unit_of_time(unit: str) -> bool:
+    """Whether what a header gives in brackets is a unit of time."""
+    read = _known(unit)
+    return read is not None and read.dimension == read_unit("s").dimension
+
+
+def is_unit(unit: str) -> bool:
+    """Whether what a header gives in brackets is a unit, as sheets or as the table of units write it; no number is."""
+    return math.isnan(number_of(unit)) and _known(unit_named(unit)) is not None
+
+
+def _known(unit: str) -> Unit | None:
+    """A unit; None where there is none, and for one that nobody knows."""
+    try:
+        return read_unit(unit) if unit else None
+    except UnknownUnit:
+        return None
 
 
 def stamp_column(names: Sequence[str], asked: str) -> str | None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.columns import NO_UNIT
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import OtherQuantity, factor_between
 from tautline.twin.sources.record import SourceStopped
-from tautline.twin.sources.stamps import Stamps, heads, number_of, seconds_in
+from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, seconds_in, stamp_column
 
 SEPARATORS = ";\t,"
 
@@ -32,12 +34,51 @@ def separator_of(line: str) -> str:
     return max(SEPARATORS, key=line.count)
 
 
+def titles_of(line: str, separator: str) -> list[str]:
+    """Cells of a header: a separator at its end makes no column."""
+    titles = cells_of(line, separator)
+    while titles and not titles[-1]:
+        titles.pop()
+    return titles
+
+
 def cells_of(line: str, separator: str) -> list[str]:
     """Cells of a line, without spaces around them."""
     try:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
     except csv.Error:  # a cell of more than 100,000 letters
         return []
+
+
+@dataclass(frozen=True)
+class Later:
+    """A line behind the header that is, or may be, one by which rows cannot be read.
+
+    Attributes
+    ----------
+    error : NewHeader
+        What is wrong with it.
+    separator, width : str, int
+        Of its cells.
+    sure : bool
+        Whether it is one; else the row behind it shows whether it is a remark.
+    stamped : bool
+        Whether it names a stamp. One that does not is a header only if the row behind it has as many cells.
+    told : str
+        What to say where it stays in doubt.
+    """
+
+    error: NewHeader
+    separator: str
+    width: int
+    sure: bool
+    stamped: bool
+    told: str
+
+    @property
+    def weight(self) -> tuple[bool, bool]:
+        """The larger, the more speaks for a header: a line in doubt takes no place of one that is sure."""
+        return self.sure, self.stamped
 
 
 class Header:
@@ -77,13 +118,12 @@ class Header:
     ) -> None:  # fmt: skip
         self._given = columns, time, where, units
         self.separator = separator_of(line)
-        titles = cells_of(line, self.separator)
-        while titles and not titles[-1]:  # a separator at the end of the header makes no column
-            titles.pop()
+        titles = titles_of(line, self.separator)
         self.names, self.units = heads(titles)
         self.width = self._before = len(titles)
         self.notes: list[str] = [] if notes is None else notes
-        self._unusable: NewHeader | None = None  # a later header by which rows cannot be read
+        self._later: Later | None = None
+        self._shown = 0  # cells of the last row
         self._stamps = Stamps(time, self.notes)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles)
         problems = []
@@ -131,7 +171,8 @@ class Header:
 
         Where a log is begun anew while it is followed, and where files are put together, a header comes once more. It
         may have its columns in another order, and other units. One by which rows cannot be read may be torn, with a
-        good one behind it: this header stays, and `read` raises at the first row behind that one.
+        good one behind it: this header stays, and `read` raises at the first row behind that one. Whether a line that
+        has fewer cells is a header or a remark is shown by the row behind it.
 
         Parameters
         ----------
@@ -143,36 +184,68 @@ class Header:
             Whether it ends: half a line is none.
         """
         columns, time, where, units = self._given
-        if not whole or not self._is_header(line):
+        sure = self._is_header(line) if whole else False
+        if sure is False:
             return None
         try:
             found = Header(line, columns, time, where, units, self.notes, number)
         except SceneError as error:
-            self._unusable = NewHeader(error)
-            self.notes.append(f"{where}:{number}: a new header by which rows cannot be read; it may be torn")
-            return self
+            separator = separator_of(line)
+            titles = titles_of(line, separator)
+            if sure:
+                self.notes.append(f"{where}:{number}: a new header by which rows cannot be read; it may be torn")
+            told = f"{where}:{number}: a new header, or a remark? Readings count as missing until a row shows it"
+            later = Later(NewHeader(error), separator, len(titles), bool(sure), self._stamped(titles), told)
+            if self._later is None or later.weight >= self._later.weight:
+                self._later = later
+            return self if sure else None
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
 
-    def _is_header(self, line: str) -> bool:
-        """Whether a line has names and no number: all columns, the stamp and some, or as many as the header has.
+    def _is_header(self, line: str) -> bool | None:
+        """Whether a line is a header; None where the row behind it must show that.
 
-        Units below a header are none, nor is a remark among rows.
+        One that has all columns is. So is one without a number that has a name with a unit of time, or two names with
+        units; or the stamp and a column; or the stamp and as many other names as the header has, or more. Units below
+        a header are none, nor is a remark among rows.
         """
         columns, *_ = self._given
-        titles = cells_of(line, separator_of(line))
-        while titles and not titles[-1]:
-            titles.pop()
-        names = {*heads(titles)[0], *titles}
+        separator = separator_of(line)
+        titles = titles_of(line, separator)
+        found, units = heads(titles)
+        names = {*found, *titles}
         if names.issuperset(columns):
             return True
-        if not all(math.isnan(number_of(one)) for one in titles):
+        if not all(math.isnan(number_of(one)) for one in titles) or self._are_units(titles):
             return False
-        renamed = len(titles) == self.width and all(titles) and self.names[self.stamp] in names
-        return renamed or (self._stamps.column(list(names)) is not None and not names.isdisjoint(columns))
+        named = [unit for name, unit in zip(found, units, strict=True) if name and is_unit(unit)]
+        if len(named) > 1 or any(is_unit_of_time(unit) for unit in named):
+            return True
+        stamped = self._stamped(titles)
+        if stamped and not names.isdisjoint(columns):
+            return True
+        if len(titles) < 2 or not (all(titles) or (stamped and sum(map(bool, titles)) > 2)):
+            return False
+        if stamped and len(titles) >= self.width and separator == self.separator:
+            return True
+        return None if stamped or len(titles) != self.width else False
+
+    def _stamped(self, titles: Sequence[str]) -> bool:
+        """Whether one of the cells names a stamp."""
+        names = [*heads(titles)[0], *titles]
+        return self._stamps.column(names) is not None or stamp_column(names, "") is not None
+
+    def _are_units(self, titles: Sequence[str]) -> bool:
+        """Whether cells are the units of this header's columns: there `t` is a tonne, and no stamp."""
+        if len(titles) <= self.stamp or titles[self.stamp].lower() == "t":
+            return False
+        if all(one in NO_UNIT or is_unit(one) for one in titles):
+            return True
+        others = [one for one in titles if one.lower() != "t"]
+        return not self._shown and len(others) < len(titles) and not self._stamped(others)
 
     def read(self, line: str, whole: bool = True) -> tuple[float, Mapping[str, float]] | None:
         """Stamp and values of a line; None for a line that has too few cells.
@@ -191,13 +264,46 @@ class Header:
         if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
         self._before = count
+        name, stamp = self.names[self.stamp] or "time", float("nan")
+        if len(cells) > self.stamp:
+            stamp = self._stamps.read(name, cells[self.stamp], self.factor)
+        doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
+        if math.isfinite(stamp):
+            self._shown = count
         if len(cells) <= self.stamp:
             return None
-        values = {
+        if doubtful:
+            return stamp, dict.fromkeys(self.places, float("nan"))
+        return stamp, {
             name: self.factors[name] * number_of(cells[place]) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
-        stamp = self._stamps.read(self.names[self.stamp] or "time", cells[self.stamp], self.factor)
-        if self._unusable is not None and math.isfinite(stamp):
-            raise self._unusable
-        return stamp, values
+
+    def _is_in_doubt(self, line: str, count: int, stamped: bool) -> bool:
+        """Whether a row may be of a later header; raises NewHeader where it is, or where nothing speaks against it.
+
+        A row that has more cells than a line before it is not read by that line: it was a remark.
+        """
+        later = self._later
+        assert later is not None
+        another = later.separator != self.separator
+        others, filled = cells_of(line, later.separator), len(titles_of(line, self.separator))
+        if not stamped and not ((later.sure or another) and any(not math.isnan(number_of(one)) for one in others)):
+            return False  # no row
+        if later.sure or self._fits(later, count, filled, len(others) if another else 0):
+            raise later.error
+        if not later.stamped or filled > later.width or another:
+            self._later = None
+            return False
+        if later.told:
+            self.notes.append(later.told)
+            self._later = replace(later, told="")
+        return True
+
+    def _fits(self, later: Later, count: int, filled: int, others: int) -> bool:
+        """Whether a row is of that header, by its cells: all, those before empty ones at its end, by its separator."""
+        if not later.stamped:
+            return bool(self._shown) and count == later.width != self._shown
+        if others:
+            return 1 < others <= later.width or filled < 2
+        return count <= later.width
