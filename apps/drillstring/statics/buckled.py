@@ -1,0 +1,112 @@
+"""Where a string buckles: its compression beside the limit there, at the ends of links.
+
+A model has the tension in the middle of a link, but a string is pushed most at an end of one, most of all at the bit.
+So ends and middles of links are looked at, `Stations`. Between them compression and limit are taken to go straight,
+and a stretch of hole in which the string buckles ends where both are the same.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drillstring.scene.scene import DrillstringScene
+from drillstring.statics.buckling import Limits
+from drillstring.statics.helix import limits_at
+from drillstring.string.lumps import Lumps, Tube
+from drillstring.string.strength import ends_of_links, shares_at_ends
+from drillstring.well.wellbore import Wellbore
+
+INSIDE = 1.0e-9
+"""Part of a piece by which a place at its end lies within it: at a joint the hole has two curvatures."""
+
+
+class Stations(NamedTuple):
+    """Upper end, middle and lower end of each of n links.
+
+    ``measured_depth`` (n, 3) m; ``limits`` are the buckling limits there, (n, 3) each; ``share`` (n - 1,) is that of
+    `drillstring.string.strength.shares_at_ends`.
+    """
+
+    measured_depth: np.ndarray
+    limits: Limits
+    share: np.ndarray
+
+    def compression(self, hook_load: float, tension: np.ndarray) -> np.ndarray:
+        """Compression (n, 3), N, positive where it is pushed, from hook load N and tension in the middles (n,) N."""
+        upper, lower = ends_of_links(self.share, np.asarray(hook_load), tension)
+        return -np.stack([upper, tension, lower], axis=1)
+
+    def buckled(self, kind: str, compression: np.ndarray) -> list[tuple[float, float]]:
+        """Stretches of hole, from and to measured depth in m, with a compression (n, 3) N beyond a kind of limit."""
+        excess = compression - getattr(self.limits, kind)
+        return stretches(*(_by_halves(values) for values in (self.measured_depth, excess)))
+
+
+def stations_of(
+    scene: DrillstringScene, well: Wellbore, lumps: Lumps, pipes: list[Tube], weight: np.ndarray, middle: Limits
+) -> Stations:
+    """Stations of a mesh in a hole.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+    well : Wellbore
+    lumps : Lumps
+        Mesh of n links, whose top is at the rotary table.
+    pipes : list of n Tube
+        Of the links.
+    weight : (n,) array
+        Their buoyed weight per length, N/m.
+    middle : Limits
+        In their middles.
+    """
+    upper, lower = lumps.measured_depth[:-1], lumps.measured_depth[1:]
+    ends = [_limits(scene, well, place, pipes, weight) for place in _inside(upper, lower)]
+    limits = Limits(
+        *(np.stack([getattr(one, kind) for one in (ends[0], middle, ends[1])], axis=1) for kind in Limits._fields)
+    )
+    return Stations(np.stack([upper, 0.5 * (upper + lower), lower], axis=1), limits, shares_at_ends(scene, lumps))
+
+
+def stretches(depth: np.ndarray, excess: np.ndarray) -> list[tuple[float, float]]:
+    """Stretches of hole, m, in which something is in excess, from its excess at both ends of pieces.
+
+    Parameters
+    ----------
+    depth : (n, 2) array
+        Upper and lower end of each piece, m, one piece behind the other.
+    excess : (n, 2) array
+        There; it goes straight in between. What is not finite is no excess.
+    """
+    found: list[tuple[float, float]] = []
+    excess = np.where(np.isfinite(excess), excess, 0.0)
+    for (top, bottom), (above, below) in zip(depth.tolist(), excess.tolist(), strict=True):
+        if not max(above, below) > 0.0:
+            continue
+        crossed = top + (bottom - top) * above / (above - below) if above * below < 0.0 else None
+        begin = crossed if crossed is not None and above < 0.0 else top
+        end = crossed if crossed is not None and below < 0.0 else bottom
+        if found and found[-1][1] == begin:
+            begin = found.pop()[0]
+        found.append((begin, end))
+    return found
+
+
+def _limits(
+    scene: DrillstringScene, well: Wellbore, place: np.ndarray, pipes: list[Tube], weight: np.ndarray
+) -> Limits:
+    clearance = np.array([0.5 * (scene.well.diameter - tube.contact_od) for tube in pipes])
+    return limits_at(well, place, pipes, weight, clearance)
+
+
+def _inside(upper: np.ndarray, lower: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Both ends of pieces, m, a little way within them."""
+    way = INSIDE * (lower - upper)
+    return upper + way, lower - way
+
+
+def _by_halves(values: np.ndarray) -> np.ndarray:
+    """Values at upper end, middle and lower end (n, 3) as those at both ends of each half, (2 n, 2)."""
+    return np.stack([values[:, :2], values[:, 1:]], axis=1).reshape(-1, 2)
