@@ -1,4 +1,4 @@
-"""Where a string buckles: its compression beside the limit there, at the ends of links.
+"""Where a string buckles: its compression beside the limit there, at the ends of links and of sections.
 
 A model has the tension in the middle of a link, but a string is pushed most at an end of one, most of all at the bit.
 So ends and middles of links are looked at, `Stations`. Between them compression and limit are taken to go straight,
@@ -7,6 +7,7 @@ and a stretch of hole in which the string buckles ends where both are the same.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +15,13 @@ import numpy as np
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.buckling import Limits
 from drillstring.statics.helix import limits_at
+from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps, Tube
 from drillstring.string.strength import ends_of_links, shares_at_ends
 from drillstring.well.wellbore import Wellbore
 
+PIECES = 100
+"""Pieces at least that a section of a string at rest is looked at in, all of one length but for joints of the hole."""
 INSIDE = 1.0e-9
 """Part of a piece by which a place at its end lies within it: at a joint the hole has two curvatures."""
 
@@ -92,6 +96,46 @@ def stretches(depth: np.ndarray, excess: np.ndarray) -> list[tuple[float, float]
             begin = found.pop()[0]
         found.append((begin, end))
     return found
+
+
+class Buckled(NamedTuple):
+    """Where a string at rest is farthest beyond its limit: section, compression and limit N, from and to which m."""
+
+    section: int
+    compression: float
+    limit: float
+    top: float
+    bottom: float
+
+
+def buckled_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Buckled | None:
+    """Where the string at rest and without friction is compressed beyond its sinusoidal limit (buckling.py)."""
+    edges = _edges(well, lumps)
+    ends = np.cumsum([tube.length for tube in lumps.tubes])
+    section = np.searchsorted(ends[:-1], 0.5 * (edges[1:] + edges[:-1]), side="right")
+    weight = np.array([weight_in(fluid_of(scene.mud), tube, scene.gravity) for tube in lumps.tubes])[section]
+    tension = np.append(np.cumsum((weight * np.diff(well.tvd(edges)))[::-1])[::-1], 0.0) + scene.bit.load
+    depth, pushed = (np.stack([x[:-1], x[1:]], axis=1) for x in (edges, -tension))
+    limit, at = np.full(depth.shape, np.inf), np.flatnonzero(pushed.max(axis=1) > 0.0)
+    if at.size == 0:
+        return None
+    pipes = [lumps.tubes[k] for k in section[at]]
+    for end, place in enumerate(_inside(*depth[at].T)):
+        limit[at, end] = _limits(scene, well, place, pipes, weight[at]).sinusoidal
+    found = stretches(depth, pushed - limit)
+    if not found:
+        return None
+    beyond = np.where(pushed > limit, pushed / np.maximum(limit, 1e-9), 0.0)
+    worst = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
+    return Buckled(int(section[worst[0]]), float(pushed[worst]), float(limit[worst]), found[0][0], found[-1][1])
+
+
+def _edges(well: Wellbore, lumps: Lumps) -> np.ndarray:
+    """Ends of the pieces of a string at rest (n + 1,), m: those of its sections and the joints of the hole too."""
+    ends = np.concatenate([[0.0], np.cumsum([tube.length for tube in lumps.tubes])])
+    even = [np.linspace(a, b, PIECES + 1) for a, b in pairwise(ends)]
+    joints = well.md[well.md < ends[-1]]
+    return np.unique(np.concatenate([*even, joints]))
 
 
 def _limits(

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from physics.wells.strings import GRAVITY
 
+from drillstring.model.prepared import prepared
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
-from drillstring.statics.buckled import stretches
+from drillstring.statics.buckled import buckled_at_rest, stretches
 from drillstring.statics.torque_drag import torque_drag
+from drillstring.warnings import warnings
 
 DEPTH, COLLARS, E = 3000.0, 120.0, 206e9
 PIPE, COLLAR = (0.127, 0.1086), (0.2032, 0.0714)
@@ -92,3 +94,34 @@ def test_stretches_join_neighbouring_pieces_and_end_where_the_excess_crosses_zer
     excess = np.array([[-1.0, 3.0], [3.0, -1.0], [-2.0, -1.0], [4.0, 1.0]])
     assert stretches(depth, excess) == [(2.5, 17.5), (30.0, 40.0)]
     assert stretches(depth, -np.ones((4, 2))) == [] == stretches(depth, np.full((4, 2), np.nan))
+
+
+# at rest, as `check` and `simulate` warn of it
+def at_rest(force, depth=DEPTH):
+    text = SCENE.format(force=-force / 1e3, kind=LUMPED).replace("3000 m", f"{depth:g} m")
+    scene = DrillstringScene.parse(text)
+    ready = prepared(scene)
+    return buckled_at_rest(scene, ready.well, ready.lumps), scene
+
+
+@pytest.mark.parametrize("depth", [3000.0, 8000.0])
+def test_a_long_string_at_rest_is_judged_by_the_push_at_its_bit(depth):
+    # a piece of 1/200 of 8000 m would be pushed by 83 kN in its middle, below the limit of 98.9 kN
+    found, scene = at_rest(120e3, depth)
+    assert found.compression == pytest.approx(120e3, rel=1e-12) and found.section == 1
+    assert found.limit == pytest.approx(limit(COLLAR, "sinusoidal"), rel=1e-6)
+    assert depth - found.top == pytest.approx(height(120e3, COLLAR, "sinusoidal"), rel=1e-6)
+    assert found.bottom == depth
+    (told,) = [one.text for one in warnings(scene) if one.where == "bit.force"]
+    assert "compresses collar by up to 120 kN at rest and buckles it beyond 98.92 kN" in told
+
+
+def test_pipe_above_collars_at_rest_is_pushed_most_at_its_lower_end():
+    # 14 kN are left there, 2 kN beyond the limit of the pipe: over 9 m, less than a piece of 29 m
+    left = limit(PIPE, "sinusoidal") + 2e3
+    found, _ = at_rest(left + weight(COLLAR) * COLLARS)
+    assert DEPTH - COLLARS - found.top == pytest.approx(2e3 / weight(PIPE), rel=1e-6)
+
+
+def test_a_string_at_rest_that_is_pushed_by_less_than_its_limit_buckles_nowhere():
+    assert at_rest(0.9999 * limit(COLLAR, "sinusoidal"))[0] is None
