@@ -94,6 +94,7 @@ def torque_drag(
     from drillstring.scene.scene import of_kind, read
     from drillstring.statics.torque_drag import meshes, own_friction
     from drillstring.statics.torque_drag import torque_drag as compute
+    from drillstring.view.torque_summary import yield_warnings
     from tautline.cli.options.changes import changed
     from tautline.cli.output.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
@@ -126,6 +127,7 @@ def torque_drag(
     for text in failures:
         say(f"stopped, {text}", "red")
     if as_json:
+        warnings += yield_warnings(cases, drillstring)
         status = "stopped: no equilibrium in places" if failures else "done"
         told = report(cases, fitted, failures, drillstring.top.weight)
         files = {"figure": str(figure), "csv": None if csv is None else str(csv)}

@@ -193,6 +193,18 @@ def test_overpull_is_the_yield_load_less_the_pick_up_load(drillstring_):
     assert only_object(out)["overpull"] == [None] and "overpull" not in err
 
 
+def test_a_string_that_picking_up_alone_pulls_beyond_its_yield_load_is_told_so_and_not_of_a_margin(drillstring_):
+    Path("weak.yaml").write_text(Path("strong.yaml").read_text(encoding="utf8").replace("1.76 MN", "700 kN"), "utf8")
+    _, out, err = drillstring_("torque-drag", "weak.yaml", "--json", *COARSE)
+    report, told = only_object(out), " ".join(err.split())
+    (pull,), (lifted,) = report["overpull"], report["pick_up"]
+    assert pull["margin"] == pytest.approx(700e3 - lifted, rel=1e-9) and pull["margin"] < 0.0
+    beyond = f"picking up pulls drill pipe {(lifted - 700e3) / 1e3:.2f} kN beyond its yield load at 0 m"
+    assert beyond in told and "There is no margin of overpull." in told and "margin of overpull at" not in told
+    (record,) = [one for one in report["warnings"] if "picking up" in one["text"]]
+    assert record["where"] == "string[0].yield_load" and beyond in record["text"]
+
+
 def test_strokes_that_move_the_bit_are_told_in_words_and_in_json(drillstring_):
     # tests/references/soft_string.py: 0.394004 m up, 0.433944 m down with friction 0.2; few elements are coarse
     _, out, err = drillstring_("torque-drag", "jwell.yaml", "--json", "--elements", "50")
