@@ -167,7 +167,11 @@ def links(scene: DrillstringScene) -> int:
 
 
 def meshes(
-    scene: DrillstringScene, depths: Sequence[float] | None, elements: int | None, kinds: Sequence[str]
+    scene: DrillstringScene,
+    depths: Sequence[float] | None,
+    elements: int | None,
+    kinds: Sequence[str],
+    unit: str | None = None,
 ) -> list[DrillstringScene]:
     """The string as `torque_drag` computes it at the deepest of its depths, where elements are longest, of each kind.
 
@@ -178,7 +182,7 @@ def meshes(
     """
     deepest = own_depth(scene) if depths is None else max(depths)
     length, count = well_of(scene).length, links(scene) if elements is None else elements
-    return [shortened(of_kind(scene, kind), length, deepest, count) for kind in kinds]
+    return [shortened(of_kind(scene, kind), length, deepest, count, unit=unit) for kind in kinds]
 
 
 def torque_drag(
@@ -189,6 +193,7 @@ def torque_drag(
     progress: Callable[[int, int], None] | None = None,
     reamed: dict[str, Motion] | None = None,
     kinds: Sequence[str] = (),
+    unit: str | None = None,
 ) -> list[Case]:
     """Hook loads, torque, side force and buckling for friction factors and depths.
 
@@ -207,6 +212,8 @@ def torque_drag(
         Motions beside the three, by name: see `drillstring.statics.motion.reaming`.
     kinds : sequence of str
         Kinds of model, ``lumped`` and ``ale-ancf``; that of the scene if empty.
+    unit : str, optional
+        In which errors tell depths; that of the scene if None.
 
     Returns
     -------
@@ -230,7 +237,7 @@ def torque_drag(
         cases = [Case(same(friction, own.shoe), []) for friction in frictions]
         found += cases
         for done, depth in enumerate(depths, 1):
-            statics = Statics(model, depth, links(model) if elements is None else elements)
+            statics = Statics(model, depth, links(model) if elements is None else elements, unit=unit)
             weight = statics.weight[statics.lumps.section]
             stations = stations_of(model, statics.well, statics.lumps, statics.pipes, weight, statics.limits)
             for case in cases:
