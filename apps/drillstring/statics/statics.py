@@ -30,7 +30,7 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube, cut
 from tautline.elements.nodal.load import Loads
 from tautline.integrators.state import State, new_state
-from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.equilibrium import TOO_FAR, find_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.time_loop import new_frames
 from tautline.scene.errors import SceneError
@@ -57,6 +57,14 @@ FOLDED = 0.02
 """Part of a link by which it may be shorter along the hole than it is: a string that lies in a hole lacks far less."""
 SMALLEST_PART = 1.0 / 256.0
 """Part of the way from one friction factor to the next below which the search for an equilibrium is given up."""
+
+
+NO_BALANCE = {
+    True: "no shape of the string was found that balances; take fewer elements (--elements), or less force on the bit",
+    False: "no shape of the string was found that balances; take less force on the bit",
+}
+"""Cause and cure where no equilibrium was found, by whether the string is one of lumps. Of a string that is pushed
+beyond its limit of buckling, lumps of short links are the hardest to balance."""
 
 
 class Profile(NamedTuple):
@@ -314,7 +322,12 @@ class Statics:
     def _place(self, state: State) -> None:
         """Equilibrium with the bit at its depth: the block gives way by what the bit is off."""
         for _ in range(PLACINGS):
-            find_equilibrium(self.system, state, self.model.step_limit, self._balance())
+            try:
+                find_equilibrium(self.system, state, self.model.step_limit, self._balance())
+            except StoppedEarly as stop:
+                # Whoever asks for statics gives no positions that could be nearer.
+                detail = stop.detail.replace(TOO_FAR, NO_BALANCE[isinstance(self.string, SlidingLumps)])
+                raise StoppedEarly(stop.status, stop.time, stop.part, detail) from None
             off = self.string.bit_depth(state.full_q) - self.depth
             if abs(off) < AT_DEPTH:
                 self._check(state)
