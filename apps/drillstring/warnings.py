@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from math import ceil, degrees, pi, sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared
 from drillstring.results.limits import SNUG
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
-from drillstring.statics.helix import limits_at
+from drillstring.statics.buckled import buckled_at_rest
 from drillstring.string.buoyancy import CURE, buoyed_mass
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
@@ -72,7 +72,7 @@ UNDAMPED = 0.95
 OF_THE_BOTTOM = ("weight", "torque", "penetration", "cutting", "rock", "slip_speed")
 """Keys of a bit that count on bottom only."""
 STATIONS = 200
-"""Places along the string at which its compression is compared with what buckles it."""
+"""Places along the hole at which its direction is looked at."""
 TO_A_HALF_WAVE = {LUMPED: 4, BEAM: 2}
 """Elements that a half wave of buckling wants. A column of n links to a half wave buckles at a compression that is
 (pi / 2 n)^2 / 3 too low, 5 % with four; a cubic element bends by itself."""
@@ -497,38 +497,6 @@ def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 
 # buckling
-class Buckled(NamedTuple):
-    """Where a string at rest is farthest beyond its limit: section, compression and limit N, from and to which m."""
-
-    section: int
-    compression: float
-    limit: float
-    top: float
-    bottom: float
-
-
-def buckled_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Buckled | None:
-    """Where the string at rest and without friction is compressed beyond its sinusoidal limit (buckling.py)."""
-    edges = np.linspace(0.0, lumps.total, STATIONS + 1)
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    section = np.searchsorted(np.cumsum([tube.length for tube in lumps.tubes])[:-1], middle, side="right")
-    weight = np.array([weight_in(fluid_of(scene.mud), tube, scene.gravity) for tube in lumps.tubes])[section]
-    gained = weight * np.diff(well.tvd(edges))
-    pushed = -(np.cumsum(gained[::-1])[::-1] - 0.5 * gained + scene.bit.load)
-    at = np.flatnonzero(pushed > 0.0)
-    if at.size == 0:
-        return None
-    tubes = [lumps.tubes[k] for k in section[at]]
-    clearance = np.array([0.5 * (scene.well.diameter - tube.contact_od) for tube in tubes])
-    limit = limits_at(well, middle[at], tubes, weight[at], clearance).sinusoidal
-    beyond = pushed[at] > limit
-    if not beyond.any():
-        return None
-    worst = int(np.argmax(np.where(beyond, pushed[at] / np.maximum(limit, 1e-9), 0.0)))
-    span = edges[at[beyond][0]], edges[at[beyond][-1] + 1]
-    return Buckled(int(section[at[worst]]), float(pushed[at[worst]]), float(limit[worst]), *map(float, span))
-
-
 def _buckling(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A string that buckles, in a run that cannot show it."""
     if scene.well.wall is None or scene.model.bending == "none" or scene.bit.load >= 0.0:

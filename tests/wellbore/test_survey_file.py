@@ -230,3 +230,29 @@ def test_a_file_of_ten_thousand_bad_rows_stops_at_a_thousand_problems(tmp_path):
     with pytest.raises(SceneError) as caught:
         read_survey(write(tmp_path, lines(HEAD, *["x,0,0"] * 10_000)))
     assert len(caught.value.problems) == 1000 and str(caught.value).count("\n") <= 20
+
+
+@pytest.mark.parametrize(
+    "title", ["Azi Magnetic (deg)", "Azimuth, mag [deg]", "Azi_Mag (deg)", "Magnetic Azimuth (deg)"]
+)
+def test_azimuths_from_magnetic_north_are_refused_and_told_to_be_corrected(title, tmp_path):
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, lines(f"MD [m];Inc [deg];{title}", "0;0;0", "30;1.5;350")))
+    (problem,) = caught.value.problems
+    assert problem.line == 1 and problem.key == "azi" and problem.value == title
+    assert "magnetic north" in problem.cause and "declination" in problem.cure
+
+
+def test_azimuths_from_true_north_are_read_beside_magnetic_ones(tmp_path):
+    head = "MD (m),Incl (°),Azi Magnetic (°),Azi True (°)"
+    survey = read_survey(write(tmp_path, lines(head, "0,0,0,0", "30,1.5,348,350", "60,3,8,10")))
+    assert np.allclose(survey.azi, AZI, atol=1e-15)
+
+
+def test_faults_of_a_survey_in_feet_quote_its_cells_as_they_stand(tmp_path):
+    rows = ["0,0,0", "3000,0,0", "6000,30,10", "6010,45,10", "7000,50,10"]
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, lines("MD (ft),Inc (deg),Azi (deg)", *rows)))
+    gap, turn = caught.value.problems[:2]
+    assert (gap.line, gap.value) == (4, "6000 ft") and "no station in the 3000 ft above it" in gap.cause
+    assert (turn.line, turn.value) == (5, "45 deg, 10 deg") and "15 deg in 10 ft below line 4" in turn.cause

@@ -17,7 +17,7 @@ from drillstring.statics.torque_drag import links, own_friction, require_wall
 from drillstring.string.factors import Factors
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import Problem, SceneError
-from tautline.scene.reading.columns import Columns
+from tautline.scene.reading.columns import Columns, unit_named
 from tautline.threads import one_thread
 
 TOLD = 1.0e-6
@@ -40,12 +40,21 @@ LOADS = ("pick_up", "slack_off")
 
 
 class Measured(NamedTuple):
-    """Hook loads of a trip: bit depth (n,) m; pick-up and slack-off (n,) N, NaN where not measured; lines (n,)."""
+    """Hook loads of a trip: bit depth (n,) m; pick-up and slack-off (n,) N, NaN where not measured; lines (n,).
+
+    ``unit`` is what the file has depths in, and ``size`` that unit, m.
+    """
 
     depth: np.ndarray
     pick_up: np.ndarray
     slack_off: np.ndarray
     lines: np.ndarray
+    unit: str = "m"
+    size: float = 1.0
+
+    def told(self, depth: float) -> str:
+        """A depth, m, as the file has it."""
+        return f"{depth / self.size:.7g} {self.unit}"
 
 
 class Unexplained(NamedTuple):
@@ -125,7 +134,10 @@ def read_measured(path: Path, block: float = 0.0) -> Measured:
     lines = np.array(columns.lines)
     none = np.full(lines.size, np.nan)
     up, down = (values.get(name, none) for name in LOADS)
-    measured = Measured(values["depth"], up - block, down - block, lines)
+    place = columns.index(COLUMNS["depth"])
+    size = columns.factor((place, columns.units[place]), "depth", "m")
+    unit = unit_named(columns.units[place])
+    measured = Measured(values["depth"], up - block, down - block, lines, unit, size)
     _check(path, measured, block)
     return measured
 
@@ -151,7 +163,7 @@ def _check(path: Path, measured: Measured, block: float) -> None:
     problems: list[tuple[int, str, str | None, str, str]] = []
     for line, depth, up, down in zip(measured.lines, measured.depth, measured.pick_up, measured.slack_off, strict=True):
         if depth <= 0.0:
-            problems.append((line, "depth", f"{depth:g} m", "not below the rotary table", "give the bit's depth"))
+            problems.append((line, "depth", measured.told(depth), "not below the rotary table", "give the bit's depth"))
         if np.isnan(up) and np.isnan(down):
             problems.append((line, "pick_up, slack_off", None, "no load in this row", "fill one in, or delete the row"))
         if up < down:
@@ -192,10 +204,12 @@ def fit(
     strings, count = [], links(scene) if elements is None else elements
     for done, (depth, line) in enumerate(zip(measured.depth, measured.lines, strict=True), 1):
         try:
-            strings.append(Statics(scene, float(depth), count))
+            strings.append(Statics(scene, float(depth), count, unit=measured.unit))
         except SceneError as error:
             found = error.problems[0]
-            problem = Problem(str(path or "measured"), int(line), "depth", f"{depth:g} m", found.cause, found.cure)
+            problem = Problem(
+                str(path or "measured"), int(line), "depth", measured.told(depth), found.cause, found.cure
+            )
             raise SceneError([problem]) from None
         if progress is not None:
             progress(done, measured.depth.size)

@@ -9,6 +9,7 @@ lump does; the lump in the drive does not.
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,12 +30,17 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube, cut
 from tautline.elements.nodal.load import Loads
 from tautline.integrators.state import State, new_state
-from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.equilibrium import TOO_FAR, find_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.time_loop import new_frames
 from tautline.scene.errors import SceneError
+from tautline.scene.values.systems import usual_unit
+from tautline.scene.values.units import converted, read_unit
 from tautline.system.records import records
 
+PAST_THE_END = 0.05
+"""Distance, m, below the end of a well at which a bit is taken to be at its end: tallies are rounded to some
+centimetres, and feet to a hundredth."""
 AT_DEPTH = 1.0e-7
 """Distance of the bit from its depth, m, that is left."""
 PLACINGS = 8
@@ -51,6 +57,14 @@ FOLDED = 0.02
 """Part of a link by which it may be shorter along the hole than it is: a string that lies in a hole lacks far less."""
 SMALLEST_PART = 1.0 / 256.0
 """Part of the way from one friction factor to the next below which the search for an equilibrium is given up."""
+
+
+NO_BALANCE = {
+    True: "no shape of the string was found that balances; take fewer elements (--elements), or less force on the bit",
+    False: "no shape of the string was found that balances; take less force on the bit",
+}
+"""Cause and cure where no equilibrium was found, by whether the string is one of lumps. Of a string that is pushed
+beyond its limit of buckling, lumps of short links are the hardest to balance."""
 
 
 class Profile(NamedTuple):
@@ -72,11 +86,17 @@ class Profile(NamedTuple):
 
 
 def shortened(
-    scene: DrillstringScene, well_length: float, depth: float, elements: int, above: float = 0.0
+    scene: DrillstringScene,
+    well_length: float,
+    depth: float,
+    elements: int,
+    above: float = 0.0,
+    unit: str | None = None,
 ) -> DrillstringScene:
     """The scene with its bit at a depth, hanging still: the ``rest`` of the string, or else its top section, is cut.
 
-    What is left of the string is longer than the depth by what stands ``above`` the table, m.
+    What is left of the string is longer than the depth by what stands ``above`` the table, m. A bit up to
+    `PAST_THE_END` below the end of the well is at its end. Errors tell depths in a ``unit``, the scene's if None.
 
     Raises
     ------
@@ -84,15 +104,21 @@ def shortened(
         Where the depth is outside the well, or above what the other sections take.
     """
     at = next((i for i, section in enumerate(scene.string) if section.length == "rest"), 0)
-    total = depth + above
     others = sum(float(section.length) for i, section in enumerate(scene.string) if i != at)
-    if depth > well_length * (1.0 + 1e-9):
-        cause = f"the bit would be at {depth:.10g} m, below the end of the well, {well_length:.10g} m"
+    unit = unit or usual_unit("m", scene.units) or "m"
+    size = converted(read_unit(unit), read_unit("m")).si(Fraction(1))
+
+    def told(length: float) -> str:
+        return f"{length / size:.7g} {unit}"
+
+    if depth > well_length + PAST_THE_END:
+        cause = f"the bit would be at {told(depth)}, below the end of the well, {told(well_length)}"
         raise SceneError([scene.problem("well", cause, "give depths within the well, or deepen it")])
+    total = min(depth, well_length) + above
     if total <= others * (1.0 + 1e-9):
         name = scene.string[at].name
-        cause = f"with the bit at {depth:g} m nothing is left of {name}: the other sections are {others:g} m long"
-        cure = f"give depths of more than {others - above:g} m"
+        cause = f"with the bit at {told(depth)} nothing is left of {name}: the other sections are {told(others)} long"
+        cure = f"give depths of more than {told(others - above)}"
         raise SceneError([scene.problem(("string", at, "length"), cause, cure)])
     assert scene.well.wall is not None
     free = scene.model.elements == elements
@@ -135,6 +161,8 @@ class Statics:
         Links of the string.
     above : float
         Length of the string that stands above the rotary table, m: of a stand that was pulled.
+    unit : str, optional
+        In which errors tell depths; that of the scene if None.
 
     Raises
     ------
@@ -142,9 +170,12 @@ class Statics:
         As :func:`shortened` and the builder do.
     """
 
-    def __init__(self, scene: DrillstringScene, depth: float, elements: int, above: float = 0.0) -> None:
+    def __init__(
+        self, scene: DrillstringScene, depth: float, elements: int, above: float = 0.0, unit: str | None = None
+    ) -> None:
         self.well = well_of(scene)
-        hung = shortened(scene, self.well.length, depth, elements, above)
+        hung = shortened(scene, self.well.length, depth, elements, above, unit)
+        depth = min(depth, self.well.length)
         self.depth, self.above = depth, above
         self.tubes = tubes_of(hung, depth + above)
         self.lumps = cut(self.tubes, elements)
@@ -291,7 +322,12 @@ class Statics:
     def _place(self, state: State) -> None:
         """Equilibrium with the bit at its depth: the block gives way by what the bit is off."""
         for _ in range(PLACINGS):
-            find_equilibrium(self.system, state, self.model.step_limit, self._balance())
+            try:
+                find_equilibrium(self.system, state, self.model.step_limit, self._balance())
+            except StoppedEarly as stop:
+                # Whoever asks for statics gives no positions that could be nearer.
+                detail = stop.detail.replace(TOO_FAR, NO_BALANCE[isinstance(self.string, SlidingLumps)])
+                raise StoppedEarly(stop.status, stop.time, stop.part, detail) from None
             off = self.string.bit_depth(state.full_q) - self.depth
             if abs(off) < AT_DEPTH:
                 self._check(state)

@@ -13,6 +13,7 @@ import numpy as np
 
 from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene, check_lengths, of_kind
+from drillstring.statics.buckled import Stations, stations_of
 from drillstring.statics.buckling import Limits
 from drillstring.statics.helix import LockedUp
 from drillstring.statics.motion import MOTIONS, Motion
@@ -45,7 +46,8 @@ class Point(NamedTuple):
     """The string with its bit at a depth, m, for one friction factor, or one pair of them.
 
     ``profiles`` and ``soft`` hold the statics' and the soft string's results by direction; ``profiles`` has none
-    where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
+    where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits in the middles of the
+    links (n,), ``stations`` has those at their ends too;
     ``overpull`` is None where no section has a yield load, ``strokes`` where nothing was found and of a bit on bottom;
     ``locks`` says of a direction in which the string locks up where the friction of a helix outgrows the pipe, m;
     ``motions`` are the motions by name; ``model`` is the kind of model, ``lumped`` or ``ale-ancf``.
@@ -62,6 +64,7 @@ class Point(NamedTuple):
     strokes: BreakAway | None
     locks: dict[str, float]
     motions: dict[str, Motion]
+    stations: Stations
     model: str = LUMPED
 
     def hook_load(self, direction: str) -> float:
@@ -72,15 +75,12 @@ class Point(NamedTuple):
         """Surface torque, N m; NaN where no equilibrium was found."""
         return self.profiles[direction].surface_torque if direction in self.profiles else np.nan
 
-    def compression(self, direction: str) -> np.ndarray:
-        """Compression of each link (n,), N: positive where it is pushed."""
-        return -self.profiles[direction].tension
-
     def buckled(self, direction: str, kind: str) -> list[tuple[float, float]]:
         """Stretches of hole, from and to measured depth in m, in which the string buckles."""
         if direction not in self.profiles:
             return []
-        return stretches(self.compression(direction) >= getattr(self.limits, kind), self.link_depth, self.depth)
+        profile = self.profiles[direction]
+        return self.stations.buckled(kind, self.stations.compression(profile.hook_load, profile.tension))
 
     @property
     def locked(self) -> bool | None:
@@ -142,15 +142,6 @@ class Case(NamedTuple):
         ]
 
 
-def stretches(marked: np.ndarray, middle: np.ndarray, end: float) -> list[tuple[float, float]]:
-    """Runs of marked links (n,) as stretches of hole; a link reaches half way to its neighbours' middles (n,) m."""
-    edges = np.concatenate([[0.0], 0.5 * (middle[1:] + middle[:-1]), [end]])
-    steps = np.diff(np.concatenate([[0], np.asarray(marked, int), [0]]))
-    return [
-        (float(edges[a]), float(edges[b])) for a, b in zip(*(np.flatnonzero(steps == k) for k in (1, -1)), strict=True)
-    ]
-
-
 def require_wall(scene: DrillstringScene) -> None:
     """Raise SceneError where the scene has no wall: without contact there is no friction."""
     if scene.well.wall is None:
@@ -176,7 +167,11 @@ def links(scene: DrillstringScene) -> int:
 
 
 def meshes(
-    scene: DrillstringScene, depths: Sequence[float] | None, elements: int | None, kinds: Sequence[str]
+    scene: DrillstringScene,
+    depths: Sequence[float] | None,
+    elements: int | None,
+    kinds: Sequence[str],
+    unit: str | None = None,
 ) -> list[DrillstringScene]:
     """The string as `torque_drag` computes it at the deepest of its depths, where elements are longest, of each kind.
 
@@ -187,7 +182,7 @@ def meshes(
     """
     deepest = own_depth(scene) if depths is None else max(depths)
     length, count = well_of(scene).length, links(scene) if elements is None else elements
-    return [shortened(of_kind(scene, kind), length, deepest, count) for kind in kinds]
+    return [shortened(of_kind(scene, kind), length, deepest, count, unit=unit) for kind in kinds]
 
 
 def torque_drag(
@@ -198,6 +193,7 @@ def torque_drag(
     progress: Callable[[int, int], None] | None = None,
     reamed: dict[str, Motion] | None = None,
     kinds: Sequence[str] = (),
+    unit: str | None = None,
 ) -> list[Case]:
     """Hook loads, torque, side force and buckling for friction factors and depths.
 
@@ -216,6 +212,8 @@ def torque_drag(
         Motions beside the three, by name: see `drillstring.statics.motion.reaming`.
     kinds : sequence of str
         Kinds of model, ``lumped`` and ``ale-ancf``; that of the scene if empty.
+    unit : str, optional
+        In which errors tell depths; that of the scene if None.
 
     Returns
     -------
@@ -239,15 +237,19 @@ def torque_drag(
         cases = [Case(same(friction, own.shoe), []) for friction in frictions]
         found += cases
         for done, depth in enumerate(depths, 1):
-            statics = Statics(model, depth, links(model) if elements is None else elements)
+            statics = Statics(model, depth, links(model) if elements is None else elements, unit=unit)
+            weight = statics.weight[statics.lumps.section]
+            stations = stations_of(model, statics.well, statics.lumps, statics.pipes, weight, statics.limits)
             for case in cases:
-                case.points.append(_point(statics, case.friction, model, motions))
+                case.points.append(_point(statics, case.friction, model, motions, stations))
             if progress is not None:
                 progress(number * len(depths) + done, len(models) * len(depths))
     return found
 
 
-def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions: dict[str, Motion]) -> Point:
+def _point(
+    statics: Statics, friction: Factors, scene: DrillstringScene, motions: dict[str, Motion], stations: Stations
+) -> Point:
     profiles, failures, soft, locks = {}, {}, {}, {}
     for direction, motion in motions.items():
         string = (statics.well, statics.tubes, statics.weight)
@@ -270,7 +272,7 @@ def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions
     strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles and not scene.bit.on_bottom else None
     return Point(
         friction, statics.depth, middle, statics.limits, profiles, soft, failures, pull, strokes, locks,
-        motions, scene.model.kind,
+        motions, stations, scene.model.kind,
     )  # fmt: skip
 
 

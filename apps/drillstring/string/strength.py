@@ -70,9 +70,17 @@ def shares_at_ends(scene: DrillstringScene, lumps: Lumps) -> np.ndarray:
 
 def tension_at_ends(share: np.ndarray, hook_load: np.ndarray, tension: np.ndarray, least: bool = False) -> np.ndarray:
     """What `extreme_tension` gives, from the shares that `shares_at_ends` has found."""
+    upper, lower = ends_of_links(share, hook_load, tension)
+    extreme = np.minimum if least else np.maximum
+    return extreme(extreme(upper, lower), np.asarray(tension, float))
+
+
+def ends_of_links(share: np.ndarray, hook_load: np.ndarray, tension: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Effective tension at the upper and at the lower end of each link or element, (..., n) N each.
+
+    ``share`` is what `shares_at_ends` has found; the other arguments, and the source, are those of `extreme_tension`.
+    """
     tension = np.asarray(tension, float)
     inside = tension[..., 1:] + share * (tension[..., :-1] - tension[..., 1:])
     upper = np.concatenate([np.asarray(hook_load, float)[..., None], inside], axis=-1)
-    lower = np.concatenate([inside, 2.0 * tension[..., -1:] - upper[..., -1:]], axis=-1)
-    extreme = np.minimum if least else np.maximum
-    return extreme(extreme(upper, lower), tension)
+    return upper, np.concatenate([inside, 2.0 * tension[..., -1:] - upper[..., -1:]], axis=-1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -94,6 +95,7 @@ def torque_drag(
     from drillstring.scene.scene import of_kind, read
     from drillstring.statics.torque_drag import meshes, own_friction
     from drillstring.statics.torque_drag import torque_drag as compute
+    from drillstring.view.torque_summary import yield_warnings
     from tautline.cli.options.changes import changed
     from tautline.cli.output.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
@@ -107,17 +109,17 @@ def torque_drag(
     figure, table = figure_place(output, f"{scene.stem}_torque_drag"), check_table(csv, "model,friction,depth")
     factors = parse_frictions(friction, own.shoe) if friction is not None else None
     reamed = parse_reaming(reaming, rotary)
-    depths = parse_depths(depth) if depth is not None else None
+    depths, unit = (parse_depths(depth), unit_of_depths(depth)) if depth is not None else (None, None)
     _check_elements(drillstring, elements)
     # The mesh is not the scene's, and there may be several: warnings are of those that are computed.
     warnings = [one for one in warnings_without_a_run(drillstring) if one.where != ELEMENTS]
-    warnings += mesh_warnings(meshes(drillstring, depths, elements, kinds))
+    warnings += mesh_warnings(meshes(drillstring, depths, elements, kinds, unit))
     print_warnings(warnings)
     loads, fitted = _fitted(drillstring, measured, elements, as_json)
     if fitted is not None:
         factors = [fitted.factors(own.shoe)] if factors is None else factors
         depths = sorted(set(loads.depth.tolist())) if depths is None else depths
-    cases = compute(drillstring, factors, depths, elements, reamed=reamed, kinds=kinds)
+    cases = compute(drillstring, factors, depths, elements, reamed=reamed, kinds=kinds, unit=unit)
     failures = [text for case in cases for text in case.failures]
     _print(drillstring, cases, fitted)
     _draw(drillstring, cases, figure, loads)
@@ -126,6 +128,7 @@ def torque_drag(
     for text in failures:
         say(f"stopped, {text}", "red")
     if as_json:
+        warnings += yield_warnings(cases, drillstring)
         status = "stopped: no equilibrium in places" if failures else "done"
         told = report(cases, fitted, failures, drillstring.top.weight)
         files = {"figure": str(figure), "csv": None if csv is None else str(csv)}
@@ -207,6 +210,15 @@ def parse_depths(text: str) -> list[float]:
     if last < first:
         raise refuse("ends above where it begins", "write the shallow depth first, such as 500:3500:250")
     return stepped((first, last, step), text, "--depth", MOST_DEPTHS, "depths")
+
+
+def unit_of_depths(text: str) -> str | None:
+    """The unit of length that depths of ``--depth`` are written in; m of bare numbers, None where there are several."""
+    from tautline.scene.values.quantity import NUMBER
+
+    found = [NUMBER.fullmatch(word) for word in re.split("[,:]", text)]
+    units = {match["unit"] for match in found if match is not None and match["unit"]}
+    return units.pop() if len(units) == 1 else None if units else "m"
 
 
 def _check_elements(scene: DrillstringScene, elements: int | None) -> None:

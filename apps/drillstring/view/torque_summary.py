@@ -8,6 +8,7 @@ import numpy as np
 
 from drillstring.scene.scene import LUMPED
 from drillstring.statics.motion import REAMING
+from tautline.scene.errors import SceneWarning
 from tautline.scene.values.printed import shown
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.scene.values.units import RPM
@@ -15,8 +16,9 @@ from tautline.scene.values.units import RPM
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from drillstring.scene.scene import DrillstringScene
     from drillstring.statics.back_calculation import Fit
-    from drillstring.statics.torque_drag import Case, Point
+    from drillstring.statics.torque_drag import Case, Overpull, Point
 
 MOST_ROWS = 24
 """Rows of the table; of more, the figure and ``--json`` tell all."""
@@ -202,18 +204,50 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
     if block > 0.0:
         found += [(text, "green") for text in _with_block(cases, system, block)]
     found += [(text, "green") for text in _strokes(cases, system)]
-    pulls = [point for point in points if point.overpull is not None]
-    if pulls:
-        least = min(pulls, key=lambda point: point.overpull.margin if point.overpull is not None else 0.0)
-        assert least.overpull is not None
-        text = (
-            f"margin of overpull at {shown(least.depth, 'm', system)}, "
-            f"friction {least.friction:.3g}{_of(least, points)}: "
-            f"{shown(least.overpull.margin, 'N', system)}, then {least.overpull.section} yields at "
-            f"{shown(least.overpull.measured_depth, 'm', system)} by axial tension alone"
-        )
-        found.append((text, "green" if least.overpull.margin > 0.0 else "red"))
+    least = _least_overpull(points)
+    if least is not None and least.overpull is not None:
+        if least.overpull.margin < 0.0:
+            found.append((f"{_head(least, points, system)}: {_beyond_yield(least.overpull, system)}", "red"))
+        else:
+            found.append((_margin(least, points, system), "green"))
     return found
+
+
+def yield_warnings(cases: list[Case], scene: DrillstringScene) -> list[SceneWarning]:
+    """A warning where picking up pulls a section beyond its yield load, of the point at which it does so by most."""
+    points = [point for case in cases for point in case.points]
+    least = _least_overpull(points)
+    if least is None or least.overpull is None or least.overpull.margin >= 0.0:
+        return []
+    place = next(i for i, one in enumerate(scene.string) if one.name == least.overpull.section and one.yield_load)
+    text = f"{_head(least, points, scene.units)}: {_beyond_yield(least.overpull, scene.units)}"
+    return [SceneWarning(f"string[{place}].yield_load", text)]
+
+
+def _least_overpull(points: list[Point]) -> Point | None:
+    """The point with the least margin of overpull; None where no section has a yield load."""
+    pulls = [point for point in points if point.overpull is not None]
+    return min(pulls, key=lambda point: point.overpull.margin if point.overpull is not None else 0.0, default=None)
+
+
+def _beyond_yield(pull: Overpull, system: str) -> str:
+    """That picking up alone pulls a section too much."""
+    beyond, at = shown(-pull.margin, "N", system), shown(pull.measured_depth, "m", system)
+    return (
+        f"picking up pulls {pull.section} {beyond} beyond its yield load at {at}, by axial tension alone. "
+        "There is no margin of overpull. Take a higher grade, a heavier pipe, or a lighter string below it"
+    )
+
+
+def _margin(point: Point, points: list[Point], system: str) -> str:
+    """How much more than the pick-up load the hook can pull."""
+    assert point.overpull is not None
+    return (
+        f"margin of overpull at {shown(point.depth, 'm', system)}, "
+        f"friction {point.friction:.3g}{_of(point, points)}: "
+        f"{shown(point.overpull.margin, 'N', system)}, then {point.overpull.section} yields at "
+        f"{shown(point.overpull.measured_depth, 'm', system)} by axial tension alone"
+    )
 
 
 def _coarse(points: list[Point], system: str) -> list[str]:

@@ -19,7 +19,7 @@ import numpy as np
 
 from drillstring.well.sections import direction, dogleg
 from drillstring.well.wellbore import LARGEST_DOGLEG
-from tautline.scene.reading.columns import Columns, is_unit, thousand
+from tautline.scene.reading.columns import Columns, is_unit, thousand, unit_named
 
 MAX_GAP = 500.0
 """Longest hole [m] without a station, unless the scene says otherwise: a stand is 30 m, a forgotten page 1000 m."""
@@ -48,6 +48,9 @@ NAMES = {
 
 NORTH = r"(?:\s?[\[(]?(?:true|grid|tn|gn)\b(?: north)?[\])]?)?"
 """Which north an azimuth counts from, as some headers say; all of a survey counts from the same one."""
+
+MAGNETIC = re.compile(r"(?=.*az[im])(?=.*mag(?:n|[^a-z]|$))", re.IGNORECASE)
+"""Header of an azimuth from magnetic north."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +112,8 @@ def read_survey(
     """
     table = Columns(path, LARGEST_FILE, headed=True)
     columns = _columns(table)
-    factors = _factors(table, columns, _row_of_units(table, columns), units or {})
+    below = _row_of_units(table, columns)
+    factors = _factors(table, columns, below, units or {})
     table.raise_if_any()
     width = len(table.titles)
     for line, row in table.rows:
@@ -132,7 +136,9 @@ def read_survey(
         table.stop(None, "", None, "a survey needs two stations at least", "add those that are missing")
     md, inc, azi = stations[kept].T
     survey = Survey(md.copy(), inc.copy(), np.mod(azi, 2.0 * np.pi), np.array(table.lines)[kept])
-    _check_intervals(survey, max_gap, max_dogleg_severity, table)
+    written = {key: below.get(key) or column.unit or (units or {}).get(key, "") for key, column in columns.items()}
+    columns = {key: column._replace(unit=unit_named(written[key])) for key, column in columns.items()}
+    _check_intervals(survey, max_gap, max_dogleg_severity, table, columns, factors["md"])
     table.raise_if_any()
     return survey
 
@@ -150,6 +156,13 @@ def _columns(table: Columns) -> dict[str, _Column]:
             table.stop(table.header_line, key, title, cause, "rename the one that is not meant")
         columns[key] = _Column(place, unit or "", title)
     missing = [key for key in NAMES if key not in columns]
+    magnetic = [title for title in table.titles if MAGNETIC.search(title)]
+    if "azi" in missing and magnetic:
+        cause = "azimuths from magnetic north: those of a hole count from true or grid north"
+        cure = (
+            "correct them for the declination, and for grid north for the convergence; then name the column azi [deg]"
+        )
+        table.stop(table.header_line, "azi", magnetic[0], cause, cure)
     if missing:
         cure = "write a header such as: md [m], inc [deg], azi [deg]; comma, semicolon or tab between the names"
         text = " | ".join(table.titles)[:80]
@@ -244,27 +257,44 @@ def _in_order(table: Columns, place: int, md: np.ndarray, sound: np.ndarray) -> 
     return kept
 
 
-def _check_intervals(survey: Survey, max_gap: float, max_severity: float, table: Columns) -> None:
-    """Note gaps and doglegs that no hole has."""
+def _check_intervals(
+    survey: Survey,
+    max_gap: float,
+    max_severity: float,
+    table: Columns,
+    columns: dict[str, _Column],
+    size: float,
+) -> None:
+    """Note gaps and doglegs that no hole has, in the words of the file; ``size`` is its unit of depth, m."""
+    rows = dict(table.rows)
+
+    def cell(line: int, key: str) -> str:
+        return f"{rows[line][columns[key].place]} {columns[key].unit}"
+
+    def told(length: float) -> str:
+        return f"{length / size:.6g} {columns['md'].unit}"
+
     cure = "add a station in between, or raise max_gap if the hole is known to be smooth there"
     above = np.concatenate([[0.0], survey.md[:-1]])
     tangents = direction(survey.inc, survey.azi)
     # Between equal directions the hole is taken as straight: there nothing is lost. At the table it is vertical.
     turned = dogleg(np.vstack([[[0.0, 0.0, 1.0]], tangents[:-1]]), tangents) > SAME_DIRECTION
     for i in np.flatnonzero((survey.md - above > max_gap * (1.0 + 1e-9)) & turned):
+        line = int(survey.lines[i])
         cause = (
-            f"no station in the {survey.md[i] - above[i]:.6g} m above it, in which the hole turns (max_gap is "
-            f"{max_gap:g} m)"
+            f"no station in the {told(survey.md[i] - above[i])} above it, in which the hole turns (max_gap is "
+            f"{told(max_gap)})"
         )
-        table.add(int(survey.lines[i]), "md", f"{survey.md[i]:.6g} m", cause, cure)
+        table.add(line, "md", cell(line, "md"), cause, cure)
     bend = dogleg(tangents[:-1], tangents[1:])
     severity = bend / np.diff(survey.md)
     for i in np.flatnonzero((severity > max_severity) | (bend > LARGEST_DOGLEG)) + 1:
+        line = int(survey.lines[i])
         cause = (
-            f"the hole turns {math.degrees(bend[i - 1]):.4g} deg in {survey.md[i] - survey.md[i - 1]:.4g} m below line "
+            f"the hole turns {math.degrees(bend[i - 1]):.4g} deg in {told(survey.md[i] - survey.md[i - 1])} below line "
             f"{survey.lines[i - 1]}, more than {math.degrees(30.0 * max_severity):.4g} deg in 30 m"
         )
-        value = f"{math.degrees(survey.inc[i]):.6g} deg, {math.degrees(survey.azi[i]):.6g} deg"
+        value = f"{cell(line, 'inc')}, {cell(line, 'azi')}"
         if severity[i - 1] <= max_severity:
             cause = f"the hole turns right round below line {survey.lines[i - 1]}: its plane is not known"
-        table.add(int(survey.lines[i]), "inc, azi", value, cause, "correct the angles, or add the stations in between")
+        table.add(line, "inc, azi", value, cause, "correct the angles, or add the stations in between")

@@ -193,6 +193,18 @@ def test_overpull_is_the_yield_load_less_the_pick_up_load(drillstring_):
     assert only_object(out)["overpull"] == [None] and "overpull" not in err
 
 
+def test_a_string_that_picking_up_alone_pulls_beyond_its_yield_load_is_told_so_and_not_of_a_margin(drillstring_):
+    Path("weak.yaml").write_text(Path("strong.yaml").read_text(encoding="utf8").replace("1.76 MN", "700 kN"), "utf8")
+    _, out, err = drillstring_("torque-drag", "weak.yaml", "--json", *COARSE)
+    report, told = only_object(out), " ".join(err.split())
+    (pull,), (lifted,) = report["overpull"], report["pick_up"]
+    assert pull["margin"] == pytest.approx(700e3 - lifted, rel=1e-9) and pull["margin"] < 0.0
+    beyond = f"picking up pulls drill pipe {(lifted - 700e3) / 1e3:.2f} kN beyond its yield load at 0 m"
+    assert beyond in told and "There is no margin of overpull." in told and "margin of overpull at" not in told
+    (record,) = [one for one in report["warnings"] if "picking up" in one["text"]]
+    assert record["where"] == "string[0].yield_load" and beyond in record["text"]
+
+
 def test_strokes_that_move_the_bit_are_told_in_words_and_in_json(drillstring_):
     # tests/references/soft_string.py: 0.394004 m up, 0.433944 m down with friction 0.2; few elements are coarse
     _, out, err = drillstring_("torque-drag", "jwell.yaml", "--json", "--elements", "50")
@@ -289,7 +301,9 @@ def test_both_models_stand_beside_each_other_in_table_json_and_figure(drillstrin
         (("--depth", "3000:500:100"), ("--depth", "ends above where it begins")),
         (("--depth", "1:3000:0.001"), ("--depth", "larger step")),
         (("--depth", "0"), ("--depth",)),
-        (("--depth", "3770.7964"), ("be at 3770.7964 m, below the end of the well, 3770.796327 m",)),
+        (("--depth", "3770.8964"), ("be at 3770.896 m, below the end of the well, 3770.796 m",)),
+        (("--depth", "12371.7 ft"), ("be at 12371.7 ft, below the end of the well, 12371.38 ft",)),
+        (("--depth", "500 ft"), ("with the bit at 500 ft", "give depths of more than 787.4016 ft")),
         (("--depth", "5000"), ("below the end of the well", "give depths within the well")),
         (("--depth", "100"), ("nothing is left of drill pipe", "give depths of more than 240 m")),
         (("--elements", "1"), ("--elements", "fewer than the 2 sections")),
@@ -335,6 +349,21 @@ def test_direction_without_an_equilibrium_is_named_the_rest_is_kept_and_the_exit
 
 
 # measured loads
+def test_a_bit_that_rounding_puts_some_centimetres_below_the_well_is_at_its_end(drillstring_):
+    # 12371.5 ft are 3770.83 m, 37 mm below the end
+    for depth in ("3770.84", "12371.5 ft"):
+        code, out, _ = drillstring_("torque-drag", "jwell.yaml", "--depth", depth, "--json", *COARSE)
+        assert code == 0 and only_object(out)["depth"] == pytest.approx([3770.796327], abs=1e-6)
+
+
+def test_measured_loads_at_total_depth_in_feet_are_taken_and_refused_in_feet_where_they_are_deeper(drillstring_):
+    Path("feet.csv").write_text("MD [ft],pick_up [klbf],slack_off [klbf]\n12371.5,180,150\n10000,160,140\n", "utf8")
+    code, out, _ = drillstring_("torque-drag", "jwell.yaml", "--measured", "feet.csv", "--json", *COARSE)
+    assert code == 0 and only_object(out)["depth"][1] == pytest.approx(3770.796327, abs=1e-6)
+    Path("feet.csv").write_text("MD [ft],pick_up [klbf],slack_off [klbf]\n12372,180,150\n10000,160,140\n", "utf8")
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "feet.csv", *COARSE)
+    told = "feet.csv:2: depth = 12372 ft: the bit would be at 12372 ft, below the end of the well, 12371.38 ft"
+    assert code == 2 and told in " ".join(err.split())
 
 
 @pytest.fixture(scope="module")

@@ -41,6 +41,13 @@ FAR = 20.0
 """Extents of a scene by which no part of it moves into balance."""
 
 
+TOO_FAR = (
+    "the initial geometry is too far from any equilibrium, or there is none; "
+    "give positions closer to those at rest, or take finer elements"
+)
+"""Cause and cure of a search that has found nothing, of scenes that give positions."""
+
+
 class Equilibrium(NamedTuple):
     """How the search ended: iterations, and the largest residual over its scale."""
 
@@ -112,12 +119,10 @@ def _why(system: System, ended: _Ended, spent: int, loose: bool) -> str:
     else:
         amount = f"after {spent} iterations {share} of the scene's largest force is still out of balance there"
     if ended.away or loose:
-        cause = "nothing holds a part of the scene: it moves without resistance"
-        cure = "hold it, or give it stiffness or tension"
+        why = "nothing holds a part of the scene: it moves without resistance; hold it, or give it stiffness or tension"
     else:
-        cause = "the initial geometry is too far from any equilibrium, or there is none"
-        cure = "give positions closer to those at rest, or take finer elements"
-    return f"{amount}; {cause}; {cure}"
+        why = TOO_FAR
+    return f"{amount}; {why}"
 
 
 def refuse_without_number(system: System, state: State) -> None:

@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 from physics.wells.strings import shipped
 
+from drillstring.scene.scene import BEAM, LUMPED
+from drillstring.statics import statics
 from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import own_depth, torque_drag
+from tautline.integrators.statics.equilibrium import TOO_FAR
+from tautline.integrators.status import Status, StoppedEarly
 
 SEEN = {50: 149.01e3, 75: 147.68e3, 100: 148.77e3, 300: 147.88e3}
 
@@ -59,3 +63,20 @@ def test_a_vertical_string_with_tight_stabilisers_that_is_pushed_beyond_buckling
     one = Statics(scene, own_depth(scene), elements)
     for way in ("rotating", "slack_off", "pick_up"):
         assert one.solve(0.2, way).hook_load == pytest.approx(weight - push, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("kind", "cure"),
+    [(LUMPED, "take fewer elements (--elements), or less force on the bit"), (BEAM, "take less force on the bit")],
+)
+def test_where_no_balance_is_found_the_cure_is_one_that_torque_and_drag_can_follow(kind, cure, monkeypatch):
+    # as of collars of 1000 links of 3 m that are pushed by 100 kN in a vertical hole, which take a minute to fail
+    def fails(*_):
+        raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "lump 986", f"0.1 % is out of balance; {TOO_FAR}")
+
+    monkeypatch.setattr(statics, "find_equilibrium", fails)
+    scene = shipped("jwell", model__kind=kind, bit={"force": -200e3})
+    (case,) = torque_drag(scene, [0.3], elements=20, kinds=[kind])
+    assert len(case.failures) == 3
+    for text in case.failures:
+        assert cure in text and "closer to those at rest" not in text

@@ -25,7 +25,7 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.buckling import limits
 from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import Statics
-from drillstring.statics.torque_drag import stretches, torque_drag
+from drillstring.statics.torque_drag import torque_drag
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state
 from tautline.kernels.matrix import new_matrix, sparse
@@ -216,12 +216,6 @@ def test_string_that_is_slid_into_a_level_well_with_much_friction_buckles_above_
     assert top == pytest.approx(marked.min(), abs=80.0) and 2150.0 < bottom < 2350.0
     # its weight above still lowers it: lock-up is in test_helix.py
     assert not tight.points[0].locked and tight.points[0].hook_load("slack_off") > 0.0
-
-
-def test_stretches_join_neighbouring_links_and_reach_half_way():
-    middle = np.array([5.0, 15.0, 25.0, 35.0])
-    assert stretches(np.array([True, False, True, True]), middle, 40.0) == [(0.0, 10.0), (20.0, 40.0)]
-    assert stretches(np.zeros(4, bool), middle, 40.0) == []
 
 
 # wells in space

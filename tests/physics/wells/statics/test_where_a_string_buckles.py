@@ -1,0 +1,127 @@
+"""Where a string buckles, against the closed form of a vertical hole.
+
+Without friction the compression a distance s above the bit is F = F_bit - w s, and the limits of a pipe are 2.55 and
+5.55 (EI w^2)^(1/3) (J. Wu, H. C. Juvkam-Wold and R. Lu, 1993). So it buckles from the bit up to (F_bit - limit)/w,
+whatever the number of links. Steel of 7850 kg/m^3 hangs in mud of 1200 kg/m^3.
+"""
+
+import numpy as np
+import pytest
+from physics.wells.strings import GRAVITY
+
+from drillstring.model.prepared import prepared
+from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
+from drillstring.statics.buckled import buckled_at_rest, stretches
+from drillstring.statics.torque_drag import torque_drag
+from drillstring.warnings import warnings
+
+DEPTH, COLLARS, E = 3000.0, 120.0, 206e9
+PIPE, COLLAR = (0.127, 0.1086), (0.2032, 0.0714)
+SCENE = """
+title: pushed
+well: {{sections: [{{hold: 3000 m}}], diameter: 12.25 in, wall: {{stiffness: 1.0e9, friction: 0.2}}}}
+string:
+  - {{name: pipe, length: rest, od: 127 mm, id: 108.6 mm}}
+  - {{name: collar, length: 120 m, od: 203.2 mm, id: 71.4 mm}}
+material: {{youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}}
+mud: {{density: 1200}}
+bit: {{force: {force} kN}}
+model: {{kind: {kind}, elements: 20}}
+solver: {{method: generalized-alpha, rho_inf: 0.5, step: 2 ms, end: 6 s}}
+output: {{interval: 50 ms}}
+"""
+FACTORS = {"sinusoidal": 2.55, "helical": 5.55}
+
+
+def weight(tube):
+    """Buoyed, N/m."""
+    return (7850.0 - 1200.0) * GRAVITY * np.pi / 4.0 * (tube[0] ** 2 - tube[1] ** 2)
+
+
+def limit(tube, kind):
+    rigidity = E * np.pi / 64.0 * (tube[0] ** 4 - tube[1] ** 4)
+    return FACTORS[kind] * np.cbrt(rigidity * weight(tube) ** 2)
+
+
+def height(push, tube, kind):
+    """Distance above the place where it is pushed by so much, up to which a tube buckles, m."""
+    return (push - limit(tube, kind)) / weight(tube)
+
+
+def pushed(force, kind, elements):
+    scene = DrillstringScene.parse(SCENE.format(force=-force / 1e3, kind=kind))
+    (case,) = torque_drag(scene, elements=elements)
+    return case.points[0]
+
+
+@pytest.mark.parametrize("elements", [20, 100])
+@pytest.mark.parametrize("kind", [LUMPED, BEAM])
+def test_a_string_that_its_bit_pushes_beyond_its_limit_buckles_up_to_where_the_closed_form_says(kind, elements):
+    # the middle of the lowest link of 120 or 30 m is pushed by 13.8 or 82.2 kN, below the limit of 98.9 kN
+    point = pushed(110e3, kind, elements)
+    for motion in ("pick_up", "slack_off", "rotating"):
+        ((top, bottom),) = point.buckled(motion, "sinusoidal")
+        assert DEPTH - top == pytest.approx(height(110e3, COLLAR, "sinusoidal"), abs=0.05)
+        assert bottom == pytest.approx(DEPTH, rel=1e-12) and point.buckled(motion, "helical") == []
+
+
+def test_a_string_is_a_helix_up_to_where_the_closed_form_says():
+    ((top, bottom),) = pushed(230e3, BEAM, 50).buckled("rotating", "helical")
+    assert DEPTH - top == pytest.approx(height(230e3, COLLAR, "helical"), abs=0.05)
+    assert bottom == pytest.approx(DEPTH, rel=1e-12)
+
+
+def test_pipe_above_collars_buckles_in_two_stretches_where_the_stiff_collars_hold():
+    # at the top of the collars 40 kN of push are left: beyond both limits of the pipe, below those of the collars
+    force = 40e3 + weight(COLLAR) * COLLARS
+    point = pushed(force, LUMPED, 100)
+    end = DEPTH - COLLARS
+    for kind in FACTORS:
+        (pipe, collars) = point.buckled("rotating", kind)
+        assert end - pipe[0] == pytest.approx(height(40e3, PIPE, kind), abs=0.1)
+        assert pipe[1] == pytest.approx(end, rel=1e-12)
+        assert DEPTH - collars[0] == pytest.approx(height(force, COLLAR, kind), abs=0.05)
+        assert collars[1] == pytest.approx(DEPTH, rel=1e-12)
+
+
+def test_a_string_that_its_bit_pushes_by_less_than_its_limit_buckles_nowhere():
+    point = pushed(0.999 * limit(COLLAR, "sinusoidal"), LUMPED, 100)
+    assert [point.buckled(motion, "sinusoidal") for motion in point.profiles] == [[], [], []]
+
+
+def test_stretches_join_neighbouring_pieces_and_end_where_the_excess_crosses_zero():
+    depth = np.array([[0.0, 10.0], [10.0, 20.0], [20.0, 30.0], [30.0, 40.0]])
+    excess = np.array([[-1.0, 3.0], [3.0, -1.0], [-2.0, -1.0], [4.0, 1.0]])
+    assert stretches(depth, excess) == [(2.5, 17.5), (30.0, 40.0)]
+    assert stretches(depth, -np.ones((4, 2))) == [] == stretches(depth, np.full((4, 2), np.nan))
+
+
+# at rest, as `check` and `simulate` warn of it
+def at_rest(force, depth=DEPTH):
+    text = SCENE.format(force=-force / 1e3, kind=LUMPED).replace("3000 m", f"{depth:g} m")
+    scene = DrillstringScene.parse(text)
+    ready = prepared(scene)
+    return buckled_at_rest(scene, ready.well, ready.lumps), scene
+
+
+@pytest.mark.parametrize("depth", [3000.0, 8000.0])
+def test_a_long_string_at_rest_is_judged_by_the_push_at_its_bit(depth):
+    # a piece of 1/200 of 8000 m would be pushed by 83 kN in its middle, below the limit of 98.9 kN
+    found, scene = at_rest(120e3, depth)
+    assert found.compression == pytest.approx(120e3, rel=1e-12) and found.section == 1
+    assert found.limit == pytest.approx(limit(COLLAR, "sinusoidal"), rel=1e-6)
+    assert depth - found.top == pytest.approx(height(120e3, COLLAR, "sinusoidal"), rel=1e-6)
+    assert found.bottom == depth
+    (told,) = [one.text for one in warnings(scene) if one.where == "bit.force"]
+    assert "compresses collar by up to 120 kN at rest and buckles it beyond 98.92 kN" in told
+
+
+def test_pipe_above_collars_at_rest_is_pushed_most_at_its_lower_end():
+    # 14 kN are left there, 2 kN beyond the limit of the pipe: over 9 m, less than a piece of 29 m
+    left = limit(PIPE, "sinusoidal") + 2e3
+    found, _ = at_rest(left + weight(COLLAR) * COLLARS)
+    assert DEPTH - COLLARS - found.top == pytest.approx(2e3 / weight(PIPE), rel=1e-6)
+
+
+def test_a_string_at_rest_that_is_pushed_by_less_than_its_limit_buckles_nowhere():
+    assert at_rest(0.9999 * limit(COLLAR, "sinusoidal"))[0] is None
