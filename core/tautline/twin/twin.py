@@ -87,7 +87,8 @@ class Twin:
         if self.estimate.blows and self.plan.inputs:
             self.readings.rows.fewest = NOISE_SHOWN
         self.watch = Watch(self.plan, self.readings.health, self.operation, getattr(self.scene, "units", "si"))
-        self.outlook = Outlook(self.plan, self.readings.waves, self.estimate.state)
+        estimated = self.estimate
+        self.outlook = Outlook(self.plan, self.readings.waves, lambda: (*estimated.state(), estimated.converged))
         self._begin_anew()
         self._read = list(dict.fromkeys([
             *(one.name for one in self.plan.measured),
@@ -405,10 +406,12 @@ class Twin:
             # Other simulations go on from here, with other values and derivatives.
             read = dict(zip(self._read, estimate.family.read(self._read), strict=True))
         outputs = self._with_noise_of_inputs(estimate.outputs(read), read, y0)
+        ahead = self.outlook.fresh(row.time)
+        moved = estimate.moved_since(read, ahead.parameters) if ahead is not None else {}
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
-            self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
-            self.readings.blind, self.outlook.late(row.time),
+            ahead, row.time - horizon.changed, self.settling.since, self.settling.moved_at,
+            self.readings.blind, self.outlook.late(row.time), moved,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)

@@ -287,6 +287,19 @@ class Estimate:
             found[name] = (value, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
         return found
 
+    def moved_since(self, read: Mapping[str, np.ndarray], parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """By how much outputs would be others with other parameters than those of the estimate; sizes, by name.
+
+        Parameters
+        ----------
+        parameters : mapping
+            Such as those of an earlier estimate; one that is not there is as in the estimate.
+        """
+        p = len(self._parameters)
+        now = self.horizon.mean[self._parameters]
+        off = now - np.array([parameters.get(name, now[i]) for i, name in enumerate(self.family.names)])
+        return {name: np.abs(self.family.derivatives(values)[..., :p] @ off) for name, values in read.items()}
+
     def swung(self, read: Mapping[str, np.ndarray], missed: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Deviations of outputs by a free motion that makes measured ones as wrong as they are seen to be.
 
