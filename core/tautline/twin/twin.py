@@ -17,6 +17,7 @@ from tautline.errors import ArgumentError, TautlineError
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
+from tautline.scene.values.moments import stamp_said
 from tautline.twin.estimation.estimate import Estimate, Machine
 from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import MISSED, Sample
@@ -351,7 +352,7 @@ class Twin:
         """Begin again from rest, and know nothing for certain until the window is full anew."""
         self.restarts += 1
         self.notes.append(
-            f"At {time:.1f} s the simulated load bounced and the real one did not. "
+            f"At {stamp_said(time)} the simulated load bounced and the real one did not. "
             "The simulation started again from rest."
         )
         self.estimate.from_rest = True
@@ -361,7 +362,7 @@ class Twin:
         self.restarts += 1
         self.notes.append(
             f"no rows came for {row.time - self.now:.0f} s, or the clock was set forward: the simulation "
-            f"was begun again from rest at {row.time:.1f} s"
+            f"was begun again from rest at {stamp_said(row.time)}"
         )
         self._rest()
         self.settling.disturb(row.time)
