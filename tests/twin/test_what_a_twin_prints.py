@@ -4,12 +4,15 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from cli.in_process import commands_of
 
 from crane.application import Crane
 from tautline.scene.values.moments import stamp_said
+from tautline.twin.signals.sensors import Health
 from tautline.twin.sources.record import Record
+from tautline.twin.twin import Twin
 
 MAP = """
 sensors:
@@ -157,3 +160,42 @@ def test_what_the_library_of_opc_ua_logs_is_kept_off_by_the_command_alone_and_fr
     done = subprocess.run([sys.executable, "-c", LOGGED], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0 and not done.stdout
     assert done.stderr.splitlines() == ["before", "of others", "WARNING:asyncua.client.ua_session:asked for"]
+
+
+NOON = 1795896000.0
+"""2026-11-28 20:00:00 UTC."""
+
+
+def rope_health():
+    """Health of a load cell in newtons with values that swing, up to four seconds after `NOON`."""
+    plan = Twin("data/hoist.yaml", MAP).plan
+    health = Health(next(one for one in plan.channels if one.is_output))
+    for k in range(80):
+        health.check(NOON + 0.05 * k, 49e3 + 500.0 * np.sin(1.7 * k))
+    return health
+
+
+def test_since_when_a_sensor_is_stuck_is_said_as_a_time_of_day():
+    health = rope_health()
+    for k in range(80, 100):
+        health.check(NOON + 0.05 * k, 49123.0)
+    assert health.fault in ("stuck", "clipped")
+    assert health.text == "rope_tension has shown 49.12 kN since 2026-11-28 20:00:04.0 UTC"
+
+
+def test_when_a_reading_jumped_is_said_as_a_time_of_day():
+    health = rope_health()
+    health.check(NOON + 4.0, 400e3, [49e3, 49.1e3])
+    assert "at 2026-11-28 20:00:04.0 UTC; left out so far: 1" in health.jump
+
+
+def test_when_a_twin_began_again_from_rest_is_said_as_a_time_of_day():
+    twin = Twin("data/hoist.yaml", MAP)
+    for stamp, readings in [*rows(NOON), *rows(NOON + 3600.0)]:
+        twin.add(stamp, readings)
+    twin.finish()
+    twin._leave_bounce(NOON + 3601.0)
+    told = [note for note in twin.notes if "from rest" in note]
+    assert len(told) == 2
+    assert told[0].endswith("begun again from rest at 2026-11-28 21:00:00.0 UTC")
+    assert told[1].startswith("At 2026-11-28 21:00:01.0 UTC the simulated load bounced")

@@ -52,6 +52,8 @@ OFF_BOTTOM = (
 """States in which hook load and torque show the friction."""
 ON_BOTTOM = (RigState.DRILLING, RigState.SLIDING)
 """States in which they show weight and torque at the bit."""
+RESTING = (RigState.AT_REST, RigState.CIRCULATING)
+"""States in which the string hangs still: slips may still carry a part of it, and friction holds what it held."""
 STAND = 3.0
 """Length that counts as a stand, m."""
 STARTING = 1.0
@@ -188,7 +190,8 @@ class RigOperation(Operation):
             self._stick_slip = None
             return Guidance(use=False, paused=True)
         self._look(time, asked)
-        return Guidance(use=state in OFF_BOTTOM and time - self.rig.since >= STARTING, scene=self._longer())
+        use = state in OFF_BOTTOM and time - self.rig.since >= STARTING
+        return Guidance(use=use, scene=self._longer(), rests=state in RESTING)
 
     def remarks(self) -> list[str]:
         """What rows that come slowly do not tell, once of each subject, however often the twin is begun again."""

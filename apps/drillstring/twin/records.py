@@ -20,7 +20,7 @@ from drillstring.model.build import build
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
 from drillstring.twin.stands import bit_depth, with_stand
-from tautline.results.tables.rows import write_rows
+from tautline.results.tables.rows import heads_of, write_rows
 from tautline.scene.reading.document import Path_
 from tautline.simulation import simulate
 
@@ -145,8 +145,14 @@ def connections(
 
 
 def write(columns: Mapping[str, np.ndarray], path: str | Path) -> Path:
-    """Write columns as CSV, names in the header, and numbers with all their digits; raises ResultError if it fails."""
-    return write_rows(list(columns), np.column_stack(list(columns.values())).tolist(), Path(path))
+    """Write columns as CSV: names in the header, with the units of `UNITS`, as twins read them, and all digits.
+
+    Raises
+    ------
+    ResultError
+        If the file cannot be written.
+    """
+    return write_rows(heads_of(list(columns), UNITS), np.column_stack(list(columns.values())).tolist(), Path(path))
 
 
 def _parts(scene: DrillstringScene, count: int, how: Connecting, rate: float) -> Iterator[dict[str, np.ndarray]]:

@@ -46,16 +46,33 @@ class Found:
         Name of an alarm -> how long ahead its bound is passed, s, and the value there.
     stopped : (float, str) or None
         How long ahead the simulation cannot go on, s, and why.
+    beyond : dict
+        Name of an alarm -> of every time at which its bound is passed how long ahead it is, s, and the value there.
+    parameters : mapping
+        Parameters that it was begun with.
+    known : bool
+        Whether the estimate that these are of was known then.
     """
 
     begun: float
     first: dict[str, tuple[float, float]] = field(default_factory=dict)
     stopped: tuple[float, str] | None = None
+    beyond: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    known: bool = True
 
     @property
     def good(self) -> bool:
         """Whether no bound is passed."""
         return not self.first and self.stopped is None
+
+    def coming(self, name: str, after: float) -> tuple[float, float] | None:
+        """Time at which the bound of an alarm is passed for the first time later than a time, s, and the value there.
+
+        None where it is not passed any more.
+        """
+        told = ((self.begun + ahead, value) for ahead, value in self.beyond.get(name, ()))
+        return next((one for one in told if one[0] > after), None)
 
 
 class Forecast:
@@ -94,7 +111,7 @@ class Forecast:
         """
         plain = bounds is None
         bounds = self.bounds if bounds is None else bounds
-        self.found = Found(begun)
+        self.found = Found(begun, parameters=dict(parameters))
         sim = self.sim
         sim.restore(state)
         for name, value in parameters.items():
@@ -114,11 +131,12 @@ class Forecast:
                 return
             for one in bounds:
                 too_far = times is None and after > one.ahead + 1e-9
-                if one.name in self.found.first or too_far or after < judged_after:
+                if too_far or after < judged_after:
                     continue
                 value = extreme(sim[one.target], one)
                 if value > one.above or value < one.below:
-                    self.found.first[one.name] = (float(after), value)
+                    self.found.first.setdefault(one.name, (float(after), value))
+                    self.found.beyond.setdefault(one.name, []).append((float(after), value))
             yield
 
     def largest(

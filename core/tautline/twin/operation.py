@@ -26,11 +26,14 @@ class Guidance:
         Whether the machine is apart from its scene, so that the simulation waits. It begins from rest after that.
     scene : scene or None
         What the machine has become, such as a string that is a stand longer.
+    rests : bool
+        Whether the machine is at rest with what friction holds in it, which only what is measured shows.
     """
 
     use: bool = True
     paused: bool = False
     scene: Any = None
+    rests: bool = False
 
 
 class Operation(Protocol):

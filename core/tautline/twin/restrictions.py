@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,8 +29,8 @@ JOINED, NO_FASTER = 0.5, 2.0
 """Share of the time ahead in which an input that is caught up with comes to where its sensor says, at the soonest, and
 the largest speed at which it does, SI."""
 
-Estimated = Callable[[], "tuple[State, dict[str, float]]"]
-"""The state and the parameters of the estimate, when they are asked for."""
+Estimated = Callable[[], "tuple[State, dict[str, float], bool]"]
+"""The state and the parameters of the estimate, and whether it is known, when they are asked for."""
 
 
 class Outlook:
@@ -42,7 +43,7 @@ class Outlook:
     waves : mapping
         Input that moves with a ship -> its waves.
     estimated : callable
-        Gives state and parameters of the estimate.
+        Gives state and parameters of the estimate, and whether it is known.
 
     Attributes
     ----------
@@ -124,13 +125,13 @@ class Outlook:
     def _run(
         self, forecast: Forecast, time: float, inputs: Mapping[str, np.ndarray], shown: Mapping[str, np.ndarray]
     ) -> Iterator[None]:
-        state, parameters = self.estimated()
+        state, parameters, known = self.estimated()
         paths = self._paths(forecast, inputs)
         # Where the machine is, and how fast, is known before the simulation stands there.
         for name in shown.keys() - self.waves.keys():
             paths[name] = caught_up(inputs[name], shown[name], forecast.times)
         yield from forecast.run(time, state, parameters, paths)
-        self.found = forecast.found
+        self.found = replace(forecast.found, known=known)
         if forecast.bounds and self.plan.restrict and time >= self._next_restrict - 1e-9:
             self._next_restrict = time + RESTRICT_EVERY
             yield from self._restrictions(forecast, time, state, parameters, inputs)

@@ -17,9 +17,10 @@ from tautline.errors import ArgumentError, TautlineError
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
+from tautline.scene.values.moments import stamp_said
 from tautline.twin.estimation.estimate import Estimate, Machine
 from tautline.twin.estimation.family import Blow
-from tautline.twin.estimation.horizon import Sample
+from tautline.twin.estimation.horizon import MISSED, Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import EARLY, Forecast, Found
 from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, read_map
@@ -37,6 +38,9 @@ NOISE_SHOWN = 12
 """Rows that show how much noise inputs have before a load is moved by them."""
 LONG_GAP = 120.0
 """Time without rows that is not simulated, s: the rows behind it would wait for that."""
+RESTED = 0.5
+"""Time over which it is averaged by how much rows of a machine at rest miss what is computed, s: slips let go
+of a string within seconds."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
 
@@ -87,7 +91,8 @@ class Twin:
         if self.estimate.blows and self.plan.inputs:
             self.readings.rows.fewest = NOISE_SHOWN
         self.watch = Watch(self.plan, self.readings.health, self.operation, getattr(self.scene, "units", "si"))
-        self.outlook = Outlook(self.plan, self.readings.waves, self.estimate.state)
+        estimated = self.estimate
+        self.outlook = Outlook(self.plan, self.readings.waves, lambda: (*estimated.state(), estimated.converged))
         self._begin_anew()
         self._read = list(dict.fromkeys([
             *(one.name for one in self.plan.measured),
@@ -96,7 +101,7 @@ class Twin:
             *(self.operation.reads if self.operation else ()),
         ]))  # fmt: skip
         self.now, self.unsettled = np.nan, -np.inf
-        self.settling, self.unsure = Settling(), False
+        self.settling, self.unsure, self.rests = Settling(), False, False
         self.restarts = 0
         self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
         self.notes = self.estimate.notes  # one list
@@ -229,10 +234,14 @@ class Twin:
             guided = self.operation.before(row.time, self.readings.named(values))
             self.notes += self.operation.remarks()
             if guided.paused:
+                self.rests = False
                 return self._wait(row, values)
             if guided.scene is not None or self.paused:
                 self._go_on(guided.scene)
             use = guided.use
+            if guided.rests and not self.rests:
+                self.estimate.horizon.miss_anew(self.now)
+            self.rests = guided.rests
         if self._is_astray(row.time):
             self._leave_bounce(row.time)
         if self.estimate.from_rest:
@@ -343,7 +352,7 @@ class Twin:
         """Begin again from rest, and know nothing for certain until the window is full anew."""
         self.restarts += 1
         self.notes.append(
-            f"At {time:.1f} s the simulated load bounced and the real one did not. "
+            f"At {stamp_said(time)} the simulated load bounced and the real one did not. "
             "The simulation started again from rest."
         )
         self.estimate.from_rest = True
@@ -353,7 +362,7 @@ class Twin:
         self.restarts += 1
         self.notes.append(
             f"no rows came for {row.time - self.now:.0f} s, or the clock was set forward: the simulation "
-            f"was begun again from rest at {row.time:.1f} s"
+            f"was begun again from rest at {stamp_said(row.time)}"
         )
         self._rest()
         self.settling.disturb(row.time)
@@ -386,7 +395,8 @@ class Twin:
         believed = self._compare_units(row.time, y, y0, J, use, tells) & estimate.tame(J)
         use = believed & tells
         residual, residual_sd = horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
-        horizon.miss(row.time, np.where(use & estimate.converged, residual, np.nan), y0)
+        followed = self.readings.believed(values) if self.rests else use & estimate.converged
+        horizon.miss(row.time, np.where(followed, residual, np.nan), y0, RESTED if self.rests else MISSED)
         if says and row.time >= self.unsettled:
             # By the sensor's own noise: what nothing explains must not pass for noise. Before anything is found, by
             # what may be wrong at the start as well.
@@ -405,10 +415,12 @@ class Twin:
             # Other simulations go on from here, with other values and derivatives.
             read = dict(zip(self._read, estimate.family.read(self._read), strict=True))
         outputs = self._with_noise_of_inputs(estimate.outputs(read), read, y0)
+        ahead = self.outlook.fresh(row.time)
+        moved = estimate.moved_since(read, ahead.parameters) if ahead is not None else {}
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
-            self.outlook.fresh(row.time), row.time - horizon.changed, self.settling.since, self.settling.moved_at,
-            self.readings.blind, self.outlook.late(row.time),
+            ahead, row.time - horizon.changed, self.settling.since, self.settling.moved_at,
+            self.readings.blind, self.outlook.late(row.time), moved,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
@@ -419,9 +431,9 @@ class Twin:
         """Outputs with what residuals show beyond the sensor's noise added to their deviations."""
         horizon, more = self.estimate.horizon, dict(outputs)
         sds, self.unsure = horizon.deviations(y0), False
-        # Means of rows say nothing of what a row of its own is off by.
+        # Means of rows say nothing of what a row of its own is off by. A machine at rest shows it.
         alone = self.operation is None or self.operation.mean == 0.0
-        both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * alone, horizon.spread, strict=True)
+        both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * (alone or self.rests), horizon.spread, strict=True)
         beyond = {}
         for one, sd, (shaken, missed, spread) in zip(self.plan.measured, sds, both, strict=True):
             value, own = outputs[one.name]
@@ -432,7 +444,9 @@ class Twin:
             self.unsure |= bool(self.readings.shaken and np.hypot(own, beyond[one.name]) > MANY * sd)
             # A step that is not recognised shows in what rows miss, and in what the best estimate leaves of the window:
             # a single snap that comes a little later than computed is missed by more.
-            self.unsure |= bool(missed > MANY * sd and spread > MANY**2)
+            self.unsure |= bool(missed > MANY * sd and (self.rests or spread > MANY**2))
+            # Of means no single row shows it.
+            self.unsure |= bool(not alone and own > MANY * sd)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -57,6 +57,8 @@ class Compared:
         Whether the estimate is known.
     ahead : Found or None
         What will come, if that was found lately.
+    moved : mapping
+        Output -> by how much it would be another at the estimate that `ahead` was begun with.
     changed : float
         How long ago the last readings contradicted all others, s; infinite where they have not.
     judged_from : float
@@ -83,6 +85,7 @@ class Compared:
     led_until: float = -np.inf
     blind: bool = False
     late: bool = False
+    moved: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def foreseen(self) -> Found | None:
@@ -115,6 +118,7 @@ class Watch:
         self.plan, self.health, self.operation = plan, health, operation
         self.alarms = Alarms()
         self._told_ahead: set[str] = set()
+        self._before = -np.inf
 
     def judge(self, row: Compared) -> None:
         """Judge all alarms."""
@@ -137,6 +141,7 @@ class Watch:
         self.alarms.judge(STOPPED, False, row.time, "")
         text = "an input was missing or not believed: only what is measured is judged until what is computed agrees"
         self.alarms.judge(CATCHING_UP, row.time < row.judged_from, row.time, text)
+        self._before = row.time
 
     def stopped(self, time: float, text: str) -> None:
         """Take notice that the simulation was begun again."""
@@ -154,7 +159,7 @@ class Watch:
 
     def _judge_output(self, one: Alarm, row: Compared, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
-        computed, ahead = row.outputs.get(one.target), row.foreseen
+        computed = row.outputs.get(one.target)
         known = computed is not None and row.converged and row.time >= row.judged_from
         values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
@@ -165,10 +170,10 @@ class Watch:
             certain = now[-1][0] == "measured" or surely_beyond(now[0][1], sd, one)
             if certain and now[-1][0] == "computed" and np.isfinite(measured):
                 certain, doubt, sd = False, "What is measured", measured
-        elif known and ahead is not None and one.name in ahead.first:
-            after, value = ahead.first[one.name]
-            left = max(0.0, ahead.begun + after - row.time)
+        elif known and (coming := self._coming(one, row)) is not None:
+            left, value, moved = coming
             text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
+            sd = float(np.hypot(sd, moved))
             holds, certain = True, surely_beyond(value, sd, one)
         if row.late and not holds and one.name in self._told_ahead:
             told_ahead = "not known any more: this was foreseen, and the computer has no time to look again"
@@ -178,6 +183,22 @@ class Watch:
         if not certain:
             text += f". That is not certain. {doubt} is {self._teller(one)(sd)}"
         self.alarms.judge(one.name, holds, row.time, text, one.lasting, certain)
+
+    def _coming(self, one: Alarm, row: Compared) -> tuple[float, float, float] | None:
+        """How long ahead a bound is passed, s, the value there, and by how much the estimate has moved since; or None.
+
+        What was to come before the last row has come, or has not: that row shows it. A run ahead that was begun with a
+        guess says nothing of what would not be passed at the estimate of now.
+        """
+        ahead = row.foreseen
+        coming = ahead.coming(one.name, self._before) if ahead is not None else None
+        if ahead is None or coming is None:
+            return None
+        at, value = coming
+        moved = float(np.max(row.moved[one.target])) if one.target in row.moved else 0.0
+        if not ahead.known and not beyond(value, one.above + moved, one.below - moved):
+            return None
+        return max(0.0, at - row.time), value, moved
 
     def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
         """Judge what is wrong with sensors."""

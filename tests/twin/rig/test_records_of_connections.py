@@ -1,6 +1,7 @@
 """Records of connections that the model makes, against the soft string of tests/references/soft_string.py."""
 
 import csv
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +9,9 @@ import pytest
 from references import soft_string as reference
 
 import tautline
-from drillstring.twin.records import COLUMNS, Connecting, connections, write
+from drillstring.twin.records import COLUMNS, UNITS, Connecting, connections, write
 from drillstring.twin.states import RigStates
+from tautline.twin.sources.opening import open_source
 
 DATA = Path(__file__).parents[3] / "data"
 ARC = 600.0 * np.radians(50.0)
@@ -78,9 +80,25 @@ def test_noise_is_that_share_of_the_reading_and_the_same_for_the_same_seed(recor
     assert columns["time"].size == 2 * clean["time"].size
 
 
-def test_a_record_is_written_as_csv_and_read_back(record, tmp_path):
+def test_a_record_is_written_as_csv_with_units_in_its_header_and_read_back(record, tmp_path):
     path = write(record[1], tmp_path / "rig.csv")
     with path.open(encoding="utf8") as file:
         rows = list(csv.DictReader(file))
-    assert tuple(rows[0]) == COLUMNS and len(rows) == record[1]["time"].size
-    assert [float(row["hook_load"]) for row in rows] == record[1]["hook_load"].tolist()
+    assert tuple(rows[0]) == tuple(f"{name} [{UNITS[name]}]" for name in COLUMNS)
+    assert len(rows) == record[1]["time"].size
+    assert [float(row["hook_load [N]"]) for row in rows] == record[1]["hook_load"].tolist()
+
+
+def test_a_twin_reads_a_written_record_in_the_units_of_its_map(record, tmp_path):
+    """Kilonewtons and turns a minute, as the manual's map of a rig has them: they were 1000 times and 9.5 times off."""
+    path = write(record[1], tmp_path / "rig.csv")
+    units = {"hook_load": "kN", "rotary_speed": "rpm", "torque": "kN m", "flow": "l/min", "block": "m"}
+    with closing(open_source(str(path), list(units), units=units)) as source:
+        rows = []
+        while not source.ended:
+            rows.append(source.poll(0.0))
+    rows = [row for row in rows if row is not None]
+    assert [row.time for row in rows] == record[1]["time"].tolist()
+    factors = {"hook_load": 1e-3, "rotary_speed": 30.0 / np.pi, "torque": 1e-3, "flow": 6e4, "block": 1.0}
+    for name, of_one in factors.items():
+        assert np.allclose([row.values[name] for row in rows], of_one * record[1][name], rtol=1e-12, atol=0.0)

@@ -17,7 +17,7 @@ import numpy as np
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.twin.estimation.family import Blow, Family, steps_to
-from tautline.twin.estimation.horizon import Horizon, Sample, mean_of
+from tautline.twin.estimation.horizon import BENT, Horizon, Sample, mean_of
 from tautline.twin.estimation.log import CHECKPOINT, Checkpoint, Log, Logged
 from tautline.twin.map import Plan, Unknown
 from tautline.twin.operation import Operation
@@ -161,6 +161,8 @@ class Estimate:
         made += [made[0].copy() for _ in self.blows]
         self.family = Family(made, names, self.blows)
         self.family.at, self.family.apart = start, np.append(apart, np.ones(len(self.blows)))
+        self._steep: dict[str, np.ndarray] = {}
+        self._steep_at = self.family.time
         self._seen = [*self._parameters, *range(len(plan.unknowns), len(plan.unknowns) + len(self.blows))]
         self.spare = Family([sim.copy() for sim in made] if len(made) > 1 else [], names, self.blows)
         self._begin = self.family.save()
@@ -277,6 +279,7 @@ class Estimate:
         h, p = self.horizon, self._seen
         shift = (h.mean - h.theta0)[p]
         spread = h.covariance[np.ix_(p, p)] if p else np.zeros((0, 0))
+        keep, self._steep_at = self._kept_steep(), self.family.time
         found: dict[str, Any] = {}
         for name, values in read.items():
             J = self.family.derivatives(values)
@@ -284,8 +287,34 @@ class Estimate:
             if self.operation is not None and name in self.operation.pulled and np.min(values) >= 0.0:
                 # None of the simulations has it: a rope is slack before it pushes.
                 value = np.maximum(value, 0.0)
-            found[name] = (value, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
+            sd = np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J))
+            if self._mean and p:
+                self._steep[name] = np.maximum(np.abs(J), keep * self._steep.get(name, 0.0))
+                sd = np.hypot(sd, BENT * (self._steep[name] @ np.abs(shift)))
+            found[name] = (value, sd)
         return found
+
+    def _kept_steep(self) -> float:
+        """Share that is kept of the steepest derivatives since the last row.
+
+        What swings has another phase with another friction: its derivative passes through zero, and what it may be off
+        by, until it is linearised where the estimate is, does not. So the steepest of a mean's time counts.
+        """
+        passed = self.family.time - self._steep_at if self._mean else 0.0
+        return float(np.exp(-passed / self._mean)) if passed >= 0.0 and self._mean else 0.0
+
+    def moved_since(self, read: Mapping[str, np.ndarray], parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """By how much outputs would be others with other parameters than those of the estimate; sizes, by name.
+
+        Parameters
+        ----------
+        parameters : mapping
+            Such as those of an earlier estimate; one that is not there is as in the estimate.
+        """
+        p = len(self._parameters)
+        now = self.horizon.mean[self._parameters]
+        off = now - np.array([parameters.get(name, now[i]) for i, name in enumerate(self.family.names)])
+        return {name: np.abs(self.family.derivatives(values)[..., :p] @ off) for name, values in read.items()}
 
     def swung(self, read: Mapping[str, np.ndarray], missed: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Deviations of outputs by a free motion that makes measured ones as wrong as they are seen to be.

@@ -428,21 +428,30 @@ class Horizon:
         """Standard deviations (m,) of what inputs and the model make of computed values (m,), as rows miss them."""
         return self.deviations(y0) * np.sqrt(np.maximum(self.missed - 1.0, 0.0))
 
-    def miss(self, time: float, residual: np.ndarray, y0: np.ndarray) -> None:
+    def miss(self, time: float, residual: np.ndarray, y0: np.ndarray, over: float = MISSED) -> None:
         """Follow by how much rows miss what is expected of them: residuals (m,), NaN of what is not compared.
 
         What the best estimate leaves of a whole window is less: it knows of a free motion only afterwards.
+
+        Parameters
+        ----------
+        over : float
+            Time over which it is averaged, s.
         """
-        passed = min(time - self.missed_at, MISSED) if np.isfinite(self.missed_at) else 0.0
+        passed = min(time - self.missed_at, over) if np.isfinite(self.missed_at) else 0.0
         self.missed_at = time
         square = np.minimum(np.abs(residual) / self.deviations(y0), MOST_MISSED) ** 2
         told = np.isfinite(square)
         # Rows of the beginning are the mean of themselves: what is not known yet is no zero.
-        keep = np.where(told, np.exp(-passed / MISSED), 1.0)
+        keep = np.where(told, np.exp(-passed / over), 1.0)
         weight = keep * self.told + (1.0 - keep)
         share = (1.0 - keep) / np.maximum(weight, 1e-12)
         self.missed += np.where(told, share * (square - self.missed), 0.0)
         self.told = weight
+
+    def miss_anew(self, time: float) -> None:
+        """Forget by how much rows have missed: the first one later than a time, s, begins a new mean."""
+        self.missed, self.told, self.missed_at = np.zeros_like(self.missed), np.zeros_like(self.told), time
 
     def own(self, residual_sd: np.ndarray, y0: np.ndarray) -> np.ndarray:
         """Standard deviations of residuals (m,) without what the sensors are believed to be worse than is given."""

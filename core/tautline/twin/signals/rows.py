@@ -10,6 +10,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | later than the delay | it is left out, and counted |
 | a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
 | stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
+| rows that were answered, from a stream that a later process begins to read some rows back | they are left out |
 | columns in rows of their own, a small part of the sample interval apart | they are one row, of the first stamp |
 | no readable stamp | it is left out, and counted |
 | a reading beyond 1e30 | it counts as missing, and the row is counted |
@@ -22,6 +23,7 @@ from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -40,6 +42,11 @@ TYPICAL = 5
 """Rows after which the sample interval is known."""
 JOINED = 0.1
 """Part of the sample interval within which rows that have no column in common are one."""
+KEPT, MOST_KEPT = 60.0, 3000
+"""For how long, s, rows that were answered are known again by a later process; and how many of them at most."""
+AT_ONCE, TOLD_BY = 2.0, 1.0
+"""Stamps that go by so many times as fast as rows come are of rows that were written before; and the time after which
+that is told, s."""
 CLOCK_WRONG = 1e-3
 """Rate of the source's clock beside ours that is reported."""
 CLOCK_TIME = 60.0
@@ -124,6 +131,8 @@ class Rows:
         self._last_shown = np.ones(len(self.columns), bool)
         self.waiting: list[Row] = []
         self.past: deque[Row] = deque()
+        self.answered: deque[tuple[float, np.ndarray]] = deque(maxlen=MOST_KEPT)
+        self._running_up, self._came_first = False, (np.nan, np.nan)
         self.reached = -np.inf
         self.newest = -np.inf
         self._suspect: Row | None = None
@@ -169,8 +178,10 @@ class Rows:
         if self._suspect is not None:
             self._resolve(row)
         if row.time <= self.reached:
-            self._add_late(row)
+            if not self._is_repeated(row):
+                self._add_late(row)
             return
+        self._running_up = False
         if row.time - self.newest > self._far and np.isfinite(self.newest):
             self._suspect = row
             return
@@ -205,6 +216,41 @@ class Rows:
             self.counts["future"] += 1
         else:
             self.counts["future"] += 1
+
+    def _is_repeated(self, row: Row) -> bool:
+        """Whether a stream that is gone on with repeats a row, which is counted and left out.
+
+        Such as the last lines of a log, with which a program that follows it begins. Rows from before those that are
+        known again are repeated as long as they come all at once: those of a clock that was set back come as they are
+        measured.
+        """
+        if not self._running_up:
+            return False
+        if not np.isfinite(self._came_first[0]):
+            self._came_first = row.time, row.arrived
+        stamps, passed = row.time - self._came_first[0], row.arrived - self._came_first[1]
+        if passed >= TOLD_BY and stamps <= AT_ONCE * passed:
+            self._running_up = False
+            return False
+        if self._was_answered(row):
+            self.counts["doubled"] += 1
+            return True
+        if self.answered and row.time >= self.answered[0][0] - 1e-9:
+            return False
+        self.counts["late"] += 1
+        return True
+
+    def _was_answered(self, row: Row) -> bool:
+        """Whether there was a row of that stamp with the same readings; its columns may have come one by one."""
+        shown = np.isfinite(row.raw)
+        within = 1e-9 if shown.all() or not np.isfinite(self.interval) else JOINED * self.interval
+        first = bisect_left(self.answered, row.time - within - 1e-9, key=lambda one: one[0])
+        for time, values in islice(self.answered, first, None):
+            if time > row.time + 1e-9:
+                return False
+            if np.array_equal(values[shown], row.raw[shown]):
+                return True
+        return False
 
     def _add_late(self, row: Row) -> None:
         """A row that is too late, unless the clock was set back."""
@@ -321,6 +367,9 @@ class Rows:
         self.waiting.pop(0)
         self.past.append(row)
         self.reached = row.time
+        self.answered.append((row.time, row.values.copy()))
+        while self.answered[0][0] < row.time - KEPT:
+            self.answered.popleft()
         keep = row.time - 10.0 * (self.patience if np.isfinite(self.patience) else 1.0)
         while len(self.past) > 8 and self.past[0].time < keep:
             self.past.popleft()
@@ -354,10 +403,17 @@ class Rows:
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
-        return {"reached": self.reached, "shift": self.shift, "interval": self.interval, "counts": dict(self.counts)}
+        return {
+            "reached": self.reached, "shift": self.shift, "interval": self.interval, "counts": dict(self.counts),
+            "answered": [[time, *values.tolist()] for time, values in self.answered],
+        }  # fmt: skip
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""
         self.reached = self.newest = float(memory["reached"])
         self.shift, self.known_interval = float(memory["shift"]), float(memory["interval"])
         self.counts.update(memory["counts"])
+        # States of earlier versions do not say which rows were answered.
+        self.answered.extend((float(time), np.array(values, float)) for time, *values in memory.get("answered", ()))
+        # What is new of a file is counted, and its rows do not arrive.
+        self._running_up = self.live

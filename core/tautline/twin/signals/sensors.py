@@ -150,7 +150,7 @@ class Health:
             self._jumps_before = self.jumps, self._jumped, self.jump
             self.jumps, self.left_out, self._jumped = self.jumps + 1, reading, time
             way = f"from {self.channel.told(self._last)} to {self.channel.told(reading)} and back"
-            self.jump = f"{self.channel.column} jumped {way} at {time:.6g} s; left out so far: {self.jumps}"
+            self.jump = f"{self.channel.column} jumped {way} at {stamp_said(time)}; left out so far: {self.jumps}"
             return np.nan
         return self._repeated(time, reading, low, high, width)
 
@@ -245,7 +245,8 @@ class Health:
         extreme = reading >= max(self._values) or reading <= min(self._values)
         cut = extreme and len(self._values) >= ENOUGH and not self._is_set and not self._leapt
         kind = "clipped" if at_edge or cut else "stuck"
-        self._set(kind, f"{self.channel.column} has shown {self.channel.told(reading)} since {self._same_from:.6g} s")
+        since = stamp_said(self._same_from)
+        self._set(kind, f"{self.channel.column} has shown {self.channel.told(reading)} since {since}")
         return np.nan
 
     @property

@@ -1,0 +1,81 @@
+"""Looks ahead that take as long as some rows: they were begun with another estimate than that of the row."""
+
+import types
+
+import numpy as np
+import pytest
+from twin.rehearsal import HOIST, WEIGHT, alarms, rows_of, weight_twin
+
+import tautline
+from tautline.twin import restrictions
+from tautline.twin.forecast import Found
+from tautline.twin.watch import Compared, Watch
+
+OVERLOAD = "overload"
+
+
+@pytest.fixture
+def pieces(monkeypatch):
+    """A clock of looks ahead that goes on by one at every look at it: of n seconds n pieces are done."""
+    now = iter(range(10**9))
+    monkeypatch.setattr(restrictions, "clock", types.SimpleNamespace(perf_counter=lambda: float(next(now))))
+
+
+def test_a_load_of_half_the_first_guess_raises_no_overload_by_a_look_ahead_that_was_begun_with_the_guess(pieces):
+    """The first guess of 9 t would have 87 kN, and its look ahead is done when the 5 t of the load are known."""
+    twin, lines, believed = weight_twin(tautline.read(HOIST), "9 t", WEIGHT), [], []
+    # The winch is under way as the twin begins: for a second nothing is estimated.
+    for stamp, readings in [row for row in rows_of(tautline.read(HOIST), 0, 4.6, rate=20.0) if row[0] >= 2.0]:
+        lines += twin.add(stamp, readings)
+        twin.work(1.5)
+        found = twin.outlook.fresh(stamp)
+        believed.append(found is not None and OVERLOAD in found.first and twin.estimate.converged)
+    assert any(believed), "the look ahead that was begun with the guess is done when the load is known"
+    assert OVERLOAD not in alarms(lines)
+
+
+@pytest.fixture(scope="module")
+def watched():
+    """A function that judges a run ahead at a row of a calm twin with a bound of 80 kN, and gives its overload."""
+    twin = weight_twin(start="5 t", map=WEIGHT)
+
+    def judged(found, time=1.0, before=0.95, moved=0.0):
+        watch = Watch(twin.plan, twin.readings.health, None)
+        for at, ahead in ((before, None), (time, found)):
+            watch.judge(Compared(
+                at, np.full(3, np.nan), {"winch.tension": (50e3, 400.0)}, np.zeros(1), np.ones(1), np.zeros(1, bool),
+                np.ones(1), True, ahead, moved={"winch.tension": moved},
+            ))  # fmt: skip
+        return watch.alarms.active.get(OVERLOAD)
+
+    return judged
+
+
+def passed(*beyond, begun=0.5, known=True):
+    """A run ahead that was begun at a time, s, and passes the bound at some."""
+    return Found(begun, {OVERLOAD: beyond[0]}, beyond={OVERLOAD: list(beyond)}, known=known)
+
+
+def test_a_danger_ahead_of_an_estimate_that_stays_is_certain(watched):
+    alarm = watched(passed((1.0, 85e3)))
+    assert alarm.known and "in 0.5 s: 85 kN" in alarm.text
+
+
+def test_a_danger_that_lies_in_the_past_is_over_and_the_next_one_of_the_same_look_ahead_is_not(watched):
+    assert watched(passed((0.1, 85e3), (0.4, 85e3))) is None
+    assert "in 0.7 s: 84 kN" in watched(passed((0.1, 85e3), (0.4, 85e3), (1.2, 84e3))).text
+
+
+def test_a_danger_that_was_to_come_between_the_last_two_rows_is_told_though_no_row_shows_it(watched):
+    assert watched(passed((0.4, 85e3)), time=1.5, before=0.5).known
+
+
+def test_a_danger_at_an_estimate_that_has_moved_since_is_told_and_not_certain(watched):
+    assert watched(passed((1.0, 85e3)), moved=1e3).known
+    alarm = watched(passed((1.0, 85e3)), moved=20e3)
+    assert not alarm.known and "That is not certain" in alarm.text
+
+
+def test_a_danger_by_a_guess_is_told_only_where_the_estimate_that_is_known_now_has_it_too(watched):
+    assert watched(passed((1.0, 87e3), known=False), moved=40e3) is None
+    assert watched(passed((1.0, 87e3), known=False), moved=2e3).known

@@ -1,0 +1,78 @@
+"""A stream that is gone on with and repeats rows that were answered, such as the last lines of a log."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tautline.twin.signals.rows import Rows
+
+STEP = 0.05
+STAMPS = [round(1.8e9 + STEP * k, 2) for k in range(4000)]
+COLUMNS = ("x", "y")
+READ = 3000
+
+
+def readings(k):
+    return {"x": np.sin(0.1 * k), "y": float(k % 7)}
+
+
+def taken(rows, numbers, first=0.0, every=0.0, stamps=STAMPS):
+    """Stamps of the rows that are handed on of those with these numbers, which arrive from a time on."""
+    came = []
+    for i, k in enumerate(numbers):
+        rows.add(stamps[k], readings(k), arrived=first + every * i)
+        while (row := rows.ready()) is not None:
+            came.append(row.time)
+    return came
+
+
+@pytest.fixture(scope="module")
+def memory():
+    """What a process kept that was ended behind some rows."""
+    rows = Rows(COLUMNS)
+    came = taken(rows, range(READ))
+    return json.loads(json.dumps(rows.memory())), len(came)
+
+
+def gone_on(memory):
+    rows = Rows(COLUMNS, live=True)
+    rows.recall(json.loads(json.dumps(memory)))
+    return rows
+
+
+@pytest.mark.parametrize("back", [21, 1000, 2500])
+@pytest.mark.parametrize("old", [False, True], ids=["state of now", "state of an earlier version"])
+def test_rows_that_a_resumed_stream_repeats_are_left_out_and_stamps_stay_as_they_are(memory, back, old):
+    kept, answered = memory
+    rows = gone_on({name: value for name, value in kept.items() if not (old and name == "answered")})
+    # A log is read at once up to where it ends, and then as it grows.
+    came = taken(rows, range(READ - back, READ)) + taken(rows, range(READ, READ + 100), 0.05, STEP)
+    assert came == STAMPS[answered : answered + len(came)] and len(came) > 90
+    assert rows.shift == 0.0 and not rows.counts["clock set back"] and not rows.notes
+    assert rows.counts["doubled"] + rows.counts["late"] == back - (READ - answered)
+
+
+@pytest.mark.parametrize("back", [1.5, 600.0])
+def test_a_clock_that_was_set_back_while_no_twin_ran_is_seen_and_no_row_of_a_second_on_is_lost(memory, back):
+    rows = gone_on(memory[0])
+    shifted = [round(stamp - back - 0.01, 2) for stamp in STAMPS]
+    came = taken(rows, range(READ, READ + 200), 0.0, STEP, shifted)
+    assert rows.counts["clock set back"] == 1 and len(rows.notes) == 1
+    assert len(came) > 200 - 1.0 / STEP - 10 and np.allclose(np.diff(came), STEP, atol=1e-6)
+    assert came[0] > memory[0]["reached"]
+
+
+def test_repeated_rows_with_other_readings_are_of_a_clock_that_was_set_back(memory):
+    rows = gone_on(memory[0])
+    for k in range(READ - 20, READ + 20):
+        rows.add(STAMPS[k], {"x": 5.0 + 0.01 * k, "y": 1.0})
+    assert rows.counts["clock set back"] == 1
+
+
+def test_columns_that_come_in_rows_of_their_own_are_known_again(memory):
+    rows = gone_on(memory[0])
+    for k in range(READ - 30, READ):
+        for late, name in enumerate(COLUMNS):
+            rows.add(STAMPS[k] + 0.001 * late, {name: readings(k)[name]})
+    assert rows.shift == 0.0 and not rows.counts["clock set back"]
