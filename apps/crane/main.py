@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import sys
 
-from crane.application import Crane
-from tautline.cli.run import run
-from tautline.cli.verbs import make_app
+from tautline.kernels.machine.gc_tuning import collected_rarely
 
 
 def main() -> None:
     """Run the command of the process's arguments; leaves through SystemExit."""
-    run(make_app(Crane(), sys.argv[1:]))
+    # What a command imports makes a hundred thousand objects, none of which is garbage.
+    with collected_rarely():
+        from crane.application import Crane
+        from tautline.cli.run import run
+        from tautline.cli.verbs import make_app
+
+        run(make_app(Crane(), sys.argv[1:]))
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
-from tautline.cli.main import make_app
 from tautline.cli.run import run as command_line
+from tautline.cli.verbs import make_app
 
 
 def command_of(application, monkeypatch, capsys):
