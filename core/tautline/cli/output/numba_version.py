@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from importlib import metadata
 
+from tautline.kernels.machine.sources import version_of_numba
+
 _NUMBERS = re.compile(r"(\d+)\.(\d+)")
 
 
@@ -14,7 +16,7 @@ def version_note(installed: str | None = None, requirements: list[str] | None = 
     pip refuses such a numba unless it is told not to look.
     """
     try:
-        installed = installed or metadata.version("numba")
+        installed = installed or version_of_numba()
         wanted = metadata.requires("tautline") if requirements is None else requirements
     except metadata.PackageNotFoundError:
         return None

@@ -18,7 +18,6 @@ import types as python_types
 import uuid
 from collections.abc import Iterator
 from importlib import metadata, util
-from pathlib import Path
 from typing import Any
 
 import llvmlite
@@ -27,7 +26,7 @@ import numpy as np
 from tautline import entry_points
 from tautline.kernels.machine.settings import settings
 
-UNCOMPILED = (("study",), ("cli",), ("view",), ("results",))
+UNCOMPILED = {"study", "cli", "view", "results"}
 """Rooms of the core in which nothing is compiled, though they speak of kernels."""
 COMPILED = {"kernels", "integrators"}
 """Rooms of which every file counts: types, numbers and LLVM's own instructions go into kernels that stand elsewhere."""
@@ -48,19 +47,14 @@ def kernel_sources(package: str = "tautline") -> dict[str, bytes]:
 
 def _texts(package: str, root: str) -> Iterator[tuple[str, bytes]]:
     """Places and contents of the files below a folder that hold compiled code, or constants that are compiled in."""
-    for folder, inner, files in os.walk(root):
-        rooms = tuple(Path(folder).relative_to(root).parts)
-        if package == "tautline" and rooms[:1] in UNCOMPILED:
-            inner.clear()
+    for place in _python_files(root):
+        rooms = place.split("/")[:-1]
+        if package == "tautline" and not UNCOMPILED.isdisjoint(rooms[:1]):
             continue
-        everything = not COMPILED.isdisjoint(rooms)
-        for name in files:
-            if not name.endswith(".py"):
-                continue
-            with open(os.path.join(folder, name), "rb") as file:
-                text = file.read()
-            if everything or b"kernel" in text:
-                yield "/".join((package, *rooms, name)), text
+        with open(f"{root}/{place}", "rb", buffering=0) as file:
+            text = file.read()
+        if not COMPILED.isdisjoint(rooms) or b"kernel" in text:
+            yield f"{package}/{place}", text
 
 
 @functools.cache
@@ -91,6 +85,7 @@ def comes_with_us(thing: Any) -> bool:
 IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 
 
+@functools.cache
 def version_of_numba() -> str:
     """The number of the numba that is installed, which is not loaded for it."""
     if "numba" in sys.modules:
@@ -121,8 +116,11 @@ def hash_of_package(package: str) -> str:
         for place, text in texts.items():
             digest.update(f"{place}\0".encode() + hashlib.sha256(text).digest())
         if each != "tautline":
-            named = {name.decode() for text in texts.values() for name in IMPORTED.findall(text)}
-            waiting += sorted((named & packages()) - seen - {each})
+            others = {name.encode() for name in packages() - seen - {each}}
+            # To look for any name is quicker than to look for what is imported, and few files have one.
+            speaking = (text for text in texts.values() if any(name in text for name in others))
+            named = {name for text in speaking for name in IMPORTED.findall(text)}
+            waiting += sorted(name.decode() for name in named & others)
             seen |= {each, *waiting}
     return digest.hexdigest()
 
@@ -152,7 +150,7 @@ def _python_files(root: str, inner: str = "") -> Iterator[str]:
         for one in found:
             if one.name.endswith(".py"):
                 yield inner + one.name
-            elif one.is_dir() and one.name != "__pycache__":
+            elif one.name != "__pycache__" and one.is_dir():
                 yield from _python_files(root, f"{inner}{one.name}/")
 
 
