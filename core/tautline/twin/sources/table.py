@@ -84,6 +84,7 @@ class Header:
         self.width = self._before = len(titles)
         self.notes: list[str] = [] if notes is None else notes
         self._unusable: NewHeader | None = None  # a later header by which rows cannot be read
+        self._comma_told = False
         self._stamps = Stamps(time, self.notes)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles)
         problems = []
@@ -151,6 +152,7 @@ class Header:
             self._unusable = NewHeader(error)
             self.notes.append(f"{where}:{number}: a new header by which rows cannot be read; it may be torn")
             return self
+        found._comma_told = self._comma_told
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
@@ -194,10 +196,26 @@ class Header:
         if len(cells) <= self.stamp:
             return None
         values = {
-            name: self.factors[name] * number_of(cells[place]) if place < len(cells) else float("nan")
+            name: self.factors[name] * self._number(name, cells[place]) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
-        stamp = self._stamps.read(self.names[self.stamp] or "time", cells[self.stamp], self.factor)
+        title = self.names[self.stamp] or "time"
+        stamp = self._stamps.read(title, cells[self.stamp], self.factor)
+        if "," in cells[self.stamp] and not math.isnan(number_of(cells[self.stamp])):
+            stamp = self._number(title, cells[self.stamp])
         if self._unusable is not None and math.isfinite(stamp):
             raise self._unusable
         return stamp, values
+
+    def _number(self, name: str, cell: str) -> float:
+        """A cell's number; NaN for one with a comma in a table that commas separate: it may be one of thousands."""
+        if self.separator != "," or "," not in cell:
+            return number_of(cell)
+        if not self._comma_told:
+            self._comma_told = True
+            self.notes.append(
+                f"column '{name}' has cells such as \"{cell}\". In a table with commas between its cells this may be a "
+                "mark of thousands or a decimal comma. Such cells are left out: write numbers without marks of "
+                "thousands and with a decimal point, or put ; between the cells if these are decimal commas"
+            )
+        return math.nan
