@@ -94,8 +94,11 @@ class Header:
             problems.append(Problem(where, number, "", None, cause, cure))
         self.places: dict[str, int] = {}
         self.factors: dict[str, float] = {}
+        if stamp is not None:
+            problems += self._twice(stamp, titles, where, number)
         for column in columns:
-            place = next((i for i, one in enumerate(titles) if column in (one, self.names[i])), None)
+            problems += self._twice(column, titles, where, number) if column != stamp else []
+            place = next(iter(self._places(column, titles)), None)
             if place is None:
                 cure = nearest(column, sorted(name for name in self.names if name))
                 problems.append(Problem(where, number, "", None, f"there is no column '{column}'", cure))
@@ -112,8 +115,21 @@ class Header:
                     problems.append(Problem(where, number, f"column '{column}'", None, cause, cure))
         if problems:
             raise SceneError(problems)
-        self.stamp = next(i for i, one in enumerate(titles) if stamp in (one, self.names[i]))
+        self.stamp = self._places(str(stamp), titles)[0]
         self.factor = seconds_in(self.units[self.stamp] or self._stamps.unit)
+
+    def _places(self, column: str, titles: Sequence[str]) -> list[int]:
+        """Where a column is, by its name or by its whole title, ``rope [kN]``."""
+        return [i for i, one in enumerate(titles) if column in (one, self.names[i])]
+
+    def _twice(self, column: str, titles: Sequence[str], where: str, number: int) -> list[Problem]:
+        """That a column is there more than once: nothing shows which of them is meant."""
+        places = self._places(column, titles)
+        if len(places) < 2:
+            return []
+        shown = ", ".join(f"cell {i + 1} ('{titles[i]}')" for i in places)
+        cause = f"there are {len(places)} columns '{column}' in the header: {shown}"
+        return [Problem(where, number, "", None, cause, "give each column a name of its own")]
 
     def _factor(self, column: str, header: str, asked: str | None) -> float:
         """What readings of a column are multiplied by; 1 where the header or nobody gives a unit."""
