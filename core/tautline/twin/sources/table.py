@@ -7,7 +7,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.columns import NO_UNIT, unit_named
 from tautline.scene.refusal import nearest
+from tautline.scene.values.units import UnknownUnit, read_unit
 from tautline.twin.sources.reading_units import OtherQuantity, factor_between
 from tautline.twin.sources.record import SourceStopped
 from tautline.twin.sources.stamps import Stamps, heads, number_of, seconds_in
@@ -40,6 +42,22 @@ def cells_of(line: str, separator: str) -> list[str]:
         return []
 
 
+def _is_unit(word: str) -> bool:
+    """Whether a word is a known unit."""
+    try:
+        return read_unit(unit_named(word)) is not None
+    except UnknownUnit:
+        return False
+
+
+def _are_alike(one: str, other: str) -> bool:
+    """Whether two units are the same, however they are written."""
+    try:
+        return one == other or factor_between(one, other) == 1.0
+    except OtherQuantity:
+        return False
+
+
 class Header:
     """The header of a table, and how its rows are read.
 
@@ -59,6 +77,8 @@ class Header:
         Where sentences for the user go.
     number : int
         Number of the line, for messages.
+    below : sequence of str
+        Units by cell where the line below the header has them.
 
     Attributes
     ----------
@@ -73,14 +93,19 @@ class Header:
 
     def __init__(
         self, line: str, columns: Sequence[str], time: str, where: str, units: Mapping[str, str] | None = None,
-        notes: list[str] | None = None, number: int = 1,
+        notes: list[str] | None = None, number: int = 1, below: Sequence[str] = (),
     ) -> None:  # fmt: skip
-        self._given = columns, time, where, units
+        self._given, self._line, self._number_of_line = (columns, time, where, units), line, number
+        # Whether the next line may have its units: no row was read by it. And whether rows came before it.
+        self._bare, self._later = not below, False
         self.separator = separator_of(line)
         titles = cells_of(line, self.separator)
         while titles and not titles[-1]:  # a separator at the end of the header makes no column
             titles.pop()
         self.names, self.units = heads(titles)
+        own = self.units
+        if below:
+            self.units = [below[i] if i < len(below) and below[i] else one for i, one in enumerate(own)]
         self.width = self._before = len(titles)
         self.notes: list[str] = [] if notes is None else notes
         self._unusable: NewHeader | None = None  # a later header by which rows cannot be read
@@ -102,6 +127,9 @@ class Header:
             if place is None:
                 cure = nearest(column, sorted(name for name in self.names if name))
                 problems.append(Problem(where, number, "", None, f"there is no column '{column}'", cure))
+            elif own[place] and not _are_alike(own[place], self.units[place]):
+                cause = f"the unit is [{own[place]}] in the header and {self.units[place]} in the line below it"
+                problems.append(Problem(where, number, f"column '{column}'", None, cause, "give one of both"))
             else:
                 self.places[column] = place
                 try:
@@ -139,7 +167,8 @@ class Header:
         if factor is None:
             said = f"its readings are taken in {asked}" if asked else "its readings are taken in SI units"
             why = "which is no known unit" if asked else "and the map gives no unit"
-            self.notes.append(f"column '{column}' has the unit [{header}] in the header, {why}: {said}")
+            note = f"column '{column}' has the unit [{header}] in the header, {why}: {said}"
+            self.notes += [note] if note not in self.notes else []
             return 1.0
         return factor
 
@@ -160,6 +189,8 @@ class Header:
             Whether it ends: half a line is none.
         """
         columns, time, where, units = self._given
+        if whole and (below := self._units_in(line)):
+            return self._with_units(below)
         if not whole or not self._is_header(line):
             return None
         try:
@@ -168,11 +199,45 @@ class Header:
             self._unusable = NewHeader(error)
             self.notes.append(f"{where}:{number}: a new header by which rows cannot be read; it may be torn")
             return self
-        found._comma_told = self._comma_told
+        found._comma_told, found._later = self._comma_told, True
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
+        return found
+
+    def _units_in(self, line: str) -> list[str]:
+        """Units by cell of a line right below the header that has them; empty for any other line.
+
+        It has no number, and more known units than other words; beside them the cell of the stamp may say anything.
+        """
+        cells = [one.strip("[]() ") for one in cells_of(line, self.separator)]
+        cells = ["" if one in NO_UNIT else one for one in cells]
+        words = [one for i, one in enumerate(cells) if one and i != self.stamp]
+        known = sum(_is_unit(one) for one in words)
+        if not self._bare or len(cells) > self.width + 1 or 2 * known <= len(words):
+            return []
+        if {*cells}.issuperset(self._given[0]) or not all(math.isnan(number_of(one)) for one in cells):
+            return []
+        return cells
+
+    def _with_units(self, below: Sequence[str]) -> Header:
+        """This header with units of the line below it.
+
+        Raises
+        ------
+        SceneError
+            Where they cannot be, and no row came before. Else `read` raises at the next row.
+        """
+        columns, time, where, units = self._given
+        try:
+            found = Header(self._line, columns, time, where, units, self.notes, self._number_of_line, below)
+        except SceneError as error:
+            if not self._later:
+                raise
+            self._unusable, self._bare = NewHeader(error), False
+            return self
+        found._comma_told, found._later = self._comma_told, self._later
         return found
 
     def _is_header(self, line: str) -> bool:
@@ -219,8 +284,10 @@ class Header:
         stamp = self._stamps.read(title, cells[self.stamp], self.factor)
         if "," in cells[self.stamp] and not math.isnan(number_of(cells[self.stamp])):
             stamp = self._number(title, cells[self.stamp])
-        if self._unusable is not None and math.isfinite(stamp):
-            raise self._unusable
+        if math.isfinite(stamp):
+            self._bare = False
+            if self._unusable is not None:
+                raise self._unusable
         return stamp, values
 
     def _number(self, name: str, cell: str) -> float:
