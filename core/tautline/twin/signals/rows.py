@@ -26,6 +26,8 @@ from typing import Any
 
 import numpy as np
 
+from tautline.scene.values.moments import stamp_said
+
 FAR = 4.0
 """Stamps further ahead than so many sample intervals wait for the next."""
 BACK = 5
@@ -38,6 +40,8 @@ SHOWN_IN = 1.0
 """Longest that the first row waits for others that show the noise of inputs, s."""
 TYPICAL = 5
 """Rows after which the sample interval is known."""
+DIFFERENT = 3
+"""Rows with a stamp that was there, and with other readings, after which this is told."""
 JOINED = 0.1
 """Part of the sample interval within which rows that have no column in common are one."""
 CLOCK_WRONG = 1e-3
@@ -128,6 +132,7 @@ class Rows:
         self.newest = -np.inf
         self._suspect: Row | None = None
         self._late: list[Row] = []
+        self._different = 0
         self._intervals: deque[float] = deque(maxlen=INTERVALS)
         self._clock: deque[tuple[float, float]] = deque(maxlen=600)
         self.clock_rate = 0.0
@@ -212,6 +217,8 @@ class Rows:
         if known is not None and np.array_equal(known.raw, row.raw, equal_nan=True):
             self.counts["doubled"] += 1
             return
+        if known is not None:
+            self._compare(known.raw, row)
         self.counts["late"] += 1
         if self._late and not row.time > self._late[-1].time:
             self._late.clear()
@@ -230,12 +237,26 @@ class Rows:
             one.after_gap = one is rows[0]
             self._insert(one)
 
+    def _compare(self, known: np.ndarray, row: Row) -> None:
+        """Tell once where rows of one stamp have different readings (c,): they are not one row that came twice."""
+        both = np.isfinite(known) & np.isfinite(row.values)
+        self._different += not np.array_equal(known[both], row.values[both])
+        if self._different == DIFFERENT:
+            self._different += 1  # never this number again
+            when = stamp_said(row.time - self.shift)
+            self.notes.append(
+                f"rows with the same stamp have different readings, such as at {when}: the first one of a stamp "
+                "counts, and the others are left out. The stamps may have too few digits for rows that come so fast, "
+                "or two machines are in the data. Write stamps with milliseconds"
+            )
+
     def _insert(self, row: Row) -> None:
         times = [one.time for one in self.waiting]
         k = bisect_left(times, row.time - 1e-9)
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
             self.counts["doubled"] += 1
             known = self.waiting[k].values
+            self._compare(known, row)
             self.waiting[k].places += row.places
             self.waiting[k].values = np.where(np.isfinite(known), known, row.values)
             return
