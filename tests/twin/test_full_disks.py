@@ -80,3 +80,25 @@ def test_a_disk_that_has_room_again_loses_nothing(files, capsys, monkeypatch):
         ("result", False), ("result", True), ("state", False), ("state", True),
     ]  # fmt: skip
     assert len(Result.read(files / "b.nc")["time"]) == ROWS
+
+
+@pytest.mark.parametrize("what", ["state", "result"])
+def test_a_folder_that_has_vanished_is_told_to_be_made_again_and_no_space_is_asked_for(
+    files, capsys, monkeypatch, what
+):
+    folder, real = files / f"vanishing {what}", command._Loop._save
+    folder.mkdir()
+
+    def save(loop):
+        if folder.exists():
+            for one in folder.iterdir():
+                one.unlink()
+            folder.rmdir()
+        real(loop)
+
+    monkeypatch.setattr(command._Loop, "_save", save)
+    words = {"state": ["--state", folder / "v.st"], "result": ["-o", folder / "v.nc"]}[what]
+    code, lines, saved, told, _ = run(files, capsys, monkeypatch, *words)
+    assert code == 3 and len(lines) == ROWS and [(one["file"], one["saved"]) for one in saved] == [(what, False)]
+    told = " ".join(told.split())
+    assert f"the folder {folder} is gone: make it again" in told and "free some space" not in told

@@ -303,3 +303,46 @@ def test_close_rows_that_have_columns_in_common_stay_apart():
         rows.add(0.05 * k, {"a": 1.0, "b": float(k)})
     rows.add(0.951, {"a": 2.0})
     assert [row.time for row in rows.waiting][-2:] == pytest.approx([0.95, 0.951])
+
+
+@pytest.mark.parametrize("delay", [None, 0.0])
+def test_rows_of_one_stamp_with_different_readings_are_told_once_as_stamps_with_too_few_digits(delay):
+    rows, told = Rows(["x"], delay), []
+    for k in range(200):
+        rows.add(1767225600.0 + k // 20, {"x": float(k)})
+        while rows.ready() is not None:
+            pass
+        told += [k] * len(rows.notes[len(told) :])
+    assert told == [3]
+    assert "at 2026-01-01 00:00:00.0 UTC" in rows.notes[0] and "too few digits" in rows.notes[0]
+
+
+def test_rows_that_come_twice_with_equal_readings_or_fill_one_another_need_no_word():
+    rows = Rows(["x", "y"], 0.0)
+    for k in range(40):
+        rows.add(k // 4, {("x", "y")[k % 2]: float(k // 4)})
+    assert not rows.notes
+
+
+def test_columns_whose_stamps_are_behind_those_of_another_are_told_once_with_how_far():
+    rows, told = Rows(["winch", "heave", "tension"]), []
+    for k in range(400):
+        rows.add(100.0 + 0.05 * k, {"winch": 0.1 * k})
+        rows.add(98.5 + 0.05 * k, {"heave": 0.2 * k, "tension": 0.3 * k})
+        while rows.ready() is not None:
+            pass
+        told += [k] * len(rows.notes[len(told) :])
+    assert rows.counts["late"] > 300
+    assert len(told) == 1 and told[0] < 60
+    assert rows.notes[0].startswith("the stamps of heave, tension are 1.5 s behind those of winch: ")
+
+
+def test_late_rows_of_all_columns_and_a_column_that_is_late_now_and_then_need_no_such_word():
+    rows = Rows(["winch", "heave"], 0.1)
+    for k in range(400):
+        rows.add(100.0 + 0.05 * k, {"winch": 0.1 * k, "heave": 0.3 * k})
+        late = 98.5 + 0.05 * k + 0.025
+        rows.add(late, {"winch": 0.1 * k, "heave": 0.2 * k} if k % 2 else {"heave": 0.2 * k})
+        while rows.ready() is not None:
+            pass
+    assert rows.counts["late"] > 300 and not rows.notes

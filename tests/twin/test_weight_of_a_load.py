@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pytest
 from of_the_suite import studies
-from twin.rehearsal import HOIST, NOT_AHEAD, SENSORS, alarms, at, hoist, lines_of, rows_of, weight_twin
+from twin.rehearsal import CALM, HOIST, NOT_AHEAD, SENSORS, alarms, at, calm_rows, hoist, lines_of, rows_of, weight_twin
 
 import tautline
 from tautline.twin.twin import Twin
@@ -132,3 +132,23 @@ ahead: 0 s
     one = at(lines, 10.0)["estimates"]["payload.mass"]
     assert one["value"] == pytest.approx(2000.0, rel=0.01)
     assert abs(one["value"] - 2000.0) < 2.5 * one["sd"]
+
+
+def test_a_weight_that_stands_at_the_end_of_its_range_is_told_once_and_health_is_degraded():
+    twin, lines, told = Twin(hoist(CALM), NOT_AHEAD.replace("START", "9 t").replace("[0.5 t,", "[6 t,")), [], []
+    for stamp, readings in calm_rows():
+        lines += twin.add(stamp, readings)
+        told += [note for note in twin.notes if "end of its range" in note]
+        twin.notes.clear()
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == 6000.0
+    assert len(told) == 1 and told[0].startswith(
+        "payload.mass stands at the end of its range, 6000 kg, and the sensors"
+    )
+    assert {line["health"] for line in lines if line["time"] > 8.0} == {"degraded"}
+
+
+def test_a_weight_that_may_stand_near_the_end_of_its_range_is_told_with_good_health():
+    twin = Twin(hoist(CALM), NOT_AHEAD.replace("START", "9 t").replace("[0.5 t,", "[4.99 t,"))
+    lines = lines_of(twin, calm_rows())
+    assert not [note for note in twin.notes if "end of its range" in note]
+    assert {line["health"] for line in lines if line["time"] > 8.0} == {"good"}

@@ -26,6 +26,7 @@ import numpy as np
 
 from crane.rope_life.bending import RESOLUTION, Contact
 from crane.rope_life.fatigue import SLOPE
+from tautline.results.disk import cure_of
 from tautline.results.errors import ResultError
 from tautline.whole_file import whole_file
 
@@ -206,7 +207,8 @@ class RopeAccount:
                 file.flush()
                 os.fsync(file.fileno())
         except OSError as error:
-            raise ResultError(path, f"the account cannot be written: {error.strerror}", "give another file") from None
+            cause = f"the account cannot be written: {error.strerror}"
+            raise ResultError(path, cause, cure_of(path, "give another file")) from None
 
     @classmethod
     def load(cls, path: Path, rope: RopeOf | None = None, operation: str | None = None) -> RopeAccount:

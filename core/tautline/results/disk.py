@@ -83,6 +83,12 @@ class Lock:
             self._number = None
 
 
+def cure_of(path: Path, cure: str) -> str:
+    """What to do about a file that cannot be written: to make its folder again where that is gone, else `cure`."""
+    folder = path.parent
+    return cure if folder.is_dir() else f"the folder {folder} is gone: make it again"
+
+
 def reserve(path: Path, amount: int) -> None:
     """Make room for a file to grow by `amount` bytes, or fail while that is harmless.
 

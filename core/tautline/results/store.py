@@ -250,9 +250,9 @@ class Store:
 
     def _failure(self, copies: _Copies, error: Exception) -> WriteError:
         reason = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
-        kept = max(copies.held)
+        kept = max(copies.held) if copies.path.parent.is_dir() else 0
         left = f"; {kept} frames are kept in it" if kept else "; nothing was stored"
-        cure = "free some space, or name another folder with -o"
+        cure = disk.cure_of(copies.path, "free some space, or name another folder with -o")
         cure += f"; then go on with --resume {copies.path}" if kept and self.resumable else ""
         return WriteError(copies.path, f"cannot be written any more: {reason}{left}", cure)
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tautline.live.memory import State
+from tautline.results.disk import cure_of
 from tautline.results.errors import ResultError
 from tautline.twin.estimation.horizon import Sample
 from tautline.whole_file import whole_file
@@ -62,9 +63,8 @@ def save(twin: Twin, path: Path) -> None:
         with whole_file(path) as waiting, waiting.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
     except OSError as error:
-        raise ResultError(
-            path, f"the twin's state cannot be written: {error.strerror}", "free some space, or give another --state"
-        ) from None
+        cure = cure_of(path, "free some space, or give another --state")
+        raise ResultError(path, f"the twin's state cannot be written: {error.strerror}", cure) from None
 
 
 def load(twin: Twin, path: Path) -> float:

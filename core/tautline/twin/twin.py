@@ -30,10 +30,12 @@ from tautline.twin.settling import Settling
 from tautline.twin.signals.readings import Readings
 from tautline.twin.signals.rows import Row
 from tautline.twin.signals.sensors import Health
-from tautline.twin.watch import Compared, Watch
+from tautline.twin.watch import Compared, Watch, said
 
 MANY = 5.0
 """Standard deviations of a sensor from which on a computed value is not known well, and health is degraded."""
+LONG_MISSED = 10.0
+"""The same of what rows have missed in the last seconds, where inputs are noisy."""
 NOISE_SHOWN = 12
 """Rows that show how much noise inputs have before a load is moved by them."""
 LONG_GAP = 120.0
@@ -41,6 +43,8 @@ LONG_GAP = 120.0
 RESTED = 0.5
 """Time over which it is averaged by how much rows of a machine at rest miss what is computed, s: slips let go
 of a string within seconds."""
+BEYOND = 5.0
+"""Standard deviations that an estimate would stand beyond its range, from which on range or data are wrong."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
 
@@ -102,6 +106,7 @@ class Twin:
         ]))  # fmt: skip
         self.now, self.unsettled = np.nan, -np.inf
         self.settling, self.unsure, self.rests = Settling(), False, False
+        self._ends, self._ends_told = dict[str, float](), set[str]()
         self.restarts = 0
         self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
         self.notes = self.estimate.notes  # one list
@@ -441,7 +446,9 @@ class Twin:
             more[one.name] = value, np.hypot(own, beyond[one.name])
             # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
             self.unsure |= bool(not self.estimate.known and own > MANY * sd)
-            self.unsure |= bool(self.readings.shaken and np.hypot(own, beyond[one.name]) > MANY * sd)
+            # What rows have missed is remembered for seconds, also of a first guess that shook the load by little.
+            if self.readings.shaken:
+                self.unsure |= bool(np.hypot(own, shaken) > MANY * sd or missed > LONG_MISSED * sd)
             # A step that is not recognised shows in what rows miss, and in what the best estimate leaves of the window:
             # a single snap that comes a little later than computed is missed by more.
             self.unsure |= bool(missed > MANY * sd and (self.rests or spread > MANY**2))
@@ -451,7 +458,29 @@ class Twin:
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)
         self.unsure |= self._moved_wrongly and not self.estimate.shown
+        self.unsure |= self._stands_at_an_end()
         return more
+
+    def _stands_at_an_end(self) -> bool:
+        """Whether an estimate has wanted to leave its range for a second, far beyond its deviation; told once."""
+        lasts, units = False, getattr(self.scene, "units", "si")
+        for one, beyond, mean in zip(
+            self.plan.unknowns, self.estimate.horizon.beyond, self.estimate.horizon.mean, strict=False
+        ):
+            if not beyond > BEYOND:
+                self._ends.pop(one.name, None)
+                continue
+            begun = self._ends.setdefault(one.name, self.now)
+            if self.now - begun < SETTLING:
+                continue
+            lasts = True
+            if one.name not in self._ends_told:
+                self._ends_told.add(one.name)
+                self.notes.append(
+                    f"{one.name} stands at the end of its range, {said(float(mean), one.unit, units)}, and the sensors "
+                    "ask for a value far beyond. Check units and zero of the sensors, or make `range` wider in the map"
+                )
+        return lasts
 
     def _computed(self) -> dict[str, float]:
         """What is computed of the measured outputs now, SI by name."""

@@ -5,6 +5,7 @@ import io
 import pytest
 from twin.sources.test_sources_of_data import all_of, written
 
+from tautline.scene.errors import SceneError
 from tautline.twin.signals.rows import Rows
 from tautline.twin.sources.csv_file import CsvFile
 from tautline.twin.sources.record import SourceStopped
@@ -134,12 +135,17 @@ def test_a_remark_of_another_width_is_none_and_needs_no_word(tmp_path, of, line)
 
 
 @pytest.mark.parametrize("of", [file, stream])
-@pytest.mark.parametrize("units", ["s,m,t", "s,m,API", "UTC,m,t", "-,spm,t", "[s],[m],[t]"])
-def test_units_directly_below_a_header_end_no_source_also_where_a_tonne_is_written_as_a_stamp_may_be(
-    tmp_path, of, units
-):
+@pytest.mark.parametrize("units", ["s,m,kN", "s,m,API", "UTC,m,kN", "-,spm,t", "[s],[m],[kN]"])
+def test_units_directly_below_a_header_end_no_source(tmp_path, of, units):
     source = of(tmp_path, FIRST.replace("\n", f"\n{units}\n", 1))
     assert [row.time for row in all_of(source) if row.time == row.time] == [0.0] and not source.notes
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("units", ["s,m,t", "UTC,m,t", "[s],[m],[t]"])
+def test_a_tonne_below_a_header_of_kilonewtons_contradicts_it_and_is_no_stamp(tmp_path, of, units):
+    with pytest.raises(SceneError, match=r"\[kN\] in the header and t in the line below it; give one of both"):
+        all_of(of(tmp_path, FIRST.replace("\n", f"\n{units}\n", 1)))
 
 
 @pytest.mark.parametrize("of", [file, stream])

@@ -72,6 +72,14 @@ def test_a_number_that_the_broker_has_kept_is_left_out_and_one_with_a_stamp_is_n
     assert [mqtt.poll(0.1).values["a"] for _ in range(2)] == [6.0, 7.0]
 
 
+@pytest.mark.parametrize("payload", ['{"a": 5}', '{"value": 5}'])
+def test_an_object_without_a_stamp_that_the_broker_has_kept_is_left_out_and_a_new_one_is_not(mqtt, payload):
+    mqtt._take(None, None, Message(payload, "crane/a", retain=True))
+    assert mqtt.poll(0.0) is None and "a message without a stamp, which the broker has kept" in mqtt.notes[-1]
+    mqtt._take(None, None, Message(payload, "crane/a"))
+    assert mqtt.poll(0.1).values["a"] == 5.0
+
+
 def failing(*_):
     raise RuntimeError("boom")
 

@@ -75,3 +75,28 @@ def test_a_unit_that_says_nothing_is_told_and_the_reading_stays(tmp_path, header
 )
 def test_factors_between_units_are_exact(header, asked, factor):
     assert factor_between(header, asked) == pytest.approx(factor, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("header", "column", "cells"),
+    [
+        ("time,winch,winch,rope", "winch", r"cell 2 \('winch'\), cell 3 \('winch'\)"),
+        ("time,rope [N],winch,rope [kN]", "rope", r"cell 2 \('rope \[N\]'\), cell 4 \('rope \[kN\]'\)"),
+        ("time,winch,rope,time", "time", r"cell 1 \('time'\), cell 4 \('time'\)"),
+    ],
+)
+def test_a_column_that_is_twice_in_a_header_is_refused_with_both_places(tmp_path, header, column, cells):
+    said = rf"there are 2 columns '{column}' in the header: {cells}; give each column a name of its own"
+    text, units = f"{header}\n0,1,2,3\n", {"winch": "m", "rope": "kN"}
+    path = tmp_path / "r.csv"
+    path.write_text(text)
+    with pytest.raises(SceneError, match=said):
+        CsvFile(path, list(units), units=units)
+    source = Stream(io.StringIO(text), list(units), units=units)
+    with pytest.raises(SceneError, match=said):
+        source.poll(5.0)
+
+
+def test_a_column_that_is_twice_and_not_wanted_is_no_fault_and_a_whole_title_names_one_of_two(tmp_path):
+    source = file(tmp_path, "spare,spare,rope [N],rope [kN]", {"rope [kN]": "kN"}, "1,2,3000,3")
+    assert source.poll(0.0).values["rope [kN]"] == 3.0

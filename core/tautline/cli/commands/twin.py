@@ -325,18 +325,23 @@ class _Loop:
                 first = self.twin.estimate.family.simulations[0]
                 self.page.publish(finite(line), first.model, first.parts.frames.rows[0])
             self._tell(line)
+        self._remark(self.twin.readings.rows.notes)  # what is wrong with rows may be why there is no line
         now = clock.monotonic()
         if lines and now - self.saved > SAVE_EVERY:
             self._save()
+
+    def _remark(self, notes: list[str]) -> None:
+        """Print sentences, and take them out."""
+        for note in notes:
+            say(note, "yellow")
+        notes.clear()
 
     def _tell(self, line: dict[str, Any]) -> None:
         """Print alarms as they begin and end."""
         from tautline.scene.values.moments import stamp_said
 
-        for note in [*self.twin.notes, *self.twin.readings.rows.notes]:
-            say(note, "yellow")
-        self.twin.notes.clear()
-        self.twin.readings.rows.notes.clear()
+        self._remark(self.twin.notes)
+        self._remark(self.twin.readings.rows.notes)
         active = {one["name"]: one for one in line["alarms"]}
         for name, one in active.items():
             if name not in self.told:

@@ -115,6 +115,8 @@ class Horizon:
         Mean square by which rows missed lately what was expected of them, in variances of the sensor.
     told : (m,), missed_at : float
         How far that mean is known, 0 to 1, and the time at which it was last followed, s.
+    beyond : (k,)
+        How far beyond its range each unknown would stand without it, in standard deviations.
     released : float
         Time at which the prior was released for the last time; minus infinity.
     since, changed : float
@@ -143,6 +145,7 @@ class Horizon:
         self.samples: deque[Sample] = deque()
         self.spread, self.correlation = np.ones(m), np.ones(m)
         self.at_bound = np.zeros(k, bool)
+        self.beyond = np.zeros(k)
         self.released, self._contradicted = -np.inf, np.nan
         self.rough = np.zeros((m, k))
         self.largest = np.zeros(m)
@@ -285,6 +288,9 @@ class Horizon:
             total = self.prior + info
             self.mean = self._within(total, self.prior @ self.prior_mean + pull)
         self.covariance = np.linalg.inv(total)
+        wanted = self.covariance @ (self.prior @ self.prior_mean + pull)
+        away = np.maximum(np.maximum(self.low - wanted, wanted - self.high), 0.0)
+        self.beyond = away / np.sqrt(np.diag(self.covariance))
         # Whether it contradicts the prior is asked of the window by the sensor's own noise: what a changed load leaves
         # unexplained must not pass for noise.
         info, pull = self._information(samples, alone=True)

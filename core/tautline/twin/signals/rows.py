@@ -28,6 +28,8 @@ from typing import Any
 
 import numpy as np
 
+from tautline.scene.values.moments import stamp_said
+
 FAR = 4.0
 """Stamps further ahead than so many sample intervals wait for the next."""
 BACK = 5
@@ -40,6 +42,10 @@ SHOWN_IN = 1.0
 """Longest that the first row waits for others that show the noise of inputs, s."""
 TYPICAL = 5
 """Rows after which the sample interval is known."""
+DIFFERENT = 3
+"""Rows with a stamp that was there, and with other readings, after which this is told."""
+BEHIND = 10
+"""Late rows of a column, without one that is not, after which this is told; another column has as many that are not."""
 JOINED = 0.1
 """Part of the sample interval within which rows that have no column in common are one."""
 KEPT, MOST_KEPT = 60.0, 3000
@@ -137,6 +143,10 @@ class Rows:
         self.newest = -np.inf
         self._suspect: Row | None = None
         self._late: list[Row] = []
+        self._different = 0
+        self._behind: list[deque[float]] = [deque(maxlen=INTERVALS) for _ in self.columns]
+        self._in_time = np.zeros(len(self.columns), int)  # rows of each column in time, without a late one
+        self._behind_told = False
         self._intervals: deque[float] = deque(maxlen=INTERVALS)
         self._clock: deque[tuple[float, float]] = deque(maxlen=600)
         self.clock_rate = 0.0
@@ -186,7 +196,30 @@ class Rows:
             self._suspect = row
             return
         self._late.clear()
+        shown = np.isfinite(row.values)
+        self._in_time[shown] += 1
+        for i in np.flatnonzero(shown).tolist():
+            self._behind[i].clear()
         self._insert(row)
+
+    def _compare_columns(self, row: Row) -> None:
+        """Tell once where all rows of some columns are late and those of others are not: their clocks differ."""
+        shown = np.isfinite(row.values)
+        self._in_time[shown] = 0
+        for i in np.flatnonzero(shown).tolist():
+            self._behind[i].append(self.newest - row.time)
+        late = [i for i, one in enumerate(self._behind) if len(one) >= BEHIND]
+        others = np.flatnonzero(self._in_time >= BEHIND).tolist()
+        if self._behind_told or not late or not others:
+            return
+        self._behind_told = True
+        late = [i for i, one in enumerate(self._behind) if len(one) >= BEHIND - 1]
+        by = float(np.median(np.concatenate([self._behind[i] for i in late])))
+        names, beside = (", ".join(self.columns[i] for i in some) for some in (late, others))
+        self.notes.append(
+            f"the stamps of {names} are {by:.3g} s behind those of {beside}: rows with them come too late and are left "
+            "out. Let one clock give the stamps of all columns. A message without a stamp has the time of its arrival"
+        )
 
     def _nulls(self, read: np.ndarray) -> np.ndarray:
         """Which readings (c,) stand for none: what the sensor can show by its range, or has come near to, does not."""
@@ -258,7 +291,10 @@ class Rows:
         if known is not None and np.array_equal(known.raw, row.raw, equal_nan=True):
             self.counts["doubled"] += 1
             return
+        if known is not None:
+            self._compare(known.raw, row)
         self.counts["late"] += 1
+        self._compare_columns(row)
         if self._late and not row.time > self._late[-1].time:
             self._late.clear()
         self._late.append(row)
@@ -276,12 +312,26 @@ class Rows:
             one.after_gap = one is rows[0]
             self._insert(one)
 
+    def _compare(self, known: np.ndarray, row: Row) -> None:
+        """Tell once where rows of one stamp have different readings (c,): they are not one row that came twice."""
+        both = np.isfinite(known) & np.isfinite(row.values)
+        self._different += not np.array_equal(known[both], row.values[both])
+        if self._different == DIFFERENT:
+            self._different += 1  # never this number again
+            when = stamp_said(row.time - self.shift)
+            self.notes.append(
+                f"rows with the same stamp have different readings, such as at {when}: the first one of a stamp "
+                "counts, and the others are left out. The stamps may have too few digits for rows that come so fast, "
+                "or two machines are in the data. Write stamps with milliseconds"
+            )
+
     def _insert(self, row: Row) -> None:
         times = [one.time for one in self.waiting]
         k = bisect_left(times, row.time - 1e-9)
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
             self.counts["doubled"] += 1
             known = self.waiting[k].values
+            self._compare(known, row)
             self.waiting[k].places += row.places
             self.waiting[k].values = np.where(np.isfinite(known), known, row.values)
             return

@@ -69,9 +69,12 @@ class CsvFile:
             self._file.close()
             raise
         self.factors = dict(self._header.factors)
-        self.units = dict(zip(self._header.names, self._header.units, strict=True))
         self._stopped: SourceStopped | None = None
-        self._next, self._later = self._taken(), self._taken()
+        try:
+            self._next, self._later = self._taken(), self._taken()
+        except SceneError:  # units in the line below the header that cannot be
+            self._file.close()
+            raise
         self._begun = (self._now(), self._next[0].time if self._next else 0.0)
 
     def _line(self) -> str | None:

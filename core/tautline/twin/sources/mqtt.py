@@ -122,7 +122,7 @@ class Mqtt:
     def _read(self, topic: str, payload: bytes, retained: bool = False) -> Record | None:
         """A record out of a message; None for what is none.
 
-        A bare number that the broker has kept is none: nothing shows how old it is.
+        What the broker has kept is none where it has no stamp: nothing shows how old it is.
         """
         try:
             found: Any = json.loads(payload)
@@ -138,15 +138,15 @@ class Mqtt:
                 values[column] = number_of(found["value"])
             values |= {name: number_of(found[name]) for name in self._columns if name in found}
         elif column in values:
-            if retained:
-                self._tell_once(
-                    f"retained {column}",
-                    f"topic {topic}: a number without a stamp, which the broker has kept, is left out. "
-                    "Its age is not known",
-                )
-                return None
             values[column] = number_of(found)
         if all(math.isnan(value) for value in values.values()):
+            return None
+        if retained and stamp is None:
+            what = "a message" if isinstance(found, dict) else "a number"
+            self._tell_once(
+                f"retained {topic}",
+                f"topic {topic}: {what} without a stamp, which the broker has kept, is left out. Its age is not known",
+            )
             return None
         for name, value in values.items():
             first = self._topics.setdefault(name, topic) if not math.isnan(value) else topic

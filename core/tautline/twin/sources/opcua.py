@@ -16,6 +16,7 @@ from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
 from tautline.twin.sources.connection import Connection, cause_of
 from tautline.twin.sources.holding import Change, Holding
+from tautline.twin.sources.nodes import DEEPEST, LARGEST, Choice, chosen, is_id, nodes_by_column, variables_of
 from tautline.twin.sources.record import Record, SourceFault
 from tautline.twin.sources.stamps import number_of
 
@@ -37,8 +38,6 @@ WATCHED = 0.1
 """How often the connection is looked at, s."""
 DEAF = 60.0
 """How long a server may say nothing at all before it is connected to anew, s."""
-DEEPEST, LARGEST = 8, 5000
-"""Levels and nodes that are searched for a name."""
 
 
 class OpcUa:
@@ -49,7 +48,7 @@ class OpcUa:
     address : str
         ``opc.tcp://host[:port]/path``.
     columns : sequence of str
-        Browse names below Objects, or node ids such as ``ns=2;s=Winch.Position``.
+        Browse names below Objects that one variable has, or node ids such as ``ns=2;s=Winch.Position``.
 
     Raises
     ------
@@ -71,6 +70,7 @@ class OpcUa:
         self.dropped, self.notes = 0, list[str]()
         self.factors: dict[str, float] = {}
         self.missing: list[str] = []
+        self._told: set[str] = set()
         self._connection = Connection(address, self.notes)
         self._address = address if parts.port else parts._replace(netloc=f"{parts.netloc}:{PORT}").geturl()
         self._columns = list(columns)
@@ -115,13 +115,15 @@ class OpcUa:
             MaxNotificationsPerPublish=LIFETIME, PublishingEnabled=True, Priority=0,
         )  # fmt: skip
         async with Client(self._address, timeout=4.0) as client:
-            nodes = await self._find(client)
+            choice, whole = await self._choose(client)
+            nodes = nodes_by_column(client, choice.ids)
             handler = _Handler(self, {str(node.nodeid): name for name, node in nodes.items()})
             subscription = await client.create_subscription(asked, handler)
             refused = await _subscribe(subscription, nodes)
             self._connection.made()
             self._followed = True
-            self._tell_missing(set(self._columns) - set(nodes) | refused)
+            self._tell_missing(set(self._columns) - set(nodes) - set(choice.doubted) | refused)
+            self._tell_choice(choice, whole)
             told = 0.0
             while not self._closing.is_set():
                 await asyncio.sleep(WATCHED)
@@ -142,25 +144,23 @@ class OpcUa:
             self.notes.append(f"the server has no variable {', '.join(missing)}: there is no reading of it; {cure}")
         self.missing = missing
 
-    async def _find(self, client: Any) -> dict[str, Any]:
-        """Nodes by column: by their id, or by their browse name."""
-        ids = [name for name in self._columns if name.startswith(("ns=", "i=", "s="))]
-        found = {name: node for name in ids if (node := _node(client, name)) is not None}
-        wanted = set(self._columns) - set(ids)
-        level, seen = [client.nodes.objects], 0
-        for _ in range(DEEPEST):
-            below = []
-            for node in level:
-                for child in await node.get_children():
-                    seen += 1
-                    name = (await child.read_browse_name()).Name
-                    if name in wanted:
-                        found.setdefault(name, child)
-                    below.append(child)
-            level = below
-            if not wanted - set(found) or seen > LARGEST:
-                break
-        return found
+    async def _choose(self, client: Any) -> tuple[Choice, bool]:
+        """Variables of the columns, and whether all nodes were searched; none are where all columns are ids."""
+        named = any(not is_id(name) for name in self._columns)
+        variables, whole = await variables_of(client) if named else ([], True)
+        return chosen(self._columns, variables), whole
+
+    def _tell_choice(self, choice: Choice, whole: bool) -> None:
+        """Say which columns are not taken, for they may be of another machine; the same once only."""
+        cure = "So there is no reading of it; write the right node id as `column` in the map"
+        texts = [*(f"{why}. {cure}" for why in choice.doubted.values()), *choice.remarks]
+        if not whole:
+            texts.append(
+                f"the server has more than {LARGEST} nodes, or more than {DEEPEST} levels of them, and not all were "
+                "searched for names. A name may be there once more; write node ids as `column` in the map"
+            )
+        self.notes += [text for text in texts if text not in self._told]
+        self._told.update(texts)
 
     def poll(self, timeout: float) -> Record | None:
         """The next record: the changes of one stamp, and what still holds.
@@ -227,16 +227,6 @@ class OpcUa:
         self.ended = True
         self._closing.set()
         self._thread.join(timeout=5.0)
-
-
-def _node(client: Any, text: str) -> Any:
-    """The node of an id; None where the text is no id."""
-    from asyncua.ua import UaError
-
-    try:
-        return client.get_node(text)
-    except (UaError, ValueError):
-        return None
 
 
 async def _subscribe(subscription: Any, nodes: dict[str, Any]) -> set[str]:

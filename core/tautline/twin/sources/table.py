@@ -81,6 +81,14 @@ class Later:
         return self.sure, self.stamped
 
 
+def _are_alike(one: str, other: str) -> bool:
+    """Whether two units are the same, however they are written."""
+    try:
+        return one == other or factor_between(one, other) == 1.0
+    except OtherQuantity:
+        return False
+
+
 class Header:
     """The header of a table, and how its rows are read.
 
@@ -100,6 +108,8 @@ class Header:
         Where sentences for the user go.
     number : int
         Number of the line, for messages.
+    below : sequence of str
+        Units by cell where the line below the header has them.
 
     Attributes
     ----------
@@ -114,16 +124,22 @@ class Header:
 
     def __init__(
         self, line: str, columns: Sequence[str], time: str, where: str, units: Mapping[str, str] | None = None,
-        notes: list[str] | None = None, number: int = 1,
+        notes: list[str] | None = None, number: int = 1, below: Sequence[str] = (),
     ) -> None:  # fmt: skip
-        self._given = columns, time, where, units
+        self._given, self._line, self._number_of_line = (columns, time, where, units), line, number
+        # Whether the next line may have its units: no row was read by it. And whether rows came before it.
+        self._bare, self._behind = not below, False
         self.separator = separator_of(line)
         titles = titles_of(line, self.separator)
         self.names, self.units = heads(titles)
+        own = self.units
+        if below:
+            self.units = [below[i] if i < len(below) and below[i] else one for i, one in enumerate(own)]
         self.width = self._before = len(titles)
         self.notes: list[str] = [] if notes is None else notes
         self._later: Later | None = None
         self._shown = 0  # cells of the last row
+        self._comma_told = False
         self._stamps = Stamps(time, self.notes)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles)
         problems = []
@@ -133,11 +149,17 @@ class Header:
             problems.append(Problem(where, number, "", None, cause, cure))
         self.places: dict[str, int] = {}
         self.factors: dict[str, float] = {}
+        if stamp is not None:
+            problems += self._twice(stamp, titles, where, number)
         for column in columns:
-            place = next((i for i, one in enumerate(titles) if column in (one, self.names[i])), None)
+            problems += self._twice(column, titles, where, number) if column != stamp else []
+            place = next(iter(self._places(column, titles)), None)
             if place is None:
                 cure = nearest(column, sorted(name for name in self.names if name))
                 problems.append(Problem(where, number, "", None, f"there is no column '{column}'", cure))
+            elif own[place] and not _are_alike(own[place], self.units[place]):
+                cause = f"the unit is [{own[place]}] in the header and {self.units[place]} in the line below it"
+                problems.append(Problem(where, number, f"column '{column}'", None, cause, "give one of both"))
             else:
                 self.places[column] = place
                 try:
@@ -151,8 +173,21 @@ class Header:
                     problems.append(Problem(where, number, f"column '{column}'", None, cause, cure))
         if problems:
             raise SceneError(problems)
-        self.stamp = next(i for i, one in enumerate(titles) if stamp in (one, self.names[i]))
+        self.stamp = self._places(str(stamp), titles)[0]
         self.factor = seconds_in(self.units[self.stamp] or self._stamps.unit)
+
+    def _places(self, column: str, titles: Sequence[str]) -> list[int]:
+        """Where a column is, by its name or by its whole title, ``rope [kN]``."""
+        return [i for i, one in enumerate(titles) if column in (one, self.names[i])]
+
+    def _twice(self, column: str, titles: Sequence[str], where: str, number: int) -> list[Problem]:
+        """That a column is there more than once: nothing shows which of them is meant."""
+        places = self._places(column, titles)
+        if len(places) < 2:
+            return []
+        shown = ", ".join(f"cell {i + 1} ('{titles[i]}')" for i in places)
+        cause = f"there are {len(places)} columns '{column}' in the header: {shown}"
+        return [Problem(where, number, "", None, cause, "give each column a name of its own")]
 
     def _factor(self, column: str, header: str, asked: str | None) -> float:
         """What readings of a column are multiplied by; 1 where the header or nobody gives a unit."""
@@ -162,7 +197,8 @@ class Header:
         if factor is None:
             said = f"its readings are taken in {asked}" if asked else "its readings are taken in SI units"
             why = "which is no known unit" if asked else "and the map gives no unit"
-            self.notes.append(f"column '{column}' has the unit [{header}] in the header, {why}: {said}")
+            note = f"column '{column}' has the unit [{header}] in the header, {why}: {said}"
+            self.notes += [note] if note not in self.notes else []
             return 1.0
         return factor
 
@@ -184,6 +220,8 @@ class Header:
             Whether it ends: half a line is none.
         """
         columns, time, where, units = self._given
+        if whole and (below := self._units_in(line)):
+            return self._with_units(below)
         sure = self._is_header(line) if whole else False
         if sure is False:
             return None
@@ -199,10 +237,45 @@ class Header:
             if self._later is None or later.weight >= self._later.weight:
                 self._later = later
             return self if sure else None
+        found._comma_told, found._behind = self._comma_told, True
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
+        return found
+
+    def _units_in(self, line: str) -> list[str]:
+        """Units by cell of a line right below the header that has them; empty for any other line.
+
+        It has no number, and more known units than other words; beside them the cell of the stamp may say anything.
+        """
+        cells = [one.strip("[]() ") for one in cells_of(line, self.separator)]
+        cells = ["" if one in NO_UNIT else one for one in cells]
+        words = [one for i, one in enumerate(cells) if one and i != self.stamp]
+        known = sum(is_unit(one) for one in words)
+        if not self._bare or len(cells) > self.width + 1 or 2 * known <= len(words):
+            return []
+        if {*cells}.issuperset(self._given[0]) or not all(math.isnan(number_of(one)) for one in cells):
+            return []
+        return cells
+
+    def _with_units(self, below: Sequence[str]) -> Header:
+        """This header with units of the line below it.
+
+        Raises
+        ------
+        SceneError
+            Where they cannot be, and no row came before. Else `read` raises at the next row.
+        """
+        columns, time, where, units = self._given
+        try:
+            found = Header(self._line, columns, time, where, units, self.notes, self._number_of_line, below)
+        except SceneError as error:
+            if not self._behind:
+                raise
+            self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
+            return self
+        found._comma_told, found._behind = self._comma_told, self._behind
         return found
 
     def _is_header(self, line: str) -> bool | None:
@@ -267,15 +340,17 @@ class Header:
         name, stamp = self.names[self.stamp] or "time", float("nan")
         if len(cells) > self.stamp:
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
+            if "," in cells[self.stamp] and not math.isnan(number_of(cells[self.stamp])):
+                stamp = self._number(name, cells[self.stamp])
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp):
-            self._shown = count
+            self._shown, self._bare = count, False
         if len(cells) <= self.stamp:
             return None
         if doubtful:
             return stamp, dict.fromkeys(self.places, float("nan"))
         return stamp, {
-            name: self.factors[name] * number_of(cells[place]) if place < len(cells) else float("nan")
+            name: self.factors[name] * self._number(name, cells[place]) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
 
@@ -307,3 +382,16 @@ class Header:
         if others:
             return 1 < others <= later.width or filled < 2
         return count <= later.width
+
+    def _number(self, name: str, cell: str) -> float:
+        """A cell's number; NaN for one with a comma in a table that commas separate: it may be one of thousands."""
+        if self.separator != "," or "," not in cell:
+            return number_of(cell)
+        if not self._comma_told:
+            self._comma_told = True
+            self.notes.append(
+                f"column '{name}' has cells such as \"{cell}\". In a table with commas between its cells this may be a "
+                "mark of thousands or a decimal comma. Such cells are left out: write numbers without marks of "
+                "thousands and with a decimal point, or put ; between the cells if these are decimal commas"
+            )
+        return math.nan

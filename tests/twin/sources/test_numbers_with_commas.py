@@ -1,0 +1,44 @@
+"""A comma within a number: a decimal comma where commas do not separate cells; else it may be one of thousands."""
+
+import io
+
+import pytest
+from twin.sources.test_sources_of_data import all_of, written
+
+from tautline.twin.sources.csv_file import CsvFile
+from tautline.twin.sources.stream import Stream
+
+
+def source_of(of, tmp_path, text):
+    if of == "file":
+        return CsvFile(written(tmp_path / "r.csv", text), ["winch", "tension"])
+    return Stream(io.StringIO(text), ["winch", "tension"])
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+@pytest.mark.parametrize("cell", ["49,053", "1,234,567", "-49,1", "49,053.5"])
+def test_a_number_with_a_comma_among_commas_is_left_out_and_this_is_told_once(tmp_path, of, cell):
+    source = source_of(of, tmp_path, f'time,winch,tension\n0,1,"{cell}"\n1,2,"{cell}"\n2,3,50\n')
+    rows = all_of(source)
+    assert [row.values["winch"] for row in rows] == [1.0, 2.0, 3.0]
+    assert [row.values["tension"] for row in rows if row.values["tension"] == row.values["tension"]] == [50.0]
+    (note,) = source.notes
+    assert f"column 'tension' has cells such as \"{cell}\"" in note and "mark of thousands" in note
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+def test_a_stamp_with_a_comma_among_commas_is_none_and_a_date_with_one_is(tmp_path, of):
+    text = 'time,winch,tension\n"1,234",1,2\n"2026-01-01T00:00:00,5Z",1,2\n'
+    source = source_of(of, tmp_path, text)
+    first, second = all_of(source)
+    assert first.time != first.time and second.time == 1767225600.5
+    assert "column 'time'" in source.notes[0] and len(source.notes) == 1
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_decimal_comma_is_one_where_commas_do_not_separate(tmp_path, of, separator):
+    text = "time,winch,tension\n0.5,1,x\n".replace(",", separator).replace(".", ",").replace("x", "49,053")
+    source = source_of(of, tmp_path, text)
+    (row,) = all_of(source)
+    assert (row.time, row.values["tension"]) == (0.5, 49.053) and not source.notes
