@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import NamedTuple, Protocol
 
@@ -9,16 +10,21 @@ import numpy as np
 
 from tautline.integrators.explicit_step import ExplicitStep
 from tautline.integrators.schedule import steps_to
-from tautline.integrators.state import State
+from tautline.integrators.state import MOTION, THROUGHPUT, State
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.integrators.time_loop import PART, STEP
+from tautline.integrators.time_loop import PART, STEP, Frames
+from tautline.results.assessment.balance import STORED_SHARE, Balance
 from tautline.results.resumption import ROUNDING
 from tautline.scene.methods import explicit_like, method_of
 from tautline.system.memory import copied, restore
 from tautline.system.model import Model
 
-TRIES = 8
-"""Times that a part of a run is gone back over with a shorter step, where it is chosen, until it is unstable."""
+TRIES, TRIES_OF_ENERGY = 8, 3
+"""Times that a part of a run is gone back over with a shorter step, where it is chosen, until it is unstable; how many
+of them for energy alone."""
+CREATED = 1.0e-5
+"""Share of the energy that went through a run, created between two looks, above which steps were beyond the critical
+one in between: those below it lose a little."""
 
 
 def explicit_step_of(model: Model) -> ExplicitStep:
@@ -29,10 +35,14 @@ def explicit_step_of(model: Model) -> ExplicitStep:
 
 
 class Held(NamedTuple):
-    """What a run can go back to: ``done`` frames were made, at ``time`` s."""
+    """What a run can go back to: ``done`` frames were made, at ``time`` s, and there was so much energy, J.
+
+    ``energy`` is what there is less the work done and with what was lost: it only grows numerically.
+    """
 
     done: int
     time: float
+    energy: float
     memory: dict[str, np.ndarray]
 
 
@@ -51,6 +61,8 @@ class UnderWay(Protocol):
     done: int
     ahead: int
     waiting: int
+    frames: Frames
+    balance: Balance
     time: float
     reached: float
     remembered: float
@@ -122,13 +134,37 @@ class ExplicitWatch:
         self.explicit.look(run.state, run.time, step)
         run.wall += time.perf_counter() - before
         run.cpu += time.thread_time() - used
-        if self.explicit.share <= 1.0:
+        grown = self._has_grown()
+        if self.explicit.share <= 1.0 and not grown:
             self.tries, self.stopped = TRIES, (Status.DONE, 0.0)
             self._hold()
             return True
-        if not self._goes_back(self.explicit.step):
+        if not self._goes_back(min(self.explicit.step, 0.5 * step) if grown else self.explicit.step):
             raise self._beyond(step)
         return False
+
+    def _has_grown(self) -> bool:
+        """Whether energy was created since the last look, as by steps that were too long for a while."""
+        run, held = self.run, self.held
+        if not self.chooses or held is None or self.tries <= TRIES - TRIES_OF_ENERGY:
+            return False
+        kinetic, strain, potential, _, lost = run.frames.energy[run.ahead - 1]
+        ledger = run.state.ledger
+        through = ledger[THROUGHPUT] + ledger[MOTION] + lost + run.balance.idle
+        through += STORED_SHARE * (kinetic + abs(strain) + abs(potential))
+        return bool(self._energy() - held.energy > CREATED * through)
+
+    def _energy(self) -> float:
+        """Energy of the last frame less the work done and with what was lost, J; NaN where none is at hand."""
+        if not self.run.ahead:
+            return math.nan
+        kinetic, strain, potential, work, lost = self.run.frames.energy[self.run.ahead - 1]
+        return float(kinetic + strain + potential - work + lost)
+
+    def leave(self) -> None:
+        """Have a run that is left before its end end with its last look: frames behind that may be done again."""
+        if self.chooses and self.held is not None and (self.may_go_back() or self.run.waiting or self.run.pause[STEP]):
+            self._restore(self.held)
 
     def tries_again(self, status: Status, time: float) -> bool:
         """Whether a run that was stopped at a time, s, has gone back to be done with half the step, which is chosen.
@@ -151,7 +187,7 @@ class ExplicitWatch:
         if self.chooses:
             run.steps[run.done :] = steps_to(run.ends[run.done :], run.time, self.explicit.step)
             memory = copied(run.arrays())
-        self.held = Held(run.done, run.time, memory)
+        self.held = Held(run.done, run.time, self._energy(), memory)
 
     def _goes_back(self, step: float) -> bool:
         """Go back to the last look with a shorter step, s, where it is chosen and this was not tried too often."""
@@ -159,6 +195,13 @@ class ExplicitWatch:
         if held is None or not self.chooses or not self.tries:
             return False
         self.tries -= 1
+        self._restore(held)
+        self.explicit.shorten(held.time, step)
+        run.steps[held.done :] = steps_to(run.ends[held.done :], held.time, step)
+        return True
+
+    def _restore(self, held: Held) -> None:
+        run = self.run
         restore(held.memory, run.arrays())
         # What it holds is of a later time.
         run.model.system.functions.frames.time[0] = np.nan
@@ -167,9 +210,6 @@ class ExplicitWatch:
         run.time = run.reached = run.remembered = held.time
         run.memory = held.memory
         run.pause[STEP] = run.pause[PART] = 0
-        self.explicit.shorten(held.time, step)
-        run.steps[held.done :] = steps_to(run.ends[held.done :], held.time, step)
-        return True
 
     def _beyond(self, step: float) -> StoppedEarly:
         """What ends a run whose step, s, is beyond the critical one."""

@@ -83,6 +83,8 @@ FIRST_WORK, MORE_WORK = 64, 8
 BATCH_NUMBERS, DIGESTED_NUMBERS = 4_000_000, 1_000_000
 """Numbers that a batch of frames may hold in memory; and where statistics are kept, for which it is copied."""
 
+INTERRUPTED = "interrupted"
+"""Status of a run that was left before its end by whoever started it."""
 GAINED = 0.05
 """Share of the energy that went through a run above which energy created numerically makes its result wrong. What is
 lost without account may be what the method is to damp, and is only warned of."""
@@ -222,7 +224,8 @@ def _run(
             stored = store.result if afterwards is not None else None
             further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
         except KeyboardInterrupt:
-            raise Interrupted(run.reached, run.finish(store, "interrupted")) from None
+            result = run.finish(store, INTERRUPTED)
+            raise Interrupted(run.reached, result) from None
         except StoppedEarly as stop:
             stop.result = run.finish(store, stop.status.word)
             raise
@@ -242,7 +245,7 @@ def _tell(progress: Callable[[float, float], None], run: Run, store: FrameStore)
     except KeyboardInterrupt:  # has a way of its own
         raise
     except BaseException:  # also SystemExit
-        run.finish(store, "interrupted")
+        run.finish(store, INTERRUPTED)
         raise
 
 
@@ -551,6 +554,8 @@ class Run:
         self, store: FrameStore, status: str, further: dict[str, Any] | None = None, warnings: Sequence[str] = ()
     ) -> Result | None:
         """Close the file with what is known at the end, further attributes and warnings; None if it holds nothing."""
+        if status == INTERRUPTED and self.watch is not None:
+            self.watch.leave()
         if self.ahead and self.brief is None:
             self._store(store)
         result = store.result

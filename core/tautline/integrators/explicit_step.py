@@ -15,12 +15,14 @@ ALMOST = 0.95
 """Share of the critical step that the next look is to find, at most."""
 STEADY = 0.005
 """Change of that share between two looks that is none."""
-FRAMES, FEWEST_STEPS, MOST_STEPS = 20, 100, 20_000
-"""Frames between two looks where little changes, steps between two at least, and at most where they are more: the first
-look comes after a frame, or after the fewest steps.
+FEWEST_STEPS, MOST_STEPS, MOST_FAR = 100, 1000, 20_000
+"""Steps between two looks at least, at most, and at most where the step is far from the critical one.
 
-A look takes about a millisecond, which is hundreds of steps of a small scene.
+A look takes about a millisecond, which is hundreds of steps of a small scene. What falls and rises again between two
+looks is not seen.
 """
+FAR = 0.25
+"""Share of the critical step below which a step is far from it."""
 
 
 class ExplicitStep:
@@ -42,6 +44,8 @@ class ExplicitStep:
         What looks for it.
     worst : int
         Unknown that has most of the mode that sets it.
+    beyond : list of float
+        When a look of `follow` found that the steps up to it were beyond the critical one, s.
     """
 
     def __init__(self, system: System, method: Method, step: float, interval: float, automatic: bool) -> None:
@@ -49,6 +53,7 @@ class ExplicitStep:
         self.step, self.due, self.share, self.worst = step, 0.0, 0.0, 0
         self._longest, self._interval, self._automatic = step, interval, automatic
         self._span, self._found, self._before = 0.0, 0.0, 0.0
+        self._begun, self.beyond = False, list[float]()
 
     @property
     def found(self) -> float:
@@ -78,6 +83,30 @@ class ExplicitStep:
         self._before = ahead
         self._go_on(time)
 
+    def follow(self, state: State, time: float, taken: float, tolerance: float) -> None:
+        """Look at the step where it is due, of a run that cannot go back."""
+        if not self._begun:
+            self.begin(state, time)
+            self._begun = True
+        elif time >= self.due - tolerance:
+            self.look(state, time, taken)
+            if self.share > 1.0:
+                self.beyond.append(time)
+
+    def forget(self) -> None:
+        """Have `follow` look at the step anew: the state is another one."""
+        self._begun = False
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the reader of a result should know of steps that were beyond the critical one."""
+        if not self.beyond:
+            return []
+        return [
+            f"the step that was chosen was longer than the critical one up to t = {self.beyond[-1]:.6g} s. Outputs "
+            "shortly before that may be wrong: give a shorter step (solver.step), or take the method generalized-alpha"
+        ]
+
     def shorten(self, time: float, step: float) -> None:
         """Go on from an earlier time with a shorter step, s, and look at it sooner."""
         self.step, self._span = step, 0.5 * self._span
@@ -86,6 +115,6 @@ class ExplicitStep:
 
     def _go_on(self, time: float) -> None:
         fewest = max(self._interval, FEWEST_STEPS * self.step)
-        most = max(FRAMES * self._interval, MOST_STEPS * self.step)
+        most = max(self._interval, (MOST_FAR if self._before < FAR else MOST_STEPS) * self.step)
         self._span = min(max(self._span, fewest), most)
         self.due = time + self._span

@@ -157,7 +157,7 @@ class Simulation:
         self._turn = Turn(self._forces)
         self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
         self._time, self._stopped, self._status = 0.0, "", ""
-        self._step, self._looked = model.solver.step, False
+        self._step = model.solver.step
         self._mark = (
             f"{model.attributes.get('application', '')} {model.attributes.get('model_hash', '')} {model.solver.method}"
         )
@@ -357,13 +357,8 @@ class Simulation:
 
     def _check_step(self, found: ExplicitStep) -> None:
         """Refuse an explicit step that is longer than the critical one, or choose one, where it is due."""
-        if not self._looked:
-            found.begin(self._state, self._time)
-        elif self._time < found.due - self._tolerance:
-            return
-        else:
-            found.look(self._state, self._time, self._step)
-        self._looked, self._step = True, found.step
+        found.follow(self._state, self._time, self._step, self._tolerance)
+        self._step = found.step
         if self._step > found.found:
             detail = f"step {self._step:g} s, critical step {found.found:.4g} s"
             self._stopped, self._status = "the explicit method is unstable at this step", Status.UNSTABLE.word
@@ -484,7 +479,8 @@ class Simulation:
         run.wall, run.cpu, run.remembered = float(self._clock[WALL]), float(self._clock[CPU]), self._time
         run.memory = remember(*(thing for _, thing in self._memorable()))
         status = status or self._status or run.end_status().word
-        made = run.finish(stored, status, {"end": self._time})
+        beyond = () if run.watch is None else run.watch.explicit.warnings
+        made = run.finish(stored, status, {"end": self._time}, beyond)
         assert made is not None
         return made
 
@@ -535,7 +531,8 @@ class Simulation:
         while self._frame_time(k) <= reached:
             k += 1
         self._frame, self._next = k, self._frame_time(k)
-        self._looked = False
+        if self._run.watch is not None:
+            self._run.watch.explicit.forget()
 
     def displace(self, name: str, by: Sequence[float]) -> None:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
@@ -635,7 +632,6 @@ class Simulation:
         recall(remember((), (), old), (), (), method)
         run.method = method
         run.watch = None if run.watch is None else ExplicitWatch(run)
-        self._looked = False
         self._forces.append(force)
         compile_for(method, system, run.state)
         self._bind()
