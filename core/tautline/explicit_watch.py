@@ -19,12 +19,11 @@ from tautline.scene.methods import explicit_like, method_of
 from tautline.system.memory import copied, restore
 from tautline.system.model import Model
 
-TRIES, TRIES_OF_ENERGY = 8, 3
-"""Times that a part of a run is gone back over with a shorter step, where it is chosen, until it is unstable; how many
-of them for energy alone."""
-CREATED = 1.0e-5
-"""Share of the energy that went through a run, created between two looks, above which steps were beyond the critical
-one in between: those below it lose a little."""
+TRIES = 8
+"""Times that a part of a run is gone back over with a shorter step, where it is chosen, until it is unstable."""
+UNACCOUNTED = 1.0e-4
+"""Share of the energy that went through a run, created or lost without account between two looks, above which steps
+were beyond the critical one in between. What grew then is damped by the method once they are shorter."""
 
 
 def explicit_step_of(model: Model) -> ExplicitStep:
@@ -32,6 +31,12 @@ def explicit_step_of(model: Model) -> ExplicitStep:
     solver = model.solver
     method = method_of(explicit_like(solver.method))
     return ExplicitStep(model.system, method, solver.step, solver.interval, solver.automatic)
+
+
+HELPS, LOOKS_WITHOUT = 4.0, 20
+"""Times, at least, by which half the step makes that share smaller where steps were too long, and looks that go without
+it where it does not: friction that lets go within a step, and contacts that close, cost energy at any step.
+"""
 
 
 class Held(NamedTuple):
@@ -93,6 +98,8 @@ class ExplicitWatch:
         self.explicit = explicit_step_of(run.model)
         self.held: Held | None = None
         self.tries, self.stopped = TRIES, (Status.DONE, 0.0)
+        # Energy not accounted for at the last try of the frames since the last look; and looks that go without it.
+        self.missing, self.without = 0.0, 0
 
     def begin(self) -> None:
         """Look at the step before the first frame.
@@ -134,25 +141,32 @@ class ExplicitWatch:
         self.explicit.look(run.state, run.time, step)
         run.wall += time.perf_counter() - before
         run.cpu += time.thread_time() - used
-        grown = self._has_grown()
-        if self.explicit.share <= 1.0 and not grown:
-            self.tries, self.stopped = TRIES, (Status.DONE, 0.0)
+        leapt = self._has_leapt()
+        if self.explicit.share <= 1.0 and not leapt:
+            self.tries, self.stopped, self.missing = TRIES, (Status.DONE, 0.0), 0.0
             self._hold()
             return True
-        if not self._goes_back(min(self.explicit.step, 0.5 * step) if grown else self.explicit.step):
+        if not self._goes_back(min(self.explicit.step, 0.5 * step) if leapt else self.explicit.step):
             raise self._beyond(step)
         return False
 
-    def _has_grown(self) -> bool:
-        """Whether energy was created since the last look, as by steps that were too long for a while."""
+    def _has_leapt(self) -> bool:
+        """Whether energy was created or lost since the last look, as by steps that were too long for a while."""
         run, held = self.run, self.held
-        if not self.chooses or held is None or self.tries <= TRIES - TRIES_OF_ENERGY:
+        if not self.chooses or held is None or self.without:
+            self.without = max(0, self.without - 1)
             return False
         kinetic, strain, potential, _, lost = run.frames.energy[run.ahead - 1]
         ledger = run.state.ledger
         through = ledger[THROUGHPUT] + ledger[MOTION] + lost + run.balance.idle
         through += STORED_SHARE * (kinetic + abs(strain) + abs(potential))
-        return bool(self._energy() - held.energy > CREATED * through)
+        before, self.missing = self.missing, abs(self._energy() - held.energy) / through if through > 0.0 else 0.0
+        if not self.missing > UNACCOUNTED:
+            return False
+        if before and self.missing > before / HELPS:
+            self.without = LOOKS_WITHOUT
+            return False
+        return True
 
     def _energy(self) -> float:
         """Energy of the last frame less the work done and with what was lost, J; NaN where none is at hand."""
