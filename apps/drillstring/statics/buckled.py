@@ -7,6 +7,7 @@ and a stretch of hole in which the string buckles ends where both are the same.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -14,7 +15,7 @@ import numpy as np
 
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.buckling import Limits
-from drillstring.statics.helix import limits_at
+from drillstring.statics.helix import limit_at, limits_at
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps, Tube
 from drillstring.string.strength import ends_of_links, shares_at_ends
@@ -119,9 +120,10 @@ def buckled_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Bu
     limit, at = np.full(depth.shape, np.inf), np.flatnonzero(pushed.max(axis=1) > 0.0)
     if at.size == 0:
         return None
-    pipes = [lumps.tubes[k] for k in section[at]]
+    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in lumps.tubes])[section[at]]
+    clearance = _clearance(scene, lumps.tubes)[section[at]]
     for end, place in enumerate(_inside(*depth[at].T)):
-        limit[at, end] = _limits(scene, well, place, pipes, weight[at]).sinusoidal
+        limit[at, end] = limit_at("sinusoidal", well, place, rigidity, weight[at], clearance)
     found = stretches(depth, pushed - limit)
     if not found:
         return None
@@ -141,8 +143,12 @@ def _edges(well: Wellbore, lumps: Lumps) -> np.ndarray:
 def _limits(
     scene: DrillstringScene, well: Wellbore, place: np.ndarray, pipes: list[Tube], weight: np.ndarray
 ) -> Limits:
-    clearance = np.array([0.5 * (scene.well.diameter - tube.contact_od) for tube in pipes])
-    return limits_at(well, place, pipes, weight, clearance)
+    return limits_at(well, place, pipes, weight, _clearance(scene, pipes))
+
+
+def _clearance(scene: DrillstringScene, pipes: Sequence[Tube]) -> np.ndarray:
+    """Radial clearance of tubes in the hole (n,), m."""
+    return np.array([0.5 * (scene.well.diameter - tube.contact_od) for tube in pipes])
 
 
 def _inside(upper: np.ndarray, lower: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

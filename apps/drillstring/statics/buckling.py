@@ -24,8 +24,10 @@ INCLINED = {"sinusoidal": 4.0, "helical": 8.0}
 """Factor m of F^2 = m EI N / r."""
 VERTICAL = {"sinusoidal": 2.55, "helical": 5.55}
 """Factor of (EI w^2)^(1/3)."""
-REAL = 1.0e-7
-"""Imaginary part over size up to which a root counts as real."""
+ROUNDING = 1.0e-7
+"""Part of the weight across the hole, or out of the plane in which it curves, up to which that is rounding."""
+PASSES = 100
+"""Tangents at most on the way to a root. Fifteen do, but where two roots all but meet."""
 
 
 class Limits(NamedTuple):
@@ -64,26 +66,57 @@ def limits(
     -------
     Limits
     """
-    found = {}
-    across = weight**2 * np.maximum(0.0, 1.0 - down**2)
-    for kind, factor in INCLINED.items():
-        c = (factor * rigidity / clearance) ** 2
-        curved = [
-            _least_root(square, c_i, k, w * t)
-            for square, c_i, k, w, t in zip(across, c, curvature, weight, turn, strict=True)
-        ]
-        vertical = VERTICAL[kind] * np.cbrt(rigidity * (weight * down) ** 2)
-        found[kind] = np.maximum(curved, vertical)
-    return Limits(**found)
+    return Limits(*(limit(kind, rigidity, clearance, weight, down, turn, curvature) for kind in Limits._fields))
 
 
-def _least_root(across: float, c: float, curvature: float, turn: float) -> float:
-    """Least F > 0 of F^4 = c (k^2 F^2 - 2 F w t'_z + w^2 (1 - t_z^2)); 0 where there is none."""
-    if curvature == 0.0:
-        return float((c * across) ** 0.25)
-    # In units of a force that is of the right size, so that the polynomial is well scaled.
-    unit = (c * across) ** 0.25 + np.sqrt(c) * curvature
-    a, b, d = c * curvature**2 / unit**2, 2.0 * c * turn / unit**3, c * across / unit**4
-    roots = np.roots([1.0, 0.0, -a, b, -d])
-    real = roots.real[(np.abs(roots.imag) < REAL * np.abs(roots)) & (roots.real > REAL)]
-    return float(real.min() * unit) if real.size else 0.0
+def limit(
+    kind: str,
+    rigidity: np.ndarray,
+    clearance: np.ndarray,
+    weight: np.ndarray,
+    down: np.ndarray,
+    turn: np.ndarray,
+    curvature: np.ndarray,
+) -> np.ndarray:
+    """Buckling limits of one kind, sinusoidal or helical, at n places (n,), N; see `limits`."""
+    sine = np.sqrt(np.maximum(0.0, 1.0 - down**2))
+    across = weight * np.where(sine > ROUNDING, sine, 0.0)
+    found = np.full(np.shape(across), np.inf)
+    free = np.asarray(clearance) > 0.0
+    # F^2 over N(F).
+    ratio = INCLINED[kind] * rigidity[free] / clearance[free]
+    curved = _least_roots(weight[free], across[free], ratio, curvature[free], (weight * turn)[free])
+    found[free] = np.maximum(curved, VERTICAL[kind] * np.cbrt(rigidity * (weight * down) ** 2)[free])
+    return found
+
+
+def _least_roots(
+    weight: np.ndarray, across: np.ndarray, ratio: np.ndarray, curvature: np.ndarray, turn: np.ndarray
+) -> np.ndarray:
+    """Least F > 0 of F^2 = c N(F), N^2 = k^2 F^2 - 2 F w t'_z + w^2 (1 - t_z^2), of n places at once (n,).
+
+    N is the length of a vector that goes straight with F, so it is convex, and nowhere below its tangent. From an F
+    that is below the root, the place where F^2 meets the tangent is therefore never beyond the root, and the next F.
+    """
+    # With the weight or the curvature alone this is the root.
+    root = np.sqrt(ratio * across) + ratio * curvature
+    both = np.flatnonzero((curvature > 0.0) & (across > 0.0))
+    # In units of that: N = hypot(slope (F - least), aside), without a difference of large numbers where the hole drops
+    # and the wall all but loses the string.
+    unit, c, k, w = root[both], ratio[both], curvature[both], across[both]
+    slope, lift = c * k / unit, turn[both] / k
+    least, aside = lift / (k * unit), np.sqrt(np.maximum(0.0, w**2 - lift**2))
+    aside = np.where(aside > ROUNDING * weight[both], aside, 0.0) * c / unit**2
+    force = np.zeros(both.size)
+    for _ in range(PASSES):
+        side = np.hypot(slope * (force - least), aside)
+        growth = np.divide(slope**2 * (force - least), side, out=np.zeros_like(side), where=side > 0.0)
+        # (F + step)^2 = side + growth step
+        half, short = force - 0.5 * growth, np.maximum(0.0, side - force**2)
+        far = np.abs(half) + np.sqrt(half**2 + short)
+        step = np.where(half > 0.0, np.divide(short, far, out=np.zeros_like(far), where=far > 0.0), far)
+        force += step
+        if not np.any(step > np.finfo(float).eps * force):
+            break
+    root[both] = force * unit
+    return root

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillstring.statics.buckling import Limits, limits
+from drillstring.statics.buckling import Limits, limit
 from drillstring.string.lumps import Tube
 from drillstring.well.wellbore import Wellbore
 
@@ -50,8 +50,18 @@ def limits_at(
     weight, clearance : (n,) array
         Its buoyed weight per length N/m, and radial clearance m.
     """
+    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])
+    return Limits(*(limit_at(kind, well, place, rigidity, weight, clearance) for kind in Limits._fields))
+
+
+def limit_at(
+    kind: str, well: Wellbore, place: np.ndarray, rigidity: np.ndarray, weight: np.ndarray, clearance: np.ndarray
+) -> np.ndarray:
+    """Buckling limits of one kind, sinusoidal or helical, at measured depths m of a hole (n,), N.
+
+    The string there has a bending stiffness N m^2, a buoyed weight per length N/m and a radial clearance m, (n,) each.
+    """
     m1, m2, t = well.frame(place)
     k1, k2 = well.curvature(place)
-    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])
     turn = k1 * m1[:, 2] + k2 * m2[:, 2]
-    return limits(rigidity, clearance, weight, t[:, 2], turn, np.hypot(k1, k2))
+    return limit(kind, rigidity, clearance, weight, t[:, 2], turn, np.hypot(k1, k2))

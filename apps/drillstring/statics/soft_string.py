@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.statics.crossings import lost_at_turns, lost_at_zero
-from drillstring.statics.helix import LOCKED_STRAIN, helix_force, limits_at
+from drillstring.statics.helix import LOCKED_STRAIN, helix_force, limit_at
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.string.factors import Factors, same
 from drillstring.string.lumps import Tube
@@ -207,7 +207,8 @@ def _helical(
     places = np.flatnonzero(some)
     tubes = [each[k] for k in places]
     clearance = np.array([0.5 * (hole - tube.contact_od) for tube in tubes])
-    return limits_at(well, middle[places], tubes, weights[places], clearance).helical
+    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])
+    return limit_at("helical", well, middle[places], rigidity, weights[places], clearance)
 
 
 def _buckling(well: Wellbore, each: list[Tube], weights: np.ndarray, middle: np.ndarray, hole: float) -> list[_Pipe]:

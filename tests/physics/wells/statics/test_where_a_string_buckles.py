@@ -8,12 +8,15 @@ whatever the number of links. Steel of 7850 kg/m^3 hangs in mud of 1200 kg/m^3.
 import numpy as np
 import pytest
 from physics.wells.strings import GRAVITY
+from scipy.optimize import brentq
 
 from drillstring.model.prepared import prepared
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
+from drillstring.statics import buckling
 from drillstring.statics.buckled import buckled_at_rest, stretches
 from drillstring.statics.torque_drag import torque_drag
 from drillstring.warnings import warnings
+from drillstring.well.wellbore import from_survey
 
 DEPTH, COLLARS, E = 3000.0, 120.0, 206e9
 PIPE, COLLAR = (0.127, 0.1086), (0.2032, 0.0714)
@@ -125,3 +128,67 @@ def test_pipe_above_collars_at_rest_is_pushed_most_at_its_lower_end():
 
 def test_a_string_at_rest_that_is_pushed_by_less_than_its_limit_buckles_nowhere():
     assert at_rest(0.9999 * limit(COLLAR, "sinusoidal"))[0] is None
+
+
+# the limit of a hole that is inclined and curved, and what it takes to find it
+def least_force(factor, inclination, around, curvature, place):
+    """Least F of F^2 = m EI |-F t' + w (e_z - (e_z.t) t)|/r, by vectors, from its first change of sign on."""
+    rigidity, clearance, load = place
+    t = np.array([np.sin(inclination), 0.0, np.cos(inclination)])
+    high = np.array([np.cos(inclination), 0.0, -np.sin(inclination)])
+    bend = -curvature * (np.cos(around) * high + np.sin(around) * np.array([0.0, 1.0, 0.0]))
+    weighs = load * (np.array([0.0, 0.0, 1.0]) - t[2] * t)
+
+    def excess(force):
+        return force**2 - factor * rigidity / clearance * np.linalg.norm(weighs - force * bend)
+
+    forces = np.geomspace(1.0, 1e9, 40001)
+    first = np.flatnonzero(np.array([excess(f) for f in forces]) > 0.0)[0]
+    return brentq(excess, forces[first - 1], forces[first], xtol=1e-9, rtol=1e-14), bend[2]
+
+
+@pytest.mark.parametrize("around", [0.0, 60.0, 120.0, 180.0], ids=lambda x: f"drops_{x:g}")
+@pytest.mark.parametrize("inclination", [20.0, 70.0])
+def test_limits_in_a_curved_hole_are_the_least_force_of_he_and_kyllingstad(inclination, around):
+    # many curvatures at once: each place has its own root
+    place, curvatures = (1.2e6, 0.04, 240.0), [1e-5, 1e-4, 1e-3, 4e-3]
+    angles = np.radians(inclination), np.radians(around)
+    for kind, factor in (("sinusoidal", 4.0), ("helical", 8.0)):
+        expected, turns = zip(*(least_force(factor, *angles, k, place) for k in curvatures), strict=True)
+        held = FACTORS[kind] * np.cbrt(place[0] * (place[2] * np.cos(angles[0])) ** 2)
+        columns = [np.full(4, x) for x in (*place, np.cos(angles[0]))]
+        found = buckling.limit(kind, *columns, np.array(turns), np.array(curvatures))
+        assert found == pytest.approx(np.maximum(expected, held), rel=1e-9)
+
+
+def test_two_roots_that_all_but_meet_are_not_passed_where_the_hole_drops():
+    # in one plane F^2 = c (w sin(i) - k F) has a root below w sin(i)/k; beyond it is another, close to it
+    rigidity, clearance, load, curvature = 3.0e7, 0.02, 500.0, 0.02
+    for inclination in np.radians([0.05, 0.5, 5.0, 50.0, 89.0, 120.0, 176.0]):
+        c, w = 4.0 * rigidity / clearance, load * np.sin(inclination)
+        expected = 2.0 * w / (curvature + np.sqrt(curvature**2 + 4.0 * w / c))
+        held = 2.55 * np.cbrt(rigidity * (load * np.cos(inclination)) ** 2)
+        turn = curvature * np.sin(inclination)
+        values = rigidity, clearance, load, np.cos(inclination), turn, curvature
+        (found,) = buckling.limit("sinusoidal", *(np.array([x]) for x in values))
+        assert found == pytest.approx(max(expected, held), rel=1e-9)
+
+
+def test_a_pipe_that_fills_the_hole_does_not_buckle():
+    values = [1.2e6, 1.2e6], [0.0, 0.04], [240.0, 240.0], [1.0, 1.0], [0.0, 0.0], [0.0, 0.0]
+    found = buckling.limits(*map(np.array, values))
+    for kind, factor in FACTORS.items():
+        assert getattr(found, kind) == pytest.approx([np.inf, factor * np.cbrt(1.2e6 * 240.0**2)])
+
+
+@pytest.mark.parametrize("rows", [30, 3000])
+def test_the_limits_of_a_long_survey_at_rest_are_found_at_once_and_of_one_kind(monkeypatch, rows):
+    asked, solve = [], buckling._least_roots
+    monkeypatch.setattr(np, "roots", lambda _: pytest.fail("a root of one place alone"))
+    monkeypatch.setattr(buckling, "_least_roots", lambda *of: asked.append(of[0].size) or solve(*of))
+    scene = DrillstringScene.parse(SCENE.format(force=-300, kind=LUMPED))
+    depth = np.linspace(0.0, DEPTH, rows)
+    well = from_survey(depth, np.linspace(0.0, 1.2, rows), np.zeros(rows))
+    assert buckled_at_rest(scene, well, prepared(scene).lumps) is not None
+    # once for the upper and once for the lower ends of all pieces: 200 of two sections and one for each row
+    assert len(asked) == 2 and max(asked) <= 200 + rows
