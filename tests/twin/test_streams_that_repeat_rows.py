@@ -63,6 +63,17 @@ def test_a_clock_that_was_set_back_while_no_twin_ran_is_seen_and_no_row_of_a_sec
     assert came[0] > memory[0]["reached"]
 
 
+@pytest.mark.parametrize("back", [40.0, 200.0])
+def test_rows_of_a_clock_that_was_set_back_are_not_taken_for_repeated_ones_though_they_come_all_at_once(memory, back):
+    rows = gone_on(memory[0])
+    shifted = [round(stamp - back - 0.01, 2) for stamp in STAMPS]
+    came = taken(rows, range(READ, READ + 300), stamps=shifted)
+    while (row := rows.ready(end=True)) is not None:
+        came.append(row.time)
+    assert rows.counts["clock set back"] == 1 and not rows.counts["late"] and not rows.counts["doubled"]
+    assert len(came) >= 300 and np.allclose(np.diff(came), STEP, atol=1e-6)
+
+
 def test_repeated_rows_with_other_readings_are_of_a_clock_that_was_set_back(memory):
     rows = gone_on(memory[0])
     for k in range(READ - 20, READ + 20):

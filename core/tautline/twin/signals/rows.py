@@ -50,6 +50,8 @@ JOINED = 0.1
 """Part of the sample interval within which rows that have no column in common are one."""
 KEPT, MOST_KEPT = 60.0, 3000
 """For how long, s, rows that were answered are known again by a later process; and how many of them at most."""
+MOST_ASIDE = 100_000
+"""Rows from before those that are known again that wait until it is known what they are."""
 AT_ONCE, TOLD_BY = 2.0, 1.0
 """Stamps that go by so many times as fast as rows come are of rows that were written before; and the time after which
 that is told, s."""
@@ -139,6 +141,7 @@ class Rows:
         self.past: deque[Row] = deque()
         self.answered: deque[tuple[float, np.ndarray]] = deque(maxlen=MOST_KEPT)
         self._running_up, self._came_first = False, (np.nan, np.nan)
+        self._aside: list[Row] = []
         self.reached = -np.inf
         self.newest = -np.inf
         self._suspect: Row | None = None
@@ -188,10 +191,15 @@ class Rows:
         if self._suspect is not None:
             self._resolve(row)
         if row.time <= self.reached:
-            if not self._is_repeated(row):
-                self._add_late(row)
+            before = self.shift
+            if self._is_repeated(row):
+                return
+            row.time += self.shift - before
+        if row.time <= self.reached:
+            self._add_late(row)
             return
         self._running_up = False
+        self._leave_out()
         if row.time - self.newest > self._far and np.isfinite(self.newest):
             self._suspect = row
             return
@@ -254,8 +262,8 @@ class Rows:
         """Whether a stream that is gone on with repeats a row, which is counted and left out.
 
         Such as the last lines of a log, with which a program that follows it begins. Rows from before those that are
-        known again are repeated as long as they come all at once: those of a clock that was set back come as they are
-        measured.
+        known again wait for one that shows it: a row that was answered, or one that comes later than all of them. A
+        row among those that differs is of a clock that was set back, and so are rows that come as they are measured.
         """
         if not self._running_up:
             return False
@@ -264,14 +272,34 @@ class Rows:
         stamps, passed = row.time - self._came_first[0], row.arrived - self._came_first[1]
         if passed >= TOLD_BY and stamps <= AT_ONCE * passed:
             self._running_up = False
-            return False
-        if self._was_answered(row):
+        elif self._was_answered(row):
             self.counts["doubled"] += 1
+            self._leave_out()
             return True
-        if self.answered and row.time >= self.answered[0][0] - 1e-9:
-            return False
-        self.counts["late"] += 1
-        return True
+        elif not self.answered or row.time < self.answered[0][0] - 1e-9:
+            if len(self._aside) < MOST_ASIDE:
+                self._aside.append(row)
+            else:
+                self.counts["late"] += 1
+            return True
+        self._take_back()
+        return False
+
+    def _leave_out(self) -> None:
+        """Rows that waited are repeated."""
+        if self._aside:
+            self.counts["late"] += len(self._aside)
+            self._aside.clear()
+
+    def _take_back(self) -> None:
+        """Rows that waited are of a clock that was set back."""
+        waited, self._aside, before = self._aside, [], self.shift
+        for row in waited:
+            row.time += self.shift - before
+            if row.time > self.reached:
+                self._insert(row)
+            else:
+                self._add_late(row)
 
     def _was_answered(self, row: Row) -> bool:
         """Whether there was a row of that stamp with the same readings; its columns may have come one by one."""
@@ -401,6 +429,8 @@ class Rows:
 
     def ready(self, end: bool = False) -> Row | None:
         """The next row that no other can come before; with `end` nothing more is waited for."""
+        if end:
+            self._take_back()
         if end and self._suspect is not None:
             self._suspect.after_gap = True
             self.counts["gaps"] += 1
