@@ -79,3 +79,16 @@ def test_another_file_is_gone_on_with_by_its_stamps_and_its_rows_are_not_those_o
 def test_a_state_that_has_not_counted_rows_is_gone_on_with_by_stamps():
     first, memory = taken(STAMPS[:50], end=False)
     assert first + gone_on(STAMPS, memory | {"heard": {}}) == taken(STAMPS)[0]
+
+
+@pytest.mark.parametrize(("stamps", "shift"), [(STAMPS, 0.0), (SET_BACK, 4.0)])
+def test_a_file_whose_last_row_was_changed_in_its_place_is_not_said_to_have_surely_lost_rows(stamps, shift):
+    _, memory = taken(stamps, end=False)
+    reading = Rereading(memory["heard"], 9.0, shift)
+    seen = records(stamps)
+    seen[-1].values["a"] = -1.0
+    for record in seen:
+        list(reading.new(record))
+    list(reading.rest())
+    assert len(reading.notes) == 1
+    assert "the file has lost rows, or some were changed, since the state was saved" in reading.notes[0]

@@ -184,3 +184,164 @@ def test_what_stands_for_none_is_told_by_the_header_of_its_own_row(tmp_path):
     for row in all_of(source):
         rows.add(row.time, row.values)
     assert rows.counts["with a reading that stands for none (-999.25)"] == 1
+
+
+def values(source):
+    """Stamp, winch and rope of the rows that have a stamp."""
+    return [(row.time, *row.values.values()) for row in all_of(source) if row.time == row.time]
+
+
+ROWS = [(0.0, 1.0, 50.0), (1.0, 2.0, 51.0)]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    ("header", "below"),
+    [
+        ("time,winch,rope", "Time [s],Rope paid out [m],Rope tension [kN]"),
+        ("time,winch,rope", "Time,Rope paid out,Rope tension"),
+        ("time,winch,rope", "Elapsed (s),Paid out (m),Tension (kN)"),
+        ("time,winch,rope", "Time,Rope paid out,Rope tension\ns,m,kN"),
+        ("time,winch,rope", "Time [s],Rope paid out [m],Rope tension [kN]\ns,m,kN"),
+        ("time,winch,rope", "s,m,kN\nTime,Rope paid out,Rope tension"),
+        ("time;winch;rope", "Time;Rope paid out;Rope tension"),
+        ("time [s],winch [m],rope [kN]", "Time [s],Winch [m],Rope [kN]"),
+        ("time [s],winch [m],rope [kN]", "TIME [S],WINCH [M],ROPE [KN]"),
+        ("time,winch,rope", "TIME [S],WINCH [M],ROPE [KN]"),
+    ],
+)
+def test_a_second_line_of_titles_below_the_header_describes_its_columns_and_ends_no_source(tmp_path, of, header, below):
+    rows = "0,1,50\n1,2,51\n".replace(",", ";" if ";" in header else ",")
+    source = of(tmp_path, f"{header}\n{below}\n{rows}")
+    assert values(source) == ROWS
+    assert len(source.notes) == 1 and "describes its columns" in source.notes[0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_the_stamp_may_have_its_name_in_a_line_of_units(tmp_path, of):
+    text = "timestamp,winch,rope\ntime,m,kN\n1970-01-01T00:00:00Z,1,50\n1970-01-01T00:00:01Z,2,51\n"
+    assert values(of(tmp_path, text)) == ROWS
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_description_of_columns_gives_their_units_where_the_header_has_none(tmp_path, of):
+    source = of(tmp_path, "time,winch,rope\nTime [ms],Paid out [cm],Tension [N]\n0,100,50000\n1000,200,51000\n")
+    assert values(source) == ROWS and source.factors == {"winch": 0.01, "rope": 0.001}
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("time,winch,rope\nTime [s],Paid out [m],Mass [t]\n", "'t' is a unit of another quantity"),
+        ("time,winch,rope [kN]\nTime [s],Paid out [m],Tension [N]\n", r"\[kN\] in the header and N in the line below"),
+        ("time [s],winch,rope\nTime [ms],Paid out [m],Tension [kN]\n", r"\[s\] in the header and ms in the line below"),
+        ("time,winch,rope\nTime [s],Paid out [m],Tension [kN]\ns,m,N\n", r"\[kN\] in the header and N in the line"),
+        ("time [ms],winch,rope\ns,m,kN\n", r"\[ms\] in the header and s in the line below"),
+    ],
+)
+def test_a_description_or_units_that_contradict_the_header_or_the_map_are_refused(tmp_path, of, text, said):
+    with pytest.raises(SceneError, match=said):
+        all_of(of(tmp_path, text + "0,1,50\n"))
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_the_name_of_the_stamp_in_a_line_of_units_leaves_the_unit_of_the_header(tmp_path, of):
+    assert values(of(tmp_path, "time [ms],winch,rope\ntime,m,kN\n0,1,50\n1000,2,51\n")) == ROWS
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "remark",
+    [
+        "Crew change (day)", "Pause (h)", "shift change [min]", "pause [min],", "logger restarted at time [h]",
+        "event [s],crane stop", "Operator Smith (A), deputy Jones (B)", "Alarm: overload [kN], winch [m]",
+        "Operator Smith (A); deputy Jones (B)", "time [s]", "rope", "NaN,NaN,NaN", "h [m],rope [kN]",
+    ],
+)  # fmt: skip
+def test_a_remark_with_brackets_that_names_no_stamp_ends_no_source_before_rows_with_more_cells(tmp_path, of, remark):
+    source = of(tmp_path, f"{FIRST}{remark}\n1,1,50\n2,1,50\n")
+    assert values(source) == [(0.0, 1.0, 50.0), (1.0, 1.0, 50.0), (2.0, 1.0, 50.0)]
+    assert not source.notes
+
+
+@pytest.mark.parametrize("remark", ["Smith (A), Jones (B)", "Alarm: overload [kN], winch [m]"])
+def test_a_remark_with_commas_ends_no_table_of_semicolons_with_decimal_commas(tmp_path, remark):
+    source = file(tmp_path, f"time [s];winch [m];rope [kN]\n0;1,0;50\n{remark}\n1;2,0;51\n")
+    assert values(source) == ROWS
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("later", ["event [s],A\n1,7\n", "load [t],wind [m/s]\n7,8\n", "Load [t];Wind [m/s]\n7;8\n"])
+def test_a_line_with_units_and_fewer_cells_ends_the_source_where_rows_have_no_more(tmp_path, of, later):
+    source = of(tmp_path, FIRST + later)
+    with pytest.raises(SourceStopped, match="If that line is a remark, begin it with #, or delete it"):
+        all_of(source)
+
+
+FIVE = "time [s],winch [m],rope [kN],mode,wind\n0,1,50,2,7\n1,1,50,2\n2,1,50,2,7\n"
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("remark", ["stop, by operator, reason, fog", "NaN,NaN,NaN,NaN"])
+def test_a_remark_ends_no_source_before_rows_as_short_as_some_were_before(tmp_path, of, remark):
+    source = of(tmp_path, f"{FIVE}{remark}\n3,1,50,2\n4,1,50,2\n5,1,50,2,7\n")
+    assert values(source) == [(float(k), 1.0, 50.0) for k in range(6)] and not source.notes
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_the_first_row_that_lacks_its_last_cells_behind_a_remark_of_as_many_has_its_readings_missing(tmp_path, of):
+    source = of(tmp_path, f"{FIVE}stop, by operator, fog\n3,1,50\n4,1,50,2,7\n")
+    found = values(source)
+    assert [row[0] for row in found] == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert str(found[3][1:]) == "(nan, nan)" and found[4] == (4.0, 1.0, 50.0)
+    assert len(source.notes) == 1 and ":5: a new header, or a remark?" in source.notes[0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_second_such_row_shows_a_header_and_ends_the_source(tmp_path, of):
+    source = of(tmp_path, f"{FIVE}Datum,Druck,Fluss\n3,7,8\n4,7,8\n")
+    found = []
+    with pytest.raises(SourceStopped, match="there is no column 'winch'"):
+        while not source.ended:
+            found += [row] if (row := source.poll(0.05)) is not None else []
+    assert str([row.values["rope"] for row in found if row.time >= 3.0]) == "[nan]"
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_rows_as_short_as_a_line_that_names_a_stamp_have_readings_missing_while_longer_ones_may_come(tmp_path, of):
+    source = of(tmp_path, f"{FIVE}time,by operator,reason,fog\n3,1,50,2\n4,1,50,2\n5,1,50,2,7\n")
+    found = values(source)
+    assert str([row[2] for row in found]) == "[50.0, 50.0, 50.0, nan, nan, 50.0]"
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_no_source_is_blind_without_end_where_no_row_can_show_whether_a_line_was_a_header(tmp_path, of):
+    first = "time [s],winch [m],rope [kN],mode,text\n0,1,50\n1,1,50\n"
+    with pytest.raises(SourceStopped, match="there is no column 'winch'"):
+        all_of(of(tmp_path, first + "time,by operator,fog\n2,1,50\n3,1,50\n"))
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_half_a_row_behind_a_remark_of_as_many_cells_has_its_last_reading_missing(tmp_path, of):
+    text = "time [s],winch [m],rope [kN],mode\n0,1,50,2\nbad,bad,bad\n1,1,5\n2,1,50,2\n"
+    assert str(values(of(tmp_path, text))) == "[(0.0, 1.0, 50.0), (1.0, 1.0, nan), (2.0, 1.0, 50.0)]"
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time,winch,rope\nTension,Time,Paid out\n50,0,1\n",
+        "time,winch,rope\ntime,overload\n1,7,\nTime,Paid out,Tension\n2,7,8\n",
+    ],
+)
+def test_a_line_in_another_order_or_behind_a_row_in_doubt_is_no_description(tmp_path, of, text):
+    with pytest.raises(SourceStopped, match="there is no column 'winch'"):
+        all_of(of(tmp_path, text))
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_rows_in_doubt_before_any_other_row_end_the_source_in_plain_words(tmp_path, of):
+    with pytest.raises(SourceStopped, match=r"known: Druck, time\. If that line is a remark, begin it with #, or "):
+        all_of(of(tmp_path, "time,winch,rope\ntime,Druck\n1,7,\n2,7\n"))

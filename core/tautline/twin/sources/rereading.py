@@ -23,9 +23,13 @@ SHOWN = 50
 FOLLOWING = 5
 """Records in a row behind the time that is gone on from: they, and what comes then, are new."""
 
-LOST = "the file has lost rows since the state was saved: its rows with later stamps are taken as new"
+LOST = (
+    "the file has lost rows, or some were changed, since the state was saved: "
+    "its rows with later stamps are taken as new"
+)
 LOST_BEFORE = (
-    "the file has lost rows since the state was saved, and its clock was set back before. As many new rows are left out"
+    "the file has lost rows, or some were changed, since the state was saved, and its clock was set back before. "
+    "As many new rows are left out as were lost"
 )
 
 

@@ -21,7 +21,9 @@ class NewHeader(SourceStopped):
     """A header in the midst of rows by which those after it cannot be read."""
 
     def __init__(self, error: SceneError) -> None:
-        super().__init__(f"the data have a new header, and rows cannot be read by it: {error}")
+        cure = "If that line is a remark, begin it with #, or delete it"
+        end = "" if str(error).endswith(("?", ".")) else "."
+        super().__init__(f"the data have a new header, and rows cannot be read by it: {error}{end} {cure}")
 
 
 def has_end(line: str) -> bool:
@@ -62,23 +64,26 @@ class Later:
         Of its cells.
     sure : bool
         Whether it is one; else the row behind it shows whether it is a remark.
-    stamped : bool
-        Whether it names a stamp. One that does not is a header only if the row behind it has as many cells.
+    named : bool
+        Whether it names a stamp, or has units. One that does not is a header only if rows behind it have as many cells.
     told : str
         What to say where it stays in doubt.
+    rows : int
+        Rows behind it that speak for a header, and do not prove it.
     """
 
     error: NewHeader
     separator: str
     width: int
     sure: bool
-    stamped: bool
+    named: bool
     told: str
+    rows: int = 0
 
     @property
     def weight(self) -> tuple[bool, bool]:
         """The larger, the more speaks for a header: a line in doubt takes no place of one that is sure."""
-        return self.sure, self.stamped
+        return self.sure, self.named
 
 
 def _are_alike(one: str, other: str) -> bool:
@@ -108,8 +113,8 @@ class Header:
         Where sentences for the user go.
     number : int
         Number of the line, for messages.
-    below : sequence of str
-        Units by cell where the line below the header has them.
+    below : sequence of sequences of str
+        Units by cell of each line below the header that has them.
 
     Attributes
     ----------
@@ -124,21 +129,19 @@ class Header:
 
     def __init__(
         self, line: str, columns: Sequence[str], time: str, where: str, units: Mapping[str, str] | None = None,
-        notes: list[str] | None = None, number: int = 1, below: Sequence[str] = (),
+        notes: list[str] | None = None, number: int = 1, below: Sequence[Sequence[str]] = (),
     ) -> None:  # fmt: skip
         self._given, self._line, self._number_of_line = (columns, time, where, units), line, number
         # Whether the next line may have its units: no row was read by it. And whether rows came before it.
-        self._bare, self._behind = not below, False
+        self._bare, self._behind, self._below = not below, False, below
         self.separator = separator_of(line)
         titles = titles_of(line, self.separator)
         self.names, self.units = heads(titles)
-        own = self.units
-        if below:
-            self.units = [below[i] if i < len(below) and below[i] else one for i, one in enumerate(own)]
         self.width = self._before = len(titles)
         self.notes: list[str] = [] if notes is None else notes
         self._later: Later | None = None
-        self._shown = 0  # cells of the last row
+        self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
+        self._begun = False  # whether any row was read, also one in doubt
         self._comma_told = False
         self._stamps = Stamps(time, self.notes)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles)
@@ -151,15 +154,16 @@ class Header:
         self.factors: dict[str, float] = {}
         if stamp is not None:
             problems += self._twice(stamp, titles, where, number)
+            self.stamp = self._places(stamp, titles)[0]
+            problems += self._other_units(stamp, self.stamp)
         for column in columns:
             problems += self._twice(column, titles, where, number) if column != stamp else []
             place = next(iter(self._places(column, titles)), None)
             if place is None:
                 cure = nearest(column, sorted(name for name in self.names if name))
                 problems.append(Problem(where, number, "", None, f"there is no column '{column}'", cure))
-            elif own[place] and not _are_alike(own[place], self.units[place]):
-                cause = f"the unit is [{own[place]}] in the header and {self.units[place]} in the line below it"
-                problems.append(Problem(where, number, f"column '{column}'", None, cause, "give one of both"))
+            elif others := self._other_units(column, place):
+                problems += others
             else:
                 self.places[column] = place
                 try:
@@ -173,7 +177,6 @@ class Header:
                     problems.append(Problem(where, number, f"column '{column}'", None, cause, cure))
         if problems:
             raise SceneError(problems)
-        self.stamp = self._places(str(stamp), titles)[0]
         self.factor = seconds_in(self.units[self.stamp] or self._stamps.unit)
 
     def _places(self, column: str, titles: Sequence[str]) -> list[int]:
@@ -188,6 +191,20 @@ class Header:
         shown = ", ".join(f"cell {i + 1} ('{titles[i]}')" for i in places)
         cause = f"there are {len(places)} columns '{column}' in the header: {shown}"
         return [Problem(where, number, "", None, cause, "give each column a name of its own")]
+
+    def _other_units(self, column: str, place: int) -> list[Problem]:
+        """Take the unit of a column from the lines below the header; faults where two of these lines differ."""
+        for line in self._below:
+            one, before = line[place] if place < len(line) else "", self.units[place]
+            # In the place of the stamp a line of units may say anything, such as UTC.
+            if not one or (place == self.stamp and not is_unit_of_time(one)):
+                continue
+            if before and not _are_alike(before, one):
+                cause = f"the unit is [{before}] in the header and {one} in the line below it"
+                where, number = self._given[2], self._number_of_line
+                return [Problem(where, number, f"column '{column}'", None, cause, "give one of both")]
+            self.units[place] = one
+        return []
 
     def _factor(self, column: str, header: str, asked: str | None) -> float:
         """What readings of a column are multiplied by; 1 where the header or nobody gives a unit."""
@@ -223,6 +240,8 @@ class Header:
         if whole and (below := self._units_in(line)):
             return self._with_units(below)
         sure = self._is_header(line) if whole else False
+        if whole and (described := self._described(line, number, sure is not False)):
+            return described
         if sure is False:
             return None
         try:
@@ -233,7 +252,7 @@ class Header:
             if sure:
                 self.notes.append(f"{where}:{number}: a new header by which rows cannot be read; it may be torn")
             told = f"{where}:{number}: a new header, or a remark? Readings count as missing until a row shows it"
-            later = Later(NewHeader(error), separator, len(titles), bool(sure), self._stamped(titles), told)
+            later = Later(NewHeader(error), separator, len(titles), bool(sure), self._is_named(titles), told)
             if self._later is None or later.weight >= self._later.weight:
                 self._later = later
             return self if sure else None
@@ -268,8 +287,9 @@ class Header:
             Where they cannot be, and no row came before. Else `read` raises at the next row.
         """
         columns, time, where, units = self._given
+        lines = [*self._below, below]
         try:
-            found = Header(self._line, columns, time, where, units, self.notes, self._number_of_line, below)
+            found = Header(self._line, columns, time, where, units, self.notes, self._number_of_line, lines)
         except SceneError as error:
             if not self._behind:
                 raise
@@ -278,33 +298,78 @@ class Header:
         found._comma_told, found._behind = self._comma_told, self._behind
         return found
 
+    def _described(self, line: str, number: int, told: bool) -> Header | None:
+        """The header with units of a second line of titles, before any row; None for any other line.
+
+        Such a line describes the columns in other words: it has as many cells, and no column of the map. What stands in
+        its brackets is read as units below the header are.
+
+        Raises
+        ------
+        SceneError
+            As for a line of units.
+        """
+        columns, _, where, _ = self._given
+        cells = cells_of(line, self.separator)
+        names, units = heads(cells)
+        if self._begun or len(cells) != self.width or not {*names, *cells}.isdisjoint(columns):
+            return None
+        if self._stamped(cells) and not self._stamped([cells[self.stamp]]):
+            return None  # its columns are in another order
+        if not all(math.isnan(number_of(one)) for one in cells):
+            return None
+        known = [one if is_unit(one) else "" for one in units]
+        if line == line.upper():  # in a line of capitals [KN] is the header's [kN], or that of the map
+            asked = [*self.units, *(self._given[3] or {}).values()]
+            known = [next((same for same in asked if same.upper() == one), one) for one in known]
+        if not told and not any(known):
+            return None
+        self.notes.append(f"{where}:{number}: a line below the header that has other names describes its columns")
+        if not any(known):
+            return self
+        bare, found = self._bare, self._with_units(known)
+        found._bare = bare and found is not self  # a line of units may come behind it
+        return found
+
     def _is_header(self, line: str) -> bool | None:
         """Whether a line is a header; None where the row behind it must show that.
 
         One that has all columns is. So is one without a number that has a name with a unit of time, or two names with
         units; or the stamp and a column; or the stamp and as many other names as the header has, or more. Units below
-        a header are none, nor is a remark among rows.
+        a header are none, nor is a remark among rows, nor a line of one cell. A line that has units, fewer cells than
+        the header and no stamp is in doubt: a remark may read `stop [s], crane 2`. But where all its cells have units,
+        one of them of time, it is a header.
         """
         columns, *_ = self._given
         separator = separator_of(line)
         titles = titles_of(line, separator)
         found, units = heads(titles)
         names = {*found, *titles}
+        if len(titles) < 2 and columns:  # it cannot have the stamp and a column
+            return False
         if names.issuperset(columns):
             return True
         if not all(math.isnan(number_of(one)) for one in titles) or self._are_units(titles):
             return False
         named = [unit for name, unit in zip(found, units, strict=True) if name and is_unit(unit)]
-        if len(named) > 1 or any(is_unit_of_time(unit) for unit in named):
-            return True
-        stamped = self._stamped(titles)
+        timed, stamped = any(is_unit_of_time(unit) for unit in named), self._stamped(titles)
+        if len(named) > 1 or timed:
+            return True if stamped or len(titles) >= self.width or (timed and len(named) == len(titles)) else None
         if stamped and not names.isdisjoint(columns):
             return True
         if len(titles) < 2 or not (all(titles) or (stamped and sum(map(bool, titles)) > 2)):
             return False
         if stamped and len(titles) >= self.width and separator == self.separator:
             return True
-        return None if stamped or len(titles) != self.width else False
+        if stamped:
+            return None
+        # Names are not twice in a header: `NaN,NaN,NaN` and `bad,bad,bad` are none.
+        return None if len(titles) != self.width and len({*titles}) == len(titles) else False
+
+    def _is_named(self, titles: Sequence[str]) -> bool:
+        """Whether cells name a stamp, or have units as those of a header do."""
+        named = [unit for name, unit in zip(*heads(titles), strict=True) if name and is_unit(unit)]
+        return self._stamped(titles) or len(named) > 1 or any(is_unit_of_time(unit) for unit in named)
 
     def _stamped(self, titles: Sequence[str]) -> bool:
         """Whether one of the cells names a stamp."""
@@ -317,8 +382,11 @@ class Header:
             return False
         if all(one in NO_UNIT or is_unit(one) for one in titles):
             return True
+        beside = [one for i, one in enumerate(titles) if i != self.stamp]
+        if not self._begun and any(map(is_unit, beside)) and all(one in NO_UNIT or is_unit(one) for one in beside):
+            return True  # right below the header the stamp may have its name there; later `time,A,B` are columns
         others = [one for one in titles if one.lower() != "t"]
-        return not self._shown and len(others) < len(titles) and not self._stamped(others)
+        return not self._begun and len(others) < len(titles) and not self._stamped(others)
 
     def read(self, line: str, whole: bool = True) -> tuple[float, Mapping[str, float]] | None:
         """Stamp and values of a line; None for a line that has too few cells.
@@ -336,7 +404,6 @@ class Header:
         count = len(cells)
         if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
-        self._before = count
         name, stamp = self.names[self.stamp] or "time", float("nan")
         if len(cells) > self.stamp:
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
@@ -344,7 +411,10 @@ class Header:
                 stamp = self._number(name, cells[self.stamp])
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp):
-            self._shown, self._bare = count, False
+            self._bare, self._begun = False, True
+            self._before = count  # that of a remark does not show that a row is whole
+            if not doubtful:
+                self._widths.add(count)
         if len(cells) <= self.stamp:
             return None
         if doubtful:
@@ -365,23 +435,42 @@ class Header:
         others, filled = cells_of(line, later.separator), len(titles_of(line, self.separator))
         if not stamped and not ((later.sure or another) and any(not math.isnan(number_of(one)) for one in others)):
             return False  # no row
-        if later.sure or self._fits(later, count, filled, len(others) if another else 0):
+        fits = later.sure or self._fits(later, count, filled, len(others) if another else 0)
+        if fits and not self._is_plain(later, line, another):
             raise later.error
-        if not later.stamped or filled > later.width or another:
+        # Where rows were as short before, one more shows nothing; nor does the first one that lacks its last cells.
+        waits = filled <= later.width if later.named else self._is_new(later, count)
+        if another or not waits:
             self._later = None
             return False
+        self._later = later = replace(later, rows=later.rows + 1)
         if later.told:
             self.notes.append(later.told)
             self._later = replace(later, told="")
         return True
 
     def _fits(self, later: Later, count: int, filled: int, others: int) -> bool:
-        """Whether a row is of that header, by its cells: all, those before empty ones at its end, by its separator."""
-        if not later.stamped:
-            return bool(self._shown) and count == later.width != self._shown
+        """Whether a row is of that header, by its cells: all, those before empty ones at its end, by its separator.
+
+        A number of cells that rows had before shows nothing, where rows with more may come. One that has fewer cells
+        than the header may lack its last ones: where the line names no stamp, two such rows show that it is a header.
+        """
+        if not later.named:
+            return self._is_new(later, count) and (count > self.width or later.rows > 0)
         if others:
             return 1 < others <= later.width or filled < 2
-        return count <= later.width
+        blind = later.rows > 0 and max(self._widths, default=0) <= later.width
+        return count <= later.width and (count not in self._widths or blind)
+
+    def _is_new(self, later: Later, count: int) -> bool:
+        """Whether a row has as many cells as a later line, and none before it had."""
+        return bool(self._widths) and count == later.width and count not in self._widths
+
+    def _is_plain(self, later: Later, line: str, another: bool) -> bool:
+        """Whether a row has numbers only by this header's separator, where a line in doubt has another one."""
+        cells = titles_of(line, self.separator)
+        numbers = len(cells) > 1 and not any(math.isnan(number_of(one)) for one in cells)
+        return another and not later.sure and numbers
 
     def _number(self, name: str, cell: str) -> float:
         """A cell's number; NaN for one with a comma in a table that commas separate: it may be one of thousands."""
