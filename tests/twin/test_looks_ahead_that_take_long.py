@@ -71,11 +71,19 @@ def test_a_danger_that_was_to_come_between_the_last_two_rows_is_told_though_no_r
 
 
 def test_a_danger_at_an_estimate_that_has_moved_since_is_told_and_not_certain(watched):
-    assert watched(passed((1.0, 85e3)), moved=1e3).known
-    alarm = watched(passed((1.0, 85e3)), moved=20e3)
+    assert watched(passed((1.0, 85e3)), moved=-1e3).known
+    alarm = watched(passed((1.0, 85e3)), moved=-20e3)
     assert not alarm.known and "That is not certain" in alarm.text
+    assert watched(passed((1.0, 85e3)), moved=20e3).known  # it has moved towards the danger
+
+
+def test_a_danger_is_as_certain_as_the_worst_that_is_to_come_and_not_as_its_first_moment(watched):
+    assert not watched(passed((1.0, 80.1e3))).known
+    alarm = watched(passed((1.0, 80.1e3), (1.2, 95e3), (1.3, 81e3)))
+    assert alarm.known and "in 0.5 s: 80.1 kN" in alarm.text
 
 
 def test_a_danger_by_a_guess_is_told_only_where_the_estimate_that_is_known_now_has_it_too(watched):
-    assert watched(passed((1.0, 87e3), known=False), moved=40e3) is None
-    assert watched(passed((1.0, 87e3), known=False), moved=2e3).known
+    assert watched(passed((1.0, 87e3), known=False), moved=-40e3) is None
+    assert watched(passed((1.0, 87e3), known=False), moved=-2e3).known
+    assert watched(passed((1.0, 87e3), known=False), moved=40e3).known

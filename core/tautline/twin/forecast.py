@@ -66,13 +66,10 @@ class Found:
         """Whether no bound is passed."""
         return not self.first and self.stopped is None
 
-    def coming(self, name: str, after: float) -> tuple[float, float] | None:
-        """Time at which the bound of an alarm is passed for the first time later than a time, s, and the value there.
-
-        None where it is not passed any more.
-        """
+    def coming(self, name: str, after: float) -> list[tuple[float, float]]:
+        """Times, s, later than one at which the bound of an alarm is passed, and the values there, in order."""
         told = ((self.begun + ahead, value) for ahead, value in self.beyond.get(name, ()))
-        return next((one for one in told if one[0] > after), None)
+        return [one for one in told if one[0] > after]
 
 
 class Forecast:

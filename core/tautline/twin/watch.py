@@ -58,7 +58,7 @@ class Compared:
     ahead : Found or None
         What will come, if that was found lately.
     moved : mapping
-        Output -> by how much it would be another at the estimate that `ahead` was begun with.
+        Output -> by how much it is more than at the estimate that `ahead` was begun with.
     changed : float
         How long ago the last readings contradicted all others, s; infinite where they have not.
     judged_from : float
@@ -171,10 +171,11 @@ class Watch:
             if certain and now[-1][0] == "computed" and np.isfinite(measured):
                 certain, doubt, sd = False, "What is measured", measured
         elif known and (coming := self._coming(one, row)) is not None:
-            left, value, moved = coming
+            left, value, worst, shift = coming
             text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
-            sd = float(np.hypot(sd, moved))
-            holds, certain = True, surely_beyond(value, sd, one)
+            if not beyond(shift, 0.0 if worst > one.above else np.inf, 0.0 if worst < one.below else -np.inf):
+                sd = float(np.hypot(sd, shift))
+            holds, certain = True, surely_beyond(worst, sd, one)
         if row.late and not holds and one.name in self._told_ahead:
             told_ahead = "not known any more: this was foreseen, and the computer has no time to look again"
             self.alarms.judge(one.name, True, row.time, told_ahead, one.lasting, False)
@@ -184,21 +185,24 @@ class Watch:
             text += f". That is not certain. {doubt} is {self._teller(one)(sd)}"
         self.alarms.judge(one.name, holds, row.time, text, one.lasting, certain)
 
-    def _coming(self, one: Alarm, row: Compared) -> tuple[float, float, float] | None:
-        """How long ahead a bound is passed, s, the value there, and by how much the estimate has moved since; or None.
+    def _coming(self, one: Alarm, row: Compared) -> tuple[float, float, float, float] | None:
+        """How long ahead a bound is passed, s, the value there, the worst one, and how the estimate has moved since.
 
-        What was to come before the last row has come, or has not: that row shows it. A run ahead that was begun with a
-        guess says nothing of what would not be passed at the estimate of now.
+        That is by how much outputs are more now. What was to come before the last row has come, or has not: that row
+        shows it. A run ahead that was begun with a guess says nothing of what would not be passed at the estimate of
+        now.
         """
         ahead = row.foreseen
-        coming = ahead.coming(one.name, self._before) if ahead is not None else None
-        if ahead is None or coming is None:
+        coming = ahead.coming(one.name, self._before) if ahead is not None else []
+        if ahead is None or not coming:
             return None
-        at, value = coming
-        moved = float(np.max(row.moved[one.target])) if one.target in row.moved else 0.0
-        if not ahead.known and not beyond(value, one.above + moved, one.below - moved):
+        at, value = coming[0]
+        worst = max((other for _, other in coming), key=lambda other: max(other - one.above, one.below - other))
+        moved = np.ravel(row.moved[one.target]) if one.target in row.moved else np.zeros(1)
+        shift = float(moved[np.argmax(np.abs(moved))])
+        if not ahead.known and not beyond(worst + shift, one.above, one.below):
             return None
-        return max(0.0, at - row.time), value, moved
+        return max(0.0, at - row.time), value, worst, shift
 
     def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
         """Judge what is wrong with sensors."""

@@ -304,7 +304,7 @@ class Estimate:
         return float(np.exp(-passed / self._mean)) if passed >= 0.0 and self._mean else 0.0
 
     def moved_since(self, read: Mapping[str, np.ndarray], parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
-        """By how much outputs would be others with other parameters than those of the estimate; sizes, by name.
+        """By how much outputs are more than they would be with other parameters than those of the estimate, by name.
 
         Parameters
         ----------
@@ -314,7 +314,7 @@ class Estimate:
         p = len(self._parameters)
         now = self.horizon.mean[self._parameters]
         off = now - np.array([parameters.get(name, now[i]) for i, name in enumerate(self.family.names)])
-        return {name: np.abs(self.family.derivatives(values)[..., :p] @ off) for name, values in read.items()}
+        return {name: self.family.derivatives(values)[..., :p] @ off for name, values in read.items()}
 
     def swung(self, read: Mapping[str, np.ndarray], missed: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Deviations of outputs by a free motion that makes measured ones as wrong as they are seen to be.
