@@ -57,7 +57,7 @@ def test_a_run_is_the_same_to_the_bit_wherever_it_pauses(monkeypatch, method):
         assert_equal(result, whole)
 
 
-@pytest.mark.parametrize("work", [7, 130, 220], ids="pauses in {} steps' work".format)
+@pytest.mark.parametrize("work", [7, 130, 170], ids="pauses in {} steps' work".format)
 @pytest.mark.parametrize("method", METHODS)
 def test_ctrl_c_in_the_middle_of_a_frame_keeps_what_can_be_gone_on_with(monkeypatch, method, work):
     whole = simulate(model(method))
@@ -91,7 +91,8 @@ def test_a_run_that_failed_within_a_frame_is_gone_on_with_from_a_frame(monkeypat
     with pytest.raises(StoppedEarly) as stop:
         simulate(model(method))
     failed = stop.value.result
-    assert failed.attributes["restart_time"] < failed.time[-1] == pytest.approx(0.5)
+    # How many frames a batch has depends on the method: the last one is that of the batch that reaches 0.45 s.
+    assert failed.attributes["restart_time"] < failed.time[-1] and 0.45 < failed.time[-1] < 0.65
     monkeypatch.setattr(simulation, "run_steps", real)
     assert_equal(simulate(model(method), resume=failed), whole)
 

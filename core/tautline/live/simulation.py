@@ -358,7 +358,8 @@ class Simulation:
     def _check_step(self, found: ExplicitStep) -> None:
         """Refuse an explicit step that is longer than the critical one, or choose one, where it is due."""
         found.follow(self._state, self._time, self._step, self._tolerance)
-        self._step = found.step
+        if self.model.solver.automatic:
+            self._step = found.step
         if self._step > found.found:
             detail = f"step {self._step:g} s, critical step {found.found:.4g} s"
             self._stopped, self._status = "the explicit method is unstable at this step", Status.UNSTABLE.word

@@ -102,8 +102,8 @@ def test_the_error_of_the_model_costs_a_coarser_string_for_each_depth_and_one_so
     made, solved = [], []
 
     class Counted(back_calculation.Statics):
-        def __init__(self, scene, depth, elements):
-            super().__init__(scene, depth, elements)
+        def __init__(self, scene, depth, elements, **how):
+            super().__init__(scene, depth, elements, **how)
             made.append(elements)
             self.elements = elements
 
