@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import time
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from tautline.integrators.explicit_step import ExplicitStep
 from tautline.integrators.schedule import steps_to
 from tautline.integrators.state import MOTION, THROUGHPUT, State
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.integrators.time_loop import PART, STEP, Frames
+from tautline.integrators.time_loop import PART, STEP, Frames, new_frames, record_now
 from tautline.results.assessment.balance import STORED_SHARE, Balance
 from tautline.results.resumption import ROUNDING
 from tautline.scene.methods import explicit_like, method_of
@@ -59,6 +58,7 @@ class UnderWay(Protocol):
     """
 
     model: Model
+    method: Any
     state: State
     ends: np.ndarray
     steps: np.ndarray
@@ -169,10 +169,13 @@ class ExplicitWatch:
         return True
 
     def _energy(self) -> float:
-        """Energy of the last frame less the work done and with what was lost, J; NaN where none is at hand."""
-        if not self.run.ahead:
-            return math.nan
-        kinetic, strain, potential, work, lost = self.run.frames.energy[self.run.ahead - 1]
+        """Energy of the last frame less the work done and with what was lost, J."""
+        run = self.run
+        frames, last = run.frames, run.ahead - 1
+        if last < 0:  # a run that is gone on with has no frame yet
+            frames, last = new_frames(1, run.model.system.q.size, run.model.own), 0
+            record_now(run.method, run.model.system, run.state, run.time, frames.rows[0])
+        kinetic, strain, potential, work, lost = frames.energy[last]
         return float(kinetic + strain + potential - work + lost)
 
     def leave(self) -> None:

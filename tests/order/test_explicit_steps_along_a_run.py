@@ -65,3 +65,23 @@ def test_a_step_that_is_given_ends_the_run_where_the_critical_one_has_fallen_bel
     with pytest.raises(StoppedEarly) as stop:
         hoisted(method="rk4", step="0.62 ms")
     assert stop.value.status == Status.UNSTABLE and stop.value.time > 3.0
+
+
+def test_a_run_that_is_gone_on_with_is_judged_by_its_energy_from_there_on(reference):
+    scene = tautline.read(DATA / "hoist.yaml").replace(HOISTED | {"output.interval": "0.2 s"})
+    first = tautline.simulate(scene, method="rk4", step="auto", end=2.0)
+    whole = tautline.simulate(scene, method="rk4", step="auto", resume=first)
+    assert whole.attributes["energy_error"] < 1e-6
+    np.testing.assert_allclose(whole["tension"], reference["tension"][::4], atol=3.0)
+
+
+def test_a_step_that_is_chosen_is_looked_at_anew_when_a_parameter_is_changed():
+    scene = tautline.read(DATA / "hoist.yaml").replace(HOISTED | {"path[0].drum.pay_out": {"constant": 0.0}})
+    live = {}
+    for how in ({"solver.method": "rk4", "solver.step": "auto"}, {"solver.step": "0.5 ms"}):
+        sim = live[how["solver.step"]] = tautline.Simulation(scene.replace(how))
+        sim.advance_to(1.0)
+        sim.parameters["rope.damping"] = 20.0 * sim.parameters["rope.damping"]
+        sim.advance_to(2.0)
+    # It was 1906 kN after 1.9 s, in place of 50.
+    np.testing.assert_allclose(live["auto"].result["tension"], live["0.5 ms"].result["tension"], atol=20.0)

@@ -197,3 +197,10 @@ def test_an_encoder_whose_leap_is_smeared_over_five_rows_is_no_motion_of_a_winch
     track, states = track_of(times, -2.0 * times + leap * np.clip((times - 9.0) / 0.25, 0.0, 1.0))
     assert np.max(np.abs(np.diff(states[:, 0]))) < 0.3
     assert track.fastest == pytest.approx(2.0, rel=1e-6)
+
+
+def test_a_sea_that_is_dead_calm_has_a_motion_ahead():
+    waves = Waves()
+    for k in range(1, 700):
+        waves.add(0.1 * k, np.zeros(3))
+    assert not waves.ahead(np.linspace(0.1, 5.0, 9)).any()

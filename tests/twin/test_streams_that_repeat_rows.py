@@ -63,7 +63,15 @@ def test_a_clock_that_was_set_back_while_no_twin_ran_is_seen_and_no_row_of_a_sec
     assert came[0] > memory[0]["reached"]
 
 
-@pytest.mark.parametrize("back", [40.0, 200.0])
+def test_a_stream_that_repeats_an_old_part_and_ends_there_is_left_out_and_sets_no_clock_back(memory):
+    rows = gone_on(memory[0])
+    assert not taken(rows, range(100)) and rows.ready(end=True) is None
+    assert rows.shift == 0.0 and rows.counts["late"] == 100
+    (note,) = rows.notes
+    assert note.startswith("100 rows are from before all that were answered")
+
+
+@pytest.mark.parametrize("back", [40.0, 65.0])
 def test_rows_of_a_clock_that_was_set_back_are_not_taken_for_repeated_ones_though_they_come_all_at_once(memory, back):
     rows = gone_on(memory[0])
     shifted = [round(stamp - back - 0.01, 2) for stamp in STAMPS]

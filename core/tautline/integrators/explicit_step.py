@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from tautline.integrators.state import State
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.scene.methods import Method
@@ -23,6 +25,8 @@ looks is not seen.
 """
 FAR = 0.25
 """Share of the critical step below which a step is far from it."""
+CLOSE = 0.5
+"""Share of the critical step above which a run that cannot go back looks after the fewest steps."""
 
 
 class ExplicitStep:
@@ -91,11 +95,18 @@ class ExplicitStep:
         elif time >= self.due - tolerance:
             self.look(state, time, taken)
             if self.share > 1.0:
-                self.beyond.append(time)
+                self.doubt(time)
+        if self._automatic and self._before > CLOSE:
+            self.due = min(self.due, time + FEWEST_STEPS * self.step)
 
-    def forget(self) -> None:
-        """Have `follow` look at the step anew: the state is another one."""
-        self._begun = False
+    def doubt(self, time: float) -> None:
+        """Take note that chosen steps up to a time, s, may have been too long."""
+        if self._automatic:
+            self.beyond.append(time)
+
+    def forget(self, time: float = np.inf) -> None:
+        """Have `follow` look at the step anew: the state is another one. What was after a time, s, is forgotten."""
+        self._begun, self.beyond = False, [one for one in self.beyond if one <= time]
 
     @property
     def warnings(self) -> list[str]:

@@ -14,7 +14,6 @@ import numpy as np
 
 from tautline.application.installed import Installed
 from tautline.errors import ArgumentTypeError
-from tautline.explicit_watch import ExplicitWatch
 from tautline.integrators.explicit_step import ExplicitStep
 from tautline.integrators.method import method_for
 from tautline.integrators.schedule import frame_times
@@ -382,6 +381,7 @@ class Simulation:
                 self._time = float(reached)
                 raise error
         self._stand_at(reached)
+        self._run.doubt_step(reached)
         status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
         self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
         raise StoppedEarly(status, reached, part, detail, self._so_far())
@@ -431,6 +431,7 @@ class Simulation:
         before = self._energy() if counts else 0.0
         yield
         self._observed = None
+        self._run.forget_step()
         if counts:
             work = self._energy() - before
             self._state.ledger[WORK] += work
@@ -500,6 +501,7 @@ class Simulation:
     def save(self) -> State:
         """The simulation as it stands. It can be pickled, and restored in another process."""
         with self._turn.look:
+            self._run.forget_step()
             return State(
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
@@ -532,8 +534,7 @@ class Simulation:
         while self._frame_time(k) <= reached:
             k += 1
         self._frame, self._next = k, self._frame_time(k)
-        if self._run.watch is not None:
-            self._run.watch.explicit.forget()
+        self._run.forget_step(state.time)
 
     def displace(self, name: str, by: Sequence[float]) -> None:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
@@ -576,6 +577,7 @@ class Simulation:
         for force in self._forces:
             other._add(force.copy())
         other.restore(self.save())
+        other._run.renew_watch(self._run)
         other._kept = self._kept.copy()
         return other
 
@@ -632,7 +634,7 @@ class Simulation:
         method = method_for(system, self.model.solver)
         recall(remember((), (), old), (), (), method)
         run.method = method
-        run.watch = None if run.watch is None else ExplicitWatch(run)
+        run.renew_watch(run)
         self._forces.append(force)
         compile_for(method, system, run.state)
         self._bind()

@@ -198,7 +198,7 @@ class Watch:
             return None
         at, value = coming[0]
         worst = max((other for _, other in coming), key=lambda other: max(other - one.above, one.below - other))
-        moved = np.ravel(row.moved[one.target]) if one.target in row.moved else np.zeros(1)
+        moved = np.nan_to_num(np.ravel(row.moved[one.target])) if one.target in row.moved else np.zeros(1)
         shift = float(moved[np.argmax(np.abs(moved))])
         if not ahead.known and not beyond(worst + shift, one.above, one.below):
             return None

@@ -199,10 +199,10 @@ class Rows:
             self._add_late(row)
             return
         self._running_up = False
-        self._leave_out()
         if row.time - self.newest > self._far and np.isfinite(self.newest):
             self._suspect = row
             return
+        self._leave_out()
         self._late.clear()
         shown = np.isfinite(row.values)
         self._in_time[shown] += 1
@@ -429,8 +429,12 @@ class Rows:
 
     def ready(self, end: bool = False) -> Row | None:
         """The next row that no other can come before; with `end` nothing more is waited for."""
-        if end:
-            self._take_back()
+        if end and self._aside:
+            self.notes.append(
+                f"{len(self._aside)} rows are from before all that were answered in the last minute, and the source "
+                "ended before it showed whether its clock was set back. They are left out"
+            )
+            self._leave_out()
         if end and self._suspect is not None:
             self._suspect.after_gap = True
             self.counts["gaps"] += 1

@@ -134,6 +134,8 @@ class Waves:
             rows = np.lib.stride_tricks.sliding_window_view(x, ORDER + 1)
             past, new = rows[:, ORDER - 1 :: -1], rows[:, ORDER]
             weak = NOISE * float(np.mean(x**2)) * len(rows)
+            if weak == 0.0:  # nothing moves
+                return np.zeros(ORDER)
             square = past.T @ past + weak * np.eye(ORDER)
             self._coefficients = np.linalg.solve(square, past.T @ new)
         return self._coefficients

@@ -325,6 +325,13 @@ class Header:
         if not told and not any(known):
             return None
         self.notes.append(f"{where}:{number}: a line below the header that has other names describes its columns")
+        for name, place in {**self.places, self.names[self.stamp] or "time": self.stamp}.items():
+            same = next((one for one in self.units if one and one.upper() == units[place].upper()), "")
+            wanted = (self._given[3] or {}).get(name, "")
+            if units[place] and not is_unit(known[place]) and units[place].upper() not in (same.upper(), wanted.upper()):
+                self.notes.append(
+                    f"{where}:{number}: [{units[place]}] is no known unit: '{name}' is read as without this line"
+                )
         if not any(known):
             return self
         bare, found = self._bare, self._with_units(known)
@@ -353,6 +360,8 @@ class Header:
             return False
         named = [unit for name, unit in zip(found, units, strict=True) if name and is_unit(unit)]
         timed, stamped = any(is_unit_of_time(unit) for unit in named), self._stamped(titles)
+        if (len(named) > 1 or timed) and separator != self.separator:
+            return None
         if len(named) > 1 or timed:
             return True if stamped or len(titles) >= self.width or (timed and len(named) == len(titles)) else None
         if stamped and not names.isdisjoint(columns):
