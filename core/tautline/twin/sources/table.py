@@ -326,12 +326,10 @@ class Header:
             return None
         self.notes.append(f"{where}:{number}: a line below the header that has other names describes its columns")
         for name, place in {**self.places, self.names[self.stamp] or "time": self.stamp}.items():
-            same = next((one for one in self.units if one and one.upper() == units[place].upper()), "")
-            wanted = (self._given[3] or {}).get(name, "")
-            if units[place] and not is_unit(known[place]) and units[place].upper() not in (same.upper(), wanted.upper()):
-                self.notes.append(
-                    f"{where}:{number}: [{units[place]}] is no known unit: '{name}' is read as without this line"
-                )
+            unit, wanted = units[place], (self._given[3] or {}).get(name, "")
+            same = unit.upper() in {one.upper() for one in (*self.units, wanted)}
+            if unit and not same and not is_unit(known[place]):
+                self.notes.append(f"{where}:{number}: [{unit}] is no known unit: '{name}' is read as without this line")
         if not any(known):
             return self
         bare, found = self._bare, self._with_units(known)
