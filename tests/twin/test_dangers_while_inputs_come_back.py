@@ -18,7 +18,7 @@ def left_out(begin, end):
 
 @pytest.mark.parametrize(
     "change",
-    [left_out(10.0, 10.5), lost_between("winch_pos", 10.0, 10.5), *studies(lost_between("heave", 10.8, 11.3))],
+    [lost_between("winch_pos", 10.0, 10.5), *studies(left_out(10.0, 10.5), lost_between("heave", 10.8, 11.3))],
 )
 def test_two_blocking_is_foreseen_in_time_while_an_input_that_was_missing_is_caught_up_with(change):
     lines, _ = lines_with(change)

@@ -109,6 +109,7 @@ def test_health_is_degraded_where_rows_and_window_miss_by_many_deviations_though
         assert twin.unsure == (missed == spread == 36.0)
 
 
+@pytest.mark.study
 def test_a_step_that_is_not_recognised_is_in_no_good_health_until_the_simulation_begins_again(monkeypatch):
     # The first half second has too few rows for a window; after it began again the deviation is a memory of before.
     monkeypatch.setattr(Steps, "look", lambda steps, times, values: None)

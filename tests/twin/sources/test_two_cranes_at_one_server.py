@@ -65,6 +65,7 @@ def test_a_name_that_two_cranes_have_is_no_reading_and_is_told_with_both_node_id
         assert "write the right node id as `column` in the map" in note
 
 
+@pytest.mark.study
 def test_a_name_that_only_the_other_crane_has_is_not_mixed_with_the_ids_of_the_first():
     columns = ["ns=2;s=A.winch", "heave", "ns=2;s=A.tension"]
     first, notes = heard(columns, "A/winch", "A/motion", "A/tension", "B/winch", "B/heave", "B/tension")
@@ -80,6 +81,7 @@ def test_a_crane_with_its_variables_in_several_folders_needs_no_ids_and_this_is_
     assert "winch is ns=2;s=sensors.winch.winch (sensors/winch)" in note and "several folders" in note
 
 
+@pytest.mark.study
 def test_two_cranes_by_the_node_ids_of_one_are_read_without_a_word():
     columns = [f"ns=2;s=B.{name}" for name in COLUMNS]
     first, notes = heard(columns, *(f"{crane}/{name}" for crane in "AB" for name in COLUMNS))

@@ -92,6 +92,7 @@ def test_more_elements_are_offered_only_where_it_is_they_that_make_the_error():
     assert f"More elements change it by about {fine.elements_error:.1g}" in fit_in_words(fine)
 
 
+@pytest.mark.study
 def test_elements_that_cannot_be_halved_are_doubled_to_see_the_error():
     found = fitted(2)
     assert np.isfinite(found.model_error) and found.model_error > 0.0
