@@ -23,6 +23,10 @@ TRIES = 8
 UNACCOUNTED = 1.0e-4
 """Share of the energy that went through a run, created or lost without account between two looks, above which steps
 were beyond the critical one in between. What grew then is damped by the method once they are shorter."""
+HELPS, LOOKS_WITHOUT = 4.0, 20
+"""Times, at least, by which half the step makes that share smaller where steps were too long, and looks that go without
+it where it does not: friction that lets go within a step, and contacts that close, cost energy at any step.
+"""
 
 
 def explicit_step_of(model: Model) -> ExplicitStep:
@@ -30,12 +34,6 @@ def explicit_step_of(model: Model) -> ExplicitStep:
     solver = model.solver
     method = method_of(explicit_like(solver.method))
     return ExplicitStep(model.system, method, solver.step, solver.interval, solver.automatic)
-
-
-HELPS, LOOKS_WITHOUT = 4.0, 20
-"""Times, at least, by which half the step makes that share smaller where steps were too long, and looks that go without
-it where it does not: friction that lets go within a step, and contacts that close, cost energy at any step.
-"""
 
 
 class Held(NamedTuple):
