@@ -85,3 +85,15 @@ def test_a_step_that_is_chosen_is_looked_at_anew_when_a_parameter_is_changed():
         sim.advance_to(2.0)
     # It was 1906 kN after 1.9 s, in place of 50.
     np.testing.assert_allclose(live["auto"].result["tension"], live["0.5 ms"].result["tension"], atol=20.0)
+
+
+@pytest.mark.parametrize("end", [Status.TWO_BLOCKED, Status.UNSTABLE])
+def test_a_live_run_doubts_its_step_where_motion_has_grown_and_not_where_blocks_have_met(end):
+    live = tautline.Simulation(
+        tautline.read(DATA / "hoist.yaml").replace({"solver.method": "rk4", "solver.step": "auto"})
+    )
+    live.advance(0.1)
+    with pytest.raises(StoppedEarly):
+        live._stop(live.time, end)
+    said = [one for one in live.result.attributes["warnings"] if "longer than the critical one" in one]
+    assert bool(said) == (end == Status.UNSTABLE)

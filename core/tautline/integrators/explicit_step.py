@@ -114,8 +114,9 @@ class ExplicitStep:
         if not self.beyond:
             return []
         return [
-            f"the step that was chosen was longer than the critical one up to t = {self.beyond[-1]:.6g} s. Outputs "
-            "shortly before that may be wrong: give a shorter step (solver.step), or take the method generalized-alpha"
+            f"the step that was chosen may have been longer than the critical one up to t = {self.beyond[-1]:.6g} s. "
+            "Outputs shortly before that may be wrong: give a shorter step (solver.step), or take the method "
+            "generalized-alpha"
         ]
 
     def shorten(self, time: float, step: float) -> None:

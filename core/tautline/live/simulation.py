@@ -381,7 +381,8 @@ class Simulation:
                 self._time = float(reached)
                 raise error
         self._stand_at(reached)
-        self._run.doubt_step(reached)
+        if status in (Status.UNSTABLE, Status.NOT_FINITE):
+            self._run.doubt_step(reached)
         status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
         self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
         raise StoppedEarly(status, reached, part, detail, self._so_far())
