@@ -53,7 +53,7 @@ def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, nam
     vectors = {"q": frames.q, "v": frames.v}
     wanted = [output_named(outputs, name) or outputs[name] for name in names]
     needed = any(one.places is None for one in wanted)
-    observed = model.observe(frames) if needed else {}
+    observed = model.seen(frames) if needed else {}
     found = []
     for one in wanted:
         if one.places is not None:

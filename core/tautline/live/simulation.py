@@ -412,7 +412,7 @@ class Simulation:
 
     def _observe(self) -> Mapping[str, np.ndarray]:
         if self._observed is None:
-            self._observed = self.model.observe(self._frames)
+            self._observed = self.model.seen(self._frames)
         return self._observed
 
     @contextmanager

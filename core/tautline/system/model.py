@@ -137,6 +137,10 @@ class Model:
     remarks: Callable[[Any], list[str]] | None = None
     cause: Callable[[Any, Any], tuple[Any, int, str] | None] | None = None
 
+    def seen(self, frames: Any) -> Mapping[str, np.ndarray]:
+        """Variables of frames that stay as they are, made on demand where that can be: few may be asked for."""
+        return (self.on_demand or self.observe)(frames)
+
     def end_of(self, state: Any, status: Any, worst: int) -> tuple[Any, str, str]:
         """Status, part and detail of a run that stopped with a status and an unknown that was worst."""
         told = None if self.cause is None else self.cause(state, status)

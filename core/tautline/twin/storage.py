@@ -55,7 +55,7 @@ def save(twin: Twin, path: Path) -> None:
         "sample_time": np.array([s.time for s in samples]), "sample_y": np.array([s.y for s in samples]),
         "sample_y0": np.array([s.y0 for s in samples]), "sample_J": np.array([s.J for s in samples]),
         "sample_use": np.array([s.use for s in samples]),
-        "sample_rows": np.array([np.broadcast_to(s.rows, s.y0.shape) for s in samples]),
+        "sample_rows": np.array([s.rows for s in samples]),
     }  # fmt: skip
     for name, waves in readings.waves.items():
         arrays[f"waves {name}"] = waves.memory()

@@ -69,6 +69,9 @@ class Sample:
     use: np.ndarray
     rows: np.ndarray | float = 1.0
 
+    def __post_init__(self) -> None:
+        self.rows = np.broadcast_to(self.rows, self.y0.shape)
+
 
 def mean_of(samples: Sequence[Sample]) -> Sample:
     """The mean of samples, of each sensor over those that count: what swings about it is no part of it."""
@@ -246,7 +249,7 @@ class Horizon:
 
     def _noise(self, samples: Sequence[Sample], y0: np.ndarray) -> np.ndarray:
         """Standard deviations of samples (n, m): that of a mean is smaller."""
-        return self.deviations(y0) / np.sqrt(np.array([np.broadcast_to(s.rows, s.y0.shape) for s in samples]))
+        return self.deviations(y0) / np.sqrt(np.array([s.rows for s in samples]))
 
     def _stacked(self, samples: Sequence[Sample]) -> tuple[np.ndarray, ...]:
         y = np.array([s.y for s in samples])

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from tautline.twin.map import Channel
 from tautline.twin.signals.rows import Row
@@ -259,10 +260,14 @@ class InputTrack:
 def _lasting(speeds: np.ndarray) -> np.ndarray:
     """Which of the speeds (n,) from sample to sample go on: a sensor that jumps does so once, or back again."""
     lasts = np.zeros(len(speeds), bool)
-    for i in range(len(speeds) - LASTING + 1):
-        row = speeds[i : i + LASTING]
-        if np.all(row > 0.0) or np.all(row < 0.0):
-            lasts[i : i + LASTING] |= np.max(np.abs(row)) <= ALIKE * np.min(np.abs(row))
+    if len(speeds) < LASTING:
+        return lasts
+    rows = sliding_window_view(speeds, LASTING)
+    sizes = np.abs(rows)
+    one_way = np.all(rows > 0.0, axis=1) | np.all(rows < 0.0, axis=1)
+    alike = one_way & (sizes.max(axis=1) <= ALIKE * sizes.min(axis=1))
+    for k in range(LASTING):
+        lasts[k : k + alike.size] |= alike
     return lasts
 
 
