@@ -70,3 +70,14 @@ def test_an_fmu_may_have_some_numbers_of_an_output(tmp_path):
     write_fmu(DATA / "hoist.yaml", tmp_path / "hoist.fmu", [SPEED], ["payload.position[2]"])
     told = fmpy.read_model_description(str(tmp_path / "hoist.fmu"))
     assert [one.name for one in told.modelVariables if one.causality == "output"] == ["payload.position[2]"]
+
+
+def test_an_output_that_is_read_makes_no_variable_that_nobody_asked_for(hoist, monkeypatch):
+    def never(*_):
+        raise AssertionError("made, though nobody asked for it")
+
+    hoist.advance_to(hoist.time + 0.01)
+    monkeypatch.setattr("crane.results.observe.Observer._sheaves", never)
+    assert hoist["tension"].shape and hoist["winch.tension"] > 0.0
+    with pytest.raises(AssertionError, match="nobody asked"):
+        hoist["sheave_load"]

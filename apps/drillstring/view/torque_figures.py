@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drillstring.statics.back_calculation import Measured
+from drillstring.statics.statics import Profile
 from drillstring.statics.torque_drag import Case, Point
 from drillstring.view.torque_summary import column_unit
 from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, colour, label, sample_line, styled
@@ -24,6 +25,8 @@ NAMES = {
 SINE, HELIX = COLOURS[4], COLOURS[3]
 SHOWN_BEYOND = 1.3
 """Limits are drawn as far as so many times the largest force of the string."""
+ROUNDING = 1.0e-8
+"""Share of the string's weight per length below which a side force is rounding of a string that touches nothing."""
 
 
 @styled
@@ -97,22 +100,26 @@ def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, sever
     """Tension and the limits, side force and torque along the string with the bit at one depth."""
     tension = np.concatenate([one.tension for point in points for one in point.profiles.values()] or [np.zeros(1)])
     twist = np.concatenate([one.torque for point in points for one in point.profiles.values()] or [np.zeros(1)])
-    side = np.concatenate([one.side_force for point in points for one in point.profiles.values()] or [np.zeros(1)])
+    sides = [[_without_rounding(one, point.depth) for one in point.profiles.values()] for point in points]
+    side = np.concatenate([one for of_point in sides for one in of_point] or [np.zeros(1)])
     force, newton = column_unit("N", _largest(tension), system)
     moment, metre = column_unit("N m", _largest(twist), system)
     load, per_metre = column_unit("N/m", _largest(side), system)
     length, name = column_unit("m", points[0].depth, system)
     for k, point in enumerate(points):
-        ink = colour(k, len(points))
-        for motion, one in point.profiles.items():
-            plots[0].plot(one.tension / force, one.link_depth / length, color=ink, **LOOKS[motion])
-            plots[1].plot(one.side_force / load, one.measured_depth / length, color=ink, **LOOKS[motion])
+        ink, stations = colour(k, len(points)), point.stations
+        for (motion, one), pressed in zip(point.profiles.items(), sides[k], strict=True):
+            # From the hook to the bit: a link's middle is not where a string is pulled or pushed most.
+            pulled = -stations.compression(one.hook_load, one.tension).ravel()
+            plots[0].plot(pulled / force, stations.measured_depth.ravel() / length, color=ink, **LOOKS[motion])
+            plots[1].plot(pressed / load, one.measured_depth / length, color=ink, **LOOKS[motion])
             if motion not in ("pick_up", "slack_off"):
                 plots[2].plot(one.torque / moment, one.link_depth / length, color=ink, **LOOKS[motion])
     reach = SHOWN_BEYOND * max(_largest(tension), 1.0)
-    for limit, ink in ((points[0].limits.sinusoidal, SINE), (points[0].limits.helical, HELIX)):
-        drawn = np.where(limit <= reach, -limit / force, np.nan)
-        plots[0].plot(drawn, points[0].link_depth / length, color=ink, lw=3, alpha=0.6, zorder=1)
+    stations = points[0].stations
+    for limit, ink in ((stations.limits.sinusoidal, SINE), (stations.limits.helical, HELIX)):
+        drawn = np.where(limit <= reach, -limit / force, np.nan).ravel()
+        plots[0].plot(drawn, stations.measured_depth.ravel() / length, color=ink, lw=3, alpha=0.6, zorder=1)
     for plot, values in ((plots[1], side), (plots[2], twist)):
         if _largest(values) == 0.0:
             # A string that touches nothing: its line stands off the edge.
@@ -124,6 +131,12 @@ def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, sever
     plots[2].set_xlabel(label("torque, of the string that turns", metre))
     plots[0].set_ylabel(label("measured depth", name))
     _downwards(plots[0], points[0].depth / length)
+
+
+def _without_rounding(profile: Profile, depth: float) -> np.ndarray:
+    """Side forces of a profile, N/m: zero where all are rounding beside the weight of a string of a depth, m."""
+    side = profile.side_force
+    return side if _largest(side) > ROUNDING * _largest(profile.tension) / depth else np.zeros_like(side)
 
 
 def _largest(values: np.ndarray) -> float:

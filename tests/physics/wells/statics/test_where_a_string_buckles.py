@@ -14,7 +14,8 @@ from drillstring.model.prepared import prepared
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics import buckling
 from drillstring.statics.buckled import buckled_at_rest, stretches
-from drillstring.statics.torque_drag import torque_drag
+from drillstring.statics.torque_drag import Case, torque_drag
+from drillstring.view.torque_figures import torque_drag_figure
 from drillstring.warnings import warnings
 from drillstring.well.wellbore import from_survey
 
@@ -192,3 +193,21 @@ def test_the_limits_of_a_long_survey_at_rest_are_found_at_once_and_of_one_kind(m
     assert buckled_at_rest(scene, well, prepared(scene).lumps) is not None
     # once for the upper and once for the lower ends of all pieces: 200 of two sections and one for each row
     assert len(asked) == 2 and max(asked) <= 200 + rows
+
+
+def test_the_figure_shows_the_string_from_the_hook_to_the_bit():
+    push = 1.2 * limit(COLLAR, "sinusoidal")
+    point = pushed(push, LUMPED, 20)
+    figure = torque_drag_figure([Case(point.friction, [point])])
+    tension, depth = (np.asarray(x, float) for x in figure.axes[0].lines[0].get_data())
+    assert "kN" in figure.axes[0].get_xlabel()
+    assert depth[0] == pytest.approx(0.0, abs=1e-9) and depth[-1] == pytest.approx(DEPTH)
+    assert tension[0] == pytest.approx(1e-3 * point.hook_load("pick_up")) and tension[-1] == pytest.approx(-1e-3 * push)
+    limits = [np.asarray(line.get_xdata(), float) for line in figure.axes[0].lines if line.get_linewidth() == 3]
+    assert tension[-1] < limits[0][-1] == pytest.approx(-1e-3 * limit(COLLAR, "sinusoidal"), rel=1e-3)
+
+
+def test_side_forces_of_a_string_that_touches_nothing_are_drawn_as_none():
+    point = pushed(1.2 * limit(COLLAR, "sinusoidal"), LUMPED, 20)
+    figure = torque_drag_figure([Case(point.friction, [point])])
+    assert all(not np.any(line.get_xdata()) for line in figure.axes[1].lines)
