@@ -508,7 +508,7 @@ def _buckling(scene: DrillstringScene, ready: Prepared) -> Sentences:
     causes, cures = [], []
     tubes = [tube for tube in lumps.tubes if tube.eccentricity != (0.0, 0.0)]
     if not tubes and (flat := _flatness(ready.well)) is not None:
-        causes.append(f"{flat}, and nothing pushes the string out of it")
+        causes.append(f"The {flat}, and nothing pushes the string out of it")
         cures.append(f"give string[{found.section}] an `eccentricity`, such as [0, 2 mm], or the hole its survey")
     tube = lumps.tubes[found.section]
     half_wave = pi * sqrt(2.0 * tube.youngs_modulus * tube.second_moment / found.compression)
@@ -517,26 +517,26 @@ def _buckling(scene: DrillstringScene, ready: Prepared) -> Sentences:
     now = int((lumps.section == found.section).sum())
     if wanted > now:
         lengths = [shown(length, "m", scene.units) for length in (longest, half_wave)]
-        causes.append(f"elements of {lengths[0]} are long for half waves of {lengths[1]}")
+        causes.append(f"Elements of {lengths[0]} are too long for half waves of {lengths[1]}")
         total = lumps.length.size + wanted - now
         cures.append(f"give string[{found.section}] `elements: {wanted}` and model `elements: {total}`")
     if not causes:
         return
     pushed, limit = (shown(force, "N", scene.units) for force in (found.compression, found.limit))
     span = " to ".join(shown(depth, "m", scene.units) for depth in (found.top, found.bottom))
-    what = f"compresses {tube.name} by up to {pushed} at rest and buckles it beyond {limit}, from {span}"
+    what = f"compresses {tube.name} by up to {pushed} at rest. Beyond {limit} it buckles: from {span}"
     where = "bit.weight" if scene.bit.on_bottom and scene.bit.weight else "bit.force"
-    cause = f"{what}, which the run will not show: {'; '.join(causes)}"
-    yield where, f"{cause}; to see it {', and '.join(cures)}, or else take less"
+    cause = f"{what}. The run will not show that. {'. '.join(causes)}"
+    yield where, f"{cause}. To see it, {', and '.join(cures)}. Or take less force"
 
 
 def _flatness(well: Wellbore) -> str | None:
-    """How the hole keeps a string from leaving its plane, in words; None where it does not lie in one."""
+    """How the hole keeps a string from leaving its plane, in words without `the`; None where it does not lie in one."""
     t = well.frame(np.linspace(0.0, well.length, STATIONS))[2]
     size = np.linalg.svd(np.vstack([t, [0.0, 0.0, 1.0]]), compute_uv=False)
     if size[2] > FLAT * size[0]:
         return None
-    return "the hole is perfectly straight" if np.ptp(t, axis=0).max() < FLAT else "the hole lies in one plane"
+    return "hole is perfectly straight" if np.ptp(t, axis=0).max() < FLAT else "hole lies in one plane"
 
 
 # mesh

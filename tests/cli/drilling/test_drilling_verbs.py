@@ -71,7 +71,7 @@ WARNED = {
     "more than the collars weigh": (with_bit(None, "on_bottom: true, weight: 400 kN"), "bit.weight", "may buckle"),
     "a straight hole": (DRILLING, "bit.weight", "hole is perfectly straight, and nothing pushes the string out of it"),
     "long elements": (DRILLING, "bit.weight", "give string[2] `elements: 17` and model `elements: 39`"),
-    "a push without a rock": (with_bit(None, "force: -100 kN"), "bit.force", "buckles it beyond 53.7 kN"),
+    "a push without a rock": (with_bit(None, "force: -100 kN"), "bit.force", "Beyond 53.7 kN it buckles: from"),
     "a bit without torque": (with_bit(None, "on_bottom: true, weight: 1 kN"), "bit.torque", "no torque at all"),
     "more than a hoist can give": (with_bit(None, "on_bottom: true, weight: 2 MN"), "bit.weight", "hoist cannot push"),
     "a heavy top drive": (
