@@ -13,7 +13,7 @@ from crane.operability.allowable import BELOW, allowable
 from crane.operability.conditions import Condition
 from crane.operability.criteria import limits_of_scene, read_criteria
 from crane.operability.storms import Asked, operability
-from tautline.live.simulation import handles_of
+from tautline.live.readings import handles_of
 from tautline.results.assessment.bounds import judge
 from tautline.sweeps.execution import Execution
 

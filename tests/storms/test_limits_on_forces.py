@@ -10,7 +10,7 @@ import pytest
 import tautline
 from crane.application import Crane
 from crane.operability.criteria import read_criteria
-from tautline.live.simulation import handles_of
+from tautline.live.readings import handles_of
 from tautline.scene.errors import SceneError
 
 AT_SEA = """

@@ -241,7 +241,7 @@ def _check(asked: Asked, limits: Sequence[str]) -> None:
 
 def _found_by(application: Any, scene: Any, announce: Callable[[int], Any] | None) -> tuple[dict[str, str], Handles]:
     """Figures that a run of the scene finds, with their units, and its handles; by a run of a moment."""
-    from tautline.live.simulation import handles_of
+    from tautline.live.readings import handles_of
     from tautline.simulation import simulate
 
     interval = min(float(scene.output.interval), 0.1 * PROBE)

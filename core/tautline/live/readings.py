@@ -12,7 +12,7 @@ import numpy as np
 from tautline.integrators.time_loop import frames_of, new_frames
 from tautline.live.errors import SimulationError, UnknownName, Unpickled, unknown
 from tautline.live.turn import Turn
-from tautline.system.handles import Output, Parameter, output_named
+from tautline.system.handles import Handles, Output, Parameter, output_named, outputs_of
 from tautline.system.model import Model
 
 
@@ -31,6 +31,15 @@ def with_shapes(outputs: dict[str, Output], model: Model) -> dict[str, Output]:
             name: one if all(one.shape) else replace(one, shape=np.shape(one.value(seen)))
             for name, one in outputs.items()
         }
+
+
+def handles_of(model: Model) -> Handles:
+    """What can be driven, read and changed of a model: what its application says, or its variables."""
+    if model.handles is not None:
+        handles = model.handles()
+    else:
+        handles = Handles(outputs=outputs_of(model.variables, model.coordinates))
+    return replace(handles, outputs=with_shapes(handles.outputs, model))
 
 
 def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from tautline.application.installed import Installed
-from tautline.errors import ArgumentTypeError
 from tautline.integrators.explicit_step import ExplicitStep
 from tautline.integrators.method import method_for
 from tautline.integrators.schedule import frame_times
@@ -33,20 +32,20 @@ from tautline.integrators.time_loop import (
 )
 from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
+from tautline.live.arguments import names_of, span_of, values_of
 from tautline.live.equations import Equations
-from tautline.live.errors import SimulationError, real, seconds, unknown
+from tautline.live.errors import SimulationError, seconds, unknown
 from tautline.live.forces import Force, Group, force_of, places_of
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.memory import Memory, State, check
-from tautline.live.readings import Outputs, Parameters, with_shapes
+from tautline.live.readings import Outputs, Parameters, handles_of
 from tautline.live.turn import Turn
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.result import Result
 from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
 from tautline.results.store import Store
 from tautline.simulation import Run
-from tautline.system.handles import Handles, outputs_of
 from tautline.system.memory import arrays_of, recall, remember
 from tautline.system.model import Model
 from tautline.version import __version__
@@ -61,8 +60,6 @@ SHORTEST = 1e-9
 """Shortest advance, over the interval of frames: what is shorter is the rounding of a sum of times."""
 CLOSE = 1.0e-9
 """Share of the output interval within which an advance ends at a frame."""
-EXAMPLES = {"parameters": '{"payload.mass": 5200.0}', "initial": '{"winch.pay_out_speed": -0.2}'}
-"""Of values by name."""
 LONG = 200_000
 """Steps, iterations and factorisations after which Ctrl-C is heard in the middle of an advance."""
 
@@ -131,9 +128,9 @@ class Simulation:
 
         self.scene = scene if hasattr(scene, "document") else read(scene)
         self._application = Installed().of(self.scene)
-        self._named = _names_of(inputs)
-        self._keep = keep if isinstance(keep, bool) else _span_of(keep)
-        begin, held = _values_of(parameters, "parameters"), _values_of(initial, "initial")
+        self._named = names_of(inputs)
+        self._keep = keep if isinstance(keep, bool) else span_of(keep)
+        begin, held = values_of(parameters, "parameters"), values_of(initial, "initial")
         model = self._application.build(self._application.driven(self.scene, self._named))
         self._prepare(model)
         for name, value in begin.items():
@@ -663,38 +660,3 @@ class Simulation:
 
         with self._turn.look:
             return linearise(self, inputs, outputs)
-
-
-def _names_of(inputs: Any) -> tuple[str, ...]:
-    """Names of what is to be driven."""
-    names = (inputs,) if isinstance(inputs, str) else tuple(inputs or ()) if np.iterable(inputs or ()) else (inputs,)
-    for name in names:
-        if not isinstance(name, str):
-            raise SimulationError(f"{name!r} is no name of an input", 'give names, such as ["winch.pay_out"]')
-    return names
-
-
-def _values_of(given: Any, what: str) -> Mapping[str, Any]:
-    """Values by name; raises ArgumentTypeError for what is none."""
-    if given is None:
-        return {}
-    if not isinstance(given, Mapping):
-        raise ArgumentTypeError(f"{what} = {given!r} is no mapping; give values by name, such as {EXAMPLES[what]}")
-    return given
-
-
-def _span_of(keep: Any) -> float:
-    """Over how many seconds frames are kept."""
-    span = real(keep, "time over which frames are kept", "give True, False or seconds")
-    if not 0.0 <= span < math.inf:
-        raise SimulationError(f"cannot keep frames of {span:g} s", "give True, False, or seconds from zero on")
-    return span
-
-
-def handles_of(model: Model) -> Handles:
-    """What can be driven, read and changed of a model: what its application says, or its variables."""
-    if model.handles is not None:
-        handles = model.handles()
-    else:
-        handles = Handles(outputs=outputs_of(model.variables, model.coordinates))
-    return replace(handles, outputs=with_shapes(handles.outputs, model))

@@ -189,7 +189,7 @@ def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
 
 
 def _handles(model: Any) -> Handles:
-    from tautline.live.simulation import handles_of
+    from tautline.live.readings import handles_of
 
     return handles_of(model)
 

@@ -70,7 +70,7 @@ def _names(values: Sequence[str], known: Callable[[str], bool]) -> list[str]:
 def _has(scene: Any, kind: str, name: str) -> bool:
     """Whether a scene has an input, or an output, of that name."""
     from tautline.errors import TautlineError
-    from tautline.live.simulation import handles_of
+    from tautline.live.readings import handles_of
     from tautline.system.handles import output_named
 
     application = Installed().of(scene)
