@@ -53,7 +53,7 @@ def test_the_file_says_of_its_run_what_the_command_said(ending, tmp_path, capsys
     status, verify = ending.split(" afterwards")[0], "--no-verify"
     if ending == "imbalance":
         # No share of energy is small enough any more.
-        monkeypatch.setattr("tautline.simulation.GAINED", -1.0)
+        monkeypatch.setattr("tautline.run.GAINED", -1.0)
     if ending == "interrupted":
         publish = store._Copies.publish
         monkeypatch.setattr(store._Copies, "publish", lambda self: (publish(self), press_ctrl_c()))
@@ -100,7 +100,7 @@ def test_a_live_result_names_how_its_simulation_stopped(monkeypatch):
     assert stop.value.result.attributes["status"] == sim.result.attributes["status"] == "unstable"
     sim = tautline.Simulation(fall())
     sim.advance(0.1)
-    monkeypatch.setattr("tautline.simulation.GAINED", -1.0)
+    monkeypatch.setattr("tautline.run.GAINED", -1.0)
     assert sim.result.attributes["status"] == "imbalance"
 
 

@@ -7,8 +7,9 @@ from tautline.kernels import groups as over
 from tautline.kernels.groups import link
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import dense, new_matrix
+from tautline.results.assessment.balance import ENERGIES
 from tautline.results.variable import Variable
-from tautline.simulation import ENERGIES, simulate
+from tautline.simulation import simulate
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions

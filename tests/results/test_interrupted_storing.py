@@ -30,7 +30,7 @@ def test_frames_of_a_batch_in_which_ctrl_c_falls_are_stored_once(tmp_path, monke
     scene = tautline.read(HOIST)
     application = Installed().of(scene)
     scene = application.with_overrides(scene, end=10.0)
-    monkeypatch.setattr("tautline.simulation.BATCH", 0.0)
+    monkeypatch.setattr("tautline.run.BATCH", 0.0)
     with pytest.raises(Interrupted):
         simulate(application.build(scene), tmp_path / "part.nc")
     part = tautline.Result.read(tmp_path / "part.nc")

@@ -9,7 +9,8 @@ from tautline.cable.model.build import build
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.time_loop import new_frames
 from tautline.results.result import Result
-from tautline.simulation import Run, simulate
+from tautline.run import Run
+from tautline.simulation import simulate
 
 SCENE = """
 CableModelMaterial: {{Gravity: [0, 0, -9.81]}}

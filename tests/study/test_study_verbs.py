@@ -302,9 +302,9 @@ def test_variants_that_nobody_could_judge_are_counted_beside_those_that_are_righ
 def test_a_variant_that_is_wrong_without_a_word_ends_with_3_and_is_shown(cable, few, sketched, monkeypatch):
     """What a run says of itself is taken away: no warning, no lag, no energy, no error of its step."""
     monkeypatch.setattr("tautline.study.robustness.variants.runs_for", lambda *_: ())
-    monkeypatch.setattr("tautline.simulation.Run.warnings", lambda *_: [])
-    monkeypatch.setattr("tautline.simulation.Run.phase_lag", lambda *_: 0.0)
-    monkeypatch.setattr("tautline.simulation.Run.energy_gained", lambda *_: 0.0)
+    monkeypatch.setattr("tautline.run.Run.warnings", lambda *_: [])
+    monkeypatch.setattr("tautline.run.Run.phase_lag", lambda *_: 0.0)
+    monkeypatch.setattr("tautline.run.Run.energy_gained", lambda *_: 0.0)
     code, out, err = cable("stability", "bar.yaml", "--json")
     report = only_object(out)
     assert code == 3

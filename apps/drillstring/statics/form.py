@@ -19,6 +19,7 @@ from drillstring.statics.rod import NoRod, Piece, Rod, bend, hang
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.strength import extreme_tension
 from drillstring.well.wellbore import Wellbore
+from tautline.integrators.explicit_step import SAFE
 from tautline.integrators.method import method_for
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
@@ -29,7 +30,6 @@ from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import new_frames
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.scene.methods import method_of
-from tautline.simulation import SAFE
 
 WAYS = ("static", "relaxation")
 """How a string is brought to rest."""

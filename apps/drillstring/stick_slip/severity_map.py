@@ -30,10 +30,11 @@ from drillstring.scene.scene import DrillstringScene
 from tautline.integrators.status import StoppedEarly
 from tautline.integrators.time_loop import compile_for
 from tautline.processes import FreshProcesses, without_current_folder
+from tautline.run import Run
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document, Path_
-from tautline.simulation import Run, simulate
+from tautline.simulation import simulate
 
 START_PERIODS = 1.0
 """Time in which a drive comes to its speed, over the period of the string's first torsional mode."""

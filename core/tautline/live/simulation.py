@@ -45,7 +45,7 @@ from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.result import Result
 from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
 from tautline.results.store import Store
-from tautline.simulation import Run
+from tautline.run import Run
 from tautline.system.memory import arrays_of, recall, remember
 from tautline.system.model import Model
 from tautline.version import __version__

@@ -188,7 +188,7 @@ class Runner:
 
     def _brief(self) -> Any:
         """What is wanted of a run; threads have one each, for the length of batches goes from run to run in it."""
-        from tautline.simulation import Brief
+        from tautline.run import Brief
 
         known = getattr(self._own, "brief", None)
         if known is None:
@@ -206,7 +206,7 @@ class Runner:
         if self.job.verb != SIMULATE:
             return None
         from tautline.integrators.time_loop import compile_for
-        from tautline.simulation import Run
+        from tautline.run import Run
 
         model = self.application.build(self.varied(changes))
         run = Run(model)

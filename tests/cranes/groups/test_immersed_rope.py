@@ -12,7 +12,7 @@ from crane.geometry.line import POINT, WHEEL
 from crane.groups.hydrodynamics import WET, new_wet
 from crane.groups.span import SPAN, new_spans
 from tautline.elements.nodal.node import SPRING, PointMasses, Springs
-from tautline.simulation import ENERGIES
+from tautline.results.assessment.balance import ENERGIES
 
 DENSITY, GRAVITY = 1025.0, 9.81
 DIAMETER, DRAG, ADDED = 0.05, 1.2, 0.9

@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 from drillstring.model.build import build
 from tautline.integrators.linearise import matrices
 from tautline.results.result import Result
-from tautline.simulation import Run, simulate
+from tautline.run import Run
+from tautline.simulation import simulate
 
 WEIGHT, RPM = 5e4, 2.0 * pi / 60.0
 SECTION = area(*COLLAR)

@@ -12,7 +12,8 @@ from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.result import Result
-from tautline.simulation import Run, simulate
+from tautline.run import Run
+from tautline.simulation import simulate
 from tautline.study.accuracy import choice as module
 from tautline.study.accuracy.choice import NONE, Choice, Made, Seen, changes, differences, finer, run_to_accuracy
 from tautline.study.trials.history import History, watch

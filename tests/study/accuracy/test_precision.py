@@ -20,8 +20,8 @@ from study.oscillators import (
 )
 
 from tautline.results.errors import ResultError
+from tautline.run import Run
 from tautline.scene.errors import SceneError
-from tautline.simulation import Run
 from tautline.study.accuracy.grid import settings
 from tautline.study.accuracy.precision import Grid, study
 from tautline.study.trials import trial as trial_module

@@ -23,8 +23,8 @@ from study.oscillators import (
 )
 
 from tautline.integrators.vibration.critical_step import critical_step
+from tautline.run import Run
 from tautline.scene.methods import RK4
-from tautline.simulation import Run
 from tautline.study.robustness import critical as critical_module
 from tautline.study.robustness.bar import EFFECTIVE, Bar
 from tautline.study.robustness.critical import (

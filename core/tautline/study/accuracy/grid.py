@@ -9,9 +9,9 @@ import numpy as np
 
 from tautline.integrators.status import StoppedEarly
 from tautline.integrators.vibration.critical_step import CriticalStep
+from tautline.run import Run
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.methods import explicit_like, implicit_like, method_of
-from tautline.simulation import Run
 from tautline.study.trials.trial import Setting, Subject
 
 IMPLICIT = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)

@@ -17,9 +17,9 @@ from tautline.kernels.groups import link, without_friction
 from tautline.kernels.matrix import dense, new_matrix, sparse
 from tautline.results.assessment.balance import ENERGIES
 from tautline.results.result import Result
+from tautline.run import Run
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import RK4, Method, method_of
-from tautline.simulation import Run
 from tautline.study.trials.trial import Setting, Subject, run_model
 from tautline.system.system import System
 from tautline.threads import one_thread

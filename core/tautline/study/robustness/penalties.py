@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.status import StoppedEarly
+from tautline.run import Run
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
-from tautline.simulation import Run
 from tautline.study.robustness.critical import Look
 from tautline.study.trials.trial import Setting, Subject
 

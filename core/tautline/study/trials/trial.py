@@ -13,10 +13,11 @@ import numpy as np
 from tautline.integrators.state import State
 from tautline.integrators.status import StoppedEarly
 from tautline.results.result import Result
+from tautline.run import Look
 from tautline.scene.errors import SceneError
 from tautline.scene.limits import without_limits
 from tautline.scene.methods import explicit_like, implicit_like
-from tautline.simulation import Look, simulate
+from tautline.simulation import simulate
 from tautline.system.model import Model
 
 ENOUGH = 0.5
