@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tautline
-from tautline import simulation
+from tautline import run as running
 from tautline.integrators.status import Status, StoppedEarly
 
 DATA = Path(__file__).parents[2] / "data"
@@ -37,7 +37,7 @@ def test_a_step_that_is_chosen_follows_the_critical_one_down(chosen, reference):
 
 
 def test_steps_that_are_chosen_do_not_depend_on_how_busy_the_machine_is(chosen, monkeypatch):
-    monkeypatch.setattr(simulation, "BATCH", 1e-3)
+    monkeypatch.setattr(running, "BATCH", 1e-3)
     again = hoisted(method="rk4", step="auto")
     assert again.attributes["steps"] == chosen.attributes["steps"]
     for name in ("time", "position", "velocity", "tension", "strain_energy"):

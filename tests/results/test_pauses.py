@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tautline import simulation
+from tautline import run as running
 from tautline.cable.input.scene import parse
 from tautline.cable.model.build import build
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
@@ -40,7 +40,7 @@ def assert_equal(one, other):
 
 def pausing(monkeypatch, work):
     """Let batches do so much work and no more."""
-    monkeypatch.setattr(simulation, "FIRST_WORK", work)
+    monkeypatch.setattr(running, "FIRST_WORK", work)
     monkeypatch.setattr(Run, "_allow", lambda run, done, spent: None)
 
 
@@ -78,7 +78,7 @@ def test_ctrl_c_in_the_middle_of_a_frame_keeps_what_can_be_gone_on_with(monkeypa
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_run_that_failed_within_a_frame_is_gone_on_with_from_a_frame(monkeypatch, method):
-    whole, real = simulate(model(method)), simulation.run_steps
+    whole, real = simulate(model(method)), running.run_steps
 
     def run_steps(method, system, state, ends, steps, begin, frames, pause=None):
         status, filled, reached = real(method, system, state, ends, steps, begin, frames, pause)
@@ -88,13 +88,13 @@ def test_a_run_that_failed_within_a_frame_is_gone_on_with_from_a_frame(monkeypat
         real(method, system, state, np.array([t + 3 * h]), np.array([3]), t, new_frames(1, system.q.size, 0))
         return Status.NOT_CONVERGED, filled, t + 3 * h
 
-    monkeypatch.setattr(simulation, "run_steps", run_steps)
+    monkeypatch.setattr(running, "run_steps", run_steps)
     with pytest.raises(StoppedEarly) as stop:
         simulate(model(method))
     failed = stop.value.result
     # How many frames a batch has depends on the method: the last one is that of the batch that reaches 0.45 s.
     assert failed.attributes["restart_time"] < failed.time[-1] and 0.45 < failed.time[-1] < 0.65
-    monkeypatch.setattr(simulation, "run_steps", real)
+    monkeypatch.setattr(running, "run_steps", real)
     assert_equal(simulate(model(method), resume=failed), whole)
 
 
@@ -118,10 +118,10 @@ def test_ctrl_c_that_python_drops_is_heard_after_the_batch(monkeypatch):
     import signal
     import sys
 
-    from tautline import simulation
+    from tautline import run as running
 
     monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
-    advance = simulation.Run.advance
+    advance = running.Run.advance
 
     class Cleared:
         def __del__(self):
@@ -131,7 +131,7 @@ def test_ctrl_c_that_python_drops_is_heard_after_the_batch(monkeypatch):
         advance(run, store)
         Cleared()
 
-    monkeypatch.setattr(simulation.Run, "advance", advancing)
+    monkeypatch.setattr(running.Run, "advance", advancing)
     before = signal.getsignal(signal.SIGINT)
     with pytest.raises(Interrupted) as stop:
         simulate(model("implicit"))

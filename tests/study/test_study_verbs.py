@@ -214,9 +214,9 @@ def test_an_error_that_nothing_can_be_below_is_refused_in_python(folder):
 
 def interrupting(monkeypatch, after):
     """Have Ctrl-C pressed in the time loop of the run with this number, as a terminal would."""
-    from tautline import simulation
+    from tautline import run as running
 
-    run_steps, calls = simulation.run_steps, []
+    run_steps, calls = running.run_steps, []
 
     def pressed(method, system, *rest):
         calls.append(id(system))
@@ -224,7 +224,7 @@ def interrupting(monkeypatch, after):
             signal.raise_signal(signal.SIGINT)
         return run_steps(method, system, *rest)
 
-    monkeypatch.setattr(simulation, "run_steps", pressed)
+    monkeypatch.setattr(running, "run_steps", pressed)
 
 
 @pytest.mark.parametrize("after", [0, 3])
