@@ -350,22 +350,12 @@ class Run:
             limit = min(limit, -(-self.ends.size // LOOKS))
         self.batch = int(min(limit, max(1.0, min(4.0 * rows, BATCH / max(per_frame, 1e-9)))))
 
-    def forget_step(self, time: float = math.inf) -> None:
-        """Look at an explicit step anew: the state was changed, to that of a time, s, where one is given."""
+    def renew_watch(self) -> None:
+        """Look at the step of a system that has changed, with what is known of its steps until now."""
         if self.watch is not None:
-            self.watch.explicit.forget(time)
-
-    def renew_watch(self, other: Run) -> None:
-        """Look at the step of a system that has changed, with what is known of another run's."""
-        if self.watch is not None and other.watch is not None:
-            beyond = other.watch.explicit.beyond
+            beyond = self.watch.explicit.beyond
             self.watch = ExplicitWatch(self)
-            self.watch.explicit.beyond = list(beyond)
-
-    def doubt_step(self, time: float) -> None:
-        """Take note that chosen steps of an explicit method up to a time, s, may have been too long."""
-        if self.watch is not None:
-            self.watch.explicit.doubt(time)
+            self.watch.explicit.beyond = beyond
 
     def _stable_step(self) -> float:
         """The scene's step, or one that an explicit method can take where it is to be chosen."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tautline.integrators.state import State
@@ -27,6 +29,8 @@ FAR = 0.25
 """Share of the critical step below which a step is far from it."""
 CLOSE = 0.5
 """Share of the critical step above which a run that cannot go back looks after the fewest steps."""
+REMEMBERED = ("step", "due", "share", "worst", "_span", "_found", "_before", "_looked", "_begun", "beyond")
+"""Numbers with which a look goes on where another one has ended."""
 
 
 class ExplicitStep:
@@ -48,8 +52,8 @@ class ExplicitStep:
         What looks for it.
     worst : int
         Unknown that has most of the mode that sets it.
-    beyond : list of float
-        When a look of `follow` found that the steps up to it were beyond the critical one, s.
+    beyond : float
+        Until when steps of a run that cannot go back may have been beyond the critical one, s; minus infinity.
     """
 
     def __init__(self, system: System, method: Method, step: float, interval: float, automatic: bool) -> None:
@@ -57,7 +61,7 @@ class ExplicitStep:
         self.step, self.due, self.share, self.worst = step, 0.0, 0.0, 0
         self._longest, self._interval, self._automatic = step, interval, automatic
         self._span, self._found, self._before = 0.0, 0.0, 0.0
-        self._begun, self.beyond = False, list[float]()
+        self._begun, self._looked, self.beyond = False, -np.inf, -np.inf
 
     @property
     def found(self) -> float:
@@ -70,7 +74,7 @@ class ExplicitStep:
         if self._automatic:
             self.step = min(self._longest, SAFE * self._found)
         self.share = self._before = self.step / self._found
-        self._span = 0.0
+        self._span, self._looked = 0.0, time
         self._go_on(time)
 
     def look(self, state: State, time: float, taken: float) -> None:
@@ -84,7 +88,7 @@ class ExplicitStep:
             self._span *= 0.5
         elif ahead + 2.0 * rise <= ALMOST or rise <= STEADY:
             self._span *= 2.0
-        self._before = ahead
+        self._before, self._looked = ahead, time
         self._go_on(time)
 
     def follow(self, state: State, time: float, taken: float, tolerance: float) -> None:
@@ -94,27 +98,50 @@ class ExplicitStep:
             self._begun = True
         elif time >= self.due - tolerance:
             self.look(state, time, taken)
-            if self.share > 1.0:
-                self.doubt(time)
+            if self.share > 1.0 and self._automatic:
+                self.beyond = time
         if self._automatic and self._before > CLOSE:
             self.due = min(self.due, time + FEWEST_STEPS * self.step)
 
-    def doubt(self, time: float) -> None:
-        """Take note that chosen steps up to a time, s, may have been too long."""
-        if self._automatic:
-            self.beyond.append(time)
+    def judge(self, state: State, time: float, taken: float) -> None:
+        """See whether the steps since the last look, s, were beyond the critical one; none is chosen by that.
 
-    def forget(self, time: float = np.inf) -> None:
-        """Have `follow` look at the step anew: the state is another one. What was after a time, s, is forgotten."""
-        self._begun, self.beyond = False, [one for one in self.beyond if one <= time]
+        Of a run that cannot go back: where it ends, where its result is read, and before it is changed from outside.
+        """
+        if not self._begun or time <= self._looked:
+            return
+        if taken > self.critical.search(state, time)[0]:
+            self.beyond = time
+
+    def doubt(self, time: float) -> None:
+        """Take note that chosen steps up to a time, s, may have been too long: motion has grown."""
+        if self._automatic:
+            self.beyond = time
+
+    def forget(self) -> None:
+        """Have `follow` look at the step anew: the state is another one."""
+        self._begun = False
+
+    def memory(self) -> tuple[float, ...]:
+        """What it needs, beside `critical.modes`, to go on with the same steps."""
+        return tuple(float(getattr(self, name)) for name in REMEMBERED)
+
+    def recall(self, memory: Sequence[float]) -> None:
+        """Go on from what `memory` gave; of anything else the step is looked at anew."""
+        self.forget()
+        if len(memory) == len(REMEMBERED):
+            for name, value in zip(REMEMBERED, memory, strict=True):
+                setattr(self, name, float(value))
+            self.worst, self._begun = int(self.worst), bool(self._begun)
 
     @property
     def warnings(self) -> list[str]:
         """What the reader of a result should know of steps that were beyond the critical one."""
-        if not self.beyond:
+        if not np.isfinite(self.beyond):
             return []
+        which = "that was chosen" if self._automatic else "that was given"
         return [
-            f"the step that was chosen may have been longer than the critical one up to t = {self.beyond[-1]:.6g} s. "
+            f"the step {which} may have been longer than the critical one up to t = {self.beyond:.6g} s. "
             "Outputs shortly before that may be wrong: give a shorter step (solver.step), or take the method "
             "generalized-alpha"
         ]

@@ -198,6 +198,7 @@ class Simulation:
             *(pair for name, thing in self._memorable() for pair in arrays_of(thing, name)),
             *((f"input.{k}", array) for k, array in enumerate(self.inputs.arrays())),
             ("frame", self._frames.rows), ("clock", self._clock),
+            *([] if self._explicit is None else [("modes", self._explicit.critical.modes)]),
         ]  # fmt: skip
         self._memory = Memory(arrays)
 
@@ -282,6 +283,8 @@ class Simulation:
                 self._observed = None
                 while begin < time:
                     end = min(self._next, time)
+                    if (due := self._due()) < end - self._tolerance:
+                        end = due
                     self._go(begin, end, ear)
                     begin = end
             finally:
@@ -310,8 +313,6 @@ class Simulation:
 
     def _go(self, begin: float, end: float, ear: Ear) -> None:
         """Take the steps from one time to the next; raises Interrupted where Ctrl-C was heard meanwhile."""
-        if self._run.watch is not None:
-            self._check_step(self._run.watch.explicit)
         self._steps[0] = max(1, math.ceil((end - begin) / self._step - CLOSE))
         self._ends[0] = end
         counters = self._state.counters
@@ -351,6 +352,28 @@ class Simulation:
         self._clock[CPU] += clock.thread_time() - used
         return found
 
+    @property
+    def _explicit(self) -> ExplicitStep | None:
+        """The step of an explicit method; None where it is not to be compared with the critical one."""
+        return None if self._run.watch is None else self._run.watch.explicit
+
+    def _due(self) -> float:
+        """When an explicit step that is chosen is to be looked at again, s: now, where it is due."""
+        explicit = self._explicit
+        if explicit is None:
+            return math.inf
+        self._check_step(explicit)
+        return explicit.due if self.model.solver.automatic else math.inf
+
+    def _judge_step(self) -> None:
+        """See whether the explicit steps up to now were beyond the critical one, where nothing looks at them later."""
+        if (explicit := self._explicit) is not None:
+            # Forces that are evaluated leave their mark in the memory of groups: to look at a run must not change it.
+            block = self._memory.read()
+            explicit.judge(self._state, self._time, self._step)
+            self._memory.write(block)
+            self.model.system.functions.frames.time[0] = np.nan
+
     def _check_step(self, found: ExplicitStep) -> None:
         """Refuse an explicit step that is longer than the critical one, or choose one, where it is due."""
         found.follow(self._state, self._time, self._step, self._tolerance)
@@ -378,8 +401,9 @@ class Simulation:
                 self._time = float(reached)
                 raise error
         self._stand_at(reached)
-        if status in (Status.UNSTABLE, Status.NOT_FINITE):
-            self._run.doubt_step(reached)
+        self._judge_step()
+        if status in (Status.UNSTABLE, Status.NOT_FINITE) and self._explicit is not None:
+            self._explicit.doubt(reached)
         status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
         self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
         raise StoppedEarly(status, reached, part, detail, self._so_far())
@@ -426,10 +450,12 @@ class Simulation:
         The start is found with what was given before it: nothing is put in then.
         """
         counts = self._begun
+        self._judge_step()
         before = self._energy() if counts else 0.0
         yield
         self._observed = None
-        self._run.forget_step()
+        if self._explicit is not None:
+            self._explicit.forget()
         if counts:
             work = self._energy() - before
             self._state.ledger[WORK] += work
@@ -479,8 +505,8 @@ class Simulation:
         run.wall, run.cpu, run.remembered = float(self._clock[WALL]), float(self._clock[CPU]), self._time
         run.memory = remember(*(thing for _, thing in self._memorable()))
         status = status or self._status or run.end_status().word
-        beyond = () if run.watch is None else run.watch.explicit.warnings
-        made = run.finish(stored, status, {"end": self._time}, beyond)
+        self._judge_step()
+        made = run.finish(stored, status, {"end": self._time}, self._explicit.warnings if self._explicit else ())
         assert made is not None
         return made
 
@@ -499,10 +525,10 @@ class Simulation:
     def save(self) -> State:
         """The simulation as it stands. It can be pickled, and restored in another process."""
         with self._turn.look:
-            self._run.forget_step()
             return State(
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
+                () if self._explicit is None else self._explicit.memory(),
             )  # fmt: skip
 
     def restore(self, state: State) -> None:
@@ -532,7 +558,9 @@ class Simulation:
         while self._frame_time(k) <= reached:
             k += 1
         self._frame, self._next = k, self._frame_time(k)
-        self._run.forget_step(state.time)
+        if self._explicit is not None:
+            self._explicit.recall(state.explicit)
+            self._step = self._explicit.step if self.model.solver.automatic else self._step
 
     def displace(self, name: str, by: Sequence[float]) -> None:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
@@ -575,7 +603,6 @@ class Simulation:
         for force in self._forces:
             other._add(force.copy())
         other.restore(self.save())
-        other._run.renew_watch(self._run)
         other._kept = self._kept.copy()
         return other
 
@@ -626,13 +653,14 @@ class Simulation:
 
     def _add(self, force: Force | Group) -> None:
         """Take a further group into the system, with the state as it is."""
+        self._judge_step()
         run, old = self._run, self._run.method
         system = replace(self.model.system, groups=(*self.model.system.groups, force.group), linked={})
         self.model = run.model = replace(self.model, system=system)
         method = method_for(system, self.model.solver)
         recall(remember((), (), old), (), (), method)
         run.method = method
-        run.renew_watch(run)
+        run.renew_watch()
         self._forces.append(force)
         compile_for(method, system, run.state)
         self._bind()

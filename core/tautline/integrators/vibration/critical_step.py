@@ -42,8 +42,15 @@ class CriticalStep:
     """The critical step of a system with an explicit method, looked for again and again along a run.
 
     The modes that may set it are the stiffest, of M^-1 K, and the most damped, of M^-1 C: both by power iteration, from
-    where the last search ended with a little of every other. Friction does not count as damping: it is
-    bounded, however steep it is where it turns.
+    where the last search ended with a little of every other, the same in each search. Friction does not count as
+    damping: it is bounded, however steep it is where it turns.
+
+    Attributes
+    ----------
+    modes : (2, n) array
+        Where the last search ended: all that the next one remembers.
+    mode : Mode
+        The mode that sets the step.
     """
 
     FEWEST, MOST = 6, 60
@@ -56,8 +63,9 @@ class CriticalStep:
         self.method = method
         self.system = system
         self._stiffness, self._damping, self._mass = new_matrix(*size), new_matrix(*size), new_factors(*size)
-        self._random = np.random.default_rng(1)
-        self._modes = np.zeros((2, system.size))
+        every = np.random.default_rng(1).standard_normal((2, system.size))
+        self._every = 0.1 * every / np.maximum(np.linalg.norm(every, axis=1, keepdims=True), 1e-300)
+        self.modes = np.zeros((2, system.size))
         self._inertia = rows_of(self._mass.matrix)
         self.mode = Mode(np.inf, 0.0, 0.0, np.zeros(system.size))
 
@@ -92,9 +100,8 @@ class CriticalStep:
 
     def _fastest(self, matrix: Rows, which: int) -> np.ndarray | None:
         """The vector that M^-1 times a matrix stretches most; None where it stretches none."""
-        x = self._random.standard_normal(self.system.size)
-        x = 0.1 * x / np.linalg.norm(x) + self._modes[which]
-        last, known = 0.0, bool(self._modes[which].any())
+        x = self._every[which] + self.modes[which]
+        last, known = 0.0, bool(self.modes[which].any())
         for iteration in range(self.MOST):
             y = matrix @ x
             solve_matrix(self._mass, y)
@@ -106,5 +113,5 @@ class CriticalStep:
             if known and iteration >= self.FEWEST and abs(quotient - last) < self.SETTLED * abs(quotient):
                 break
             last = quotient
-        self._modes[which] = x
+        self.modes[which] = x
         return x
