@@ -11,7 +11,7 @@ import functools
 import itertools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
 import numpy as np
 from pydantic import (
@@ -48,6 +48,8 @@ RECORD, EVEN, MOSTLY = 8, 0.1, 0.75
 """Rows from which on a file may be a record; how even its intervals are, and what share of them."""
 FELT = 0.01
 """Share of the spread of all rows beyond two of them that a curve may go in a gap."""
+OFFERED = 4
+"""Columns that are offered by name where it is not clear which one is meant."""
 RATES = ("m/s", "rad/s")
 """Units of values between which a table goes straight unless told otherwise."""
 
@@ -99,7 +101,10 @@ class Ramp(_OfUnit):
 
 
 class Table(_OfUnit):
-    """Values at times, inline or from a CSV file; held constant before the first and after the last."""
+    """Values at times, inline or from a CSV file; held constant before the first and after the last.
+
+    `column` names the values of a file in which several columns stand beside time.
+    """
 
     time: tuple[Time, ...] = Field((), examples=["[0, 1, 2]"])
     value: tuple[float, ...] = Field((), examples=["[0, 0.5, 0.5]"])
@@ -214,14 +219,43 @@ def _terms(unit: str, of: str) -> TypeAdapter[Any]:
 def places(columns: Columns, asked: Any) -> tuple[int, int]:
     """Where time and value stand in the file of a table, whose column of values may be asked for by name.
 
+    Without a name the value is the only column beside time, or the one that is called `value`. Columns without a name
+    below a header, such as the numbers of rows that other programs write, are none.
+
     Raises
     ------
     SceneError
-        If there is no such column.
+        If there is no such column, or if it is not clear which one is the time or the value.
     """
-    time = columns.index(("time", "t"), otherwise=0)
-    other = 1 if time == 0 else 0
-    return time, columns.index((asked,)) if isinstance(asked, str) else columns.index(("value",), otherwise=other)
+    shown = [i for i, name in enumerate(columns.names) if name] if columns.headed else columns.filled()
+    named = next((columns.names.index(name) for name in ("time", "t") if name in columns.names), None)
+    if named is None and len(shown) > 2:
+        _unclear(columns, shown, "and none is called time", "call the column of times `time` in the header")
+    time = named if named is not None else shown[0] if shown else 0
+    wanted = asked.lower() if isinstance(asked, str) else "value"
+    if (twice := columns.names.count(wanted)) > 1:
+        cause = f"{twice} columns are called '{wanted}'"
+        columns.stop(columns.header_line, wanted, None, cause, "give the ones that are not meant another name")
+    beside = [i for i in shown if i != time]
+    if isinstance(asked, str) or wanted in columns.names:
+        if named is None and len(shown) == 2 and columns.names[time] == wanted:
+            return beside[0], time
+        return time, columns.index((wanted,))
+    if len(beside) > 1:
+        names = [columns.names[i] for i in beside[:OFFERED]]
+        cure = f"write beside the file which one is meant: {' or '.join(f'`column: {name}`' for name in names)}"
+        _unclear(columns, beside, "beside time, and none is called value", cure)
+    return time, beside[0] if beside else columns.index(("value",))
+
+
+def _unclear(columns: Columns, listed: Sequence[int], which: str, cure: str) -> NoReturn:
+    """Refuse a file in which a table's time or value may be one of several columns; raises SceneError."""
+    if not columns.headed:
+        cause = f"has {len(listed)} columns and no header: it is not clear which are time and value"
+        cure = "write a header above the numbers, such as time,value, or keep only these two columns"
+        columns.stop(columns.header_line, "", None, cause, cure)
+    names = ", ".join(columns.titles[i] for i in listed)
+    columns.stop(columns.header_line, "", None, f"has {len(listed)} columns {which}: {names}", cure)
 
 
 def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
