@@ -14,7 +14,7 @@ from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document, Path_, join_key
 
 RECORDED = 20
-"""Rows at even times from which on a file is a record: what somebody has thought out is shorter."""
+"""Rows from which on a file is a record: what somebody has thought out is shorter."""
 MISSING = 5.0
 """Usual intervals without a row that are a missing stretch."""
 ROUNDED = 1e-5
@@ -26,12 +26,12 @@ SHOWN = 3
 
 
 def gaps_of_records(document: Document | None) -> list[SceneWarning]:
-    """Warn of tables from files of even rows in which a stretch many times as long as the usual interval has none.
+    """Warn of tables from files in which a stretch many times as long as the usual interval has no row.
 
-    A table whose curve swings beyond the two rows is refused before that. Nothing is said of a stretch within the `gap`
-    that the scene states, of rows as uneven as somebody wrote them, and where the value stands, or goes on in a
-    straight line, before it or behind it. Nor of two rows of one value with ramps around, or at the end: somebody wrote
-    a hold. Records of a vessel's six motions are refused by their own reader.
+    A table whose curve swings beyond the two rows is refused before that. Where the scene states a `gap`, every longer
+    stretch is told, and none that is shorter. Else nothing is said of rows as uneven as somebody wrote them, and where
+    the value stands, or goes on in a straight line, before it or behind it. Nor of two rows of one value with ramps
+    around, or at the end: somebody wrote a hold. Records of a vessel's six motions are refused by their own reader.
 
     Parameters
     ----------
@@ -64,12 +64,13 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
         value = columns.numbers(at_value, "value")
     except (SceneError, ValidationError):
         return  # a key of this name that holds no table of times
-    usual = usual_interval(time, RECORDED)
-    if not usual:
+    intervals, usual = np.diff(time), usual_interval(time, RECORDED)
+    if not intervals.size or (allowed is None and not usual):
         return
-    intervals = np.diff(time)
     longest = (MISSING * usual if allowed is None else allowed) * (1.0 + ROUNDED)
-    missing = [i for i in np.flatnonzero(intervals > longest).tolist() if _moves(time, value, i)]
+    long = np.flatnonzero(intervals > longest).tolist()
+    missing = long if allowed is not None else [i for i in long if _moves(time, value, i)]
+    apart = float(np.median(intervals))
     key = (*path, "file")
     line = None if document.origin(key) else document.line(key)
     for told, i in enumerate(missing[:SHOWN], 1):
@@ -79,7 +80,7 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
         yield SceneWarning(
             join_key(key),
             f"{table['file']} has no row for {intervals[i]:.6g} s, between line {before} ({time[i]:.9g} s) and line "
-            f"{behind} ({time[i + 1]:.9g} s). Its rows are {usual:.6g} s apart else. The motion in between is not "
+            f"{behind} ({time[i + 1]:.9g} s). Its rows are {apart:.6g} s apart else. The motion in between is not "
             f"known: a curve or a straight line goes from one row to the other. Fill it in, or write "
             f"`gap: {intervals[i]:.6g}` beside the file if the motion is known to be so.{more}",
             line,
