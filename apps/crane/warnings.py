@@ -21,7 +21,10 @@ from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.strength import strain_bound
+from crane.scene.surroundings import MotionFile
 from crane.sea.compensation import Compensation
+from crane.sea.mru import read_record
+from crane.sea.record_doubts import doubts
 from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
@@ -62,7 +65,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_let_go(found), *_start(found),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
-        *_turns_on(scene), *_never(scene),
+        *_turns_on(scene), *_never(scene), *_record(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
@@ -94,6 +97,15 @@ def _never(scene: CraneScene) -> Sentences:
         for ramp in _ramps_of(function):
             if ramp.at >= end:
                 yield key, f"a ramp at {ramp.at:.4g} s never begins, because {late}"
+
+
+def _record(scene: CraneScene) -> Sentences:
+    """A record of the vessel's motion with rows that no vessel moves by."""
+    motion = None if scene.vessel is None else scene.vessel.motion
+    if isinstance(motion, MotionFile):
+        record = read_record(scene.folder / motion.file, motion.units)
+        for text in doubts(record, motion.begin, float(scene.solver.end), motion.ramp):
+            yield "vessel.motion.file", text
 
 
 def _functions_of(scene: CraneScene) -> Iterator[tuple[str, Any]]:
