@@ -337,8 +337,16 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
     def read_file(cls: type, data: Any, info: ValidationInfo) -> Any:
         return _from_file(data, info, unit)
 
+    def ask(table: Table, info: ValidationInfo) -> Table:
+        # A second validation, of a scene that is sound, asks for what is doubtful: pydantic knows the key, and we not.
+        asked = (info.context or {}).get("record")
+        if asked is not None and table.file is not None:
+            asked(table, unit)
+        return table
+
     method: Any = classmethod(read_file)
     from_file: Any = model_validator(mode="before")(method)
+    asked: Any = model_validator(mode="after")(ask)
     made: dict[str, type[_OfUnit]] = {
         "ramp": create_model(
             "Ramp",
@@ -350,7 +358,7 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
         "table": create_model(
             "Table",
             __base__=Table,
-            __validators__={"from_file": from_file},
+            __validators__={"from_file": from_file, "asked": asked},
             value=(tuple[value, ...], Field((), examples=["[0, 0.5, 0.5]"])),
         ),
         "harmonic": create_model("Harmonic", __base__=Harmonic, amplitude=(value, ...), mean=(value, 0.0)),
