@@ -7,6 +7,7 @@ from crane.application import Crane
 from crane.scene.scene import CraneScene
 from tautline.scene.gaps import ends_of_records
 from tautline.scene.reading.document import Document
+from tautline.scene.unit_slips import slips_of_units
 
 CRANE = """\
 rope: {mass_per_length: 2 kg/m, axial_stiffness: 40 MN, damping: 1 ms}
@@ -24,7 +25,7 @@ HEAVE = CRANE.replace("{table: {file: w.csv}}", "0") + (
 
 def told(folder, rows, scene=CRANE):
     """Warnings of a scene with a file of rows (time, value)."""
-    (folder / "w.csv").write_text("time,value\n" + "".join(f"{t:.9g},{value:.9g}\n" for t, value in rows))
+    (folder / "w.csv").write_text("time,value\n" + "".join(f"{t:.15g},{value:.9g}\n" for t, value in rows))
     document = Document.parse(scene, folder / "scene.yaml")
     CraneScene.read(document)
     return [str(one) for one in ends_of_records(CraneScene, document, 20.0)]
@@ -84,3 +85,33 @@ def test_the_end_of_a_record_is_among_the_warnings_of_check(tmp_path):
     told(tmp_path, speed(0.0, 5.0))
     scene = CraneScene.read(Document.parse(CRANE, tmp_path / "scene.yaml"))
     assert any("w.csv ends at 4.9 s" in one.text for one in Crane().warnings(scene))
+
+
+def slips(tmp_path, rows):
+    told(tmp_path, rows)
+    return [one.text for one in slips_of_units(CraneScene, Document.parse(CRANE, tmp_path / "scene.yaml"))]
+
+
+def test_times_of_a_clock_are_told_as_such_and_no_unit_is_offered(tmp_path):
+    (text,) = slips(tmp_path, [(1714564800.0 + 0.1 * k, 0.5) for k in range(30)])
+    assert text.startswith("1714564800.0 s") and "looks like a time of the clock" in text
+    assert "counted from the start of the run" in text and "meant" not in text
+
+
+def test_begin_of_a_record_may_be_a_time_of_its_clock(tmp_path):
+    head = "time,surge,sway,heave,roll [deg],pitch [deg],yaw [deg]\n"
+    rows = "".join(f"{1714564800.0 + 0.1 * k:.1f},0,0,{np.sin(0.08 * k):.6f},0,0,0\n" for k in range(300))
+    (tmp_path / "m.csv").write_text(head + rows)
+    scene = CRANE.replace("{table: {file: w.csv}}", "0")
+    scene += "vessel: {reference: [0, 0, 0], motion: {file: m.csv, ramp: 4, begin: 1714564800}}\n"
+    document = Document.parse(scene, tmp_path / "scene.yaml")
+    read = CraneScene.read(document)
+    assert [one for one in Crane().warnings(read) if "begin" in one.where] == []
+
+
+def test_a_row_near_which_a_record_passes_zero_is_no_slip_of_a_unit(tmp_path):
+    rows = [(t, np.sin(2.0 * np.pi * t / 5.0)) for t in np.arange(0.0, 20.1, 0.1)]
+    assert any(0.0 < abs(value) < 1e-12 for _, value in rows)
+    assert slips(tmp_path, rows) == []
+    (text,) = slips(tmp_path, [(t, 1e-8 * (1.0 + value)) for t, value in rows])
+    assert "unusual for a winch speed" in text, "but one of which all rows are small is"
