@@ -75,7 +75,7 @@ def doubts(record: Record, begin: float, end: float, ramp: float) -> Iterator[st
 
 
 def _sparse(record: Record, usual: float) -> Iterator[str]:
-    if usual > SPARSE:
+    if usual > SPARSE * (1.0 + 1e-6):
         yield (
             f"the rows of {record.path.name} are {usual:.6g} s apart, and it lasts {np.ptp(record.time):.6g} s in all. "
             "Waves take some seconds: what the vessel does between two rows is not known from them. Is the time in ms? "
@@ -124,7 +124,7 @@ def _fine(motion: np.ndarray, acceleration: np.ndarray, usual: float, unit: str)
     From row to row they go up and down then, unlike those of a motion. Readings that go up and down by e around a
     motion give a natural spline a second derivative of 12 e / h^2.
     """
-    turns = np.mean(acceleration[1:] * acceleration[:-1] < 0.0)
+    turns = np.mean(np.sign(acceleration[1:]) * np.sign(acceleration[:-1]) < 0.0)
     return bool(turns > 0.5 and float(np.abs(acceleration).max()) * usual**2 / 12.0 <= FINE[unit])
 
 

@@ -103,10 +103,7 @@ class Ramp(_OfUnit):
 
 
 class Table(_OfUnit):
-    """Values at times, inline or from a CSV file; held constant before the first and after the last.
-
-    `column` names the values of a file in which several columns stand beside time.
-    """
+    """Values at times, inline or from a CSV file; held constant before the first and after the last."""
 
     time: tuple[Time, ...] = Field((), examples=["[0, 1, 2]"])
     value: tuple[float, ...] = Field((), examples=["[0, 0.5, 0.5]"])
