@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import ANGLES, Record
+from tautline.scene.functions import MANY, Table
+from tautline.scene.reading.columns import Columns
 
 SHIFTS = "m", 0.5 * 9.81, 10.0
 """Unit; acceleration and speed of a vessel beyond which readings are doubtful: half of gravity, a fall of 5 m."""
@@ -70,8 +73,38 @@ def doubts(record: Record, begin: float, end: float, ramp: float) -> Iterator[st
     inside = (record.time >= begin - usual) & (record.time <= begin + end + usual)
     for name, motion in zip(MOTIONS, record.motions, strict=True):
         if np.any(motion):
-            yield from _of_motion(record, name, motion, inside, usual)
+            said = [*_too_fast(record, name, motion, inside)] or [*_still(record, name, motion, inside)]
+            yield from said
             yield from _travel(record, name, motion, ramp)
+
+
+def doubts_of_table(path: Path, table: Table, name: str, end: float) -> Iterator[str]:
+    """Sentences on rows of a table of one motion that is read from a file.
+
+    Few rows and straight lines between rows were thought out: nothing is said of them, nor of rests.
+
+    Parameters
+    ----------
+    path : Path
+        Of its file, which can be read.
+    table : Table
+        Its rows, m or rad.
+    name : str
+        One of `crane.sea.frames.MOTIONS`.
+    end : float
+        Time to which the run goes, s.
+
+    Yields
+    ------
+    str
+        As of `doubts`.
+    """
+    if len(table.time) < MANY or table.interpolation == "linear":
+        return
+    time, motion = np.array(table.time), np.array(table.value)
+    record = Record(path, time, np.array([motion]), np.array(Columns(path).lines))
+    usual = float(np.median(np.diff(time)))
+    yield from _too_fast(record, name, motion, (time >= -usual) & (time <= end + usual))
 
 
 def _sparse(record: Record, usual: float) -> Iterator[str]:
@@ -83,20 +116,22 @@ def _sparse(record: Record, usual: float) -> Iterator[str]:
         )
 
 
-def _of_motion(record: Record, name: str, motion: np.ndarray, inside: np.ndarray, usual: float) -> Iterator[str]:
-    """Too large an acceleration or speed of the curve, else a reading that stands still."""
+def _too_fast(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[str]:
+    """Too large an acceleration or speed of the curve."""
     from scipy.interpolate import CubicSpline
 
+    if not inside.any():
+        return
     unit, *bounds = TURNS if name in ANGLES else SHIFTS
     spline = CubicSpline(record.time, motion, bc_type="natural")
-    stretches = _stretches(motion)
+    usual = float(np.median(np.diff(record.time)))
     for what, order, bound in (("an acceleration", 2, bounds[0]), ("a speed", 1, bounds[1])):
         found = np.where(inside, spline(record.time, order), 0.0)
         row = int(np.abs(found).argmax())
         over = int(np.count_nonzero(np.abs(found) > bound))
-        if not over or (order == 2 and _fine(motion, found, usual, unit)):
+        if not over or (order == 2 and _fine(found, usual, unit)):
             continue
-        fault = _fault(record, motion, row, usual, bounds[0], unit, stretches, over / int(np.count_nonzero(inside)))
+        fault = _fault(record, motion, row, usual, bounds[0], unit, over / int(np.count_nonzero(inside)))
         most = _told(bound, unit, order)
         others = f", and more than {most} at {over - 1} more row{'s' * (over > 2)}" if over > 1 else ""
         yield (
@@ -105,9 +140,13 @@ def _of_motion(record: Record, name: str, motion: np.ndarray, inside: np.ndarray
             f"more than {most}. {fault.cause}. {fault.cure}"
         )
         return
-    for first, last in _stuck(record.time, motion, stretches):
+
+
+def _still(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[str]:
+    """The first stretch in which a reading stands still."""
+    for first, last in _stuck(record.time, motion, _stretches(motion)):
         if inside[first] and inside[last]:
-            cause, cure = _standing(record, motion, first, last, unit)
+            cause, cure = _standing(record, motion, first, last, "rad" if name in ANGLES else "m")
             yield f"{name} of {record.path.name} may be wrong. {cause}. {cure}"
             return
 
@@ -118,7 +157,7 @@ def _told(value: float, unit: str, order: int = 0) -> str:
     return f"{round(value, 9) + 0.0:.4g} {'deg' if unit == 'rad' else unit}{('', '/s', '/s^2')[order]}"
 
 
-def _fine(motion: np.ndarray, acceleration: np.ndarray, usual: float, unit: str) -> bool:
+def _fine(acceleration: np.ndarray, usual: float, unit: str) -> bool:
     """Whether accelerations are of the last digit, or of as little noise, of rows that come so often: no rope feels it.
 
     From row to row they go up and down then, unlike those of a motion. Readings that go up and down by e around a
@@ -135,7 +174,6 @@ def _fault(
     usual: float,
     most: float,
     unit: str,
-    stretches: np.ndarray,
     share: float,
 ) -> _Fault:
     """The likely cause of too large an acceleration at a row."""
@@ -148,6 +186,7 @@ def _fault(
             f"and rows are {usual:.6g} s apart else",
             "Delete one of the two rows",
         )
+    stretches = _stretches(motion)
     begin, stop = stretches.T
     standing = (stop - begin >= STILL // 2) & (begin - NEAR <= row) & (row <= stop + NEAR)
     if share < OFTEN and standing.any():

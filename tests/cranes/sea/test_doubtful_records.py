@@ -8,7 +8,8 @@ import pytest
 from crane.application import Crane
 from crane.scene.scene import CraneScene
 from crane.sea.mru import Record
-from crane.sea.record_doubts import doubts
+from crane.sea.record_doubts import doubts, doubts_of_table
+from tautline.scene.functions import Table
 from tautline.scene.reading.document import Document
 
 T = 0.1 * np.arange(250)
@@ -120,6 +121,21 @@ def test_rows_that_the_run_does_not_reach_are_not_judged():
     assert told(T, changed(200, 9.0), end=15.0) == []
 
 
+def of_table(folder, heave, end=20.0, **others):
+    rows = "".join(f"{t:.6g},{z:.9g}\n" for t, z in zip(T, heave, strict=True))
+    (folder / "heave.csv").write_text("time,heave\n" + rows)
+    table = Table(time=tuple(T), value=tuple(heave), file="heave.csv", **others)
+    return list(doubts_of_table(folder / "heave.csv", table, "heave", end))
+
+
+def test_a_jump_in_a_table_of_one_motion_is_told(tmp_path):
+    (text,) = of_table(tmp_path, changed(90, 9.0))
+    assert text.startswith("heave.csv gives heave an acceleration of") and "between lines 91 and 92" in text
+    assert of_table(tmp_path, SWELL) == []
+    assert of_table(tmp_path, changed(90, 9.0), interpolation="linear") == [], "corners are meant there"
+    assert of_table(tmp_path, changed(200, 9.0), end=15.0) == [], "behind the run"
+
+
 def test_a_doubtful_record_is_among_the_warnings_of_check(tmp_path):
     rows = "".join(f"{t:.6g},0,0,{z:.9g},0,0,0\n" for t, z in zip(T, changed(90, 9.0), strict=True))
     head = "time,surge,sway,heave,roll [deg],pitch [deg],yaw [deg]\n"
@@ -135,3 +151,7 @@ output: {interval: 20 ms}
     scene = CraneScene.read(Document.parse(text, tmp_path / "scene.yaml"))
     found = [one for one in Crane().warnings(scene) if "It jumps from" in one.text]
     assert [one.where for one in found] == ["vessel.motion.file"]
+    one_motion = text.replace("{file: mru.csv, ramp: 4}", "{heave: {table: {file: mru.csv, column: heave}}}")
+    scene = CraneScene.read(Document.parse(one_motion, tmp_path / "scene.yaml"))
+    found = [one for one in Crane().warnings(scene) if "It jumps from" in one.text]
+    assert [one.where for one in found] == ["vessel.motion.heave"]
