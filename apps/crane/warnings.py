@@ -21,11 +21,15 @@ from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.strength import strain_bound
+from crane.scene.surroundings import MotionFile
 from crane.sea.compensation import Compensation
+from crane.sea.frames import MOTIONS
+from crane.sea.mru import read_record
+from crane.sea.record_doubts import doubts, doubts_of_table
 from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
-from tautline.scene.functions import Ramp, Sum
+from tautline.scene.functions import Ramp, Sum, Table
 from tautline.scene.unit_slips import meant, units_that_fit
 from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
@@ -62,7 +66,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_let_go(found), *_start(found),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
-        *_turns_on(scene), *_never(scene),
+        *_turns_on(scene), *_never(scene), *_record(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
@@ -94,6 +98,27 @@ def _never(scene: CraneScene) -> Sentences:
         for ramp in _ramps_of(function):
             if ramp.at >= end:
                 yield key, f"a ramp at {ramp.at:.4g} s never begins, because {late}"
+
+
+def _record(scene: CraneScene) -> Sentences:
+    """A record of the vessel's motion with rows that no vessel moves by."""
+    motion = None if scene.vessel is None else scene.vessel.motion
+    if isinstance(motion, MotionFile):
+        record = read_record(scene.folder / motion.file, motion.units)
+        for text in doubts(record, motion.begin, float(scene.solver.end), motion.ramp):
+            yield "vessel.motion.file", text
+    for name in MOTIONS:
+        for table in _tables_of(getattr(motion, name, None)):
+            for text in doubts_of_table(scene.folder / table.file, table, name, float(scene.solver.end)):
+                yield f"vessel.motion.{name}", text
+
+
+def _tables_of(function: Any) -> Iterator[Table]:
+    """The tables from files that a function of time is made of."""
+    if isinstance(function, Table) and function.file is not None:
+        yield function
+    for term in function.terms if isinstance(function, Sum) else ():
+        yield from _tables_of(term)
 
 
 def _functions_of(scene: CraneScene) -> Iterator[tuple[str, Any]]:

@@ -35,11 +35,11 @@ MEANINGS = {
     "Spectrum.kind": "Shape of the spectrum.",
     "seed": "Of the random phases; the same seed gives the same sea.",
     "components": "Number of harmonic waves.",
-    "Table.file": "CSV file with the times in its first column.",
+    "Table.file": "CSV file with a column `time` or `t` and one of values, or with two columns and no header.",
     "Survey.file": "CSV file of the survey.",
-    "column": "Column of the file, by its header.",
-    "Table.gap": "Longest time without a row in a file with even rows, where the curve would go beyond the two rows; "
-    "by default three times the usual one.",
+    "column": "Column of the file, by its header; needed where several stand beside time, none of them `value`.",
+    "Table.gap": "Longest time without a row in a file. Longer ones are told, and refused where the curve goes beyond "
+    "its ends; by default, of a record, it is three times the usual one.",
     "interpolation": "Between values; without it linear for a velocity, cubic for a position.",
     "on_bottom": "Whether the bit is on the bottom of the hole.",
     "lateral": "Whether the bit can move across the hole.",

@@ -96,7 +96,7 @@ class MotionFile(Model):
     units: Annotated[dict[str, str], AfterValidator(_units)] = Field(default={}, examples=["{roll: deg, pitch: deg}"])
     gap: Annotated[float, quantity("s", positive=True, of="duration")] | None = None
     ramp: Annotated[float, quantity("s", nonnegative=True, of="duration")] = 0.0
-    begin: Annotated[float, quantity("s", of="moment")] = 0.0
+    begin: Annotated[float, quantity("s", of="moment of a record")] = 0.0
 
 
 class SeaMotion(Model):

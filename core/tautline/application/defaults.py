@@ -81,7 +81,7 @@ class Defaults:
         from tautline.application.limits import bare_limits
         from tautline.scene.content import too_fast
         from tautline.scene.errors import SceneError, SceneWarning
-        from tautline.scene.gaps import gaps_of_records
+        from tautline.scene.gaps import ends_of_records, gaps_of_records
         from tautline.scene.limits import reversed_limits
         from tautline.scene.unit_slips import slips_of_units
         from tautline.scene.values.printed import in_words
@@ -91,6 +91,8 @@ class Defaults:
         text = too_fast(scene, scene.solver)
         system = getattr(scene, "units", "si")
         slips = slips_of_units(*self.as_written(scene)) + gaps_of_records(document)
+        if (end := getattr(scene.solver, "end", None)) is not None:
+            slips += ends_of_records(*self.as_written(scene), float(end))
         try:
             found = self.own_warnings(scene) + warnings_of(self.name, scene)
         except SceneError as error:

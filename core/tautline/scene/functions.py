@@ -11,7 +11,7 @@ import functools
 import itertools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
 import numpy as np
 from pydantic import (
@@ -45,9 +45,13 @@ SHORTEST_RAMP = 1.0e-9
 LONGEST_GAP = 3.0
 """Usual intervals without a row that are bridged where no `gap` is given."""
 RECORD, EVEN, MOSTLY = 8, 0.1, 0.75
-"""Rows from which on a file may be a record; how even its intervals are, and what share of them."""
+"""Rows from which on a file of even rows may be a record; how even its intervals are, and what share of them."""
+MANY, ORDINARY = 20, 0.9
+"""Rows from which on a file may be a record with uneven rows, and the share of its intervals that are no gaps."""
 FELT = 0.01
 """Share of the spread of all rows beyond two of them that a curve may go in a gap."""
+OFFERED = 4
+"""Columns that are offered by name where it is not clear which one is meant."""
 RATES = ("m/s", "rad/s")
 """Units of values between which a table goes straight unless told otherwise."""
 
@@ -107,7 +111,7 @@ class Table(_OfUnit):
     column: str | None = None
     gap: Annotated[
         Duration | None,
-        Field(description="longest time without a row in a file of even rows; default: three times the usual one"),
+        Field(description="longest time without a row in a file; default of a record: three times the usual one"),
     ] = None
     interpolation: Annotated[
         Literal["linear", "cubic"] | None,
@@ -214,14 +218,43 @@ def _terms(unit: str, of: str) -> TypeAdapter[Any]:
 def places(columns: Columns, asked: Any) -> tuple[int, int]:
     """Where time and value stand in the file of a table, whose column of values may be asked for by name.
 
+    Without a name the value is the only column beside time, or the one that is called `value`. Columns without a name
+    below a header, such as the numbers of rows that other programs write, are none.
+
     Raises
     ------
     SceneError
-        If there is no such column.
+        If there is no such column, or if it is not clear which one is the time or the value.
     """
-    time = columns.index(("time", "t"), otherwise=0)
-    other = 1 if time == 0 else 0
-    return time, columns.index((asked,)) if isinstance(asked, str) else columns.index(("value",), otherwise=other)
+    shown = [i for i, name in enumerate(columns.names) if name] if columns.headed else columns.filled()
+    named = next((columns.names.index(name) for name in ("time", "t") if name in columns.names), None)
+    if named is None and len(shown) > 2:
+        _unclear(columns, shown, "and none is called time", "call the column of times `time` in the header")
+    time = named if named is not None else shown[0] if shown else 0
+    wanted = asked.lower() if isinstance(asked, str) else "value"
+    if (twice := columns.names.count(wanted)) > 1:
+        cause = f"{twice} columns are called '{wanted}'"
+        columns.stop(columns.header_line, wanted, None, cause, "give the ones that are not meant another name")
+    beside = [i for i in shown if i != time]
+    if isinstance(asked, str) or wanted in columns.names:
+        if named is None and len(shown) == 2 and columns.names[time] == wanted:
+            return beside[0], time
+        return time, columns.index((wanted,))
+    if len(beside) > 1:
+        names = [columns.names[i] for i in beside[:OFFERED]]
+        cure = f"write beside the file which one is meant: {' or '.join(f'`column: {name}`' for name in names)}"
+        _unclear(columns, beside, "beside time, and none is called value", cure)
+    return time, beside[0] if beside else columns.index(("value",))
+
+
+def _unclear(columns: Columns, listed: Sequence[int], which: str, cure: str) -> NoReturn:
+    """Refuse a file in which a table's time or value may be one of several columns; raises SceneError."""
+    if not columns.headed:
+        cause = f"has {len(listed)} columns and no header: it is not clear which are time and value"
+        cure = "write a header above the numbers, such as time,value, or keep only these two columns"
+        columns.stop(columns.header_line, "", None, cause, cure)
+    names = ", ".join(columns.titles[i] for i in listed)
+    columns.stop(columns.header_line, "", None, f"has {len(listed)} columns {which}: {names}", cure)
 
 
 def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
@@ -246,10 +279,18 @@ def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
 
 
 def usual_interval(time: np.ndarray, least: int = RECORD) -> float:
-    """The time between the rows (n,) of a record, s: 0 of rows that are none, since most of them are uneven or few."""
+    """The time between the rows (n,) of a record that no gap is judged to be shorter than, s: 0 of what is no record.
+
+    Of even rows the median. Stamps of a logger jitter, and a row is lost here and there: of many rows it is what nine
+    of ten intervals stay within. So a gap among even rows is seen, and rows that are uneven throughout have none.
+    """
     intervals = np.diff(time)
-    usual = float(np.median(intervals)) if time.size >= least else 0.0
-    return usual if usual > 0.0 and np.mean(np.abs(intervals - usual) < EVEN * usual) >= MOSTLY else 0.0
+    if time.size < least:
+        return 0.0
+    usual = float(np.median(intervals))
+    if usual > 0.0 and np.mean(np.abs(intervals - usual) < EVEN * usual) >= MOSTLY:
+        return usual
+    return max(usual, float(np.quantile(intervals, ORDINARY))) if time.size >= max(least, MANY) else 0.0
 
 
 def _without_gaps(
@@ -257,12 +298,12 @@ def _without_gaps(
 ) -> None:
     """Refuse a record with a long time without a row, which the curve does not bridge by itself; raises SceneError.
 
-    A record is what has rows at even times; a table of some rows as somebody thought them out is none. A curve that
-    stays between the two rows invents nothing: a hoist that has come to rest has no rows to fill in.
+    A table of some rows as somebody thought them out is no record, unless the scene states the longest gap. A curve
+    that stays between the two rows invents nothing: a hoist that has come to rest has no rows to fill in.
     """
     t, value = np.array(times), np.array(values)
     intervals, usual = np.diff(t), usual_interval(t)
-    if not usual:
+    if not intervals.size or (gap is None and not usual):
         return
     try:
         longest = LONGEST_GAP * usual if gap is None else TypeAdapter(Duration).validate_python(gap)
@@ -293,8 +334,16 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
     def read_file(cls: type, data: Any, info: ValidationInfo) -> Any:
         return _from_file(data, info, unit)
 
+    def ask(table: Table, info: ValidationInfo) -> Table:
+        # A second validation, of a scene that is sound, asks for what is doubtful: pydantic knows the key, and we not.
+        asked = (info.context or {}).get("record")
+        if asked is not None and table.file is not None:
+            asked(table, unit)
+        return table
+
     method: Any = classmethod(read_file)
     from_file: Any = model_validator(mode="before")(method)
+    asked: Any = model_validator(mode="after")(ask)
     made: dict[str, type[_OfUnit]] = {
         "ramp": create_model(
             "Ramp",
@@ -306,7 +355,7 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
         "table": create_model(
             "Table",
             __base__=Table,
-            __validators__={"from_file": from_file},
+            __validators__={"from_file": from_file, "asked": asked},
             value=(tuple[value, ...], Field((), examples=["[0, 0.5, 0.5]"])),
         ),
         "harmonic": create_model("Harmonic", __base__=Harmonic, amplitude=(value, ...), mean=(value, 0.0)),

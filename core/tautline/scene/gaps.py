@@ -1,4 +1,4 @@
-"""Warnings of records with a stretch without rows, over which a table goes on as if nothing had happened there."""
+"""Warnings of records that lack rows: in a stretch that a table bridges, or before or after it, where its ends hold."""
 
 from __future__ import annotations
 
@@ -7,31 +7,36 @@ from typing import Any
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
+from pydantic_core import PydanticCustomError
 
 from tautline.scene.errors import SceneError, SceneWarning
-from tautline.scene.functions import Duration, places, usual_interval
+from tautline.scene.functions import RATES, Duration, Table, places, usual_interval
+from tautline.scene.model import DOUBT, MARK, Model
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document, Path_, join_key
+from tautline.scene.values.ranges import sized
 
 RECORDED = 20
-"""Rows at even times from which on a file is a record: what somebody has thought out is shorter."""
+"""Rows from which on a file is a record: what somebody has thought out is shorter."""
 MISSING = 5.0
 """Usual intervals without a row that are a missing stretch."""
 ROUNDED = 1e-5
 """Share by which a stretch may be longer: a gap is told in six digits."""
 SAME = 1e-6
 """Share of the spread of all rows by which one may lie off a straight line that is gone on with."""
+STEP = 1e-3
+"""Share of the spread of all rows by which a value still moves."""
 SHOWN = 3
 """Stretches of one file that are told."""
 
 
 def gaps_of_records(document: Document | None) -> list[SceneWarning]:
-    """Warn of tables from files of even rows in which a stretch many times as long as the usual interval has none.
+    """Warn of tables from files in which a stretch many times as long as the usual interval has no row.
 
-    A table whose curve swings beyond the two rows is refused before that. Nothing is said of a stretch within the `gap`
-    that the scene states, of rows as uneven as somebody wrote them, and where the value stands, or goes on in a
-    straight line, before it or behind it. Nor of two rows of one value with ramps around, or at the end: somebody wrote
-    a hold. Records of a vessel's six motions are refused by their own reader.
+    A table whose curve swings beyond the two rows is refused before that. Where the scene states a `gap`, every longer
+    stretch is told, and none that is shorter. Else nothing is said of rows as uneven as somebody wrote them, and where
+    the value stands, or goes on in a straight line, before it or behind it. Nor of two rows of one value with ramps
+    around, or at the end: somebody wrote a hold. Records of a vessel's six motions are refused by their own reader.
 
     Parameters
     ----------
@@ -41,6 +46,81 @@ def gaps_of_records(document: Document | None) -> list[SceneWarning]:
     if document is None:
         return []
     return [found for path, table in _tables(document.root, ()) for found in _gaps(document, path, table)]
+
+
+def ends_of_records(model: type[Model], document: Document | None, end: float) -> list[SceneWarning]:
+    """Warn of tables from files that begin after the run or end before it, where the value that holds there matters.
+
+    A rate that is not zero goes on and on. A place, a force or another value stops where the rows before moved it, and
+    a record of waves wherever it stops. Nothing is said of a single row, and of what a row more would cover.
+
+    Parameters
+    ----------
+    model : type
+        Of the scene, as it is written.
+    document : Document or None
+        A file that was read and is valid; None for a scene made in Python.
+    end : float
+        Time to which the run goes, s.
+    """
+    if document is None or not any(True for _ in _tables(document.root, ())):
+        return []
+
+    def ask(table: Table, unit: str) -> None:
+        if said := _held(table, unit, end):
+            raise PydanticCustomError(DOUBT, "doubtful", {"said": said})
+
+    try:
+        model.model_validate(document.root, context={"folder": document.folder, "record": ask})
+    except ValidationError as error:
+        errors = error.errors(include_url=False, include_input=False)
+    else:
+        return []
+    found: dict[Path_, str] = {}
+    for one in errors:
+        if one["type"] == DOUBT:
+            key = tuple(part for part in one["loc"] if not (isinstance(part, str) and part.startswith(MARK)))
+            found.setdefault((*key, "file"), one.get("ctx", {})["said"])
+    return [
+        SceneWarning(join_key(key), said, None if document.origin(key) else document.line(key), of_a_run=True)
+        for key, said in found.items()
+    ]
+
+
+def _held(table: Table, unit: str, end: float) -> str:
+    """What to say of a table whose rows do not cover the run; empty where nothing is amiss."""
+    time, value = np.array(table.time), np.array(table.value)
+    if time.size < 2:
+        return ""
+    first, last, usual = float(time[0]), float(time[-1]), float(np.median(np.diff(time)))
+    if (first >= end or last <= 0.0) and np.ptp(value) > 0.0:
+        which, held = ("first", value[0]) if first >= end else ("last", value[-1])
+        return (
+            f"no row of {table.file} lies in the run, from 0 to {end:.6g} s: its times go from {first:.9g} s to "
+            f"{last:.9g} s. The {which} value, {sized(float(held), unit)}, holds throughout. Count its times from the "
+            "start of the run"
+        )
+    said = []
+    if first > min(usual, end) and _matters(value, 0, unit):
+        said.append(
+            f"{table.file} begins at {first:.9g} s, and the run at 0: the first value, {sized(float(value[0]), unit)}, "
+            "holds until then. Count its times from the start of the run, or add a row at 0 s with what is meant"
+        )
+    if last < end - usual and _matters(value, -1, unit):
+        said.append(
+            f"{table.file} ends at {last:.9g} s, and the run goes on to {end:.6g} s: the last value, "
+            f"{sized(float(value[-1]), unit)}, holds from there on. Let the run end there, or add rows with what "
+            "is meant"
+        )
+    return ". ".join(said)
+
+
+def _matters(value: np.ndarray, edge: int, unit: str) -> bool:
+    """Whether it matters that the first value (edge 0) or the last (-1) holds."""
+    if unit in RATES:
+        return abs(float(value[edge])) > SAME * float(np.abs(value).max())
+    step = float(value[1] - value[0] if edge == 0 else value[-1] - value[-2])
+    return abs(step) > STEP * float(np.ptp(value)) or (value.size >= RECORDED and _turns(value))
 
 
 def _tables(value: Any, path: Path_) -> Iterator[tuple[Path_, Mapping[str, Any]]]:
@@ -64,12 +144,13 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
         value = columns.numbers(at_value, "value")
     except (SceneError, ValidationError):
         return  # a key of this name that holds no table of times
-    usual = usual_interval(time, RECORDED)
-    if not usual:
+    intervals, usual = np.diff(time), usual_interval(time, RECORDED)
+    if not intervals.size or (allowed is None and not usual):
         return
-    intervals = np.diff(time)
     longest = (MISSING * usual if allowed is None else allowed) * (1.0 + ROUNDED)
-    missing = [i for i in np.flatnonzero(intervals > longest).tolist() if _moves(time, value, i)]
+    long = np.flatnonzero(intervals > longest).tolist()
+    missing = long if allowed is not None else [i for i in long if _moves(time, value, i)]
+    apart = float(np.median(intervals))
     key = (*path, "file")
     line = None if document.origin(key) else document.line(key)
     for told, i in enumerate(missing[:SHOWN], 1):
@@ -79,7 +160,7 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
         yield SceneWarning(
             join_key(key),
             f"{table['file']} has no row for {intervals[i]:.6g} s, between line {before} ({time[i]:.9g} s) and line "
-            f"{behind} ({time[i + 1]:.9g} s). Its rows are {usual:.6g} s apart else. The motion in between is not "
+            f"{behind} ({time[i + 1]:.9g} s). Its rows are {apart:.6g} s apart else. The motion in between is not "
             f"known: a curve or a straight line goes from one row to the other. Fill it in, or write "
             f"`gap: {intervals[i]:.6g}` beside the file if the motion is known to be so.{more}",
             line,

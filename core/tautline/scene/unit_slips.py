@@ -38,6 +38,8 @@ SHOWN = 3
 """Numbers of one kind that are told one by one."""
 LISTED = 8
 """Numbers without a unit that are listed one by one in a scene of other units than SI."""
+CLOCK = 1e8
+"""Moment from which on it is counted from 1970 and not from the start of a run, s: three years."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +122,7 @@ def _doubts(model: type[Model], document: Document, ask: Callable[[Quantity, Any
     told: set[Path_] = set()
     doubts: list[_Doubt] = []
     titles: dict[Path_, _Titles] = {}
+    largest: dict[tuple[Path_, bool], float] = {}
     for one in errors:
         if one["type"] != DOUBT:
             continue
@@ -137,6 +140,13 @@ def _doubts(model: type[Model], document: Document, ask: Callable[[Quantity, Any
                 if place not in titles:
                     titles[place] = _titles(document, place)
                 column = titles[place].of(key[-2:])
+                # A row near which a record passes zero is small, and no slip where others are not.
+                low, of_time = RANGES[context["of"]].low, key[-2:][0] == "time"
+                if low is not None and 0.0 < abs(context["value"]) < low:
+                    if (place, of_time) not in largest:
+                        largest[place, of_time] = _largest(document, place, of_time, context["unit"])
+                    if largest[place, of_time] >= low:
+                        continue
             doubts.append(_Doubt(place, line, **context, column=column))
     yield from sorted(doubts, key=lambda doubt: doubt.line or 0)
 
@@ -172,6 +182,16 @@ def _titles(document: Document, place: Path_) -> _Titles:
     except SceneError:
         return _Titles(file, "", "")
     return _Titles(file, *("" if columns.units[at] else columns.names[at] or f"{at + 1}" for at in both))
+
+
+def _largest(document: Document, place: Path_, time: bool, unit: str) -> float:
+    """Size in SI of the largest time or value of a table whose file is named at a key; 0 where it cannot be read."""
+    try:
+        columns = Columns(document.folder / str(document.written(place)))
+        both = places(columns, document.written((*place[:-1], "column")))
+        return max(map(abs, columns.values(both[0 if time else 1], unit)))
+    except SceneError:
+        return 0.0
 
 
 def _bare_column(system: str, doubt: _Doubt) -> SceneWarning:
@@ -250,6 +270,13 @@ def _outside(group: list[_Doubt], system: str) -> Iterator[SceneWarning]:
         read = doubt.shown if doubt.bare else _both(doubt.typed, sized(doubt.value, doubt.unit))
         line = f" (line {doubt.line})" if doubt.line else ""
         more = f" So are {len(group) - 1} more numbers there." if len(group) > SHOWN else ""
+        if doubt.of == "moment" and abs(doubt.value) >= CLOCK:
+            text = (
+                f"{read}{line} looks like a time of the clock, counted from 1970. Times are counted from the start of "
+                f"the run: take that of its start off all of them.{more}"
+            )
+            yield SceneWarning(join_key(doubt.key), text)
+            continue
         text = (
             f"{read}{line} is unusual for {_article(doubt.of)}: {in_range(row)} is plausible. "
             f"{meant(doubt.typed, _units_meant(doubt, system), doubt.unit)}.{more}"

@@ -226,3 +226,32 @@ def test_equal_ends_of_a_missing_stretch_in_a_record_of_waves_are_warned_of(tmp_
     linear = CRANE.replace("out.csv", "out.csv, interpolation: linear")
     (told,) = gaps(tmp_path, rows, linear)
     assert "no row for 36 s" in told
+
+
+def jittered(share, missing=(), rows=200):
+    """Rows of a swell 0.1 s apart but for normal noise of a share of that in their stamps."""
+    noise = np.clip(np.random.default_rng(7).normal(0.0, share, rows), -0.45, 0.45)
+    return swell(*(0.1 * (k + noise[k]) for k in range(rows) if k not in missing))
+
+
+@pytest.mark.parametrize("more", ["", ", gap: 0.5 s"])
+@pytest.mark.parametrize("share", [0.0, 0.12, 0.3])
+def test_a_missing_stretch_is_told_however_much_the_stamps_jitter(share, more, tmp_path):
+    linear = CRANE.replace("out.csv", f"out.csv, interpolation: linear{more}")
+    (told,) = gaps(tmp_path, jittered(share, range(40, 100)), linear)
+    assert "has no row for 6." in told and "between line 41" in told
+    assert gaps(tmp_path, jittered(share), linear) == [], "and a record without one is read without a word"
+
+
+def test_a_missing_stretch_among_jittered_stamps_is_refused_where_the_curve_swings(tmp_path):
+    rows = "".join(f"{t:.6g},{value:.9g}\n" for t, value in jittered(0.12, range(60, 125)))
+    assert "with no row between" in refused(tmp_path, "time [s],value [m]\n" + rows)
+
+
+def test_rows_that_are_uneven_throughout_are_read_without_a_word_unless_the_scene_states_the_longest_gap(tmp_path):
+    rows = swell(*np.cumsum(np.tile([0.2, 0.4, 1.1, 2.3, 0.6, 3.0, 0.1], 6)))
+    assert gaps(tmp_path, rows) == []
+    linear = CRANE.replace("out.csv", "out.csv, interpolation: linear, gap: 2.5 s")
+    assert len(gaps(tmp_path, rows, linear)) == 3, "of six such stretches as many as are listed"
+    few = CRANE.replace("out.csv", "out.csv, interpolation: linear, gap: 1 s")
+    assert len(gaps(tmp_path, [(0, 0), (1, 1), (9, 9)], few)) == 1, "of a few rows, in a straight line"

@@ -153,6 +153,10 @@ class Columns:
         """Line of the file that each row stands on."""
         return [line for line, _ in self.rows]
 
+    def filled(self) -> list[int]:
+        """Columns that have a cell with something in it: separators at the ends of lines make none."""
+        return [i for i in range(len(self.names)) if any(_cell(row, i) for _, row in self.rows)]
+
     # columns by name
     def index(self, names: Sequence[str], otherwise: int | None = None) -> int:
         """Find the column of one of these names; `otherwise` is used if none has it; raises SceneError."""

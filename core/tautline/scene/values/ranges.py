@@ -57,6 +57,7 @@ RANGES: dict[str, Range] = {
     "time simulated": Range("s", 1e-6, 1e6, ("ms", "min", "h"), "a wave in a bar, to eleven days"),
     "interval of frames": Range("s", 1e-9, 1e5, ("ms", "min"), "as the time that is simulated"),
     "moment": Range("s", 1e-9, 1e6, _TIMES, "as the time that is simulated"),
+    "moment of a record": _any("as its clock counts: a run that does not lie in the record is refused"),
     "duration": Range("s", 1e-9, 1e6, _TIMES, "as the time that is simulated"),
     "period": Range("s", 1e-6, 1e5, _TIMES, "a wave in a bar, to the tide"),
     "frequency": Range("Hz", 1e-5, 1e6, ("mHz", "kHz"), "one over the period"),

@@ -1,0 +1,264 @@
+"""What is doubtful of a record of a vessel's motion: rows that can be read, and that no vessel moves by.
+
+A natural cubic spline goes through all rows, so that a stuck sensor, a jump, two rows that are too close or readings in
+coarse steps shake the ropes. Its second derivative is straight between rows: the largest one is at a row.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from crane.sea.frames import MOTIONS
+from crane.sea.mru import ANGLES, Record
+from tautline.scene.functions import MANY, Table
+from tautline.scene.reading.columns import Columns
+
+SHIFTS = "m", 0.5 * 9.81, 10.0
+"""Unit; acceleration and speed of a vessel beyond which readings are doubtful: half of gravity, a fall of 5 m."""
+TURNS = "rad", 1.0, 1.0
+"""The same of rotations, rad/s^2 and rad/s: a roll of 45 deg in 6 s has 0.86 of both."""
+SPARSE = 1.0
+"""Interval of rows, s, beyond which waves of some seconds are not known from them."""
+CLOSE = 0.2
+"""Share of the usual interval below which two rows are too close for the digits that they are written with."""
+STILL = 10
+"""Intervals from which on a reading that stays the same to the last digit may be stuck."""
+STILL_FOR, DIGITS = 1.0, 100.0
+"""How long that is at least, s, and of how many of its last digits: near a crest a reading stays the same for long."""
+OUTSTANDING = 2.0
+"""How much larger a jump is than what 98 of 100 steps from row to row stay within."""
+NEAR = 3
+"""Rows beside the largest acceleration in which its cause is sought."""
+STEPPED = 0.125
+"""Share of the bound that a single step of the last digit makes over one interval, of readings in coarse steps."""
+OFTEN = 0.2
+"""Share of the rows beyond a bound from which on it is no single fault."""
+HELD = 0.5
+"""Share of the rows without a change from which on a sensor is slower than what writes the rows."""
+FINE = {"m": 0.002, "rad": math.radians(0.02)}
+"""Noise that is left without a word where rows come so often that the curve makes a large acceleration of it."""
+TRAVEL = {"m": 0.5, "rad": math.radians(2.0)}
+"""Mean of a motion below which a ramp may grow it without a word."""
+
+
+class _Fault(NamedTuple):
+    """Why a reading may have moved as it did, and what to do."""
+
+    cause: str
+    cure: str
+
+
+def doubts(record: Record, begin: float, end: float, ramp: float) -> Iterator[str]:
+    """Sentences on rows that can be read, and that are probably no motion of a vessel.
+
+    Parameters
+    ----------
+    record : Record
+        Valid, as `crane.sea.mru.read_motions` takes it.
+    begin, end, ramp : float
+        Time in the file that is the run's t = 0, time to which the run goes, and time of growing, s.
+
+    Yields
+    ------
+    str
+        What is doubtful, by file, line and value; its likely cause; a cure.
+    """
+    usual = float(np.median(np.diff(record.time)))
+    yield from _sparse(record, usual)
+    inside = (record.time >= begin - usual) & (record.time <= begin + end + usual)
+    for name, motion in zip(MOTIONS, record.motions, strict=True):
+        if np.any(motion):
+            said = [*_too_fast(record, name, motion, inside)] or [*_still(record, name, motion, inside)]
+            yield from said
+            yield from _travel(record, name, motion, ramp)
+
+
+def doubts_of_table(path: Path, table: Table, name: str, end: float) -> Iterator[str]:
+    """Sentences on rows of a table of one motion that is read from a file.
+
+    Few rows and straight lines between rows were thought out: nothing is said of them, nor of rests.
+
+    Parameters
+    ----------
+    path : Path
+        Of its file, which can be read.
+    table : Table
+        Its rows, m or rad.
+    name : str
+        One of `crane.sea.frames.MOTIONS`.
+    end : float
+        Time to which the run goes, s.
+
+    Yields
+    ------
+    str
+        As of `doubts`.
+    """
+    if len(table.time) < MANY or table.interpolation == "linear":
+        return
+    time, motion = np.array(table.time), np.array(table.value)
+    record = Record(path, time, np.array([motion]), np.array(Columns(path).lines))
+    usual = float(np.median(np.diff(time)))
+    yield from _too_fast(record, name, motion, (time >= -usual) & (time <= end + usual))
+
+
+def _sparse(record: Record, usual: float) -> Iterator[str]:
+    if usual > SPARSE * (1.0 + 1e-6):
+        yield (
+            f"the rows of {record.path.name} are {usual:.6g} s apart, and it lasts {np.ptp(record.time):.6g} s in all. "
+            "Waves take some seconds: what the vessel does between two rows is not known from them. Is the time in ms? "
+            "Then write `time [ms]` in the header. Else give a record with some rows a second"
+        )
+
+
+def _too_fast(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[str]:
+    """Too large an acceleration or speed of the curve."""
+    from scipy.interpolate import CubicSpline
+
+    if not inside.any():
+        return
+    unit, *bounds = TURNS if name in ANGLES else SHIFTS
+    spline = CubicSpline(record.time, motion, bc_type="natural")
+    usual = float(np.median(np.diff(record.time)))
+    for what, order, bound in (("an acceleration", 2, bounds[0]), ("a speed", 1, bounds[1])):
+        found = np.where(inside, spline(record.time, order), 0.0)
+        row = int(np.abs(found).argmax())
+        over = int(np.count_nonzero(np.abs(found) > bound))
+        if not over or (order == 2 and _fine(found, usual, unit)):
+            continue
+        fault = _fault(record, motion, row, usual, bounds[0], unit, over / int(np.count_nonzero(inside)))
+        most = _told(bound, unit, order)
+        others = f", and more than {most} at {over - 1} more row{'s' * (over > 2)}" if over > 1 else ""
+        yield (
+            f"{record.path.name} gives {name} {what} of {_told(abs(float(found[row])), unit, order)} at line "
+            f"{record.lines[row]} ({record.time[row]:.6g} s, {_told(motion[row], unit)}){others}. Vessels seldom have "
+            f"more than {most}. {fault.cause}. {fault.cure}"
+        )
+        return
+
+
+def _still(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[str]:
+    """The first stretch in which a reading stands still."""
+    for first, last in _stuck(record.time, motion, _stretches(motion)):
+        if inside[first] and inside[last]:
+            cause, cure = _standing(record, motion, first, last, "rad" if name in ANGLES else "m")
+            yield f"{name} of {record.path.name} may be wrong. {cause}. {cure}"
+            return
+
+
+def _told(value: float, unit: str, order: int = 0) -> str:
+    """A motion, or its rate of an order, in degrees where it is an angle."""
+    value = math.degrees(value) if unit == "rad" else float(value)
+    return f"{round(value, 9) + 0.0:.4g} {'deg' if unit == 'rad' else unit}{('', '/s', '/s^2')[order]}"
+
+
+def _fine(acceleration: np.ndarray, usual: float, unit: str) -> bool:
+    """Whether accelerations are of the last digit, or of as little noise, of rows that come so often: no rope feels it.
+
+    From row to row they go up and down then, unlike those of a motion. Readings that go up and down by e around a
+    motion give a natural spline a second derivative of 12 e / h^2.
+    """
+    turns = np.mean(np.sign(acceleration[1:]) * np.sign(acceleration[:-1]) < 0.0)
+    return bool(turns > 0.5 and float(np.abs(acceleration).max()) * usual**2 / 12.0 <= FINE[unit])
+
+
+def _fault(
+    record: Record,
+    motion: np.ndarray,
+    row: int,
+    usual: float,
+    most: float,
+    unit: str,
+    share: float,
+) -> _Fault:
+    """The likely cause of too large an acceleration at a row."""
+    lines, intervals, steps = record.lines, np.diff(record.time), np.abs(np.diff(motion))
+    first, last = max(row - NEAR, 0), min(row + NEAR, intervals.size)
+    close = first + int(intervals[first:last].argmin())
+    if intervals[close] < CLOSE * usual:
+        return _Fault(
+            f"Lines {lines[close]} and {lines[close + 1]} are only {intervals[close]:.3g} s apart, "
+            f"and rows are {usual:.6g} s apart else",
+            "Delete one of the two rows",
+        )
+    stretches = _stretches(motion)
+    begin, stop = stretches.T
+    standing = (stop - begin >= STILL // 2) & (begin - NEAR <= row) & (row <= stop + NEAR)
+    if share < OFTEN and standing.any():
+        first, last = stretches[int(standing.argmax())].tolist()
+        return _standing(record, motion, first, last, unit)
+    step = _digit(motion)
+    if step > STEPPED * most * usual**2 and np.allclose(steps / step, np.round(steps / step), rtol=0.0, atol=0.01):
+        return _Fault(
+            f"Its readings go in steps of {_told(step, unit)}",
+            "Export it with more digits, or smooth it before the run",
+        )
+    if share > OFTEN and np.mean(steps == 0.0) > HELD:
+        return _Fault(
+            f"It changes once in {steps.size / np.count_nonzero(steps):.3g} rows only: its sensor is slower",
+            "Keep only the rows in which it changes, or smooth it before the run",
+        )
+    jump = first + int(steps[first:last].argmax())
+    if share > OFTEN or steps[jump] < OUTSTANDING * float(np.quantile(steps, 0.98)):
+        return _Fault(
+            "No single row stands out. That is noise, or a wrong unit, or an extreme sea",
+            "Check the unit of the time and of the column, and smooth a record with noise before the run",
+        )
+    return _Fault(
+        f"It jumps from {_told(motion[jump], unit)} to {_told(motion[jump + 1], unit)} between lines {lines[jump]} and "
+        f"{lines[jump + 1]}",
+        "Correct the rows, delete one that is wrong, or run a part of the record without it",
+    )
+
+
+def _standing(record: Record, motion: np.ndarray, first: int, last: int, unit: str) -> _Fault:
+    """A reading that stays the same from a row to another."""
+    time, lines = record.time, record.lines
+    return _Fault(
+        f"It stands still at {_told(motion[first], unit)} from line {lines[first]} to line {lines[last]}, for "
+        f"{time[last] - time[first]:.6g} s. The sensor may have been stuck",
+        "Fill that stretch in from another sensor, or run a part of the record without it",
+    )
+
+
+def _stretches(motion: np.ndarray) -> np.ndarray:
+    """First and last row (n, 2) of each longest stretch of rows that are all the same; single rows among them."""
+    edges = np.flatnonzero(np.diff(motion)) + 1
+    return np.column_stack((np.append(0, edges), np.append(edges, motion.size) - 1))
+
+
+def _stuck(time: np.ndarray, motion: np.ndarray, stretches: np.ndarray) -> Iterator[tuple[int, int]]:
+    """First and last row of stretches in which a motion as it is else goes through very many of its last digits.
+
+    A vessel that lies still at zero before and behind a motion is none.
+    """
+    first, last = stretches[:, 0], stretches[:, 1]
+    lasts = time[last] - time[first]
+    rate = float(np.abs(np.diff(motion)).sum() / np.ptp(time))
+    long = (last - first >= STILL) & (lasts >= STILL_FOR) & (rate * lasts > DIGITS * _digit(motion))
+    for begin, stop in stretches[long].tolist():
+        if motion[begin] != 0.0 or (begin > 0 and stop < motion.size - 1):
+            yield begin, stop
+
+
+def _digit(motion: np.ndarray) -> float:
+    """The least difference of two readings: of a long record its last digit, 0 of one that does not move."""
+    between = np.diff(np.unique(motion))
+    return float(between[between > 1e-9 * np.ptp(motion)].min(initial=np.inf)) if between.size else 0.0
+
+
+def _travel(record: Record, name: str, motion: np.ndarray, ramp: float) -> Iterator[str]:
+    """A mean that a ramp takes the vessel to as if it were motion."""
+    unit = "rad" if name in ANGLES else "m"
+    mean = float(motion.mean())
+    if ramp > 0.0 and abs(mean) > max(TRAVEL[unit], float(np.abs(motion - mean).max())):
+        yield (
+            f"{name} of {record.path.name} has a mean of {_told(mean, unit)}, more than it goes to either side of it. "
+            f"With `ramp` the vessel travels all of that within the first {ramp:.6g} s. Take the mean off the column "
+            "in the file: motions are counted from where the vessel is drawn"
+        )
