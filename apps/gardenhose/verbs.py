@@ -134,6 +134,8 @@ def flutter(
 def parse_speeds(text: str) -> list[float]:
     """Speeds of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``: bare numbers in m/s, or with units; m/s.
 
+    They go one way, upwards where they were typed as neither rising nor falling: a shape is sought from the one before.
+
     Raises
     ------
     SceneError
@@ -165,7 +167,8 @@ def parse_speeds(text: str) -> list[float]:
     if bare and any(isinstance(one, str) for one in given):
         raise refuse(f"has units, and {bare[0]:g} has none", f"give each its unit; {example}")
     if ":" not in text:
-        return numbers
+        rising = sorted(numbers)
+        return numbers if numbers == rising[::-1] else rising
     three_of(text, "--speed", example)
     first, last, step = numbers
     if step == 0.0 or (last - first) * step < 0.0:

@@ -1,9 +1,11 @@
 """The verb ``export``: what it writes where, and what it refuses."""
 
 import json
+import re
 
 import numpy as np
 import pytest
+from cli.in_process import commands_of
 from physics.cables.rope_text import PINNED, chain, scene
 from view.made_up import moved
 
@@ -37,6 +39,13 @@ def test_both_are_written_beside_each_other_and_listed_in_json(span, capsys):
     assert told["status"] == "done"
     assert set(told["files"]) == files_of(span.parent) - {"span.1.nc"}
     assert {"span.1.pvd", "span.1.csv", "span.1_position.csv", "span.1/cable_0002.vtp"} <= set(told["files"])
+
+
+def test_help_says_that_a_name_that_is_no_folder_begins_the_names_of_files(capsys):
+    run = commands_of(Cable(), capsys)
+    words = " ".join(re.sub("[│╭╰─]", " ", run("export", "--help")[1]).split())
+    assert "FOLDER_OR_STEM" in words and "FILE_OR_FOLDER" not in words
+    assert "FILE_OR_FOLDER" in run("plot", "--help")[1]
 
 
 @pytest.mark.parametrize("name", ["out/mine", "out/mine.pvd", "out/mine.csv"])

@@ -63,6 +63,12 @@ def test_static_prints_a_table_and_takes_speeds_one_by_one(gardenhose):
     assert not Path("hose_static.png").exists()
 
 
+@pytest.mark.parametrize(("typed", "speeds"), [("9,0,3", [0, 3, 9]), ("9,3,0", [9, 3, 0]), ("9:0:-3", [9, 6, 3, 0])])
+def test_static_goes_one_way_through_speeds_in_any_order(typed, speeds, gardenhose):
+    code, out, _ = gardenhose("static", "hose.yaml", "--speed", typed, "--json")
+    assert (code, only_object(out)["speed"]) == (0, speeds)
+
+
 def test_static_and_flutter_say_their_units_and_take_those_of_the_scene_and_of_speeds(gardenhose):
     code, _, err = gardenhose("static", "hose.yaml", "--speed", "9")
     assert code == 0 and all(f"{head} [m]" in err for head in ("tip x", "tip y", "tip z")) and "flow [m/s]" in err

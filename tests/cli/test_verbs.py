@@ -220,6 +220,21 @@ def test_plot_takes_a_folder_or_a_file_and_chooses_the_format_by_its_name(folder
         assert fake_here("plot", "good.nc", *arguments).returncode == 2
 
 
+@pytest.mark.parametrize(
+    ("place", "message"),
+    [
+        ("good.nc/x", "good.nc/x: good.nc is a file, not a folder"),
+        ("nowhere/x", "there is no folder nowhere; make it, mkdir -p nowhere"),
+        ("/proc/x", "/proc/x: cannot be made"),
+    ],
+)
+def test_plot_says_why_a_folder_cannot_be_made(folder, fake_here, place, message):
+    fake_here("simulate", "good.yaml", "--quiet")
+    done = fake_here("plot", "good.nc", "-o", place)
+    assert done.returncode == 2 and message in " ".join(done.stderr.split())
+    assert "there is no folder /proc" not in done.stderr
+
+
 def test_new_writes_a_starter_scene_and_overwrites_only_when_forced(folder, fake_here):
     assert fake_here("new").returncode == 0
     assert Path("pendulum.yaml").read_text().startswith("# A pendulum.")

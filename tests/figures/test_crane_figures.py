@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from figures.pages import check, leave_out_pixels
-from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
+from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result, scene
 from of_the_suite import studies
 
 from crane.geometry.drawing import outline
@@ -110,6 +110,36 @@ def test_the_breaking_load_is_drawn_where_it_is_near():
     near = one_fall(rope={"breaking_load": "60 kN"})
     assert lines(draw([result(near)], ["tension"])["tension"].axes[0])["breaking load"][1][0] == 60.0
     assert "breaking load" not in lines(draw([result(one_fall())], ["tension"])["tension"].axes[0])
+
+
+def of_rope(breaking_load, title, **kind):
+    return result(scene(rope={"breaking_load": breaking_load}, title=title), **kind)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_breaking_loads_of_several_results_are_each_its_own_in_any_order(order):
+    runs = [of_rope("400 kN", "strong"), of_rope("60 kN", "weak"), of_rope("70 kN", "worn")][::order]
+    (plot,) = draw(runs, ["tension"])["tension"].axes
+    drawn = {name: line for name, line in lines(plot).items() if "breaking load" in name}
+    assert {name: line[1][0] for name, line in drawn.items()} == {
+        "weak, breaking load": 60.0, "worn, breaking load": 70.0,
+    }  # fmt: skip
+    inks = {line.get_label(): line.get_color() for line in plot.get_lines()}
+    assert all(inks[f"{name}, breaking load"] == inks[f"{name}, winch"] for name in ("weak", "worn"))
+
+
+def test_a_breaking_load_that_several_results_share_is_one_line_with_their_names():
+    runs = [of_rope("60 kN", "one"), of_rope("60 kN", "other")]
+    shared = {name for name in lines(draw(runs, ["tension"])["tension"].axes[0]) if "breaking" in name}
+    assert shared == {"breaking load"}
+    runs.append(of_rope("70 kN", "third"))
+    named = {name for name in lines(draw(runs, ["tension"])["tension"].axes[0]) if "breaking" in name}
+    assert named == {"one, other, breaking load", "third, breaking load"}
+
+
+def test_slack_of_another_than_the_first_result_is_named():
+    (plot,) = draw([of_rope("60 kN", "taut"), of_rope("60 kN", "loose", slack=True)], ["tension"])["tension"].axes
+    assert [patch.get_label() for patch in plot.patches] == ["slack"]
 
 
 def test_slack_and_slip_are_shaded():

@@ -1,6 +1,7 @@
 """Figures of a drill string come out whole for every kind of result."""
 
 import json
+import resource
 import subprocess
 import sys
 import warnings
@@ -13,7 +14,7 @@ from figures.synthetic_string import result
 from of_the_suite import studies
 
 from drillstring.view.figures import FIGURES, draw, figures
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, WriteError
 from tautline.view.figures.figure import LONGEST_NAME, axes, flatten_rounding, label, save, scale, shortened
 from tautline.view.figures.spectrum import full_spectra
 
@@ -356,3 +357,24 @@ def test_what_is_on_the_wall_is_told_from_what_is_off_it_and_stands_before_it(bo
     on, off = dots["on"], dots["off"]
     assert on.get_markeredgecolor() != off.get_markeredgecolor() and on.get_zorder() > off.get_zorder()
     assert (on.get_markersize() < 5) == (bodies == 200)
+
+
+def test_a_figure_on_a_full_disk_is_a_failed_writing_as_a_table_is_and_leaves_the_earlier_one(tmp_path):
+    """A limit on the size of files stands in for the disk."""
+    (tmp_path / "a.svg").write_text("earlier")
+    figure, _ = axes(1, 1, 3.0, 3.0, "full")
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limit[1]))
+    try:
+        with pytest.raises(WriteError, match="cannot be written: File too large; name another with -o, or make room"):
+            save(figure, tmp_path / "a.svg")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("a.svg", "earlier")]
+
+
+def test_a_figure_in_a_folder_that_is_not_there_is_bad_input(tmp_path):
+    figure, _ = axes(1, 1, 3.0, 3.0, "nowhere")
+    with pytest.raises(ResultError, match="cannot be written") as refused:
+        save(figure, tmp_path / "none" / "a.svg")
+    assert not isinstance(refused.value, WriteError)

@@ -193,6 +193,33 @@ def test_results_of_other_lengths_steps_and_of_one_frame_have_a_line_each_in_one
     assert [text for text in curves(plot) if not text.startswith("_")] == ["a", "b", "c"]
 
 
+@pytest.mark.parametrize(
+    ("what", "vs", "axis"),
+    [
+        ("body_velocity", None, "y"),
+        ("body_velocity:payload:x", None, "y"),
+        ("body_velocity:payload:x", "body_velocity:payload:z", "y"),
+        ("body_velocity:payload:z", "body_velocity:payload:x", "x"),
+        ("velocity", "material_coordinate", "y"),
+    ],
+)
+def test_a_direction_in_which_nothing_moves_but_for_rounding_is_drawn_as_zero(what, vs, axis):
+    run = crane(ONE, frames=40, sway=0.0)
+    for name in ("body_velocity", "velocity"):
+        moving = run[name].copy()
+        moving[..., 2] = 1.3
+        moving[..., 0] = 3.6e-14 * np.sin(np.arange(moving[..., 0].size)).reshape(moving[..., 0].shape)
+        run._contents[1][name] = moving
+    plot = only(draw_crane([run], [what], vs)).axes[0]
+    assert getattr(plot, f"get_{axis}lim")() == pytest.approx((-0.13, 0.13))
+
+
+def test_a_small_motion_that_is_no_rounding_beside_the_other_directions_keeps_its_axis():
+    run = crane(ONE, frames=40, sway=1.0e-6)
+    (x, *_) = only(draw_crane([run], ["body_velocity"])).axes
+    assert max(np.abs(x.get_ylim())) < 2.0e-6
+
+
 def test_what_is_level_but_for_rounding_is_drawn_level(well):
     well._contents[1]["bit_speed"][:] = 3.0
     well._contents[1]["bit_speed"][::2] += 1e-13

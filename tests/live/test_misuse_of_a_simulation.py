@@ -150,3 +150,44 @@ def test_true_and_false_are_no_value_of_an_input(value):
 def test_values_that_have_no_names_are_refused(what, given):
     with pytest.raises(tautline.ArgumentTypeError, match=f"{what} = .* is no mapping; give values by name"):
         tautline.Simulation(HOIST, **{what: given})
+
+
+TEXTS = ["0.1", b"0.1", np.array("0.1"), np.array(True)]
+
+
+@pytest.mark.parametrize("value", [*TEXTS, ("0.1", 0.0), np.array(["0.1"]), [[0.1], 0.0]])
+def test_a_text_is_no_number_to_an_input_as_it_is_no_time(sim, value):
+    before = sim.inputs["winch.pay_out_speed"]
+    with pytest.raises(SimulationError, match=r"winch.pay_out_speed = .* is neither a finite number"):
+        sim.inputs["winch.pay_out_speed"] = value
+    assert sim.inputs["winch.pay_out_speed"] == before
+
+
+@pytest.mark.parametrize("value", TEXTS)
+def test_a_text_is_no_number_to_a_parameter_as_it_is_no_time(sim, value):
+    with pytest.raises(SimulationError, match=r"payload.mass = .* is no number; give one in SI"):
+        sim.parameters["payload.mass"] = value
+    with pytest.raises(SimulationError, match="is no time"):
+        sim.advance(value)
+    assert sim.parameters["payload.mass"] == 5000.0
+
+
+def test_an_array_without_a_dimension_is_the_number_in_it_to_all_that_take_numbers(sim):
+    one = sim.copy()
+    one.inputs["winch.pay_out_speed"] = np.array(0.1)
+    one.parameters["payload.mass"] = np.array(5100.0)
+    one.advance(np.array(0.1))
+    assert one.inputs["winch.pay_out_speed"] == pytest.approx(0.1) and one.parameters["payload.mass"] == 5100.0
+    assert one.time == pytest.approx(0.3)
+
+
+def test_a_vector_of_inputs_is_read_as_it_is_written():
+    sim = tautline.Simulation(HOIST, inputs=["payload.force"], keep=False)
+    assert "payload.force" in sim.inputs and list(sim.inputs["payload.force"]) == [0.0, 0.0, 0.0]
+    sim.inputs["payload.force"] = [(10.0, 1.0), 20.0, 30.0]
+    assert list(sim.inputs["payload.force"]) == [10.0, 20.0, 30.0]
+    assert [sim.inputs[f"payload.force[{k}]"] for k in range(3)] == [10.0, 20.0, 30.0]
+    sim.advance(0.1)
+    assert sim.inputs["payload.force"] == pytest.approx([10.0, 20.0, 30.0])
+    with pytest.raises(SimulationError, match="is no vector; give 3 numbers"):
+        sim.inputs["payload.force"] = np.array(1.0)

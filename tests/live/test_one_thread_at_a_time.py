@@ -1,8 +1,11 @@
 """Any thread reads a simulation; what two made of it that changed it were positions of neither."""
 
 import copy
+import os
+import signal
 import sys
 import threading
+import time as clock
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -12,7 +15,8 @@ import pytest
 import tautline
 from tautline.live import turn
 
-HOIST = Path(__file__).parents[2] / "data" / "hoist.yaml"
+DATA = Path(__file__).parents[2] / "data"
+HOIST = DATA / "hoist.yaml"
 ACTS = {
     "advance": lambda sim: sim.advance(0.05),
     "advance to": lambda sim: sim.advance_to(9.0),
@@ -219,3 +223,30 @@ def test_threads_that_advance_one_simulation_after_one_another_make_no_differenc
         thread.start()
         thread.join()
     assert np.array_equal(sim.result["position"][-1], whole.result["position"][-1])
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_ctrl_c_leaves_all_simulations_of_a_rollout_between_two_steps_and_is_told_as_of_one(own):
+    def raises(number, frame):
+        raise KeyboardInterrupt
+
+    scene = tautline.read(HOIST).replace({"solver.step": "10 us"})
+    sims = [tautline.Simulation(scene, keep=1.0) for _ in range(3)]
+    other = sims[0].copy()
+    before = signal.signal(signal.SIGINT, raises) if own else signal.getsignal(signal.SIGINT)
+    timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        with pytest.raises(tautline.Interrupted) as stop:
+            tautline.rollout(sims, until=8.0, workers=2)
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
+    times = [sim.time for sim in sims]
+    # Two threads for three: the last was not begun, or not long ago.
+    assert max(times) > 0.0 and max(times) < 8.0 and stop.value.time in times
+    assert stop.value.result["time"][-1] <= stop.value.time
+    clock.sleep(0.3)
+    assert [sim.time for sim in sims] == times
+    tautline.rollout([*sims, other], until=max(times) + 0.02)
+    assert all(np.abs(sim["payload.position"] - other["payload.position"]).max() < 1e-6 for sim in sims)

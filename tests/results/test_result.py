@@ -320,6 +320,7 @@ def test_what_is_no_result_is_refused_with_its_cause(tmp_path, make, message):
         (".", "is a folder"),
         ("scene.yaml", "is not a result"),
         ("scene.yaml/a.nc", "is a file, not a folder"),
+        ("scene.yaml/b/a.nc", r"scene\.yaml is a file, not a folder"),
         ("a" * 300 + ".nc", "cannot be written"),
         ("a\0.nc", "cannot be written"),
     ],

@@ -72,5 +72,5 @@ def test_the_table_of_allowable_heights_and_the_figure_have_the_least_ends(tmp_p
         row = list(csv.reader(file))[-1]
     assert row[0] == ALL and [float(cell) for cell in row[3:6]] == [2.0, 1.2, 2.1]
     assert row[-1] == "max_tension < 60 kN"
-    draw(found, criteria, "", "P90", tmp_path)
+    draw(found, criteria, "", ["P90", "P90"], tmp_path)
     assert drawn[ALL][0, 0] == of_all(found)[0, 0]

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from crane.operability.allowable import ABOVE, BELOW, UNKNOWN, Allowable, Table
-from crane.operability.output import _figure
+from crane.operability.allowable import ABOVE, BELOW, UNKNOWN, Allowable, Table, fitted
+from crane.operability.criteria import AT_LEAST, AT_MOST, Criterion
+from crane.operability.output import _figure, draw
+from crane.verbs.operability import _compared_said, _rows
 
 NONE = Allowable(0.0, 0.0, 0.0, BELOW, BELOW, BELOW)
 NOT_KNOWN = Allowable(math.nan, math.nan, math.nan, UNKNOWN)
@@ -69,3 +72,38 @@ def test_the_steepest_waves_are_named_where_they_are_in_view_alone():
     assert "steepest waves" not in legend and plot.get_ylim()[1] < 6.0
     plot, _, legend = drawn(*[ALL] * 4, heights=(1.0, 8.0))
     assert "steepest waves" in legend and plot.get_ylim()[1] > 6.7
+
+
+LARGEST = Criterion("max_tension < 60 kN", "max_tension", AT_MOST, 6.0e4, "N", False)
+SMALLEST = Criterion("min_tension > 46 kN", "min_tension", AT_LEAST, 4.6e4, "N", False)
+ASKED = SimpleNamespace(compared="percentile", share=0.9, duration=10800.0)
+
+
+@pytest.mark.parametrize(
+    ("asked", "largest", "smallest"),
+    [
+        (ASKED, "P90 of the largest in 3 h", "P10 of the smallest in 3 h"),
+        (SimpleNamespace(compared="most_probable"), "most probable largest", "most probable smallest"),
+    ],
+)
+def test_figures_and_table_call_the_smallest_of_a_storm_the_smallest(asked, largest, smallest, tmp_path, monkeypatch):
+    titles = []
+    monkeypatch.setattr("crane.operability.output.save", lambda made, path: titles.append(made.axes[0]) or path)
+    cells = np.full((2, 1, 1), None, object)
+    cells[:] = [[[SOME]], [[SOME]]]
+    empty = np.array([])
+    table = Table(np.array([0.5, 1.0, 3.0]), np.array([8.0]), [None], empty, empty, empty, {}, cells)
+    criteria = [LARGEST, SMALLEST]
+    draw(table, criteria, "", [_compared_said(asked, one) for one in criteria], tmp_path)
+    said = [plot.get_title(loc="left").split(";")[0] for plot in titles]
+    assert said == [largest, smallest, f"{largest}, {smallest}"]
+    outcome = SimpleNamespace(done=4, wall_time=1.0)
+    found = SimpleNamespace(criteria=criteria[1:], table=None, fatigue=None, outcome=outcome)
+    assert dict(_rows(found, asked))["compared with limits"] == smallest
+
+
+def test_what_is_compared_with_a_limit_on_the_smallest_is_its_tenth_percentile():
+    # Of so many storms the fit is sharp; the quantile of the sample knows nothing of it.
+    storms = 5.0e4 - 1.0e3 * np.random.default_rng(5).gumbel(size=20000)
+    compared = fitted(storms, SMALLEST, 1.0, 0.9, 0.9)["percentile"]
+    assert compared == pytest.approx(np.quantile(storms, 0.1), abs=100.0) and np.quantile(storms, 0.9) > compared + 2e3

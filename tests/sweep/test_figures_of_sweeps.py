@@ -11,7 +11,7 @@ from sweep.short_hoist import MASS, write_sweep
 from crane.application import Crane
 from tautline.results.tables.finding import Finding
 from tautline.sweeps.cases import Row
-from tautline.sweeps.figures import _lines, _map, _scatter, _tornado, not_drawn
+from tautline.sweeps.figures import _band, _lines, _map, _scatter, _tornado, not_drawn
 from tautline.sweeps.plans import GRID, LATIN, ONE, Parameter, Plan, cases_of
 from tautline.sweeps.table import dataset
 
@@ -227,3 +227,18 @@ def test_a_logarithmic_map_of_values_close_to_one_another_reaches_half_a_cell_be
     data, cases = made([number("stiffness", 1.0, 2.0, 4.0, 8.0, 16.0), number("mass", 1, 2)], Plan(GRID), float)
     plot, _ = laid_out(_map(data, cases, "tension")).axes
     assert plot.get_xscale() == "log" and plot.get_xlim() == pytest.approx((0.5**0.5, 16.0 * 2**0.5))
+
+
+@pytest.mark.parametrize("along", ["depth", "speed"])
+def test_a_band_over_places_in_any_order_goes_one_way(along):
+    asked, cases = [2400.0, 500.0, 2500.0, 2300.0], cases_of([number("friction", 1, 2, 3)], Plan(LATIN, samples=3))
+    rows = [
+        Row(k, "done", values={"load": [k + 0.1 * place for place in asked], along: asked}) for k in range(len(cases))
+    ]
+    columns = {"load": Finding(None, "N", "load", along), along: Finding(None, "m", along, along)}
+    figure = _band(dataset(cases, columns, rows, {"units": "si"}), "load_percentiles")
+    (line,) = figure.axes[0].get_lines()
+    loads, places = (line.get_xdata(), line.get_ydata()) if along == "depth" else (line.get_ydata(), line.get_xdata())
+    assert np.all(np.diff(places) > 0.0)
+    # The middle of three cases: each load stays with its place, but for the thousands of the axes.
+    assert loads / loads[0] == pytest.approx((1.0 + 0.1 * np.sort(asked)) / 51.0)

@@ -161,11 +161,19 @@ def test_a_name_that_no_run_finds_is_refused_before_the_first_run_though_no_case
         tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["max_tensoin"], jobs=1)
 
 
-def test_a_folder_that_cannot_be_made_is_an_error_that_names_it_and_no_fault_of_the_program():
-    from tautline.results.errors import WriteError
+@pytest.mark.parametrize(
+    ("folder", "message"),
+    [("/proc/none", "/proc/none: cannot be made"), ("mine/x", "mine is a file, not a folder"), ("no/x", "mkdir -p no")],
+)
+def test_a_folder_that_cannot_be_made_is_bad_input_that_names_it(folder, message, tmp_path, monkeypatch):
+    from tautline.results.errors import ResultError, WriteError
 
-    with pytest.raises(WriteError, match="/proc/none"):
-        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=1, folder="/proc/none")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine").write_text("kept")
+    with pytest.raises(ResultError, match=message) as refused:
+        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=1, folder=folder)
+    assert not isinstance(refused.value, WriteError)
+    assert [file.name for file in tmp_path.iterdir()] == ["mine"]
 
 
 def test_how_long_the_values_of_a_large_grid_are_tried_is_said(monkeypatch):

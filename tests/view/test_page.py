@@ -324,7 +324,7 @@ def test_what_cannot_be_shown_is_refused_with_a_cure(tmp_path):
         write_page(bent_rope(), tmp_path / "no.html", colour="heat")
     with pytest.raises(ResultError, match="--radius: -1 is no factor on a thickness; give a number above 0"):
         write_page(bent_rope(), tmp_path / "no.html", radius=-1.0)
-    with pytest.raises(ResultError, match=r"missing.no\.html: it cannot be written"):
+    with pytest.raises(ResultError, match=r"missing.no\.html: cannot be written"):
         write_page(bent_rope(), tmp_path / "missing" / "no.html")
     assert not list(tmp_path.iterdir())
 

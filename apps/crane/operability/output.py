@@ -139,20 +139,22 @@ def _place(table: Table, heading: int, period: int) -> list[float]:
     return [math.nan if angle is None else math.degrees(angle), float(table.periods[period])]
 
 
-def draw(table: Table, criteria: Sequence[Criterion], title: str, compared: str, folder: Path) -> list[Path]:
+def draw(table: Table, criteria: Sequence[Criterion], title: str, compared: Sequence[str], folder: Path) -> list[Path]:
     """Draw allowable significant height against peak period, a curve for each heading.
 
-    A figure for each limit, and of several limits one of the smallest of all.
+    A figure for each limit, and of several limits one of the smallest of all. `compared` are the words for what is
+    compared with each limit.
     """
     made: list[Path] = []
-    for k, one in enumerate(criteria):
+    for k, (one, said) in enumerate(zip(criteria, compared, strict=True)):
         name = re.sub(r"[^A-Za-z0-9]+", "_", one.text).strip("_")
         if folder / f"{NAMED}{name}.png" in made:
             # Limits that differ in their signs only.
             name = f"{name}_{k + 1}"
-        made.append(save(_figure(table, table.allowable[k], one.text, title, compared), folder / f"{NAMED}{name}.png"))
+        made.append(save(_figure(table, table.allowable[k], one.text, title, said), folder / f"{NAMED}{name}.png"))
     if len(table.allowable) > 1:
-        made.append(save(_figure(table, of_all(table), ALL, title, compared), folder / f"{NAMED}all_limits.png"))
+        said = ", ".join(dict.fromkeys(compared))
+        made.append(save(_figure(table, of_all(table), ALL, title, said), folder / f"{NAMED}all_limits.png"))
     return made
 
 

@@ -13,6 +13,7 @@ from crane.verbs.operability_options import OperabilityOptions, read_options
 from tautline.cli.verbs import Changes, GoOn, Json, Quiet, Scene, Scheduler, Workers
 
 if TYPE_CHECKING:
+    from crane.operability.criteria import Criterion
     from crane.operability.storms import Asked, Found
     from tautline.scene.errors import SceneWarning
 
@@ -50,9 +51,10 @@ LimitList = Annotated[
 Percentile = Annotated[
     str,
     typer.Option(
-        "--percentile", metavar="P", help="What is compared with limits: P90 of the largest, or most-probable."
+        "--percentile", metavar="P",
+        help="What is compared with limits: P90 of the largest (P10 of the smallest), or most-probable.",
     ),
-]
+]  # fmt: skip
 Confidence = Annotated[str, typer.Option("--confidence", help="Of the intervals.")]
 ScatterFile = Annotated[
     Path | None, typer.Option("--scatter", metavar="FILE.csv", help="Occurrences of Hs and Tp: fatigue over them.")
@@ -165,7 +167,8 @@ def _report(
             "percentile": asked.share, "confidence": asked.confidence, "compared": asked.compared,
         }  # fmt: skip
         written = write_all(table, found.criteria, attributes, folder, found.fatigue)
-        figures = draw(table, found.criteria, read.title or "", _compared_said(asked), folder)
+        said = [_compared_said(asked, one) for one in found.criteria]
+        figures = draw(table, found.criteria, read.title or "", said, folder)
         # A run before, gone on with for other limits, has figures whose rows the tables no longer have.
         list_figures(folder, figures)
         if not quiet:
@@ -201,10 +204,14 @@ def _report(
         raise Ended(ExitCode.STOPPED_EARLY)
 
 
-def _compared_said(asked: Asked) -> str:
+def _compared_said(asked: Asked, limit: Criterion) -> str:
+    """What is compared with a limit. What the smallest stays above with 90 % probability is its P10."""
+    largest = limit.way > 0.0
     if asked.compared == "most_probable":
-        return "most probable largest"
-    return f"P{100.0 * asked.share:g} of the largest in {_lasting(asked.duration)}"
+        return f"most probable {'largest' if largest else 'smallest'}"
+    if largest:
+        return f"P{100.0 * asked.share:g} of the largest in {_lasting(asked.duration)}"
+    return f"P{100.0 - 100.0 * asked.share:.12g} of the smallest in {_lasting(asked.duration)}"
 
 
 def _lasting(duration: float) -> str:
@@ -302,5 +309,7 @@ def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
         ]
         if one_year.life is not None:
             rows.append(("fatigue life", f"{significant(one_year.life)} years"))
-    rows += [("compared with limits", _compared_said(asked)), ("storms", str(found.outcome.done))]
+    if said := dict.fromkeys(_compared_said(asked, one) for one in found.criteria):
+        rows.append(("compared with limits", ", ".join(said)))
+    rows.append(("storms", str(found.outcome.done)))
     return [*rows, ("wall time", quantity(found.outcome.wall_time, "s"))]

@@ -134,15 +134,29 @@ def tension(runs: Sequence[_Run]) -> Figure:
     plot = plots[0, 0]
     for number, (run, values) in enumerate(zip(runs, every, strict=True)):
         _tensions(plot, run, values / factor, None if len(runs) == 1 else colour(number, len(runs)))
-        breaking = run.scene.rope.breaking_load if run.scene is not None else None
-        if number == 0 and breaking is not None and breaking < CLOSE * float(values.max()):
-            plot.axhline(breaking / factor, color="black", lw=1.4, label="breaking load")
-        if values.size:
-            shade(plot, run.time, np.any(values <= 0.0, axis=1), text="slack" if number == 0 else "")
+    _breaking_loads(plot, runs, every, factor)
+    slack = [np.any(values <= 0.0, axis=1) for values in every]
+    for number, (run, flags) in enumerate(zip(runs, slack, strict=True)):
+        named = flags.any() and not any(before.any() for before in slack[:number])
+        shade(plot, run.time, flags, text="slack" if named else "")
     widen(plot, np.concatenate([values.ravel() for values in every]) / factor, 1.0 / factor)
     plot.set_ylabel(label("tension; dashed: at the first frame" if len(runs) == 1 else "tension", unit))
     legend_above(plot)
     return _over_time(figure, plots, runs)
+
+
+def _breaking_loads(plot: Axes, runs: Sequence[_Run], every: Sequence[np.ndarray], factor: float) -> None:
+    """Draw each breaking load, N, that is near the tensions of a rope that has it; named where ropes differ in it."""
+    loads = [None if run.scene is None else run.scene.rope.breaking_load for run in runs]
+    for load in dict.fromkeys(loads):
+        those = [number for number, own in enumerate(loads) if own == load]
+        if load is None or not any(load < CLOSE * float(every[number].max(initial=0.0)) for number in those):
+            continue
+        ink, words = "black", "breaking load"
+        if len(those) < len(runs):
+            ink = colour(those[0], len(runs))
+            words = f"{', '.join(runs[number].name for number in those)}, {words}"
+        plot.axhline(load / factor, color=ink, lw=1.4, label=words)
 
 
 def _tensions(plot: Axes, run: _Run, values: np.ndarray, ink: Any) -> None:

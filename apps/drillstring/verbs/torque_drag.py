@@ -195,7 +195,13 @@ def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | 
 
 
 def parse_depths(text: str) -> list[float]:
-    """Depths of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``, m or with units; raises SceneError with the cure."""
+    """Depths of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``, m or with units, increasing whatever their order.
+
+    Raises
+    ------
+    SceneError
+        With the cure, for what are no depths.
+    """
     from tautline.cli.options.lists import number, numbers, stepped, three_of
 
     refuse = partial(option_error, "--depth", text)
@@ -204,7 +210,8 @@ def parse_depths(text: str) -> list[float]:
         found = numbers(text, "--depth", "m")
         if len(found) > MOST_DEPTHS:
             raise refuse(f"makes {len(found)} depths, more than {MOST_DEPTHS}", "give fewer")
-        return found
+        # A line over depths as they were typed would double back.
+        return sorted(found)
     parts = three_of(text, "--depth", "write 500:3500:250, or 500,1000,2000")
     first, last, step = (number(part, "--depth", "m") for part in parts)
     if last < first:

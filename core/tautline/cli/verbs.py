@@ -63,6 +63,14 @@ FigurePlace = Annotated[
     Path | None,
     typer.Option("-o", "--output", metavar="FILE_OR_FOLDER", help="Where to. [dim]\\[default: the current folder][/]"),
 ]
+ExportPlace = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FOLDER_OR_STEM",
+        help="A folder that is there, or else the beginning of the names of the files. "
+        "[dim]\\[default: the result's name][/]",
+    ),
+]  # fmt: skip
 Picture = Annotated[
     Path | None,
     typer.Option(
@@ -398,7 +406,7 @@ def render(
 def export(
     context: typer.Context,
     result: Stored,
-    output: FigurePlace = None,
+    output: ExportPlace = None,
     vtk: Vtk = False,
     csv: Csv = False,
     what: Variables = None,

@@ -47,10 +47,15 @@ def real(value: Any, what: str, cure: str) -> float:
     SimulationError
         For what is no number, or several. True and False are none: they are slips, not 1 and 0.
     """
-    if not isinstance(value, (str, bytes, bool, np.bool_)) and np.ndim(value) == 0:
+    if not isinstance(value, (str, bytes, bool, np.bool_)) and np.ndim(value) == 0 and _is_countable(value):
         with suppress(TypeError, ValueError):
             return float(value)
     raise SimulationError(f"{value!r} is no {what}", cure)
+
+
+def _is_countable(value: Any) -> bool:
+    """Whether a scalar is no text and no truth in numpy's disguise, ``np.array(True)``."""
+    return not isinstance(value, np.ndarray) or value.dtype.kind not in "bSU"
 
 
 def plain_numbers(array: np.ndarray) -> np.ndarray:

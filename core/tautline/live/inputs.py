@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
-from tautline.live.errors import SimulationError, Unpickled, unknown
+from tautline.live.errors import SimulationError, Unpickled, real, unknown
 from tautline.live.turn import Turn
 from tautline.system.handles import Input
 
@@ -57,7 +57,13 @@ class Inputs(Unpickled, Mapping[str, Any]):
         return len(self._inputs)
 
     def __contains__(self, name: object) -> bool:
-        return isinstance(name, str) and name in self._inputs
+        return isinstance(name, str) and (name in self._inputs or bool(self._vector(name)))
+
+    def _vector(self, name: object) -> list[str]:
+        """Names of the components of a vector, in their order; none of any other name."""
+        if not isinstance(name, str) or name in self._numbers:
+            return []
+        return [part for part in self._numbers if part.startswith(f"{name}[")]
 
     def _number(self, name: str) -> int:
         try:
@@ -66,17 +72,22 @@ class Inputs(Unpickled, Mapping[str, Any]):
             cure = "what the scene holds still has to be named in Simulation(..., inputs=[...])"
             raise unknown("input", name, self._inputs, cure) from None
 
-    def __getitem__(self, name: str) -> float:
-        """What the input is now, or is to be at the end of the next advance."""
-        k = self._number(name)
+    def __getitem__(self, name: str) -> Any:
+        """What the input is now, or is to be at the end of the next advance: a float; of a vector an array (n,)."""
+        parts = [self._number(part) for part in self._vector(name)]
+        k = -1 if parts else self._number(name)
         self._turn.read()
         try:
-            if self.memory[k, STATE] == GIVEN:
-                return float(self.memory[k, TARGET])
-            steering, function = self._list[k].members[0]
-            return self._now(function)[steering.order] / steering.factor
+            return np.array([self._read(part) for part in parts]) if parts else self._read(k)
         finally:
             self._turn.lock.release()
+
+    def _read(self, k: int) -> float:
+        """What an input is now, or is to be."""
+        if self.memory[k, STATE] == GIVEN:
+            return float(self.memory[k, TARGET])
+        steering, function = self._list[k].members[0]
+        return self._now(function)[steering.order] / steering.factor
 
     def _now(self, function: int) -> tuple[float, float, float]:
         return value_at(self._functions, function, self._clock())
@@ -99,7 +110,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
             self._turn.lock.release()
 
     def _give(self, name: str, value: Any) -> None:
-        if name not in self and f"{name}[0]" in self._numbers:
+        if self._vector(name):
             self._set_vector(name, value)
             return
         k = self._number(name)
@@ -150,12 +161,8 @@ class Inputs(Unpickled, Mapping[str, Any]):
             if type(value) is float:
                 given = (value,)
             else:
-                listed = value if isinstance(value, (tuple, list, np.ndarray)) else (value,)
-                # True and False are slips, not 1 and 0.
-                if any(isinstance(x, (bool, np.bool_)) for x in listed):
-                    raise TypeError
-                given = tuple(float(x) for x in listed)
-        except (TypeError, ValueError):
+                given = tuple(real(x, "number", "") for x in (value if _is_row(value) else (value,)))
+        except (SimulationError, ValueError):  # of lists of several lengths numpy knows no dimension
             given = ()
         if not 1 <= len(given) <= 3 or not np.isfinite(sum(given)):
             unit = self._list[k].steering.unit
@@ -182,7 +189,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
         parts = self.parts_of(name)
         if parts == [name]:
             return [(name, value)]
-        if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != len(parts):
+        if not _is_row(value) or len(value) != len(parts):
             raise SimulationError(f"{name} = {value!r} is no vector", f"give {len(parts)} numbers")
         return list(zip(parts, value, strict=True))
 
@@ -227,7 +234,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
 
     def parts_of(self, name: str) -> list[str]:
         """Names of the components of a vector, ``load.force``, or the name of a number; raises UnknownName."""
-        if name not in self and (parts := [part for part in self._numbers if part.startswith(f"{name}[")]):
+        if parts := self._vector(name):
             return parts
         self._number(name)
         return [name]
@@ -312,6 +319,11 @@ class Inputs(Unpickled, Mapping[str, Any]):
         piece = slice(first + int(tracks[0]), last + int(tracks[-1]) + 1)
         parts = [f.track_from, f.track_to, f.wave_to, f.breaks[first:last], f.origins[piece], f.coefficients[piece]]
         return [self.memory, *parts]
+
+
+def _is_row(value: Any) -> bool:
+    """Whether a value is several in a row."""
+    return isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim > 0)
 
 
 def _rivals_of(inputs: Sequence[Input]) -> list[list[int]]:

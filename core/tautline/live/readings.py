@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tautline.integrators.time_loop import frames_of, new_frames
-from tautline.live.errors import SimulationError, UnknownName, Unpickled, unknown
+from tautline.live.errors import SimulationError, UnknownName, Unpickled, real, unknown
 from tautline.live.turn import Turn
 from tautline.system.handles import Handles, Output, Parameter, output_named, outputs_of
 from tautline.system.model import Model
@@ -217,10 +217,9 @@ class Parameters(Unpickled, Mapping[str, Any]):
         parameter = self.handle(name)
         unit = parameter.unit or "no unit"
         try:
-            if isinstance(value, (bool, np.bool_)):
-                raise TypeError
-            given = float(value)
-        except (TypeError, ValueError):
+            # An array of one number stands for the number.
+            given = real(value.item() if isinstance(value, np.ndarray) and value.size == 1 else value, "number", "")
+        except SimulationError:
             raise SimulationError(f"{name} = {value!r} is no number", f"give one in SI ({unit})") from None
         low = given < parameter.least or (parameter.positive and given == parameter.least)
         if not np.isfinite(given) or low or given > parameter.most:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 
 from tautline.arguments import Wanted, check_given, is_list
+from tautline.integrators.status import Interrupted
+from tautline.interruption import Ear, listening
 from tautline.live.errors import SimulationError, seconds
 from tautline.live.simulation import Simulation
 
+LOOK = 0.1
+"""Wall time, s, after which Ctrl-C is heard where the system has told another thread of it."""
 SIMULATIONS = Wanted(
     "a list of simulations", lambda value: is_list(value) and all(isinstance(one, Simulation) for one in value)
 )
@@ -35,6 +39,9 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
         For a time that is no finite number or before those of all simulations, and a number of threads that is none.
     StoppedEarly
         That of the first simulation which failed; the others have come to their end.
+    Interrupted
+        On Ctrl-C: each simulation stands after the step that was under way, and may go on. It is that of the first
+        simulation which has not come to its end.
     """
     if isinstance(simulations, Iterator):
         simulations = list(simulations)
@@ -50,7 +57,32 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
         raise SimulationError(
             f"cannot advance to {until:g} s from {first:g} s", "give a later time; restore() goes back"
         )
+    with listening(patient=True) as ear:
+        _advance(different, until, workers, ear)
+
+
+def _advance(simulations: Sequence[Simulation], until: float, workers: int | None, ear: Ear) -> None:
+    """Advance simulations on threads, which hear of Ctrl-C by the ear of this one."""
+
+    def go_on(one: Simulation) -> None:
+        if ear.heard:
+            raise Interrupted(one.time)
+        one.advance_heard(until, ear)
+
+    done: list[Future[None]] = []
     with ThreadPoolExecutor(workers) as pool:
-        done = [pool.submit(one.advance_to, until) for one in different if one.time < until]
-    for one in done:
-        one.result()
+        try:
+            for one in simulations:
+                if one.time < until:
+                    done.append(pool.submit(go_on, one))
+            while wait(done, LOOK).not_done:
+                pass
+        except KeyboardInterrupt:
+            # Raised by a handler that is not ours. Threads that went on would change simulations unseen.
+            ear.heard = True
+    errors = [error for one in done if (error := one.exception()) is not None]
+    if ear.heard:
+        interrupted = (error for error in errors if isinstance(error, Interrupted))
+        raise next(interrupted, Interrupted(min((one.time for one in simulations), default=until)))
+    if errors:
+        raise errors[0]

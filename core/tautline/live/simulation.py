@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from threading import get_ident
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -251,12 +251,21 @@ class Simulation:
         Interrupted
             On Ctrl-C, after the step under way.
         """
-        time = seconds(time)
-        with self._turn.change:
-            self._advance_to(time)
+        self.advance_heard(seconds(time), None)
 
-    def _advance_to(self, time: float) -> None:
-        """Go on to a time, s; see `advance_to`."""
+    def advance_heard(self, time: float, ear: Ear | None) -> None:
+        """Go on to a time, s, as `advance_to` does; on a thread that cannot hear Ctrl-C, with the ear of one that can.
+
+        Raises
+        ------
+        SimulationError, StoppedEarly, Interrupted
+            As `advance_to` does.
+        """
+        with self._turn.change:
+            self._advance_to(time, ear)
+
+    def _advance_to(self, time: float, ear: Ear | None = None) -> None:
+        """Go on to a time, s; see `advance_to`. Whoever listens for Ctrl-C on behalf of several gives the ear."""
         begin = self._time
         if abs(time - begin) <= 4.0 * math.ulp(begin):
             raise SimulationError(f"cannot advance to {time:g} s: it is the time now", "give a later time")
@@ -276,7 +285,7 @@ class Simulation:
             time = ahead
         self._refuse_unprepared(time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
-        with listening(patient=True) as ear:
+        with listening(patient=True) if ear is None else nullcontext(ear) as ear:
             self._turn.advancing = get_ident()
             try:
                 self.inputs.write(begin, time)

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 from tautline.errors import TautlineError
+from tautline.whole_file import reason_of
+
+FULL = frozenset(os.strerror(number) for number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO))
+"""What is said by a disk that has no room, or fails."""
 
 
 class ResultError(TautlineError):
@@ -25,6 +31,20 @@ class ResultError(TautlineError):
 
 class WriteError(ResultError):
     """Writing failed in mid-run, as on a full disk; what was written before is kept under the result's name."""
+
+
+def unwritten(path: str | Path, error: OSError, cure: str = "name another with -o") -> ResultError:
+    """What to raise for a file that cannot be written: WriteError where the disk is why, and else what was asked for.
+
+    Parameters
+    ----------
+    cure : str
+        What helps where the disk has room.
+    """
+    reason = reason_of(error)
+    if reason in FULL:
+        return WriteError(path, f"cannot be written: {reason}", f"{cure}, or make room")
+    return ResultError(path, f"cannot be written: {reason}", cure)
 
 
 def once_each(words: str, option: str = "--what") -> str:

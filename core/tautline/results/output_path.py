@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import zipfile
@@ -9,7 +10,7 @@ from pathlib import Path
 from shlex import quote
 from uuid import uuid4
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import FULL, ResultError, WriteError
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of every HDF5 file, which NetCDF-4 is."""
@@ -210,12 +211,35 @@ def _is_our_unit(path: Path) -> bool:
         return False
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder in one that is there; nothing where it is there itself.
+
+    Raises
+    ------
+    ResultError
+        Where it cannot be made; WriteError where the disk is full.
+    """
+    check_folder(folder)
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        if error.strerror in FULL:
+            cure = "make room, or name another with -o"
+            raise WriteError(folder, f"cannot be made: {error.strerror}", cure) from None
+        # Of /proc the system says that there is no such file or directory, which is no reason that helps.
+        reason = "the folder that it is to be in takes none" if error.errno == errno.ENOENT else error.strerror
+        raise ResultError(folder, f"cannot be made: {reason}", "name another folder with -o") from None
+
+
 def check_folder(path: Path) -> None:
     """Raise ResultError if the folder that a file would go to is not there."""
     try:
         found, folder = path.parent.exists(), path.parent.is_dir()
+        file = next((one for one in path.parents if one.is_file()), None)
     except (OSError, ValueError) as error:
         raise ResultError(path, f"cannot be written: {error}", "give another name with -o") from None
+    if file is not None:
+        raise ResultError(path, f"{file} is a file, not a folder", "name another folder with -o")
     if not found:
         raise ResultError(
             path, f"there is no folder {path.parent}", f"make it, mkdir -p {quote(str(path.parent))}, or name another"

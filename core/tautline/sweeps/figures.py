@@ -511,7 +511,9 @@ def _band(data: Variables, name: str) -> Any:
     places = data[along].values if along in data.coords else np.arange(values.shape[1])
     unit = str(data[along].attrs.get("units") or "") if along in data.coords else ""
     factor, unit = scale_in(_system(data), [places], unit)
-    downwards, places = along == DEPTH, places / factor
+    # Places stand in the order in which they were asked for: a line over them as they stand would double back.
+    order = np.argsort(places, kind="stable")
+    downwards, places, values = along == DEPTH, places[order] / factor, values[:, order]
     figure, plots = axes(1, 1, WIDTH, HEIGHT + (1.2 if downwards else 0.0), _title(data, name))
     plot, (low, middle, high) = plots[0, 0], values
     flatten_rounding(plot, values, "x" if downwards else "y")

@@ -15,11 +15,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, fields
 from itertools import count
 from pathlib import Path
-from shlex import quote
 from typing import IO, Any
 
 from tautline.results.disk import Lock
 from tautline.results.errors import ResultError, WriteError
+from tautline.results.output_path import check_folder, make_folder
 from tautline.results.tables.finding import Finding
 from tautline.sweeps.cases import UNFINISHED, Row, program
 from tautline.sweeps.inputs import hash_of
@@ -71,9 +71,7 @@ class Journal:
     def _check(self, folder: Path, resume: bool) -> None:
         if folder.exists() and not folder.is_dir():
             raise ResultError(folder, "is a file, and the results of a sweep go into a folder", "name another with -o")
-        if not folder.parent.is_dir():
-            cure = f"make it, mkdir -p {quote(str(folder.parent))}"
-            raise ResultError(folder, f"there is no folder {folder.parent}", cure)
+        check_folder(folder)
         if not os.access(folder if folder.exists() else folder.parent, os.W_OK):
             raise ResultError(folder, "cannot be written to", "name another with -o")
         if not self.path.exists():
@@ -121,7 +119,7 @@ class Journal:
 
     def begin(self, resume: bool) -> None:
         """Open the journal; what is there is kept where it is gone on with."""
-        self._guarded(lambda: self.path.parent.mkdir(exist_ok=True))
+        make_folder(self.path.parent)
         writer = self._lock.take()
         if writer is not None:
             who = f"process {writer}" if writer else "another process"

@@ -137,6 +137,17 @@ def test_json_has_the_keys_of_the_contract_for_the_scenes_own_depth_and_friction
     assert Path("jwell_torque_drag.png").read_bytes().startswith(b"\x89PNG") and "wrote jwell_torque_drag.png" in err
 
 
+def test_lines_of_a_broomstick_go_down_whatever_the_order_of_the_depths(drillstring_, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(
+        "drillstring.verbs.torque_drag.write_figure", lambda figure, path: drawn.append(figure), raising=True
+    )
+    code, out, _ = drillstring_("torque-drag", "jwell.yaml", "--depth", "2000,1000,2500,500", *COARSE, "--json")
+    assert (code, only_object(out)["depth"]) == (0, [500, 1000, 2000, 2500])
+    lines = [line for plot in drawn[0].axes[:3] for line in plot.get_lines() if len(line.get_ydata()) == 4]
+    assert lines and all(np.all(np.diff(line.get_ydata()) > 0.0) for line in lines)
+
+
 def test_broomstick_over_depths_and_frictions_is_one_case_to_a_factor(drillstring_):
     options = ("--depth", "1000:3000:500", "--friction", "0.1,0.3", "-o", "broom.svg", "--json")
     code, out, err = drillstring_("torque-drag", "jwell.yaml", *options, *COARSE)

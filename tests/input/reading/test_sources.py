@@ -169,3 +169,16 @@ def test_a_step_an_end_and_a_method_given_to_simulate_are_numbers_or_texts_with_
         with pytest.raises(tautline.SceneError) as error:
             tautline.simulate(scene, **given)
         assert error.value.problems[0].key == f"solver.{key}" and error.value.problems[0].cure
+
+
+def test_a_number_that_pyyaml_has_left_a_text_is_refused_with_the_name_of_pyyaml_and_the_cure():
+    import yaml
+
+    read = yaml.safe_load((DATA / "hoist.yaml").read_text(encoding="utf8"))
+    assert read["rope"]["axial_stiffness"] == "8.0e7"
+    with pytest.raises(tautline.SceneError, match=r"If PyYAML has read the file: it takes 8\.0e7 for text\. Give"):
+        tautline.read(read)
+    # A number in quotes that PyYAML would have read is another slip.
+    with pytest.raises(tautline.SceneError, match="remove the quotes, or add the unit") as refused:
+        tautline.read(read | {"rope": read["rope"] | {"axial_stiffness": "8.0e+7"}})
+    assert "PyYAML" not in str(refused.value)

@@ -82,15 +82,10 @@ def plot(
 
 def _make(folder: Path) -> bool:
     """Make a folder, and tell whether there was none; raises ResultError where it cannot be made."""
-    from tautline.results.errors import ResultError
+    from tautline.results.output_path import make_folder
 
     made = not folder.exists()
-    try:
-        folder.mkdir(exist_ok=True)
-    except FileNotFoundError:
-        raise ResultError(folder, f"there is no folder {folder.parent}", "make it, or name another with -o") from None
-    except OSError as error:
-        raise ResultError(folder, f"cannot be made: {error.strerror}", "name another folder with -o") from None
+    make_folder(folder)
     return made
 
 

@@ -18,7 +18,7 @@ from tautline.live.fmu.needs import host_needs, page_of
 from tautline.live.fmu.scripts import script_of
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, unwritten
 from tautline.results.output_path import check_unit
 from tautline.scene.reading.files import files_of
 from tautline.version import __version__
@@ -97,7 +97,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
             with whole_file(path) as waiting:
                 shutil.copyfile(made / f"{name}.fmu", waiting)
         except OSError as error:
-            raise ResultError(path, f"cannot be written: {error.strerror or error}", "choose another place") from None
+            raise unwritten(path, error, "choose another place") from None
     return host_needs()
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, unwritten
 from tautline.version import __version__
 from tautline.whole_file import reason_of, whole_file
 
@@ -23,7 +23,7 @@ def write_rows(
     rows: Iterable[Sequence[Any]],
     path: Path,
     cure: str = "name another with -o",
-    error_type: type[ResultError] = ResultError,
+    error_type: type[ResultError] | None = None,
 ) -> Path:
     """Write a CSV file, whole or not at all; what is None or NaN is an empty cell.
 
@@ -37,7 +37,7 @@ def write_rows(
     Raises
     ------
     ResultError
-        Of the given type, if the file cannot be written.
+        Of the given type, if the file cannot be written; without one, WriteError where the disk is full.
     """
     try:
         with whole_file(path) as waiting, waiting.open("w", newline="", encoding="utf8") as file:
@@ -45,8 +45,9 @@ def write_rows(
             writer.writerow(heads)
             writer.writerows([["" if _lacks(x) else x for x in row] for row in rows])
     except OSError as error:
-        cause = f"cannot be written: {reason_of(error)}"
-        raise error_type(path, cause, cure) from None
+        if error_type is None:
+            raise unwritten(path, error, cure) from None
+        raise error_type(path, f"cannot be written: {reason_of(error)}", cure) from None
     return path
 
 
@@ -65,5 +66,5 @@ def write_dataset(
         with whole_file(path) as waiting:
             xarray.Dataset(columns, coordinates, kept).to_netcdf(waiting, engine="h5netcdf")
     except OSError as error:
-        raise ResultError(path, f"cannot be written: {reason_of(error)}", "name another with -o") from None
+        raise unwritten(path, error) from None
     return path

@@ -24,6 +24,8 @@ MIXED = re.compile(
 )
 """A mixed number with its unit, as inches are written: ``12 1/4 in``."""
 FRACTION = re.compile(r"\s*(?P<up>[-+]?\d{1,9})\s*/\s*(?P<down>\d{1,9})\s*(?P<unit>[^\d\s/].*)", re.DOTALL)
+WITH_POWER = re.compile(r"[-+]?\d+\.\d*[eE][-+]\d+")
+"""Powers of ten that YAML 1.1, which PyYAML reads, takes for numbers; YAML 1.2 and JSON take ``8.0e7`` as well."""
 LARGEST_EXPONENT = 400
 POUND = re.compile(r"lbs?\b")
 PER_GRAVITY = read_unit("s^2/m")
@@ -145,7 +147,10 @@ class Quantity:
         if abs(int(exponent[:6])) > LARGEST_EXPONENT or len(number) > LARGEST_EXPONENT:
             raise refusal("is not a finite number", self.cure)
         if not unit:
-            raise refusal("is text, not a number", f"remove the quotes, or add the unit: {self.cure}")
+            cure = f"remove the quotes, or add the unit: {self.cure}"
+            if exponent != "0" and not WITH_POWER.fullmatch(number):
+                cure += f". If PyYAML has read the file: it takes {number} for text. Give the path of the file instead"
+            raise refusal("is text, not a number", cure)
         if re.match(r"(\d+\s*)?/\s*\d", unit):
             raise refusal("is a fraction, and nothing is computed", f"{_without_fraction(written)}{self.cure}")
         if told := habit(number, unit, self.unit):

@@ -31,6 +31,8 @@ class Chosen(NamedTuple):
     """Names along each dimension after ``time``."""
     things: bool = False
     """Whether the members of each of these dimensions, directions left out, have names: they are no row of numbers."""
+    size: float = 0.0
+    """Largest magnitude in any direction, be it chosen or not: what is rounding of it says nothing."""
 
     @property
     def items(self) -> tuple[str, ...]:
@@ -85,6 +87,7 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
         raise ResultError(option, f"{result.path or 'the result'} has no variable '{name}'", cure)
     variable, values = result.variables[name], result[name]
     dims, picked, text = list(variable.dims), [], variable.long_name
+    every, left = values, list(dims)
     if values.dtype.kind not in "fiub":
         raise ResultError(option, f"'{name}' are names, not numbers", "name a variable with values")
     own = [dim for dim in dims if dim != "time"]
@@ -93,6 +96,9 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
         axis = len(dims) - len(own) + own.index(dim)
         values = np.take(values, place, axis=axis)
         del dims[axis], own[own.index(dim)]
+        if dim not in COMPONENTS:
+            every = np.take(every, place, axis=left.index(dim))
+            left.remove(dim)
         directions = _directions(result, dim, text)
         picked.append(directions[place] if directions else member if _named(result, dim) else f"{dim} {member}")
     labels = tuple(tuple(_words(result, dim, values.shape[dims.index(dim)], text)) for dim in own)
@@ -100,7 +106,15 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
         text = text.removesuffix(", ".join(_directions(result, dim, text)))
     text = _text(text, name)
     things = all(_named(result, dim) for dim in own if dim not in COMPONENTS)
-    return Chosen(", ".join([text, *picked]), variable.units, tuple(dims), np.asarray(values, float), labels, things)
+    size = _size(np.asarray(every, float))
+    return Chosen(
+        ", ".join([text, *picked]), variable.units, tuple(dims), np.asarray(values, float), labels, things, size
+    )
+
+
+def _size(values: np.ndarray) -> float:
+    """Largest magnitude of what is finite; 0 of nothing."""
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
 
 
 def _member(

@@ -31,6 +31,8 @@ MOST_STYLED = len(STYLES)
 """Columns up to which each has a line in a comparison, where colours tell results apart."""
 DASH = "–"
 """Unit of what has none."""
+ROUNDING = 1.0e-9
+"""Share of the largest magnitude below which differences are shown as none."""
 LETTERS = 30
 """Of a vertical axis' label in one line."""
 
@@ -120,7 +122,7 @@ def _history(chosen: Sequence[Chosen], times: Sequence[np.ndarray], names: Seque
                 plot.fill_between(time, low, high, label=words, **look)
             for k, column, look in _looks(columns, run, len(parts), names, many):
                 plot.plot(time, values[:, k] / factor, label=column, **look, **marker(time))
-        _steady(plot, [part[2] / factor for part in parts])
+        _steady(plot, [part[2] / factor for part in parts], _sizes(chosen) / factor)
         plot.set_ylabel(label(parts[0][0], unit or DASH, LETTERS))
     legend_above(plots[0, 0])
     return over_time(figure, plots, times)
@@ -156,15 +158,27 @@ def _looks(
     return looks
 
 
-def _steady(plot: Axes, values: Sequence[np.ndarray]) -> None:
-    """Keep rounding from filling the panel: what varies by less than 1e-9 of its size is shown as level."""
+def _steady(plot: Axes, values: Sequence[np.ndarray], size: float, along: str = "y") -> None:
+    """Keep rounding from filling the panel: what varies by less than 1e-9 of its size is shown as level.
+
+    `size` is the largest magnitude in any direction, in the unit of the axis: beside it what is not zero may be
+    rounding. It is shown as zero then.
+    """
     whole = np.concatenate([array.ravel() for array in values])
     if whole.size == 0 or not np.isfinite(whole).all():
         return
-    size, middle = float(np.abs(whole).max()), 0.5 * float(whole.max() + whole.min())
-    if np.ptp(whole) <= 1e-9 * size:
-        half = 0.1 * size or 1.0
-        plot.set_ylim(middle - half, middle + half)
+    own, middle = float(np.abs(whole).max()), 0.5 * float(whole.max() + whole.min())
+    if np.ptp(whole) > ROUNDING * max(own, size):
+        return
+    if own <= ROUNDING * size:
+        own, middle = size, 0.0
+    half = 0.1 * own or 1.0
+    getattr(plot, f"set_{along}lim")(middle - half, middle + half)
+
+
+def _sizes(chosen: Sequence[Chosen]) -> float:
+    """Largest magnitude of all results."""
+    return max(one.size for one in chosen)
 
 
 def _loop(
@@ -187,6 +201,8 @@ def _loop(
                 x, y = whole[:, k if whole.shape[1] > 1 else 0], part[2][:, k] / factor
                 plot.plot(x, y, label=words, **look, **marker(time))
                 plot.plot(x[0], y[0], marker="o", ms=5, mfc="white", mec=look["color"], ls="", zorder=3)
+        _steady(plot, [part[2] / factor for part in parts], _sizes(chosen) / factor)
+        _steady(plot, [one.values / across for one in against.chosen], _sizes(against.chosen) / across, "x")
         plot.set_xlabel(label(against.chosen[0].text, across_unit or DASH))
         plot.set_ylabel(label(parts[0][0], unit or DASH, LETTERS))
     legend_above(plots[0, 0])
@@ -205,6 +221,7 @@ def _profile(
     for place, plot in enumerate(plots.ravel()):
         parts = [own.panels()[place] for own in chosen]
         factor, unit = scale([part[2] for part in parts], chosen[0].unit)
+        seen: list[np.ndarray] = []
         across, across_unit = scale([one.values for one in against.chosen], against.chosen[0].unit)
         for run, (part, one, other, time) in enumerate(zip(parts, chosen, against.chosen, times, strict=True)):
             wanted = against.times or [float(time[-1])]
@@ -212,11 +229,13 @@ def _profile(
             for number, frame in enumerate(frames):
                 y = (part[2][frame] if one.changes else part[2].ravel()) / factor
                 x, y = _together(other.values[frame] if other.changes else other.values, y, against.name)
+                seen.append(y)
                 words = f"at {time[frame]:.4g} s" if one.changes or other.changes else ""
                 words = ", ".join(text for text in (names[run] if len(parts) > 1 else "", words) if text)
                 look = {"color": colour(number, len(frames)) if len(parts) == 1 else colour(run, len(parts))}
                 look |= {"ls": STYLES[number % len(STYLES)] if len(parts) > 1 else "-", "marker": "o", "ms": 3}
                 plot.plot(*((y, x / across) if depth else (x / across, y)), label=words or None, **look)
+        _steady(plot, seen, _sizes(chosen) / factor, "x" if depth else "y")
         values, along = label(parts[0][0], unit or DASH), label(against.chosen[0].text, across_unit or DASH)
         if depth:
             plot.set_xlabel(values)

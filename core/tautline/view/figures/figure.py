@@ -34,7 +34,7 @@ from matplotlib.ticker import (
     ScalarFormatter,
 )
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, unwritten
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.whole_file import whole_file
 
@@ -408,7 +408,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     Raises
     ------
     ResultError
-        If the file cannot be written, or the format is unknown.
+        If the file cannot be written, or the format is unknown; WriteError where the disk is full.
     """
     path = Path(path)
     try:
@@ -416,7 +416,7 @@ def save(figure: Figure, path: str | Path) -> Path:
         with powers_in_labels(figure), whole_file(path) as waiting:
             figure.savefig(waiting)
     except OSError as error:
-        raise ResultError(path, f"cannot be written: {error.strerror}", "name another with -o") from None
+        raise unwritten(path, error) from None
     except ValueError as error:
         raise ResultError(path, f"cannot be written: {error}", "use png, svg or pdf") from None
     return path

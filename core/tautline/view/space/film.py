@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, unwritten
+from tautline.results.output_path import check_folder
 from tautline.view.space.stage import Stage
 from tautline.whole_file import whole_file
 
@@ -121,7 +122,7 @@ def film(
                 if progress is not None:
                     progress(number + 1, len(made.frames))
     except OSError as error:
-        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
+        raise unwritten(path, error) from None
     return path
 
 
@@ -130,8 +131,7 @@ def check_name(path: Path) -> str:
     ending = path.suffix[1:].lower()
     if ending not in FORMATS:
         raise ResultError(path, f"is no film that can be written: '{ending}'", f"use .{' or .'.join(FORMATS)}")
-    if not path.absolute().parent.is_dir():
-        raise ResultError(path, f"there is no folder {path.parent}", "make it, or name another")
+    check_folder(path)
     return ending
 
 

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, unwritten
+from tautline.results.output_path import check_folder
 from tautline.view.space.stage import Stage
 
 FORMATS = ("png", "jpg")
@@ -67,8 +68,7 @@ def places(output: Path | None, result: Path, time: np.ndarray, frames: list[int
     """Files of pictures: as asked, and by their times where there are several."""
     folder = output is not None and output.is_dir()
     path = Path(f"{result.stem}.png") if output is None else output / f"{result.stem}.png" if folder else output
-    if not path.absolute().parent.is_dir():
-        raise ResultError(path, f"there is no folder {path.parent}", "make it, or name another with -o")
+    check_folder(path)
     if len(frames) == 1 and output is not None and not folder:
         if not path.suffix:
             cure = f"make it, mkdir {path}, or name a picture, {path}.png"
@@ -94,5 +94,5 @@ def still(stage: Stage, frame: int, path: Path) -> Path:
     try:
         Image.fromarray(stage.picture()).save(path)
     except OSError as error:
-        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
+        raise unwritten(path, error) from None
     return path

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, unwritten
 from tautline.scene.values.systems import length_unit
 from tautline.view.figures.figure import round_numbers, scale_in
 from tautline.view.space.appearance import Appearance, History, Level, Line, Quantity, Values
@@ -179,9 +179,7 @@ def write_page(
         with whole_file(path) as waiting:
             waiting.write_text(assembled(appearance.title, scene, pack.text()), encoding="utf-8", newline="\n")
     except OSError as error:
-        raise ResultError(
-            path, f"it cannot be written: {error.strerror}", "name another with --html, or make room"
-        ) from None
+        raise unwritten(path, error, "name another with --html") from None
     return path
 
 
