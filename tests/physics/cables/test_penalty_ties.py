@@ -1,0 +1,87 @@
+"""Penalty springs between spans of a rope: how stiff they are chosen, and what rounding leaves of their forces.
+
+A mass M let go on a light elastic rope falls by twice its stretch at rest, 2 M g L/EA, and comes back.
+"""
+
+import re
+
+import numpy as np
+import pytest
+from physics.cables.tied_cables import FREE, at_rest, element, join, model_of, node, of_nodes, run, scene
+
+from tautline.integrators.status import Status, StoppedEarly
+
+MASS, LENGTH, g = 1000.0, 10.0, 9.81
+HANGING = {"type": "G-alpha", "rho_inf": 1.0, "eps_energy": 1e-8, "time_step": 5e-3, "time_end": 0.5, "plotpoints": 200}
+
+
+def rope(way, EA, bottom=0.0, stiffness=None, **solver):
+    """A vertical rope of 10 m and 0.5 kg in two spans that are joined in its middle, with a ton on its end."""
+    z, down = bottom - np.array([0.0, 2.5, 5.0, 5.0, 7.5, 10.0]), (0, 0, -1)
+    held = [(1, 1, 1, 0, 0, 0, 1), *[(*FREE[:6], 1)] * 5]
+    nodes = [node(i, (0, 0, z[i]), held[i], down) for i in range(6)]
+    elements = [element(i, *ends, EA=EA, rhoA=0.05) for i, ends in enumerate([(0, 1), (1, 2), (3, 4), (4, 5)])]
+    load = f"PointMass: {{id: 0, nodes7: [5], mass: {MASS}}}"
+    tied = join(way, 2, 3, stiffness=None if stiffness is None else [stiffness, stiffness * 2.5**2])
+    return scene([*nodes, *elements, *tied, load], (0, 0, -g), **HANGING | solver)
+
+
+def fall(result):
+    """Deepest fall of the mass, m."""
+    z = of_nodes(result, "position", [5])[:, 0, 2]
+    return z[0] - z.min()
+
+
+@pytest.mark.parametrize(
+    ("EA", "top"), [(1e6, 0.0), (3e7, 0.0), (1e8, 0.0), (2e8, 0.0), (1e8, -2000.0), (4e8, -2000.0), (9e8, -3000.0)]
+)
+def test_ropes_run_to_their_end_with_penalties_of_the_chosen_stiffness(EA, top):
+    # measured 8e-6 of the fall between the ways, 6e-5 at -3000 m; the rope itself weighs 5e-4 of the mass, and Green's
+    # strain of 2 % at 1e6 N takes 2 % of the fall
+    by = {way: run(rope(way, EA, top)) for way in ("multiplier", "penalty")}
+    assert by["penalty"]["time"][-1] == pytest.approx(0.5)
+    assert fall(by["penalty"]) == pytest.approx(fall(by["multiplier"]), rel=1e-4)
+    assert fall(by["penalty"]) == pytest.approx(2.0 * MASS * g * LENGTH / EA, rel=1e-3 + 2.0 * MASS * g / EA)
+    forces = [np.array(result["axial_force"]).max() for result in by.values()]
+    assert forces[1] == pytest.approx(forces[0], rel=2e-4)
+
+
+@pytest.mark.parametrize("multiple", [1e2, 1e4, 1e6, 2.5e7])
+def test_a_rope_far_from_the_origin_runs_with_any_stated_penalty(multiple):
+    # 2000 m are known to 2e-13 m: the tolerance is no smaller than what that leaves of the springs' energy
+    stiffness = multiple * 1e8 / 2.5
+    result = run(rope("penalty", 1e8, -2000.0, stiffness))
+    assert fall(result) == pytest.approx(2.0 * MASS * g * LENGTH / 1e8, rel=1e-3 + 0.3 / multiple)
+
+
+def test_a_tolerance_below_what_rounding_leaves_of_stiff_springs_is_told():
+    model = model_of(rope("penalty", 1e8, -2000.0))
+    assert any("eps_energy = 1e-08 is below" in note for note in model.notes)
+    # k d^2 of three axes and d = 2 eps 2010 m: what a gap that is rounded to d stores
+    assert model.solver.tolerance == pytest.approx((3.0 * 1.33e12) ** 0.5 * 2.0 * 2.2e-16 * 2010.0, rel=0.02)
+
+
+def test_a_chosen_penalty_shares_its_error_between_its_give_and_its_rounding():
+    # k = sqrt(K F/d): K/k of an element's stretch and k d/F of the force are the same, 3e-5 at -2000 m
+    model, state = at_rest(rope("penalty", 1e8, -2000.0))
+    (stiffness,) = {float(k) for group in model.system.groups for k in getattr(group, "stiffness", [])[:1]}
+    force = MASS * g
+    assert 1e-5 < 4e7 / stiffness < 1e-4
+    assert 1e-5 < stiffness * 2.2e-16 * 2010.0 / force < 1e-4
+    gap = state.full_q[2 * 7 + 2] - state.full_q[3 * 7 + 2]
+    assert gap == pytest.approx(force / stiffness, rel=1e-3)
+
+
+def test_a_step_without_solution_beside_a_stiff_penalty_names_it_and_the_multiplier():
+    with pytest.raises(StoppedEarly) as stop:
+        run(rope("penalty", 1e8, maxIter=1))
+    assert stop.value.status is Status.NOT_CONVERGED
+    assert re.search(r"a penalty spring of 1\.\d*e\+13 N/m ties node [23]", stop.value.sentence)
+    assert "LagMultipl7" in stop.value.sentence
+
+
+@pytest.mark.parametrize(("way", "stiffness"), [("multiplier", None), ("penalty", 1e9)])
+def test_a_step_without_solution_blames_no_penalty_that_is_soft_or_not_there(way, stiffness):
+    with pytest.raises(StoppedEarly) as stop:
+        run(rope(way, 1e8, stiffness=stiffness, maxIter=1))
+    assert "penalty" not in stop.value.sentence
