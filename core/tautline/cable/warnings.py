@@ -18,6 +18,7 @@ from tautline.cable.input.material import element_lengths, material_coordinates,
 from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
 from tautline.cable.input.syntax.models import MOST_OF_A_LINE
 from tautline.cable.input.syntax.nodal import item_of
+from tautline.cable.model.magnitudes import penalty_stiffness, stiffness_of
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.model import MADE
@@ -115,10 +116,16 @@ def _squares(scene: CableScene) -> list[tuple[float, Place]]:
             fastest = int(np.argmax(np.where(np.isfinite(squares), squares, 0.0)))
             found.append((float(squares[fastest]), elements[fastest].place))
     ease = _ease(scene, lengths)
-    for tie in scene.ties:
-        if tie.stiffness is not None and tie.what in (0, 2):
-            both = sum(ease.get(node, (0.0, 0.0))[tie.what // 2] for node in tie.nodes)
-            found.append((float(tie.stiffness * both), tie.place))
+    # Multipliers hold what springs beside them would only pull together.
+    sprung = [tie for tie in scene.ties if tie.method == "penalty"]
+    chosen = penalty_stiffness(scene) if sprung else 0.0
+    nodes = {node.id: node for node in scene.nodes} if sprung else {}
+    for tie in sprung:
+        # Rope that slides through a held node has the inertia of rope whose end moves along it.
+        turns = int(tie.what == 2)
+        moving = [node for node in tie.nodes if not _is_held(nodes[node], tie.what)]
+        both = sum(ease.get(node, (0.0, 0.0))[turns] for node in moving)
+        found.append((float(stiffness_of(scene, tie, chosen) * both), tie.place))
     for part in scene.nodal:
         stiffness = item_of(part).stiffness(part)
         if stiffness > 0.0:
@@ -127,9 +134,14 @@ def _squares(scene: CableScene) -> list[tuple[float, Place]]:
     return found
 
 
+def _is_held(node: Node, what: int) -> bool:
+    """Whether all of a node's position (0), p (1) or slope (2) is held, or follows a function."""
+    return all(node.held[{0: slice(0, 3), 1: slice(-1, None), 2: slice(3, 6)}[what]])
+
+
 def _ease(scene: CableScene, lengths: np.ndarray) -> dict[int, tuple[float, float]]:
     """How easily r and r' of the nodes move that springs join, at most: 1/kg and 1/(kg m^2), by node id."""
-    sprung = {node for tie in scene.ties if tie.stiffness is not None for node in tie.nodes}
+    sprung = {node for tie in scene.ties if tie.method == "penalty" for node in tie.nodes}
     sprung |= {node for part in scene.nodal if item_of(part).stiffness(part) > 0.0 for node in part.nodes}
     ease: dict[int, tuple[float, float]] = {}
     for element, length in zip(scene.elements, lengths, strict=True) if sprung else ():

@@ -7,8 +7,10 @@ import re
 
 import numpy as np
 import pytest
-from physics.cables.tied_cables import FREE, at_rest, element, join, model_of, node, of_nodes, run, scene
+from physics.cables.tied_cables import FREE, at_rest, element, join, model_of, node, of_nodes, run, run_unwatched, scene
 
+from tautline.cable.input.scene import parse
+from tautline.cable.warnings import figures
 from tautline.integrators.status import Status, StoppedEarly
 
 MASS, LENGTH, g = 1000.0, 10.0, 9.81
@@ -23,7 +25,8 @@ def rope(way, EA, bottom=0.0, stiffness=None, **solver):
     elements = [element(i, *ends, EA=EA, rhoA=0.05) for i, ends in enumerate([(0, 1), (1, 2), (3, 4), (4, 5)])]
     load = f"PointMass: {{id: 0, nodes7: [5], mass: {MASS}}}"
     tied = join(way, 2, 3, stiffness=None if stiffness is None else [stiffness, stiffness * 2.5**2])
-    return scene([*nodes, *elements, *tied, load], (0, 0, -g), **HANGING | solver)
+    chosen = solver if solver.get("type") == "RK4" else HANGING | solver
+    return scene([*nodes, *elements, *tied, load], (0, 0, -g), **chosen)
 
 
 def fall(result):
@@ -85,3 +88,44 @@ def test_a_step_without_solution_blames_no_penalty_that_is_soft_or_not_there(way
     with pytest.raises(StoppedEarly) as stop:
         run(rope(way, 1e8, stiffness=stiffness, maxIter=1))
     assert "penalty" not in stop.value.sentence
+
+
+# the critical step of RK4
+def over_an_eyelet(stiffness, **solver):
+    """A rope over an eyelet, which is held twice, and whose p on either side a penalty spring makes equal."""
+    places = [(0, 0, -20), (0, 0, 0), (0, 0, 0), (5, 0, 0), (5, 0, -20)]
+    held = [(1, 1, 0, 1), *[(1, 1, 1, 0)] * 3, (1, 1, 0, 1)]
+    nodes = [
+        f"Node4Dof: {{id: {i}, xyz: {[*map(float, place)]}, BC: {[*BC]}, p: {p}}}"
+        for i, (place, BC, p) in enumerate(zip(places, held, (0, 20, 20, 25, 45), strict=True))
+    ]
+    elements = [
+        f"CableALEelementLin: {{id: {i}, nodes4: [{a}, {b}], EA: 1.0e6, rhoA: 0.01, cDamp: 0}}"
+        for i, (a, b) in enumerate([(0, 1), (2, 3), (3, 4)])
+    ]
+    loads = [f"PointMass: {{id: {i}, nodes4: [{n}], mass: {m}}}" for i, n, m in ((0, 0, 1000), (1, 4, 800))]
+    tie = f"Penalty4: {{id: 1, nodes4: [1, 2], constr: 1, p_spring: {stiffness}}}"
+    return scene([*nodes, *elements, *loads, tie], (0, 0, -g), **solver)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        pytest.param(lambda **solver: rope("penalty", 1e6, **solver), id="of r and r', chosen"),
+        pytest.param(lambda **solver: rope("penalty", 1e6, stiffness=1e9, **solver), id="of r and r', given"),
+        pytest.param(lambda **solver: over_an_eyelet(1e9, **solver), id="of p"),
+    ],
+)
+def test_the_critical_step_that_is_told_before_a_run_counts_penalty_springs(made):
+    # measured 0.81, 0.81 and 0.88 of the step from which on RK4 is unstable: it is told as "at least about"
+    told = figures(parse(made(type="RK4")))["critical_step_rk4"]
+    solver = {"type": "RK4"}
+    run_unwatched(made(**solver, time_step=told, time_end=300 * told))
+    with pytest.raises(StoppedEarly) as stop:
+        run(made(**solver, time_step=1.4 * told, time_end=4000 * told))
+    assert stop.value.status is Status.UNSTABLE
+
+
+def test_a_spring_beside_a_multiplier_leaves_the_critical_step_that_is_told():
+    told = [figures(parse(rope(way, 1e6)))["critical_step_rk4"] for way in ("augmented", "multiplier")]
+    assert told[0] == told[1]
