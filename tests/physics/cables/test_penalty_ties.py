@@ -12,6 +12,7 @@ from physics.cables.tied_cables import FREE, at_rest, element, join, model_of, n
 from tautline.cable.input.scene import parse
 from tautline.cable.warnings import figures
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.scene.warnings import warnings_of
 
 MASS, LENGTH, g = 1000.0, 10.0, 9.81
 HANGING = {"type": "G-alpha", "rho_inf": 1.0, "eps_energy": 1e-8, "time_step": 5e-3, "time_end": 0.5, "plotpoints": 200}
@@ -88,6 +89,53 @@ def test_a_step_without_solution_blames_no_penalty_that_is_soft_or_not_there(way
     with pytest.raises(StoppedEarly) as stop:
         run(rope(way, 1e8, stiffness=stiffness, maxIter=1))
     assert "penalty" not in stop.value.sentence
+
+
+# soft springs and springs that are too stiff
+def told_of(text):
+    """What is told of the stiffness of ties."""
+    return [warning.text for warning in warnings_of("cable", parse(text)) if "p_spring" in warning.where]
+
+
+@pytest.mark.parametrize(("stiffness", "share"), [(1e5, 100.0), (1e6, 10.0)])
+def test_a_soft_spring_is_told_with_the_share_of_stretch_that_it_really_adds(stiffness, share):
+    # EA/L of the whole rope is 1e5 N/m, so a spring k adds 1e5/k of its stretch; measured on the rope at rest
+    (text,) = told_of(rope("penalty", 1e6, stiffness=stiffness))
+    assert f"adds about {share:.3g} % to the stretch" in text and "LagMultipl7" in text and "1e+07 or more" in text
+    stretch = []
+    for way in ("multiplier", "penalty"):
+        _, state = at_rest(rope(way, 1e6, stiffness=None if way == "multiplier" else stiffness))
+        stretch.append(-10.0 - state.full_q[5 * 7 + 2])
+    assert 100.0 * (stretch[1] / stretch[0] - 1.0) == pytest.approx(share, rel=0.03)
+
+
+@pytest.mark.parametrize(("way", "stiffness"), [("penalty", 1.1e7), ("penalty", None), ("augmented", 1e4)])
+def test_springs_stiff_enough_and_beside_a_multiplier_are_not_called_soft(way, stiffness):
+    assert told_of(rope(way, 1e6, stiffness=stiffness)) == []
+
+
+def test_a_soft_spring_between_p_is_told_with_the_rope_that_appears_at_it():
+    # 20 m and 5 m on both sides, EA 1e6: a newton stretches the rope by 25e-6 m as far as the next eyelet
+    (text,) = told_of(over_an_eyelet(1e4))
+    assert f"adds about {100.0 / (1e4 * 25e-6):.3g} % to the stretch" in text
+    assert "So much of it appears or vanishes at the tie" in text and "LagMultipl4" in text
+    assert told_of(over_an_eyelet(1e8)) == []
+
+
+def test_a_spring_whose_rounding_is_felt_far_from_the_origin_is_told_with_the_force_and_a_better_one():
+    (text,) = told_of(rope("penalty", 1e8, -2000.0, 1e14))
+    assert "rounding eats the forces" in text
+    # k d at 2010 m: 1e14 N/m of 4.5e-13 m
+    assert "by up to 4e+01 N; give 1e+12" in text
+
+
+def test_the_largest_gap_of_penalty_springs_is_a_figure_of_the_run():
+    # the load at rest pulls the spring open by (M + half the rope) g/k
+    result = run(rope("penalty", 1e6, stiffness=1e5, start="static"))
+    figure = model_of(rope("penalty", 1e6, stiffness=1e5)).headline(result)["tie_gap_max"]
+    assert figure["value"] == pytest.approx((MASS + 0.25) * g / 1e5, rel=1e-6)
+    assert figure["unit"] == "m"
+    assert "tie_gap_max" not in model_of(rope("multiplier", 1e6)).headline(result)
 
 
 # the critical step of RK4
