@@ -13,7 +13,7 @@ from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
 from crane.assembly.layout import entries_of
-from crane.assembly.loads import floating
+from crane.assembly.loads import floating, pull_on
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
 from crane.results.limits import LEAST_RATIO
@@ -350,21 +350,24 @@ def _start(found: Estimate) -> Sentences:
     if scene.start != "static" or not layout.frames:
         return
     functions = compile_functions(layout.requests.of)
-    fastest, name = 0.0, ""
+    fastest, name, lengthening = 0.0, "", 0.0
     for i, item in enumerate(scene.path):
         frame = int(layout.wheels.frame[i])
         if getattr(item, "body", None) is not None or frame == layout.frame[-1]:
             continue
         rate = entries_of(layout.degrees, functions, range(frame, frame + ENTRIES), np.zeros(1), order=1)[0]
         drawn = np.array(getattr(item, "center", None) or getattr(item, "position", None))
-        speed = float(np.linalg.norm(rate[:3] + rate[3:].reshape(3, 3).T @ drawn))
+        velocity = rate[:3] + rate[3:].reshape(3, 3).T @ drawn
+        lengthening -= float(velocity @ pull_on(found.path, i))
+        speed = float(np.linalg.norm(velocity))
         if speed > fastest:
             fastest, name = speed, item.name
-    front = fastest * found.impedance
-    if front > SUDDEN * found.largest_tension:
+    front, swing = fastest * found.impedance, found.bounce_of(lengthening)
+    if max(front, swing) > SUDDEN * found.largest_tension:
+        cure = "Use `ramp`, or ignore the first waves" if front >= swing else f"{BOUNCES}. Use `ramp`"
         text = (
-            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests. The jump causes up to {front:.3g} N of "
-            "tension. Use `ramp`, or ignore the first waves"
+            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests. The jump causes up to "
+            f"{max(front, swing):.3g} N of tension. {cure}"
         )
         yield "vessel.motion" if scene.vessel is not None else "frames", text
 
@@ -413,6 +416,7 @@ def rope_warnings(scene: CraneScene) -> Sentences:
         yield f"rope.{key}", text
 
 
+BOUNCES = "The load then bounces on the rope"
 SUDDEN = 0.01
 """Share of the tension at rest that a jump in speed may add without a word."""
 
@@ -432,11 +436,13 @@ def _winches(found: Estimate, actuator: Compensation | None) -> Sentences:
         supply = supply_of(scene, drum)
         if supply is None:
             continue
-        front = abs(float(supply.speed[0])) * found.impedance
-        if front > SUDDEN * found.largest_tension:
+        speed = float(supply.speed[0])
+        front, swing = abs(speed) * found.impedance, found.bounce_of(speed)
+        if max(front, swing) > SUDDEN * found.largest_tension:
+            then = f"{BOUNCES}, with {swing:.3g} N more and less. " if swing > front else ""
             text = (
                 f"jumps to {supply.speed[0]:.3g} m/s at t = 0, and a front of {front:.3g} N runs along the rope: v "
-                "sqrt(EA rho). Begin at 0 with a ramp, such as {ramp: {to: "
+                f"sqrt(EA rho). {then}Begin at 0 with a ramp, such as {{ramp: {{to: "
                 f"{supply.speed[0]:.3g}, over: 1.0}}}}, unless that is what is asked"
             )
             yield where(scene, drum, drum.drive), text

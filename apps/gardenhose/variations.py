@@ -11,7 +11,7 @@ from typing import Any
 
 from gardenhose.build import assembled
 from gardenhose.scene import UNIFORM, HoseScene, Segment
-from tautline.cable.model.ties import penalty_stiffness
+from tautline.cable.model.magnitudes import penalty_stiffness
 from tautline.scene.reading.document import Path_
 from tautline.study.robustness.bar import Bar
 
@@ -99,7 +99,7 @@ def stiffnesses(scene: HoseScene) -> dict[str, float | None]:
     """
     chosen = scene.stiffness
     if chosen is None and _sprung(scene):
-        chosen = penalty_stiffness(assembled(scene).layout)
+        chosen = penalty_stiffness(assembled(scene).layout.scene)
     return {"contact": None, "penalty": chosen}
 
 

@@ -54,6 +54,16 @@ class Estimate:
         """Tension that a sudden metre a second at an end makes, N s/m: sqrt(EA rho)."""
         return math.sqrt(self.scene.rope.axial_stiffness * self.scene.rope.mass_per_length)
 
+    def bounce_of(self, rate: float) -> float:
+        """Tension, N, that the load's bounce adds and takes where a sudden rate, m/s, begins to lengthen the rope.
+
+        The load is at rest and the rope a spring k = EA/L: a mass M on one fall is swung with v sqrt(k M). On n falls
+        it has M/n^2 of the rope's own speed.
+        """
+        if self.frequency is None:
+            return 0.0
+        return abs(rate) * self.scene.rope.axial_stiffness / self.path.length / (2.0 * math.pi * self.frequency)
+
     @property
     def largest_tension(self) -> float:
         """At rest, N; 0 where it is not known."""

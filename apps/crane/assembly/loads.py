@@ -48,11 +48,15 @@ def pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:
 
 
 def _pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:
-    e = np.array([span.e for span in path.spans])
     found: dict[str, np.ndarray] = {}
     for i, item in enumerate(scene.path):
         if isinstance(item, (End, Sheave)) and item.body is not None:
-            leaves = e[i] if i < len(e) else np.zeros(3)
-            comes = e[i - 1] if i > 0 else np.zeros(3)
-            found[item.body] = found.get(item.body, np.zeros(3)) + leaves - comes
+            found[item.body] = found.get(item.body, np.zeros(3)) + pull_on(path, i)
     return found
+
+
+def pull_on(path: Path, i: int) -> np.ndarray:
+    """Force on item i of the path of a tension of 1 N all along the rope, (3,): the rope shortens that way."""
+    leaves = path.spans[i].e if i < len(path.spans) else np.zeros(3)
+    comes = path.spans[i - 1].e if i > 0 else np.zeros(3)
+    return np.asarray(leaves) - np.asarray(comes)

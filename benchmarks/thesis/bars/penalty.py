@@ -108,8 +108,9 @@ def _printed(highest: float, end: float) -> list[tuple[str, ...]]:
     apart = [float(np.abs(tip - tips[0]).max()) for tip in tips[1:]]
     return [
         ("highest stiffness of the bar, N/m", f"{highest:.3f}", "4.8", "none: 2 (6/5) EA/L_e of the middle node"),
-        ("penalty by the square root rule, N/m", f"{chosen_stiffness():.0e}", "1e9",
-         "10^k √(10^16) with 10^k the order of 2 EA/L_e = 4: ours takes k = 0, the thesis k = 1"),
+        ("penalty that is chosen, N/m", f"{chosen_stiffness():.0e}", "1e9",
+         "the thesis takes 10^k √(10^16), with 10^k the order of 2 EA/L_e = 4; where coordinates are large, that "
+         "leaves nothing of the force but rounding (docs/cables.md)"),
         ("first line: shared node, 1e9, 1e12 N/m, Hz", ", ".join(f"{f:.4f}" for f in first),
          "“the same frequency as in Case 1”",
          f"none: the tip is {apart[0]:.0e} and {apart[1]:.0e} m from that with a shared node"),

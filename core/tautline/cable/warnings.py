@@ -6,7 +6,7 @@ import functools
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,13 @@ from tautline.cable.input.material import element_lengths, material_coordinates,
 from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
 from tautline.cable.input.syntax.models import MOST_OF_A_LINE
 from tautline.cable.input.syntax.nodal import item_of
+from tautline.cable.model.magnitudes import (
+    largest_force,
+    penalty_stiffness,
+    rounded_gap,
+    stiffest_element,
+    stiffness_of,
+)
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.model import MADE
@@ -27,6 +34,10 @@ from tautline.scene.warnings import warning
 
 STIFF_PENALTY = 1.0e6
 """Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
+ROUNDED_SHARE = 1.0e-3
+"""Share of a scene's largest force from which on that what rounding leaves in a penalty spring is told."""
+SOFT_SHARE = 0.01
+"""Stretch of a penalty spring over that of the rope on both sides, from which on it is told."""
 FEW = 12
 """Elements of a line from which on a bend is short beside the line: it says little of the forces elsewhere."""
 MOST_TURN = math.radians(30.0)
@@ -115,10 +126,16 @@ def _squares(scene: CableScene) -> list[tuple[float, Place]]:
             fastest = int(np.argmax(np.where(np.isfinite(squares), squares, 0.0)))
             found.append((float(squares[fastest]), elements[fastest].place))
     ease = _ease(scene, lengths)
-    for tie in scene.ties:
-        if tie.stiffness is not None and tie.what in (0, 2):
-            both = sum(ease.get(node, (0.0, 0.0))[tie.what // 2] for node in tie.nodes)
-            found.append((float(tie.stiffness * both), tie.place))
+    # Multipliers hold what springs beside them would only pull together.
+    sprung = [tie for tie in scene.ties if tie.method == "penalty"]
+    chosen = penalty_stiffness(scene) if sprung else 0.0
+    nodes = {node.id: node for node in scene.nodes} if sprung else {}
+    for tie in sprung:
+        # Rope that slides through a held node has the inertia of rope whose end moves along it.
+        turns = int(tie.what == 2)
+        moving = [node for node in tie.nodes if not _is_held(nodes[node], tie.what)]
+        both = sum(ease.get(node, (0.0, 0.0))[turns] for node in moving)
+        found.append((float(stiffness_of(scene, tie, chosen) * both), tie.place))
     for part in scene.nodal:
         stiffness = item_of(part).stiffness(part)
         if stiffness > 0.0:
@@ -127,9 +144,14 @@ def _squares(scene: CableScene) -> list[tuple[float, Place]]:
     return found
 
 
+def _is_held(node: Node, what: int) -> bool:
+    """Whether all of a node's position (0), p (1) or slope (2) is held, or follows a function."""
+    return all(node.held[{0: slice(0, 3), 1: slice(-1, None), 2: slice(3, 6)}[what]])
+
+
 def _ease(scene: CableScene, lengths: np.ndarray) -> dict[int, tuple[float, float]]:
     """How easily r and r' of the nodes move that springs join, at most: 1/kg and 1/(kg m^2), by node id."""
-    sprung = {node for tie in scene.ties if tie.stiffness is not None for node in tie.nodes}
+    sprung = {node for tie in scene.ties if tie.method == "penalty" for node in tie.nodes}
     sprung |= {node for part in scene.nodal if item_of(part).stiffness(part) > 0.0 for node in part.nodes}
     ease: dict[int, tuple[float, float]] = {}
     for element, length in zip(scene.elements, lengths, strict=True) if sprung else ():
@@ -503,15 +525,58 @@ def _twice(scene: CableScene) -> Sentences:
 
 @warning("cable")
 def _penalties(scene: CableScene) -> Sentences:
+    """Penalty springs so stiff that rounding makes their forces, or so soft that the rope opens at them."""
+    given = [tie for tie in scene.ties if tie.stiffness is not None and tie.what != 2]
+    if not given:
+        return
     with np.errstate(all="ignore"):
-        stiffest = float((np.array([element.EA for element in scene.elements]) / element_lengths(scene)).max())
-    for tie in scene.ties:
-        if tie.what == 0 and tie.stiffness is not None and tie.stiffness > STIFF_PENALTY * stiffest > 0.0:
+        stiffest, chosen = stiffest_element(scene), penalty_stiffness(scene)
+        gap, force = rounded_gap(scene), largest_force(scene)
+    sides = _sides(scene)
+    for tie in given:
+        stiffness = tie.stiffness or 0.0
+        rope = sum(sides(node) for node in tie.nodes)
+        if stiffness > STIFF_PENALTY * stiffest > 0.0 or stiffness * gap > ROUNDED_SHARE * force:
             text = (
-                f"{tie.stiffness:.2g} N/m is {tie.stiffness / stiffest:.1g} times the stiffest element: rounding eats "
-                f"the forces; give {1e5 * stiffest:.1g}"
+                f"{stiffness:.2g} N/m is {stiffness / stiffest:.1g} times the stiffest element: rounding eats the "
+                f"forces, by up to {stiffness * gap:.1g} N; give {chosen:.1g}"
             )
             yield (*tie.place, "p_spring"), text
+        elif tie.method == "penalty" and 0.0 < stiffness * rope < 1.0 / SOFT_SHARE:
+            more = "" if tie.what == 0 else " So much of it appears or vanishes at the tie."
+            kind = "7" if tie.place[-1].endswith("7") else "4"
+            text = (
+                f"{stiffness:.3g} N/m is soft beside the rope on both sides of the tie. It adds about "
+                f"{100.0 / (stiffness * rope):.3g} % to the stretch of that rope.{more} Give "
+                f"{1.0 / (SOFT_SHARE * rope):.2g} or more, or use LagMultipl{kind}"
+            )
+            yield (*tie.place, "p_spring"), text
+
+
+def _sides(scene: CableScene) -> Callable[[int], float]:
+    """How far a newton stretches the rope from a node on, m/N: up to where it is held or tied, branches or ends."""
+    ends: dict[int, list[tuple[int, int]]] = {}
+    for i, element in enumerate(scene.elements):
+        for node, other in (element.nodes, element.nodes[::-1]):
+            ends.setdefault(node, []).append((i, other))
+    stops = {node.id for node in scene.nodes if all(node.held[:3])} | {node for tie in scene.ties for node in tie.nodes}
+    give = [
+        length / element.EA if element.EA > 0.0 else 0.0
+        for element, length in zip(scene.elements, element_lengths(scene).tolist(), strict=True)
+    ]
+
+    def along(first: int, node: int) -> float:
+        total, seen = give[first], {first}
+        while node not in stops and len(ends[node]) == 2:
+            further = [one for one in ends[node] if one[0] not in seen]
+            if not further:
+                break
+            (at, node) = further[0]
+            seen.add(at)
+            total += give[at]
+        return total
+
+    return lambda node: max((along(*end) for end in ends.get(node, ())), default=0.0)
 
 
 @warning("cable")

@@ -12,7 +12,7 @@ from study.variations.varied_cables import DATA, SCENES, bent, frequencies, hung
 
 from tautline.cable.input.scene import parse, read
 from tautline.cable.model.build import build
-from tautline.cable.model.ties import penalty_stiffness
+from tautline.cable.model.magnitudes import penalty_stiffness
 from tautline.cable.study import variations as vary
 from tautline.cable.study.refinement import Chart
 from tautline.constraints.multiplier import Multipliers
@@ -74,7 +74,7 @@ def test_the_stiffness_of_penalty_springs_is_told_as_the_builder_has_it():
     assert vary.stiffnesses(tied("Penalty", whats=(2,), p_spring=2.0e4))["penalty"] == pytest.approx(2.0e4 / 0.0625)
     chosen = tied("Penalty")
     (springs,) = (group for group in build(chosen).system.groups if isinstance(group, Penalties))
-    assert vary.stiffnesses(chosen)["penalty"] == springs.stiffness.max() == penalty_stiffness(Chart(chosen).layout)
+    assert vary.stiffnesses(chosen)["penalty"] == springs.stiffness.max() == penalty_stiffness(chosen)
 
 
 def test_all_ties_can_be_imposed_in_three_ways_the_scenes_own_first(given):

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,16 +17,15 @@ from tautline.cable.model.eyelets import eyelets
 from tautline.cable.model.handles import handles
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
-from tautline.cable.model.observe import FIGURES, Observer, headline, variables
-from tautline.cable.model.ties import check_sound, constraint_groups, equations_of
+from tautline.cable.model.magnitudes import largest_force, mass_of, rounding_error
+from tautline.cable.model.observe import FIGURES, GAP, Observer, headline, variables
+from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
 from tautline.constraints.multiplier import Multipliers
-from tautline.integrators.statics.attainable import MANY, within_rounding
+from tautline.integrators.statics.attainable import MANY, loosened, within_rounding
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
 
-STIFF_SHARE = 1.0e-4
-"""Share of the largest axial stiffness that counts as a large force."""
 ERROR = 1.0e-6
 """Error of a step over the length of all ropes, where the step is chosen and the scene gives none."""
 FAR = 1.0 / 40.0
@@ -59,8 +57,7 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
     """
     material = material_coordinates(scene)
     lengths = [abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements]
-    mass = _mass(scene, lengths)
-    force = _largest_force(scene, lengths, mass)
+    mass, force = mass_of(scene), largest_force(scene)
     layout = Layout(scene, material, force, float(np.median(lengths)))
     made = equations_of(layout)
     check_sound(layout, made)
@@ -125,32 +122,17 @@ def build(scene: CableScene) -> Model:
             BESIDES_MODEL,
         ),
         observe=observer.observe,
-        headline=lambda result: headline(result),
+        headline=lambda result: headline(result, scene),
         limits=lambda result: limits(result, scene),
-        figure_units=FIGURES,
+        figure_units=FIGURES | (GAP if any(tie.method == "penalty" and tie.what != 2 for tie in scene.ties) else {}),
         start=solver.start,
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,
         handles=lambda: handles(layout, system.groups, model),
+        cause=lambda state, status: stiff_tie(layout, system, state, status),
     )  # fmt: skip
+    model = loosened(model, rounding_error(scene), "eps_energy")
     return with_limits(within_rounding(model, "eps_energy", MANY), scene)
-
-
-def _mass(scene: CableScene, lengths: Sequence[float]) -> float:
-    """All mass of ropes, unstretched `lengths` of elements, m, and of what hangs on nodes, kg."""
-    ropes = sum(e.rhoA * length for e, length in zip(scene.elements, lengths, strict=True))
-    return ropes + sum(item_of(part).mass(part) * len(part.nodes) for part in scene.nodal)
-
-
-def _largest_force(scene: CableScene, lengths: Sequence[float], mass: float) -> float:
-    """Force that counts as large, N: all weight, loads and forces, and a little of the stiffness."""
-    gravity = float(np.linalg.norm(scene.gravity))
-    loads = sum(math.hypot(*e.load) * length for e, length in zip(scene.elements, lengths, strict=True) if any(e.load))
-    forces = sum(item_of(part).force(part) * len(part.nodes) for part in scene.nodal)
-    axial = max((e.EA for e in scene.elements), default=0.0)
-    bending = max((e.EJ for e in scene.elements), default=0.0)
-    stiff = max(axial, 1e-3 * bending)
-    return mass * gravity + loads + forces + STIFF_SHARE * stiff or 1.0
 
 
 def _node_groups(layout: Layout) -> list[Any]:

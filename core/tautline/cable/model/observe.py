@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tautline.application.modelling import energies_of, energy_variables
+from tautline.cable.input.parts import CableScene
 from tautline.cable.model.layout import Layout
 from tautline.constraints.multiplier import Multipliers
 from tautline.kernels.hermite import FIRST, SECOND, table
@@ -14,6 +15,8 @@ from tautline.results.variable import Variable
 
 FIGURES = {"axial_force_max": "N", "axial_force_min": "N", "displacement_max": "m", "speed_max": "m/s"}
 """Figures of a run and their units, of which a scene may set limits."""
+GAP = {"tie_gap_max": "m"}
+"""The same of a scene with penalty springs."""
 SHORTEST_SLOPE = 1.0e-90
 """Slope below which a curve has no direction, and no curvature to speak of."""
 
@@ -125,7 +128,24 @@ class Observer:
         return (parts[0] + parts[1] + parts[2] + parts[3]) / length**order
 
 
-def headline(result: Any) -> dict[str, dict[str, Any]]:
+def gap_of(result: Any, scene: CableScene) -> float | None:
+    """Largest distance, m, by which penalty springs let positions or p differ; None without any."""
+    place = {node.id: i for i, node in enumerate(scene.nodes)}
+    gaps = []
+    for tie in scene.ties:
+        first, second = (place[node] for node in tie.nodes)
+        if tie.method != "penalty" or tie.what == 2:
+            continue
+        if tie.what == 0:
+            x = result["position"]
+            gaps.append(np.linalg.norm(x[:, second] - x[:, first] - np.array(tie.offset), axis=-1).max())
+        else:
+            p = result["material_coordinate"]
+            gaps.append(np.abs(p[:, second] - p[:, first]).max())
+    return float(max(gaps)) if gaps else None
+
+
+def headline(result: Any, scene: CableScene) -> dict[str, dict[str, Any]]:
     """Figures that sum a run up."""
     force, position = result["axial_force"], result["position"]
     moved = np.linalg.norm(position - position[0], axis=-1)
@@ -135,4 +155,7 @@ def headline(result: Any) -> dict[str, dict[str, Any]]:
         "displacement_max": (moved.max(), "m", "largest displacement of a node"),
         "speed_max": (np.linalg.norm(result["velocity"], axis=-1).max(), "m/s", "largest speed of a node"),
     }
+    gap = gap_of(result, scene)
+    if gap is not None:
+        figures["tie_gap_max"] = gap, "m", "largest gap of penalty springs"
     return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import floor, log10, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,18 +11,21 @@ from tautline.cable.input.geometry import COINCIDENT
 from tautline.cable.input.material import SHORTEST
 from tautline.cable.input.parts import Tie
 from tautline.cable.input.syntax.nodal import item_of
-from tautline.cable.model.elements import lengths_of
 from tautline.cable.model.layout import Layout
+from tautline.cable.model.magnitudes import penalty_stiffness, stiffest_element, stiffness_of
 from tautline.constraints.equations import equations
 from tautline.constraints.multiplier import Multipliers
 from tautline.constraints.penalty import Penalties
+from tautline.integrators.state import WORST
+from tautline.integrators.status import Status
 from tautline.scene.errors import Problem, SceneError
 from tautline.system.soundness import null_motions, redundant
+from tautline.system.system import System
 
 MISMATCH = 1.0e-9
 """Distance, m, by which two nodes may miss one another and still count as together."""
-PRECISION = 16
-"""Decimal digits of a number, b of eq. 2.158."""
+STIFF_TIE = 1.0e3
+"""Penalty over the stiffest element from which a step without solution may be due to it."""
 WORDS = ("r = r", "p = p", "r' = r'")
 
 
@@ -153,30 +155,43 @@ def constraint_groups(layout: Layout, made: Sequence[Equation], weight: float) -
         groups.append(Multipliers(table, unknown, weight, np.zeros(1)))
     sprung = [e for e in made if e.tie.method != "multiplier"]
     if sprung:
-        chosen = penalty_stiffness(layout)
-        stiffness = [_stiffness(layout, e, chosen) for e in sprung]
+        chosen = penalty_stiffness(layout.scene)
+        stiffness = [stiffness_of(layout.scene, e.tie, chosen) for e in sprung]
         groups.append(Penalties(equations([e.row for e in sprung], [e.offset for e in sprung]), np.array(stiffness)))
         if any(e.tie.stiffness is None for e in sprung):
             notes.append(
-                f"penalty stiffness of the ties that give none: {chosen:.3g} N/m (square root rule, eq. 2.158); "
-                "slopes take it times the square of an element's length"
+                f"penalty stiffness of the ties that give none: {chosen:.3g} N/m, by the stiffest "
+                "element and by what rounding allows. Slopes take it times the square of an element's length"
             )
     return groups, notes
 
 
-def penalty_stiffness(layout: Layout) -> float:
-    """Penalty stiffness by the square root rule, eq. 2.158, N/m: the largest stiffness's power of ten times 10^8."""
-    elements = layout.scene.elements
-    length = lengths_of(layout, elements)
-    axial, bending = np.array([(e.EA, e.EJ) for e in elements]).T
-    stiffest = float(np.maximum(axial / length, 12.0 * bending / length**3).max())
-    return 10.0 ** floor(log10(stiffest)) * sqrt(10.0**PRECISION) if stiffest > 0.0 else 1.0
+def stiff_tie(layout: Layout, system: System, state: Any, status: Status) -> tuple[Status, int, str] | None:
+    """Status, place and detail of a step without solution where a stiff penalty ties what was worst; None elsewhere.
 
-
-def _stiffness(layout: Layout, equation: Equation, chosen: float) -> float:
-    if equation.tie.stiffness is not None:
-        return equation.tie.stiffness
-    if equation.tie.what != 2:
-        return chosen
-    joined = [e for e in layout.scene.elements if set(e.nodes) & set(equation.tie.nodes)]
-    return chosen * (float(lengths_of(layout, joined).min()) if joined else 1.0) ** 2
+    Parameters
+    ----------
+    layout : Layout
+    system : System
+    state : State
+        Of the last accepted step, with the unknown that was worst in the one that failed.
+    status : Status
+        How the run ended.
+    """
+    scene, worst = layout.scene, int(state.counters[WORST])
+    if status is not Status.NOT_CONVERGED or worst < 0:
+        return None
+    node = list(layout.start)[int(np.searchsorted(layout.starts, system.free[worst], side="right")) - 1]
+    chosen, least = penalty_stiffness(scene), STIFF_TIE * stiffest_element(scene)
+    for tie in scene.ties:
+        # What a spring between slopes gives is told by that between positions beside it.
+        if tie.method != "penalty" or tie.what == 2 or node not in tie.nodes:
+            continue
+        stiffness = stiffness_of(scene, tie, chosen)
+        if stiffness >= least:
+            detail = (
+                f"a penalty spring of {stiffness:.3g} N/m ties node {node}. So stiff a spring may be the cause: give a "
+                f"smaller `p_spring`, or LagMultipl{layout.kind[node]} in place of Penalty{layout.kind[node]}"
+            )
+            return status, worst, detail
+    return None

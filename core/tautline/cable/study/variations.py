@@ -13,7 +13,7 @@ from typing import Any
 
 from tautline.cable.input.parts import CableScene, Element, Tie
 from tautline.cable.input.syntax.nodal import NodalPart
-from tautline.cable.model.ties import penalty_stiffness
+from tautline.cable.model.magnitudes import penalty_stiffness
 from tautline.cable.study.refinement import Chart, Place, divided, runs_of
 from tautline.scene.errors import SceneError
 from tautline.study.robustness.bar import Bar
@@ -140,7 +140,7 @@ def stiffnesses(scene: CableScene) -> dict[str, float | None]:
         chart = Chart(scene)
         found = [tie.stiffness / _square(chart, tie) for tie in sprung if tie.stiffness is not None]
         if len(found) < len(sprung):
-            found.append(penalty_stiffness(chart.layout))
+            found.append(penalty_stiffness(scene))
     anchored = max((anchor.model.stiffness for anchor in scene.anchors), default=None)
     return {"contact": anchored, "penalty": max(found, default=None)}
 

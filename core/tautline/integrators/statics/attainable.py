@@ -39,8 +39,13 @@ def within_rounding(model: Model, key: str = "solver.tolerance", many: float = m
     asked = settings.tolerance < EXAMINED or model.system.size >= many
     if method_of(settings.method).explicit or not asked:
         return model
-    least = attainable(model.system, settings, model.step_limit)
-    if not settings.tolerance < least < 1.0:
+    return loosened(model, attainable(model.system, settings, model.step_limit), key)
+
+
+def loosened(model: Model, least: float, key: str = "solver.tolerance") -> Model:
+    """The model with the tolerance ``least``, and a note, where the scene asks an implicit method for less."""
+    settings = model.solver
+    if method_of(settings.method).explicit or not settings.tolerance < least < 1.0:
         return model
     note = (
         f"{key} = {settings.tolerance:g} is below what the rounding of numbers leaves in this scene, {least:.1e}. "

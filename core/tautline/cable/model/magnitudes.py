@@ -1,0 +1,94 @@
+"""What counts as large in a scene: its mass, its forces, its coordinates, and the stiffness of springs that tie it."""
+
+from __future__ import annotations
+
+import math
+from math import sqrt
+
+import numpy as np
+
+from tautline.cable.input.material import element_lengths, material_coordinates
+from tautline.cable.input.parts import CableScene, Tie
+from tautline.cable.input.syntax.nodal import item_of
+
+STIFF_SHARE = 1.0e-4
+"""Share of the largest axial stiffness that counts as a large force."""
+STIFF = 1.0e6
+"""Chosen penalty over the stiffest element, at most: a joint gives 1e-6 of the stretch of an element."""
+ROUNDED = float(np.finfo(float).eps)
+"""Of a coordinate, by which the gap of two nodes is rounded."""
+
+
+def mass_of(scene: CableScene) -> float:
+    """All mass of ropes and of what hangs on nodes, kg; raises what `element_lengths` does."""
+    ropes = sum(e.rhoA * length for e, length in zip(scene.elements, _lengths(scene).tolist(), strict=True))
+    return ropes + sum(item_of(part).mass(part) * len(part.nodes) for part in scene.nodal)
+
+
+def largest_force(scene: CableScene) -> float:
+    """Force that counts as large, N: all weight, loads and forces, and a little of the stiffness."""
+    gravity, lengths = float(np.linalg.norm(scene.gravity)), _lengths(scene).tolist()
+    loads = sum(math.hypot(*e.load) * length for e, length in zip(scene.elements, lengths, strict=True) if any(e.load))
+    forces = sum(item_of(part).force(part) * len(part.nodes) for part in scene.nodal)
+    axial = max((e.EA for e in scene.elements), default=0.0)
+    bending = max((e.EJ for e in scene.elements), default=0.0)
+    stiff = max(axial, 1e-3 * bending)
+    return mass_of(scene) * gravity + loads + forces + STIFF_SHARE * stiff or 1.0
+
+
+def stiffest_element(scene: CableScene) -> float:
+    """Largest stiffness of an element against the motion of its ends, EA/L or 12 EJ/L^3, N/m."""
+    if not scene.elements:
+        return 0.0
+    axial, bending = np.array([(e.EA, e.EJ) for e in scene.elements]).T
+    length = _lengths(scene)
+    return float(np.maximum(axial / length, 12.0 * bending / length**3).max())
+
+
+def rounded_gap(scene: CableScene) -> float:
+    """By how much the gap of two tied nodes may be rounded, m: of positions, and of p where p is tied."""
+    places = [abs(x) for node in scene.nodes for x in node.position]
+    if any(tie.what == 1 for tie in scene.ties):
+        places += map(abs, material_coordinates(scene).values())
+    return ROUNDED * max(1.0, max(places, default=0.0))
+
+
+def penalty_stiffness(scene: CableScene) -> float:
+    """Penalty stiffness of ties that give none, N/m.
+
+    A spring k beside elements of stiffness K gives K/k of their stretch, and the rounding d of its gap leaves a force
+    k d beside forces F. Their sum is least at k = sqrt(K F/d). Where coordinates are small that is more than any joint
+    needs, and k is 10^6 K. The square root rule (eq. 2.158) has 10^8 K: rounding then is all that is left of the force.
+    """
+    stiffest = stiffest_element(scene)
+    if not stiffest > 0.0:
+        return 1.0
+    return min(STIFF * stiffest, sqrt(stiffest * largest_force(scene) / rounded_gap(scene)))
+
+
+def rounding_error(scene: CableScene) -> float:
+    """Error of eq. 2.78 that the rounding of gaps leaves in the springs of ties, the root of their energy in J.
+
+    An iteration cannot bring a gap closer to where it should be than the coordinates of both nodes are rounded.
+    """
+    sprung = [tie for tie in scene.ties if tie.method != "multiplier"]
+    if not sprung:
+        return 0.0
+    chosen, gap = penalty_stiffness(scene), 2.0 * rounded_gap(scene)
+    across = {0: 3.0 * gap**2, 1: gap**2, 2: 3.0 * (2.0 * ROUNDED) ** 2}
+    return sqrt(sum(stiffness_of(scene, tie, chosen) * across[tie.what] for tie in sprung))
+
+
+def stiffness_of(scene: CableScene, tie: Tie, chosen: float) -> float:
+    """Stiffness of a tie's springs, N/m (N m for slopes): its own, else ``chosen``, times L^2 for slopes."""
+    if tie.stiffness is not None:
+        return tie.stiffness
+    if tie.what != 2:
+        return chosen
+    ends = zip(scene.elements, _lengths(scene).tolist(), strict=True)
+    joined = [length for element, length in ends if set(element.nodes) & set(tie.nodes)]
+    return chosen * min(joined, default=1.0) ** 2
+
+
+def _lengths(scene: CableScene) -> np.ndarray:
+    return np.abs(element_lengths(scene))
