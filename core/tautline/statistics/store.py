@@ -1,9 +1,10 @@
 """A result that keeps statistics and windows round the extremes in place of every frame.
 
 It stands in the place of `tautline.results.store.Store`: frames come in batches as the loop makes them, and are given
-up when their statistics are taken. The application's figures and limits are made of pieces of the run, each with the
-frame at the start of the run before it, and joined: the largest of the largest, the smallest of the smallest. Figures
-that are sums over all frames, or that count events, cannot be made so and are left out.
+up when their statistics are taken. The application's figures and limits are made of pieces of the run and joined: the
+largest of the largest, the smallest of the smallest. Each piece knows the frame at the start of the run, from which a
+rise is measured, and which counts for nothing else where values count from a later time on. Figures that are sums over
+all frames, or that count events, cannot be made so and are left out. Limits of the scene are looked at in every frame.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.results.assessment.bounds import Bound, Tally
 from tautline.results.assessment.limits import AT_MOST
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -65,9 +67,11 @@ class Keep:
 class Digest(Result):
     """What is kept of a run, with the figures and limits of all of its frames."""
 
-    def __init__(self, contents: Any, figures: dict[str, Any], records: list[dict[str, Any]]) -> None:
+    def __init__(
+        self, contents: Any, figures: dict[str, Any], records: list[dict[str, Any]], tallies: Sequence[Tally]
+    ) -> None:
         super().__init__(None, contents)
-        self.figures, self.records = figures, records
+        self.figures, self.records, self.tallies = figures, records, tallies
 
 
 def told_by_digest(model: Any) -> Any:
@@ -93,6 +97,8 @@ class StatisticsStore(Store):
     keep : Keep
     headline, limits : callable
         Result -> figures, and records of limits.
+    bounds : sequence of tautline.results.assessment.bounds.Bound
+        Limits of the scene, which are looked at in every frame that counts.
     """
 
     def __init__(
@@ -104,8 +110,10 @@ class StatisticsStore(Store):
         keep: Keep,
         headline: Callable[[Any], dict[str, dict[str, Any]]],
         limits: Callable[[Any], list[dict[str, Any]]] | None,
+        bounds: Sequence[Bound] = (),
     ) -> None:
         super().__init__(path, variables, coordinates, attributes)
+        self._tallies = [Tally(bound) for bound in bounds]
         self.keep, self._headline, self._limits = keep, headline, limits
         self._moments: dict[str, Moments] = {}
         self._turns = {name: Turns() for name in keep.watched}
@@ -161,10 +169,11 @@ class StatisticsStore(Store):
         """Make the figures and limits of the frames that wait, and join them with those before."""
         if not self._piece:
             return
-        parts = self._piece if self._piece[0]["time"][0] == self._first["time"][0] else [self._first, *self._piece]
-        arrays = {name: np.concatenate([part[name] for part in parts]) for name in self._first}
+        arrays = {name: np.concatenate([part[name] for part in self._piece]) for name in self._first}
         self._piece, self._waiting = [], 0
-        piece = Result(None, (self.variables, arrays, self.coordinates, self.attributes, {}))
+        piece = Result(None, (self.variables, arrays, self.coordinates, self.attributes, {}), start=self._first)
+        for tally in self._tallies:
+            tally.add(arrays, arrays["time"])
         if self.keep.rules:
             for name, figure in self._headline(piece).items():
                 self._join_figure(name, figure)
@@ -195,7 +204,7 @@ class StatisticsStore(Store):
             figures |= self.keep.of_turns(self._turns)
         arrays = self._frames()
         contents = (self.variables, arrays, self.coordinates, self.attributes, {})
-        return Digest(contents, figures, list(self.records.values()))
+        return Digest(contents, figures, list(self.records.values()), self._tallies)
 
     def finish(
         self, attributes: Mapping[str, Any] | None = None, restart: Mapping[str, np.ndarray] | None = None
