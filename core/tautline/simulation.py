@@ -163,5 +163,7 @@ def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., FrameSto
     bounds = model.bounds
     if brief is not None and not brief.limits:
         limits, bounds = None, ()
-    make = partial(StatisticsStore, keep=model.keep, headline=headline, limits=limits, bounds=bounds)
+    make = partial(
+        StatisticsStore, keep=model.keep, headline=headline, limits=limits, bounds=bounds, figures=model.figure_units
+    )
     return make, told_by_digest(model)

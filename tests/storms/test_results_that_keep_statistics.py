@@ -11,6 +11,7 @@ from cli.in_process import commands_of
 import tautline
 from crane.application import Crane
 from crane.rope_life.fatigue import rainflow_counts
+from drillstring.application import Drillstring
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
 from tautline.statistics.streaming import Blocks, Moments, Turns, Windows
@@ -288,3 +289,33 @@ def test_a_run_that_ends_before_begin_judges_nothing(jump):
     (bound,) = Crane().build(jump.replace({"limits": [{"output": "tension", "above": 1.0}]})).bounds
     record = Tally(bound).record({})
     assert record["passed"] is None and "no frame counts" in record["note"]
+
+
+WELL = """
+well: {sections: [{hold: 500 m}], diameter: 8.5 in, wall: none}
+string: [{name: drill pipe, length: rest, od: 5 in, id: 4.276 in}]
+material: {youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}
+damping: {translation: 100}
+top: {block: {harmonic: {amplitude: 1 m, period: 10 s}}}
+model: {kind: lumped, elements: 10}
+solver: {method: generalized-alpha, step: 5 ms, end: 20 s}
+output: {interval: 50 ms}
+"""
+
+
+def test_statistics_of_a_string_tell_its_largest_and_smallest_and_name_what_they_do_not_tell():
+    well, begin = tautline.read(WELL), 4.0
+    build = Drillstring().build
+    full = simulate(build(well))
+    kept = simulate(build(well.replace({"output": {"interval": 0.05, "keep": "statistics", "begin": begin}})))
+    figures = {name: one["value"] for name, one in kept.headline.items()}
+    some = full.time >= begin - 1e-9
+    hook = full["hook_load"]
+    assert figures["hook_load_max"] == hook[some].max() < hook.max()
+    assert figures["hook_load_min"] == hook[some].min()
+    assert figures["hook_load_start"] == hook[0]
+    assert figures["bit_speed_max"] == np.abs(full["bit_speed"][some]).max()
+    assert figures["stretch_start"] == full.headline["stretch_start"]["value"]
+    left_out = kept.attributes["figures_left_out"].split(", ")
+    assert {"bit_displacement", "stick_slip_severity"} <= set(left_out)
+    assert not set(left_out) & figures.keys()

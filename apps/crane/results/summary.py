@@ -17,7 +17,7 @@ from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification_of, checked, columns, largest, safety_factor, slack_events
 from crane.rope_life.fatigue import SLOPE, RainflowCycles, equivalent_range, rainflow_counts
 from crane.scene.scene import CraneScene, Sheave
-from tautline.results.result import at_start
+from tautline.results.variable import at_start
 from tautline.statistics.streaming import Turns
 
 SLACK = 0.01

@@ -56,14 +56,14 @@ class Result:
         """Of a run in memory, or of a file.
 
         Whoever makes this and has written the file gives ``known``, its variables, and ``held``, what of their values
-        is still in memory and need not be read. Of a part of a run ``start`` is the frame at the start of the run:
-        variables with a leading axis of one.
+        is still in memory and need not be read. Of a part of a run ``start`` is the frame at the start of the run, which
+        `tautline.results.variable.at_start` reads: variables with a leading axis of one.
         """
         self.path = None if path is None else Path(path)
         self._contents = contents
         self._known = known
         self._held = held or {}
-        self._start = start or {}
+        self.start = start or {}
 
     @classmethod
     def read(cls, path: str | Path) -> Result:
@@ -255,20 +255,6 @@ class Result:
                     raise ResultError(self.path or "", f"is damaged: {error}", "run the scene again") from None
             time.sleep(PAUSE)
         raise AssertionError("unreachable")
-
-
-def at_start(result: Any, name: str) -> np.ndarray:
-    """Values of a variable at the start of a run: its first frame, also where the result is a part without that frame.
-
-    Parameters
-    ----------
-    result : Result or mapping
-        Of variables by name, (m, ...) each.
-    name : str
-        Of the variable; its values have the shape (...).
-    """
-    start = getattr(result, "_start", {})
-    return _read_only((start[name] if name in start else result[name])[0])
 
 
 def _check_file(path: Path) -> None:

@@ -10,7 +10,7 @@ all frames, or that count events, cannot be made so and are left out. Limits of 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,8 @@ BINS = 64
 """Of a rainflow histogram."""
 KEPT, STATISTICS = "kept", "statistics"
 """Attribute of a result, and its value, that says that it keeps statistics."""
+LEFT_OUT = "figures_left_out"
+"""Attribute that names the figures which such a result does not have, between commas."""
 LARGEST, SMALLEST, LAST = "largest", "smallest", "last"
 
 
@@ -52,6 +54,8 @@ class Keep:
         Figures that are asked of pieces, where an application has a quicker way to some than to all.
     of_turns : callable or None
         (variable -> Turns) -> figures that follow from turning points.
+    turned : tuple of str
+        Their names.
     """
 
     windows: float
@@ -62,6 +66,13 @@ class Keep:
     rules: Mapping[str, str] = field(default_factory=dict)
     names: tuple[str, ...] = ()
     of_turns: Callable[[Mapping[str, Turns]], dict[str, dict[str, Any]]] | None = None
+    turned: tuple[str, ...] = ()
+
+    def makes(self, name: str) -> bool:
+        """Whether statistics tell a figure of the application, by its name: others need every frame."""
+        return any(re.fullmatch(rule, name) for rule in self.rules) or (
+            self.of_turns is not None and name in self.turned
+        )
 
 
 class Digest(Result):
@@ -99,6 +110,8 @@ class StatisticsStore(Store):
         Result -> figures, and records of limits.
     bounds : sequence of tautline.results.assessment.bounds.Bound
         Limits of the scene, which are looked at in every frame that counts.
+    figures : collection of str
+        Names of all figures that a run can have with every frame.
     """
 
     def __init__(
@@ -111,9 +124,12 @@ class StatisticsStore(Store):
         headline: Callable[[Any], dict[str, dict[str, Any]]],
         limits: Callable[[Any], list[dict[str, Any]]] | None,
         bounds: Sequence[Bound] = (),
+        figures: Collection[str] = (),
     ) -> None:
         super().__init__(path, variables, coordinates, attributes)
-        self._tallies = [Tally(bound) for bound in bounds]
+        # That there is no figure of events, where none are made, does not say that there was no event.
+        self._tallies = [Tally(one if keep.makes(one.output) else replace(one, absent=None)) for one in bounds]
+        self._left_out = [name for name in figures if not keep.makes(name)]
         self.keep, self._headline, self._limits = keep, headline, limits
         self._moments: dict[str, Moments] = {}
         self._turns = {name: Turns() for name in keep.watched}
@@ -175,6 +191,8 @@ class StatisticsStore(Store):
         for tally in self._tallies:
             tally.add(arrays, arrays["time"])
         if self.keep.rules:
+            # What is of the end of the run, and is not of this piece, the end has not.
+            self.figures = {name: one for name, one in self.figures.items() if self._rule(name) != LAST}
             for name, figure in self._headline(piece).items():
                 self._join_figure(name, figure)
         for record in self._limits(piece) if self._limits is not None else ():
@@ -182,8 +200,12 @@ class StatisticsStore(Store):
             if before is None or _worse(record, before):
                 self.records[record["name"]] = record
 
+    def _rule(self, name: str) -> str | None:
+        """How a figure is joined; None where it is not."""
+        return next((rule for pattern, rule in self.keep.rules.items() if re.fullmatch(pattern, name)), None)
+
     def _join_figure(self, name: str, figure: dict[str, Any]) -> None:
-        rule = next((rule for pattern, rule in self.keep.rules.items() if re.fullmatch(pattern, name)), None)
+        rule = self._rule(name)
         if rule is None:
             return
         before = self.figures.get(name)
@@ -218,7 +240,7 @@ class StatisticsStore(Store):
         self.coordinates |= self._statistics()
         self.attributes |= {
             KEPT: STATISTICS, "frames_seen": count, "windows": self._told_windows(),
-            "statistics_begin": self.keep.begin, "block": self.keep.block,
+            "statistics_begin": self.keep.begin, "block": self.keep.block, LEFT_OUT: ", ".join(self._left_out),
         }  # fmt: skip
         self.frames, self._batches = 0, []
         super().append(arrays)

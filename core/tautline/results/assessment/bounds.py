@@ -14,7 +14,7 @@ Between two frames a value is taken as linear, for durations alone. What happens
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -245,8 +245,7 @@ class Tally:
         """The record, as `judge` gives it; figures, name -> {value, unit, text}, are those of all frames."""
         bound, until = self.bound, self._until
         if not bound.of_frames:
-            # Statistics have no figure of events: that there is none does not say that there was no event.
-            return _of_figure(replace(bound, absent=None), headline.get(bound.output), until, NOT_IN_STATISTICS)
+            return _of_figure(bound, headline.get(bound.output), until, NOT_IN_STATISTICS)
         if not self._frames:
             return _record(bound, until, note="no frame counts: the run ended before output.begin")
         if self._none:
