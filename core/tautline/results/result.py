@@ -56,8 +56,8 @@ class Result:
         """Of a run in memory, or of a file.
 
         Whoever makes this and has written the file gives ``known``, its variables, and ``held``, what of their values
-        is still in memory and need not be read. Of a part of a run ``start`` is the frame at the start of the run, which
-        `tautline.results.variable.at_start` reads: variables with a leading axis of one.
+        is still in memory and need not be read. Of a part of a run ``start`` is the frame at the start of the run, with
+        a leading axis of one; `tautline.results.variable.at_start` reads it.
         """
         self.path = None if path is None else Path(path)
         self._contents = contents

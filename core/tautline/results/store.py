@@ -116,6 +116,8 @@ class Store:
         self._copies = None if self.path is None else _Copies(self.path)
         self._restart: Mapping[str, np.ndarray] = {}
         self._now: dict[str, Any] = {}
+        self.start: Mapping[str, np.ndarray] = {}
+        """The frame at the start of the run, where it is not among those that are stored; see `Result`."""
 
     def append(
         self,
@@ -274,8 +276,9 @@ class Store:
 
     def _in_memory(self, restart: Mapping[str, np.ndarray]) -> Result:
         return Result(
-            None, (self.variables, self._joined(), self.coordinates, self._now | self.attributes, dict(restart))
-        )
+            None, (self.variables, self._joined(), self.coordinates, self._now | self.attributes, dict(restart)),
+            start=self.start,
+        )  # fmt: skip
 
 
 class _Copies:
