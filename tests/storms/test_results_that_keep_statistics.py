@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -319,3 +320,21 @@ def test_statistics_of_a_string_tell_its_largest_and_smallest_and_name_what_they
     left_out = kept.attributes["figures_left_out"].split(", ")
     assert {"bit_displacement", "stick_slip_severity"} <= set(left_out)
     assert not set(left_out) & figures.keys()
+
+
+def test_tables_of_windows_count_the_pieces_of_time_and_the_command_tells_them(both, tmp_path, capsys):
+    full, kept = both
+    code, _, told = commands_of(Crane(), capsys)("export", "--csv", kept.path, "-o", tmp_path)
+    assert code == 0
+    with (tmp_path / "kept.csv").open(newline="") as lines:
+        titles, *rows = list(csv.reader(lines))
+    assert titles[:2] == ["time [s]", "piece"]
+    time, piece = np.array([[float(row[0]), int(row[1])] for row in rows]).T
+    number = np.searchsorted(full.time, time - 1e-9)
+    assert np.array_equal(np.diff(piece) > 0, np.diff(number) > 1) and piece[0] == 1 and piece[-1] > 2
+    told = " ".join(told.split())
+    assert f"keeps {len(time)} of {len(full.time)} frames" in told
+    last = full.time[-1]
+    assert f"to {last:g} s. Tables" in told or f", {last:g} s. Tables" in told
+    commands_of(Crane(), capsys)("export", "--csv", full.path, "-o", tmp_path)
+    assert "piece" not in (tmp_path / "full.csv").read_text().splitlines()[0]

@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from tautline.results.variable import at_start
-
 MOVED = 1.0e-5
 """Displacement of the bit, m, from which it has moved: a stuck one creeps by less than a tenth of it, elastically."""
 AT_REST = 1.0e-8
@@ -33,8 +31,8 @@ def break_away_figures(result: Any) -> dict[str, tuple[float, str, str]]:
     """
     if ON_BOTTOM in result and np.any(result[ON_BOTTOM] != 0.0):
         return {}
-    if at_start(result, "time") < result["time"][0]:
-        # The start is not among the frames: the bit may have moved before them.
+    if getattr(result, "start", {}):
+        # A part of a run, without its start: the bit may have moved before.
         return {}
     block, bit = result["block_position"], result["bit_depth"]
     starts = (result["axial_velocity"][0], result["rotation_rate"][0])
