@@ -107,6 +107,10 @@ def _run(
             # The static start asks for a part of what the loop does.
             model.system.link(loop_of(run.method)[1])
             if earlier is not None:
+                assert resume is not None
+                if isinstance(store, Store):
+                    # Of a simulation that kept its last frames only: the start is not among those that follow.
+                    store.start = resume.start
                 store.append(earlier, run.memory, run.progress())
             else:
                 run.start()

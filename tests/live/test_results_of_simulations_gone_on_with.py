@@ -104,6 +104,22 @@ def test_figures_over_the_start_are_so_where_the_start_is_not_kept_any_more(keep
     assert figures["max_displacement"] == pytest.approx(away.max(), rel=1e-6)
 
 
+@pytest.mark.parametrize("path", [None, "on.nc"])
+def test_the_start_stays_that_of_the_run_where_the_last_frames_are_gone_on_with(path, tmp_path):
+    sim = tautline.Simulation(DATA / "hoist.yaml", keep=1.0)
+    sim.advance_to(2.5)
+    resumed = tautline.simulate(
+        DATA / "hoist.yaml", end=3.0, resume=sim.result, path=None if path is None else tmp_path / path
+    )
+    full = tautline.simulate(DATA / "hoist.yaml", end=3.0)
+    tension, height = full["tension"], full["body_position"][:, 0, 2]
+    figures = {name: one["value"] for name, one in resumed.headline.items()}
+    some = full.time >= resumed.time[0] - 1e-9
+    assert resumed.time[0] == pytest.approx(1.5)
+    assert figures["rise"] == pytest.approx(height[-1] - height[0], rel=1e-6)
+    assert figures["dynamic_amplification"] == pytest.approx((tension[some] / tension[0]).max(), rel=1e-6)
+
+
 @pytest.mark.parametrize("how", ["given", "initial", "named"])
 def test_a_result_of_a_driven_simulation_says_so_and_is_not_gone_on_with(how):
     name = "vessel.surge" if how == "named" else "winch.pay_out_speed"

@@ -192,7 +192,7 @@ class Store:
             raise self._failure(self._copies, error) from error
         finally:
             self.close()
-        return Result(self._copies.path, known=self._described)
+        return Result(self._copies.path, known=self._described, start=self.start)
 
     @property
     def result(self) -> Result | None:
@@ -201,7 +201,7 @@ class Store:
             return None
         if self.path is None:
             return self._in_memory(self._restart)
-        return Result(self.path, known=self._described, held=self._held)
+        return Result(self.path, known=self._described, held=self._held, start=self.start)
 
     @property
     def _held(self) -> dict[str, np.ndarray]:

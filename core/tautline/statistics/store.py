@@ -161,8 +161,10 @@ class StatisticsStore(Store):
         self._now |= dict(attributes or {})
         keep = self.keep
         watched = {name: _columns(batch[name]) for name in keep.watched}
-        self._windows.add(batch, watched, keep.begin)
-        start = int(np.searchsorted(time, keep.begin * (1.0 - 1e-12)))
+        # The rounding of a sum of steps must not leave out the frame at `begin` itself.
+        begin = keep.begin * (1.0 - 1e-12)
+        self._windows.add(batch, watched, begin)
+        start = int(np.searchsorted(time, begin))
         if start < len(time):
             self._accumulate(batch, watched, time, start)
             self._piece.append({name: values[start:] for name, values in batch.items()})
