@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from gardenhose.motion.limit_cycle import limit_cycle
+from tautline.results.variable import at_start
 from tautline.study.trials.errors import first_mode
 
 FIGURES = {
@@ -14,6 +15,8 @@ FIGURES = {
     "axial_force_min": "N", "flow_speed": "m/s", "node": "", "node_amplitude": "m", "node_frequency": "Hz",
 }  # fmt: skip
 """Figures of a run that are one number, and their units: a scene may set limits of these."""
+JOINED = {"tip_speed_max|axial_force_max": "largest", "axial_force_min": "smallest", "flow_speed": "last"}
+"""How figures of pieces of a run make those of the whole; the others are of the motion at its end."""
 MOVES = 1.0e-6
 """Share of the length that the nodes of a hose whose tip rests must move for it to be told."""
 
@@ -21,7 +24,7 @@ MOVES = 1.0e-6
 def _between_ends(result: Any, length: float) -> dict[str, tuple[Any, str, str]]:
     """Figures of the node that moves most, where the tip is at rest: it may be held."""
     position = result["position"]
-    moved = np.linalg.norm(position - position[0], axis=-1).max(axis=0)
+    moved = np.linalg.norm(position - at_start(result, "position"), axis=-1).max(axis=0)
     node = int(moved.argmax())
     if moved[node] <= MOVES * length:
         return {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -120,15 +120,6 @@ class Brief:
     work: int = FIRST_WORK
     compiled: bool = False
     turn: Any = None
-
-
-def _of_windows(record: dict[str, Any], watched: Collection[str]) -> dict[str, Any]:
-    """A limit judged over windows round the extremes: it holds for the whole run only of what was watched, at once."""
-    whole = not record.get("variable") or (record["variable"] in watched and not record.get("for"))
-    if whole:
-        return record
-    note = "only windows round the extremes are kept: name the variable in output.of, or keep frames"
-    return {**record, "passed": None, "margin": None, "note": note}
 
 
 class Run:
@@ -475,10 +466,11 @@ class Run:
         if self.brief is not None and not self.brief.limits:
             return []
         of_application = self.model.limits(result) if self.model.limits is not None else []
-        own = judge(self.model.bounds, result, headline)
-        if self.model.keep is not None:
-            own = [_of_windows(record, self.model.keep.watched) for record in own]
-        return [*of_application, *own]
+        tallies = getattr(result, "tallies", None)
+        if tallies is not None:
+            # Most frames are gone: the limits were looked at as these came.
+            return [*of_application, *(tally.record(headline) for tally in tallies)]
+        return [*of_application, *judge(self.model.bounds, result, headline)]
 
     def energy_gained(self) -> float:
         """Energy created numerically, over what went through the system; steady motion is left out of that."""

@@ -107,6 +107,10 @@ def _run(
             # The static start asks for a part of what the loop does.
             model.system.link(loop_of(run.method)[1])
             if earlier is not None:
+                assert resume is not None
+                if isinstance(store, Store):
+                    # Of a simulation that kept its last frames only: the start is not among those that follow.
+                    store.start = resume.start
                 store.append(earlier, run.memory, run.progress())
             else:
                 run.start()
@@ -153,12 +157,17 @@ def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., FrameSto
     headline: Callable[[Any], dict[str, dict[str, Any]]] = model.headline
     limits, names = model.limits, tuple(model.keep.names)
     if brief is not None and brief.names:
-        names = tuple(brief.names)
+        judged = {bound.output for bound in model.bounds if not bound.of_frames} if brief.limits else set()
+        names = tuple(brief.names | judged)
     if names and (figures := model.figures) is not None:
 
         def headline(result: Result) -> dict[str, dict[str, Any]]:
             return figures(result, names)
 
+    bounds = model.bounds
     if brief is not None and not brief.limits:
-        limits = None
-    return partial(StatisticsStore, keep=model.keep, headline=headline, limits=limits), told_by_digest(model)
+        limits, bounds = None, ()
+    make = partial(
+        StatisticsStore, keep=model.keep, headline=headline, limits=limits, bounds=bounds, figures=model.figure_units
+    )
+    return make, told_by_digest(model)

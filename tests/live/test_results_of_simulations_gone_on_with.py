@@ -83,6 +83,43 @@ def test_the_energy_of_a_result_that_keeps_its_last_frames_only_balances_when_it
     assert not any("unaccounted" in text for text in resumed.warnings)
 
 
+@pytest.mark.parametrize("copied", [False, True])
+@pytest.mark.parametrize("keep", [2.5, 1.3])
+def test_figures_over_the_start_are_so_where_the_start_is_not_kept_any_more(keep, copied):
+    """The amplification was said to be 1.0, and the rise of the load to be from the first frame that was left."""
+    full = tautline.simulate(DATA / "hoist.yaml", end=3.0)
+    sim = tautline.Simulation(DATA / "hoist.yaml", keep=keep)
+    sim.advance_to(2.9)
+    sim = sim.copy() if copied else sim
+    sim.advance_to(3.0)
+    result = sim.result
+    figures = {name: one["value"] for name, one in result.headline.items()}
+    some = full.time >= result.time[0] - 1e-9
+    tension, height = full["tension"], full["body_position"][:, 0, 2]
+    assert result.time[0] == pytest.approx(3.0 - keep)
+    assert figures["dynamic_amplification"] == pytest.approx((tension[some] / tension[0]).max(), rel=1e-6)
+    assert figures["max_tension"] == pytest.approx(tension[some].max(), rel=1e-6)
+    assert figures["rise"] == pytest.approx(height[-1] - height[0], rel=1e-6)
+    away = np.linalg.norm(full["body_position"][some, 0] - full["body_position"][0, 0], axis=-1)
+    assert figures["max_displacement"] == pytest.approx(away.max(), rel=1e-6)
+
+
+@pytest.mark.parametrize("path", [None, "on.nc"])
+def test_the_start_stays_that_of_the_run_where_the_last_frames_are_gone_on_with(path, tmp_path):
+    sim = tautline.Simulation(DATA / "hoist.yaml", keep=1.0)
+    sim.advance_to(2.5)
+    resumed = tautline.simulate(
+        DATA / "hoist.yaml", end=3.0, resume=sim.result, path=None if path is None else tmp_path / path
+    )
+    full = tautline.simulate(DATA / "hoist.yaml", end=3.0)
+    tension, height = full["tension"], full["body_position"][:, 0, 2]
+    figures = {name: one["value"] for name, one in resumed.headline.items()}
+    some = full.time >= resumed.time[0] - 1e-9
+    assert resumed.time[0] == pytest.approx(1.5)
+    assert figures["rise"] == pytest.approx(height[-1] - height[0], rel=1e-6)
+    assert figures["dynamic_amplification"] == pytest.approx((tension[some] / tension[0]).max(), rel=1e-6)
+
+
 @pytest.mark.parametrize("how", ["given", "initial", "named"])
 def test_a_result_of_a_driven_simulation_says_so_and_is_not_gone_on_with(how):
     name = "vessel.surge" if how == "named" else "winch.pay_out_speed"

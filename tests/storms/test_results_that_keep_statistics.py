@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from cli.in_process import commands_of
 import tautline
 from crane.application import Crane
 from crane.rope_life.fatigue import rainflow_counts
+from drillstring.application import Drillstring
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
 from tautline.statistics.streaming import Blocks, Moments, Turns, Windows
@@ -199,16 +201,140 @@ def test_the_file_reads_as_a_data_set(both):
     assert data.attrs["kept"] == "statistics"
 
 
-def test_limits_of_the_scene_are_judged_by_what_is_kept_and_no_more(scene):
+def given(result):
+    """Records of the limits that the scene gives, by name."""
+    return {one["name"]: one for one in result.limits if "output" in one}
+
+
+def test_limits_of_the_scene_are_judged_in_every_frame_and_for_how_long_is_not_known(scene):
     limits = [
         {"output": "max_tension", "above": 1.0e3, "name": "figure"},
         {"output": "tension", "above": 1.0e3, "name": "watched"},
         {"output": "tension", "above": 1.0e3, "for": 0.5, "name": "lasting"},
+        {"output": "tension", "above": 1.0e6, "for": 0.5, "name": "never"},
         {"output": "paid_out", "above": 1.0e3, "name": "not watched"},
+        {"output": "longest_slack", "above": 1.0, "name": "events"},
     ]
     asked = {"interval": 0.04, "keep": "statistics", "windows": 4.0, "block": 10.0, "begin": 6.0}
-    result = simulate(Crane().build(scene.replace({"output": asked, "limits": limits, "solver.end": 20.0})))
-    found = {one["name"]: one for one in result.limits if "output" in one}
+    found = given(simulate(Crane().build(scene.replace({"output": asked, "limits": limits, "solver.end": 20.0}))))
     assert found["figure"]["passed"] is False and found["watched"]["passed"] is False
-    for name in ("lasting", "not watched"):
+    assert found["not watched"]["passed"] is True and found["never"]["passed"] is True
+    for name in ("lasting", "events"):
         assert found[name]["passed"] is None and "keep frames" in found[name]["note"]
+    for one in found.values():
+        assert one["longest"] is None and one["exceeded"] is None and one["since"] is None
+
+
+# The tip jumps at t = 0, and the load swings long after in a way of its own.
+JUMP = """
+title: A tip that heaves from the start on
+rope: {mass_per_length: 1 kg/m, axial_stiffness: 20 MN, damping: 10 ms, breaking_load: 400 kN}
+bodies: [{name: load, mass: 5 t, position: [0, 0, 0]}]
+path: [{anchor: {name: tip, position: [0, 0, 10]}}, {end: {name: hook, body: load}}]
+mesh: {elements_per_span: 1}
+vessel: {reference: [0, 0, 0], motion: {heave: {harmonic: {amplitude: 0.5 m, period: 8 s}}}}
+solver: {step: 20 ms, end: 30 s}
+output: {interval: 100 ms}
+"""
+HIGH = 0.4
+KEEP = {"interval": 0.1, "keep": "statistics", "windows": 0.5}
+
+
+@pytest.fixture(scope="module")
+def jump():
+    return tautline.read(JUMP)
+
+
+@pytest.fixture(scope="module")
+def every_frame(jump):
+    return simulate(Crane().build(jump))
+
+
+@pytest.mark.parametrize("begin", [0.0, 13.0])
+def test_a_limit_on_one_number_of_an_array_is_judged_in_all_frames_that_count(jump, every_frame, begin):
+    limits = [
+        {"output": "load.position[2]", "at_most": HIGH, "name": "high"},
+        {"output": "load.position[2]", "at_least": -1.0, "name": "low"},
+    ]
+    found = given(simulate(Crane().build(jump.replace({"output": KEEP | {"begin": begin}, "limits": limits}))))
+    some = every_frame.time >= begin - 1e-9
+    time, height = every_frame.time[some], every_frame["body_position"][some, 0, 2]
+    assert found["high"]["passed"] is False and found["low"]["passed"] is True
+    for name, k in (("high", height.argmax()), ("low", height.argmin())):
+        assert found[name]["value"] == height[k] and found[name]["time"] == time[k]
+    assert found["high"]["margin"] == HIGH - height.max()
+
+
+def test_frames_before_begin_count_in_no_figure_and_no_limit(jump, every_frame):
+    begin = 13.0
+    limits = [{"output": "tension", "above": 51.0e3, "name": "load"}, {"output": "max_tension", "above": 51.0e3}]
+    kept = simulate(Crane().build(jump.replace({"output": KEEP | {"begin": begin}, "limits": limits})))
+    some = every_frame.time >= begin - 1e-9
+    first, tension = every_frame["tension"][0], every_frame["tension"][some]
+    assert every_frame["tension"].max() > first.max() > tension.max() + 1.0e3
+    figures = {name: one["value"] for name, one in kept.headline.items()}
+    assert figures["max_tension"] == tension.max() and figures["min_tension"] == tension.min()
+    # The start is what is hung from, and what a rise is measured from.
+    height = every_frame["body_position"][:, 0, 2]
+    assert figures["max_rise"] == height[some].max() - height[0]
+    assert figures["rise"] == pytest.approx(height[-1] - height[0], abs=1e-12)
+    assert figures["dynamic_amplification"] == pytest.approx((tension / first).max(), rel=1e-12)
+    (breaking,) = (one for one in kept.limits if one["name"] == "breaking_load")
+    assert breaking["value"] == tension.max() and breaking["time"] >= begin
+    assert all(one["passed"] for one in given(kept).values())
+
+
+def test_a_run_that_ends_before_begin_judges_nothing(jump):
+    from tautline.results.assessment.bounds import Tally
+
+    (bound,) = Crane().build(jump.replace({"limits": [{"output": "tension", "above": 1.0}]})).bounds
+    record = Tally(bound).record({})
+    assert record["passed"] is None and "no frame counts" in record["note"]
+
+
+WELL = """
+well: {sections: [{hold: 500 m}], diameter: 8.5 in, wall: none}
+string: [{name: drill pipe, length: rest, od: 5 in, id: 4.276 in}]
+material: {youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}
+damping: {translation: 100}
+top: {block: {harmonic: {amplitude: 1 m, period: 10 s}}}
+model: {kind: lumped, elements: 10}
+solver: {method: generalized-alpha, step: 5 ms, end: 20 s}
+output: {interval: 50 ms}
+"""
+
+
+def test_statistics_of_a_string_tell_its_largest_and_smallest_and_name_what_they_do_not_tell():
+    well, begin = tautline.read(WELL), 4.0
+    build = Drillstring().build
+    full = simulate(build(well))
+    kept = simulate(build(well.replace({"output": {"interval": 0.05, "keep": "statistics", "begin": begin}})))
+    figures = {name: one["value"] for name, one in kept.headline.items()}
+    some = full.time >= begin - 1e-9
+    hook = full["hook_load"]
+    assert figures["hook_load_max"] == hook[some].max() < hook.max()
+    assert figures["hook_load_min"] == hook[some].min()
+    assert figures["hook_load_start"] == hook[0]
+    assert figures["bit_speed_max"] == np.abs(full["bit_speed"][some]).max()
+    assert figures["stretch_start"] == full.headline["stretch_start"]["value"]
+    left_out = kept.attributes["figures_left_out"].split(", ")
+    assert {"bit_displacement", "stick_slip_severity"} <= set(left_out)
+    assert not set(left_out) & figures.keys()
+
+
+def test_tables_of_windows_count_the_pieces_of_time_and_the_command_tells_them(both, tmp_path, capsys):
+    full, kept = both
+    code, _, told = commands_of(Crane(), capsys)("export", "--csv", kept.path, "-o", tmp_path)
+    assert code == 0
+    with (tmp_path / "kept.csv").open(newline="") as lines:
+        titles, *rows = list(csv.reader(lines))
+    assert titles[:2] == ["time [s]", "piece"]
+    time, piece = np.array([[float(row[0]), int(row[1])] for row in rows]).T
+    number = np.searchsorted(full.time, time - 1e-9)
+    assert np.array_equal(np.diff(piece) > 0, np.diff(number) > 1) and piece[0] == 1 and piece[-1] > 2
+    told = " ".join(told.split())
+    assert f"keeps {len(time)} of {len(full.time)} frames" in told
+    last = full.time[-1]
+    assert f"to {last:g} s. Tables" in told or f", {last:g} s. Tables" in told
+    commands_of(Crane(), capsys)("export", "--csv", full.path, "-o", tmp_path)
+    assert "piece" not in (tmp_path / "full.csv").read_text().splitlines()[0]

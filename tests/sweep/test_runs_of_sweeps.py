@@ -117,6 +117,21 @@ def test_a_statistic_leaves_out_what_is_before_the_begin_of_statistics():
     assert data["z"].item() == pytest.approx(after.min(), rel=1e-9) and after.min() > 5.001
 
 
+def test_a_figure_that_statistics_do_not_tell_is_refused_before_the_first_run():
+    output = {"keep": "statistics", "interval": "50 ms"}
+    with pytest.raises(tautline.SceneError, match="statistics do not tell slack_events"):
+        tautline.sweep(hoist(1.0, output=output), {MASS: ["3 t"]}, collect=["max_tension", "slack_events"], jobs=1)
+
+
+def test_a_figure_that_only_a_limit_asks_for_is_made_of_statistics_in_a_sweep():
+    output = {"keep": "statistics", "interval": "50 ms", "windows": "0.1 s"}
+    limits = [{"name": "high", "output": "max_rise", "at_most": "1 m"}]
+    scene = hoist(1.0, output=output, limits=limits)
+    data = tautline.sweep(scene, {MASS: ["3 t"]}, collect=["max_tension", "limit.high.value"], jobs=1)
+    height = tautline.simulate(hoist(1.0, **{MASS: "3 t"}))["body_position"][:, 0, 2]
+    assert data["limit.high.value"].item() == pytest.approx(height.max() - height[0], rel=1e-9)
+
+
 def test_result_and_table_hold_the_same_and_the_json_says_what_it_took(tmp_path, capsys, monkeypatch):
     from crane.application import Crane
     from tautline.cli.run import run

@@ -17,6 +17,7 @@ from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification_of, checked, columns, largest, safety_factor, slack_events
 from crane.rope_life.fatigue import SLOPE, RainflowCycles, equivalent_range, rainflow_counts
 from crane.scene.scene import CraneScene, Sheave
+from tautline.results.variable import at_start
 from tautline.statistics.streaming import Turns
 
 SLACK = 0.01
@@ -157,7 +158,7 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
 
 def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     """Tension at rest of every span end, (n,) N, and a note where it is an estimate, if a scene starts as drawn."""
-    first = ends_of(result)[0]
+    first = np.ravel(at_start(result, "tension"))
     if layout.scene.start == "static":
         # A load that was changed on the way has another tension at rest, of which no frame is known.
         return first, ", by the load at the start" if result.attributes.get("parameters_changed") else ""
@@ -186,10 +187,10 @@ def _hung(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
 
 
 def _grounded(result: Any, scene: CraneScene) -> bool:
-    """Whether a body stands on the ground in the first frame."""
+    """Whether a body stands on the ground at the start of the run."""
     if scene.ground is None or "body_position" not in result:
         return False
-    height = np.asarray(result["body_position"])[0, :, 2]
+    height = at_start(result, "body_position")[:, 2]
     return any(z - body.bottom <= scene.ground.level for z, body in zip(height, scene.bodies, strict=True))
 
 
@@ -371,7 +372,7 @@ def _bodies(result: Any, scene: CraneScene) -> Iterator[Row]:
     if not scene.bodies:
         return
     position = np.asarray(result["body_position"])
-    rest = position[0]
+    rest = at_start(result, "body_position")
     for k, body in enumerate(scene.bodies[:MOST_BODIES]):
         end = f"_{slug(body.name)}" if len(scene.bodies) > 1 else ""
         yield f"rise{end}", float(position[-1, k, 2] - rest[k, 2]), "m", f"rise of {body.name} at the end"

@@ -10,7 +10,7 @@ from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.drilling import variables_of_ends
 from drillstring.results.limits import limits, pushed_at_the_top
-from drillstring.results.observe import COORDINATE_UNITS, FIGURES, NOTHING, headline, variables
+from drillstring.results.observe import COORDINATE_UNITS, FIGURES, JOINED, NOTHING, headline, variables
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
 from tautline.application.limits import with_limits
@@ -70,6 +70,7 @@ def build(scene: DrillstringScene) -> Model:
         confined=True,
         own=observer.own,
         notes=notes,
+        statistics={"rules": JOINED},
         handles=lambda: handles(scene, lumps, model),
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)

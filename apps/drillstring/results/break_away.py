@@ -31,6 +31,9 @@ def break_away_figures(result: Any) -> dict[str, tuple[float, str, str]]:
     """
     if ON_BOTTOM in result and np.any(result[ON_BOTTOM] != 0.0):
         return {}
+    if getattr(result, "start", {}):
+        # A part of a run, without its start: the bit may have moved before.
+        return {}
     block, bit = result["block_position"], result["bit_depth"]
     starts = (result["axial_velocity"][0], result["rotation_rate"][0])
     if any(np.abs(speed).max() > AT_REST for speed in starts) or not np.ptp(block) > 0.0:

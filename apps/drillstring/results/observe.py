@@ -21,7 +21,7 @@ from tautline.application.modelling import energies_of, energy_variables
 from tautline.lumped.curve import PER_BODY
 from tautline.results.assessment.balance import ENERGIES
 from tautline.results.on_demand import OnDemand, together
-from tautline.results.variable import Variable
+from tautline.results.variable import Variable, at_start
 
 FIGURES = {
     "hook_load_start": "N", "hook_load_max": "N", "hook_load_min": "N", "hook_load_max_with_block": "N",
@@ -35,6 +35,12 @@ FIGURES = {
 """Figures of a run and their units, of which a scene may set limits; some only some runs have."""
 NOTHING = frozenset({"surface_torque_max", "surface_torque_end", "drilled"})
 """Those of them that a run is without because they are 0."""
+JOINED = {
+    r"(hook_load|bit_speed|contact_force|side_force|surface_torque)_max|hook_load_max_with_block": "largest",
+    r"hook_load_min": "smallest",
+    r"(hook_load|stretch|weight_on_bit)_start|surface_torque_end|drilled": "last",
+}
+"""How figures of pieces of a run make those of the whole; the others are of its last half, or need every frame."""
 STUCK = 1.0e-8
 """Bit speed, m/s, below which the bit counts as stuck."""
 TORQUE_SHOWN = 1.0e-3
@@ -258,11 +264,11 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
     bit, speed = result["bit_depth"], result["bit_speed"]
     contact, moving = result["contact_force"], np.ptp(result["block_position"]) > 0.0
     figures = {
-        "hook_load_start": (hook[0], "N", "hook load at the start"),
+        "hook_load_start": (at_start(result, "hook_load"), "N", "hook load at the start"),
         "hook_load_max": (hook.max(), "N", "largest hook load"),
         "hook_load_min": (hook.min(), "N", "smallest hook load"),
         # Not how far the bit hangs below its place on the axis: a string that lies in a bend cuts its corner.
-        "stretch_start": (lumps.stretch(result["tension"][0]), "m", "elongation of the string at the start"),
+        "stretch_start": (lumps.stretch(at_start(result, "tension")), "m", "elongation of the string at the start"),
         "bit_displacement": (np.ptp(bit), "m", "bit displacement, largest less smallest"),
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
         **_largest_contact(result, contact, lumps),

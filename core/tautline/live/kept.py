@@ -19,6 +19,12 @@ class Kept:
         Numbers of a frame; the first is its time.
     span : float
         Frames older than this before the newest are dropped, s.
+
+    Attributes
+    ----------
+    start : (1, width) array or None
+        The frame at the start of the run, also where it was dropped: rises and amplifications are over it. None where
+        the run was not begun here.
     """
 
     def __init__(self, width: int, span: float = math.inf) -> None:
@@ -26,6 +32,7 @@ class Kept:
         self._rows = np.zeros((BLOCK if span > 0.0 else 0, width))
         self._first = self._last = 0
         self.dropped = 0
+        self.start: np.ndarray | None = None
 
     @property
     def count(self) -> int:
@@ -42,6 +49,8 @@ class Kept:
         if not self.span > 0.0:
             self.dropped += 1
             return
+        if self.start is None and row[0] == 0.0:
+            self.start = row[None].copy()
         oldest = row[0] - self.span
         while self._first < self._last and self._rows[self._first, 0] < oldest:
             self._first += 1
@@ -71,4 +80,5 @@ class Kept:
         """The same frames, kept apart."""
         other = Kept(self.width, self.span)
         other._rows, other._first, other._last, other.dropped = self._rows.copy(), self._first, self._last, self.dropped
+        other.start = self.start
         return other

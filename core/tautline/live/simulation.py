@@ -510,6 +510,9 @@ class Simulation:
         run.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
         run.balance.add(np.column_stack([found[name] for name in ENERGIES]))
         stored.append(found)
+        if self._kept.start is not None and self._kept.start[0, 0] < rows[0, 0]:
+            start = frames_of(self._kept.start.copy(), model.system.q.size)
+            stored.start = {"time": start.time.copy(), **model.observe(start)}
         run.time = run.reached = self._time
         run.wall, run.cpu, run.remembered = float(self._clock[WALL]), float(self._clock[CPU]), self._time
         run.memory = remember(*(thing for _, thing in self._memorable()))

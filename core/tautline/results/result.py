@@ -51,17 +51,19 @@ class Result:
 
     def __init__(
         self, path: str | Path | None, contents: Contents | None = None, known: dict[str, Variable] | None = None,
-        held: Mapping[str, np.ndarray] | None = None,
+        held: Mapping[str, np.ndarray] | None = None, start: Mapping[str, np.ndarray] | None = None,
     ) -> None:  # fmt: skip
         """Of a run in memory, or of a file.
 
         Whoever makes this and has written the file gives ``known``, its variables, and ``held``, what of their values
-        is still in memory and need not be read.
+        is still in memory and need not be read. Of a part of a run ``start`` is the frame at the start of the run, with
+        a leading axis of one; `tautline.results.variable.at_start` reads it.
         """
         self.path = None if path is None else Path(path)
         self._contents = contents
         self._known = known
         self._held = held or {}
+        self.start = start or {}
 
     @classmethod
     def read(cls, path: str | Path) -> Result:

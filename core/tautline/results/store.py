@@ -116,6 +116,8 @@ class Store:
         self._copies = None if self.path is None else _Copies(self.path)
         self._restart: Mapping[str, np.ndarray] = {}
         self._now: dict[str, Any] = {}
+        self.start: Mapping[str, np.ndarray] = {}
+        """The frame at the start of the run, where it is not among those that are stored; see `Result`."""
 
     def append(
         self,
@@ -190,7 +192,7 @@ class Store:
             raise self._failure(self._copies, error) from error
         finally:
             self.close()
-        return Result(self._copies.path, known=self._described)
+        return Result(self._copies.path, known=self._described, start=self.start)
 
     @property
     def result(self) -> Result | None:
@@ -199,7 +201,7 @@ class Store:
             return None
         if self.path is None:
             return self._in_memory(self._restart)
-        return Result(self.path, known=self._described, held=self._held)
+        return Result(self.path, known=self._described, held=self._held, start=self.start)
 
     @property
     def _held(self) -> dict[str, np.ndarray]:
@@ -274,8 +276,9 @@ class Store:
 
     def _in_memory(self, restart: Mapping[str, np.ndarray]) -> Result:
         return Result(
-            None, (self.variables, self._joined(), self.coordinates, self._now | self.attributes, dict(restart))
-        )
+            None, (self.variables, self._joined(), self.coordinates, self._now | self.attributes, dict(restart)),
+            start=self.start,
+        )  # fmt: skip
 
 
 class _Copies:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -35,3 +36,17 @@ def listed(variables: Iterable[Variable]) -> list[str]:
         if one.dims != (one.name,):
             groups.setdefault(one.dims, []).append(f"{one.name} [{one.units}]" if one.units else one.name)
     return [f"({', '.join(dims)}) {', '.join(names)}" for dims, names in groups.items()]
+
+
+def at_start(result: Any, name: str) -> Any:
+    """Values of a variable at the start of a run: its first frame, also where the result is a part without that frame.
+
+    Parameters
+    ----------
+    result : Result or mapping
+        Of variables by name, (m, ...) each.
+    name : str
+        Of the variable; its values have the shape (...).
+    """
+    start = getattr(result, "start", {})
+    return (start[name] if name in start else result[name])[0]

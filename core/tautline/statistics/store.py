@@ -1,21 +1,23 @@
 """A result that keeps statistics and windows round the extremes in place of every frame.
 
 It stands in the place of `tautline.results.store.Store`: frames come in batches as the loop makes them, and are given
-up when their statistics are taken. The application's figures and limits are made of pieces of the run, each with the
-frame at the start of the run before it, and joined: the largest of the largest, the smallest of the smallest. Figures
-that are sums over all frames, or that count events, cannot be made so and are left out.
+up when their statistics are taken. The application's figures and limits are made of pieces of the run and joined: the
+largest of the largest, the smallest of the smallest. Each piece knows the frame at the start of the run, from which a
+rise is measured, and which counts for nothing else where values count from a later time on. Figures that are sums over
+all frames, or that count events, cannot be made so and are left out. Limits of the scene are looked at in every frame.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tautline.results.assessment.bounds import Bound, Tally
 from tautline.results.assessment.limits import AT_MOST
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -29,6 +31,8 @@ BINS = 64
 """Of a rainflow histogram."""
 KEPT, STATISTICS = "kept", "statistics"
 """Attribute of a result, and its value, that says that it keeps statistics."""
+LEFT_OUT = "figures_left_out"
+"""Attribute that names the figures which such a result does not have, between commas."""
 LARGEST, SMALLEST, LAST = "largest", "smallest", "last"
 
 
@@ -50,6 +54,8 @@ class Keep:
         Figures that are asked of pieces, where an application has a quicker way to some than to all.
     of_turns : callable or None
         (variable -> Turns) -> figures that follow from turning points.
+    turned : tuple of str
+        Their names.
     """
 
     windows: float
@@ -60,14 +66,23 @@ class Keep:
     rules: Mapping[str, str] = field(default_factory=dict)
     names: tuple[str, ...] = ()
     of_turns: Callable[[Mapping[str, Turns]], dict[str, dict[str, Any]]] | None = None
+    turned: tuple[str, ...] = ()
+
+    def makes(self, name: str) -> bool:
+        """Whether statistics tell a figure of the application, by its name: others need every frame."""
+        return any(re.fullmatch(rule, name) for rule in self.rules) or (
+            self.of_turns is not None and name in self.turned
+        )
 
 
 class Digest(Result):
     """What is kept of a run, with the figures and limits of all of its frames."""
 
-    def __init__(self, contents: Any, figures: dict[str, Any], records: list[dict[str, Any]]) -> None:
+    def __init__(
+        self, contents: Any, figures: dict[str, Any], records: list[dict[str, Any]], tallies: Sequence[Tally]
+    ) -> None:
         super().__init__(None, contents)
-        self.figures, self.records = figures, records
+        self.figures, self.records, self.tallies = figures, records, tallies
 
 
 def told_by_digest(model: Any) -> Any:
@@ -93,6 +108,10 @@ class StatisticsStore(Store):
     keep : Keep
     headline, limits : callable
         Result -> figures, and records of limits.
+    bounds : sequence of tautline.results.assessment.bounds.Bound
+        Limits of the scene, which are looked at in every frame that counts.
+    figures : collection of str
+        Names of all figures that a run can have with every frame.
     """
 
     def __init__(
@@ -104,8 +123,13 @@ class StatisticsStore(Store):
         keep: Keep,
         headline: Callable[[Any], dict[str, dict[str, Any]]],
         limits: Callable[[Any], list[dict[str, Any]]] | None,
+        bounds: Sequence[Bound] = (),
+        figures: Collection[str] = (),
     ) -> None:
         super().__init__(path, variables, coordinates, attributes)
+        # That there is no figure of events, where none are made, does not say that there was no event.
+        self._tallies = [Tally(one if keep.makes(one.output) else replace(one, absent=None)) for one in bounds]
+        self._left_out = [name for name in figures if not keep.makes(name)]
         self.keep, self._headline, self._limits = keep, headline, limits
         self._moments: dict[str, Moments] = {}
         self._turns = {name: Turns() for name in keep.watched}
@@ -137,8 +161,10 @@ class StatisticsStore(Store):
         self._now |= dict(attributes or {})
         keep = self.keep
         watched = {name: _columns(batch[name]) for name in keep.watched}
-        self._windows.add(batch, watched, keep.begin)
-        start = int(np.searchsorted(time, keep.begin * (1.0 - 1e-12)))
+        # The rounding of a sum of steps must not leave out the frame at `begin` itself.
+        begin = keep.begin * (1.0 - 1e-12)
+        self._windows.add(batch, watched, begin)
+        start = int(np.searchsorted(time, begin))
         if start < len(time):
             self._accumulate(batch, watched, time, start)
             self._piece.append({name: values[start:] for name, values in batch.items()})
@@ -161,11 +187,14 @@ class StatisticsStore(Store):
         """Make the figures and limits of the frames that wait, and join them with those before."""
         if not self._piece:
             return
-        parts = self._piece if self._piece[0]["time"][0] == self._first["time"][0] else [self._first, *self._piece]
-        arrays = {name: np.concatenate([part[name] for part in parts]) for name in self._first}
+        arrays = {name: np.concatenate([part[name] for part in self._piece]) for name in self._first}
         self._piece, self._waiting = [], 0
-        piece = Result(None, (self.variables, arrays, self.coordinates, self.attributes, {}))
+        piece = Result(None, (self.variables, arrays, self.coordinates, self.attributes, {}), start=self._first)
+        for tally in self._tallies:
+            tally.add(arrays, arrays["time"])
         if self.keep.rules:
+            # What is of the end of the run, and is not of this piece, the end has not.
+            self.figures = {name: one for name, one in self.figures.items() if self._rule(name) != LAST}
             for name, figure in self._headline(piece).items():
                 self._join_figure(name, figure)
         for record in self._limits(piece) if self._limits is not None else ():
@@ -173,8 +202,12 @@ class StatisticsStore(Store):
             if before is None or _worse(record, before):
                 self.records[record["name"]] = record
 
+    def _rule(self, name: str) -> str | None:
+        """How a figure is joined; None where it is not."""
+        return next((rule for pattern, rule in self.keep.rules.items() if re.fullmatch(pattern, name)), None)
+
     def _join_figure(self, name: str, figure: dict[str, Any]) -> None:
-        rule = next((rule for pattern, rule in self.keep.rules.items() if re.fullmatch(pattern, name)), None)
+        rule = self._rule(name)
         if rule is None:
             return
         before = self.figures.get(name)
@@ -195,7 +228,7 @@ class StatisticsStore(Store):
             figures |= self.keep.of_turns(self._turns)
         arrays = self._frames()
         contents = (self.variables, arrays, self.coordinates, self.attributes, {})
-        return Digest(contents, figures, list(self.records.values()))
+        return Digest(contents, figures, list(self.records.values()), self._tallies)
 
     def finish(
         self, attributes: Mapping[str, Any] | None = None, restart: Mapping[str, np.ndarray] | None = None
@@ -209,7 +242,7 @@ class StatisticsStore(Store):
         self.coordinates |= self._statistics()
         self.attributes |= {
             KEPT: STATISTICS, "frames_seen": count, "windows": self._told_windows(),
-            "statistics_begin": self.keep.begin, "block": self.keep.block,
+            "statistics_begin": self.keep.begin, "block": self.keep.block, LEFT_OUT: ", ".join(self._left_out),
         }  # fmt: skip
         self.frames, self._batches = 0, []
         super().append(arrays)

@@ -27,6 +27,7 @@ RUN = {
 }
 """Attributes of a run that ``simulate --json`` tells and that are numbers: unit and text."""
 LIMITS_FAILED = "limits_failed"
+EVERY_FRAME = "give the scene `output: {keep: frames}`, or leave it out"
 OF_LIMIT = "limit."
 """Begins the names of what a limit of the scene came to: ``limit.overload.margin``."""
 OF_ONE = re.compile(r" \(.*\)$")
@@ -149,7 +150,9 @@ def of_run(
     """What ``simulate`` finds, as far as it is asked for; all that it could where something of that is not there."""
     found = _findings(result.headline)
     asked = names_of(collected)
-    if {name for name in asked if not asks_limits(name)} - found.keys() - RUN.keys() - {*sometimes}:
+    lacking = {name for name in asked if not asks_limits(name)} - found.keys() - RUN.keys() - {*sometimes}
+    # Of statistics most frames are gone: what was not made as they came, those that are left do not tell.
+    if lacking and model.keep is None:
         found = _findings(model.headline(result)) | found
     attributes = result.attributes
     for name, (unit, text) in RUN.items():
@@ -248,6 +251,11 @@ def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) ->
         for i, one in enumerate(read.collected())
         if one.figure and one.figure not in known and not asks_limits(one.figure)
     ]  # fmt: skip
+    problems += [
+        read.problem_at(("collect", i), f"statistics do not tell {one.figure}: it needs every frame", EVERY_FRAME)
+        for i, one in enumerate(read.collected())
+        if model.keep is not None and one.figure in model.figure_units and not model.keep.makes(one.figure)
+    ]
     if problems:
         raise SceneError(problems)
     # What a limit of the scene is called is looked up in a run.

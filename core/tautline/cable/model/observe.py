@@ -11,7 +11,7 @@ from tautline.cable.input.parts import CableScene
 from tautline.cable.model.layout import Layout
 from tautline.constraints.multiplier import Multipliers
 from tautline.kernels.hermite import FIRST, SECOND, table
-from tautline.results.variable import Variable
+from tautline.results.variable import Variable, at_start
 
 FIGURES = {"axial_force_max": "N", "axial_force_min": "N", "displacement_max": "m", "speed_max": "m/s"}
 """Figures of a run and their units, of which a scene may set limits."""
@@ -148,7 +148,7 @@ def gap_of(result: Any, scene: CableScene) -> float | None:
 def headline(result: Any, scene: CableScene) -> dict[str, dict[str, Any]]:
     """Figures that sum a run up."""
     force, position = result["axial_force"], result["position"]
-    moved = np.linalg.norm(position - position[0], axis=-1)
+    moved = np.linalg.norm(position - at_start(result, "position"), axis=-1)
     figures = {
         "axial_force_max": (force.max(), "N", "largest axial force"),
         "axial_force_min": (force.min(), "N", "smallest axial force"),

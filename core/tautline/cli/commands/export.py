@@ -56,6 +56,7 @@ def export(
         or a file cannot be written.
     """
     from tautline.results.result import Result
+    from tautline.results.tables.pieces import pieces_said
 
     _check(vtk, csv, output, what, look, every)
     result = Result.read(path)
@@ -72,6 +73,9 @@ def export(
             made, larger = _write_vtk(catalogue, result, base, look, every)
         files += made
     warnings = say_missing(result)
+    if said := pieces_said(result):
+        say(f"{result.path}: {said}", "yellow")
+        warnings.append({"where": str(result.path), "text": said})
     _say_files(files, larger)
     if as_json:
         print_json({"status": "done", "files": [str(file) for file in files], "warnings": warnings})

@@ -396,6 +396,8 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
             told = f"statistics of {seen} frames, and {frames} round the extremes"
             following = typed(catalogue.name, "export", "--csv", result.path)
             say(f"wrote {result.path}: {told}. Next: {following}", "green")
+            if left_out := result.attributes.get("figures_left_out"):
+                say(f"statistics do not tell {left_out}. Keep frames for those: `output: {{keep: frames}}`")
         else:
             following = typed(catalogue.name, "plot", result.path)
             say(f"wrote {result.path}: {frames}. Next: {following}", "green")

@@ -26,6 +26,9 @@ ROUNDED = 1.0e-9
 HALVINGS = 60
 """Of the interval in which the value is looked for that was held for so long."""
 
+NOT_IN_STATISTICS = ". Some figures are not part of statistics: keep frames (`output: {keep: frames}`)"
+NOT_FOR_HOW_LONG = "Statistics do not tell for how long: keep frames (`output: {keep: frames}`)"
+
 Frames = Mapping[str, np.ndarray]
 
 
@@ -132,11 +135,11 @@ def _record(bound: Bound, times: np.ndarray, /, **found: Any) -> dict[str, Any]:
     return about | nothing | found
 
 
-def _of_figure(bound: Bound, figure: Mapping[str, Any] | None, time: np.ndarray) -> dict[str, Any]:
-    """The record of a figure of the whole run."""
+def _of_figure(bound: Bound, figure: Mapping[str, Any] | None, time: np.ndarray, why: str = "") -> dict[str, Any]:
+    """The record of a figure of the whole run; `why` there may be none."""
     value = figure.get("value") if figure is not None else bound.absent
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
-        return _record(bound, time, note=f"this run has no {bound.output}")
+        return _record(bound, time, note=f"this run has no {bound.output}{why}")
     way = 1.0 if bound.sense == AT_MOST else -1.0
     margin = way * (bound.limit - float(value))
     return _record(
@@ -147,16 +150,11 @@ def _of_figure(bound: Bound, figure: Mapping[str, Any] | None, time: np.ndarray)
 
 def _of_frames(bound: Bound, frames: Frames, time: np.ndarray) -> dict[str, Any]:
     """The record of an output, at the place and the time that is worst."""
-    assert bound.series is not None
     if not time.size:
         return _record(bound, time, note="no frame was stored")
-    try:
-        values = np.asarray(bound.series(frames), float).reshape(time.size, -1)
-    except IndexError:
-        # How many places there are, an application need not say before it runs.
-        return _record(bound, time, note=f"there is no {bound.output}")
-    if not values.shape[1]:
-        return _record(bound, time, note=f"{bound.output} has no places in this scene")
+    values = _values(bound, frames, time)
+    if isinstance(values, str):
+        return _record(bound, time, note=values)
     way = 1.0 if bound.sense == AT_MOST else -1.0
     known = np.isfinite(values)
     if not known.any():
@@ -172,7 +170,7 @@ def _of_frames(bound: Bound, frames: Frames, time: np.ndarray) -> dict[str, Any]
     if bound.lasting > span and float(up.max()) > edge:
         passed, note = None, f"it is passed, and {span:.4g} s are too short to tell whether for {bound.lasting:g} s"
     elif passed and missing:
-        passed, note = None, f"{bound.output} is not a number in {missing} of {time.size} frames"
+        passed, note = None, _missing(bound, missing, time.size)
     return _record(
         bound, time, value=way * value, margin=limit - value, passed=passed, note=note, time=float(time[at]),
         place=_place(bound, frames, place, at, way * float(up[at, place])), since=begin, longest=longest,
@@ -180,11 +178,94 @@ def _of_frames(bound: Bound, frames: Frames, time: np.ndarray) -> dict[str, Any]
     )  # fmt: skip
 
 
+def _values(bound: Bound, frames: Frames, time: np.ndarray) -> np.ndarray | str:
+    """Values of an output, (m, n) at its n places in m frames, or why there are none."""
+    assert bound.series is not None
+    try:
+        values = np.asarray(bound.series(frames), float).reshape(time.size, -1)
+    except IndexError:
+        # How many places there are, an application need not say before it runs.
+        return f"there is no {bound.output}"
+    return values if values.shape[1] else f"{bound.output} has no places in this scene"
+
+
+def _missing(bound: Bound, missing: int, frames: int) -> str:
+    return f"{bound.output} is not a number in {missing} of {frames} frames"
+
+
 def _place(bound: Bound, frames: Frames, place: int, at: int, value: float) -> str:
     """Name of the place of a value: of an extreme that where the variable has it."""
     if bound.source:
         place = int(np.argmin(np.abs(np.ravel(frames[bound.source][at]) - value)))
     return bound.places[place] if place < len(bound.places) else f"number {place}"
+
+
+class Tally:
+    """What one bound comes to over frames that are given up when they were looked at.
+
+    It is that of all frames, in memory that does not grow with them. How long a value was beyond the bound is not
+    known: a bound that has to be passed for some time is not judged where it was passed at all.
+
+    Parameters
+    ----------
+    bound : Bound
+    """
+
+    def __init__(self, bound: Bound) -> None:
+        self.bound = bound
+        self._frames = self._missing = 0
+        self._until: np.ndarray = np.empty(0)
+        self._worst, self._size, self._at, self._where, self._none = -np.inf, 0.0, 0.0, "", ""
+
+    def add(self, frames: Frames, time: np.ndarray) -> None:
+        """Look at m frames, variables by name, and their times (m,) s."""
+        if not time.size:
+            return
+        self._frames += time.size
+        self._until = time[-1:].copy()
+        if not self.bound.of_frames:
+            return
+        values = _values(self.bound, frames, time)
+        if isinstance(values, str):
+            self._none = values
+            return
+        known = np.isfinite(values)
+        self._missing += int((~known.all(axis=1)).sum())
+        if not known.any():
+            return
+        way = 1.0 if self.bound.sense == AT_MOST else -1.0
+        up = np.where(known, way * values, -np.inf)
+        self._size = max(self._size, float(np.abs(values[known]).max()))
+        at, place = divmod(int(up.argmax()), up.shape[1])
+        if up[at, place] > self._worst:
+            self._worst, self._at = float(up[at, place]), float(time[at])
+            self._where = _place(self.bound, frames, place, at, way * self._worst)
+
+    def record(self, headline: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        """The record, as `judge` gives it; figures, name -> {value, unit, text}, are those of all frames."""
+        bound, until = self.bound, self._until
+        if not bound.of_frames:
+            return _of_figure(bound, headline.get(bound.output), until, NOT_IN_STATISTICS)
+        if not self._frames:
+            return _record(bound, until, note="no frame counts: the run ended before output.begin")
+        if self._none:
+            return _record(bound, until, note=self._none)
+        if not np.isfinite(self._worst):
+            return _record(bound, until, note=f"{bound.output} is not a number in any frame")
+        way = 1.0 if bound.sense == AT_MOST else -1.0
+        limit = way * bound.limit
+        edge = limit + ROUNDED * max(abs(bound.limit), self._size)
+        passed: bool | None = bool(self._worst <= edge)
+        margin: float | None = limit - self._worst
+        note = ""
+        if not passed and bound.lasting > 0.0:
+            passed, margin, note = None, None, f"it is passed. {NOT_FOR_HOW_LONG}"
+        elif passed and self._missing:
+            passed, note = None, _missing(bound, self._missing, self._frames)
+        return _record(
+            bound, until, value=way * self._worst, margin=margin, passed=passed, note=note, time=self._at,
+            place=self._where,
+        )  # fmt: skip
 
 
 def worst(time: np.ndarray, up: np.ndarray, lasting: float) -> tuple[int, float, int]:

@@ -13,10 +13,13 @@ import numpy as np
 from tautline.results.errors import ResultError, WriteError, once_each
 from tautline.results.output_path import check_folder
 from tautline.results.result import Result
+from tautline.results.tables.pieces import pieces_of
 from tautline.results.variable import Variable
 from tautline.whole_file import name_beside, take_name
 
 CURE = "name another file with -o, or make room"
+PIECE = "piece"
+"""Column of a result with gaps between its frames: the number of the piece of time."""
 ROWS = 1000
 """That are made into text at a time."""
 
@@ -40,7 +43,8 @@ def write_csv(
     Variables that are one number at each time go into one file, each with more dimensions into its own: of
     ``run.csv``, ``run_position.csv`` with columns such as ``node 1 x [m]``. What does not change with time goes into a
     file for its first dimension, such as ``run_by_node.csv``. The first row holds names with units; numbers are the
-    shortest that read back as they are stored.
+    shortest that read back as they are stored. Where windows round the extremes are kept in place of every frame, the
+    second column over time is the number of the piece without a gap (`tautline.results.tables.pieces`).
 
     Parameters
     ----------
@@ -146,9 +150,11 @@ def _columns(result: Result, table: _Table) -> tuple[list[str], list[np.ndarray]
     index = [result.variables[table.rows]] if table.rows in result.variables else []
     variables = index + [one for one in table.variables if one not in index]
     arrays = [np.asarray(result[one.name]) for one in variables]
-    return [
-        title for one, array in zip(variables, arrays, strict=True) for title in _titles(result, one, array)
-    ], arrays
+    titles = [title for one, array in zip(variables, arrays, strict=True) for title in _titles(result, one, array)]
+    pieces = pieces_of(result) if table.rows == "time" else None
+    if pieces is not None:
+        titles, arrays = [titles[0], PIECE, *titles[1:]], [arrays[0], pieces, *arrays[1:]]
+    return titles, arrays
 
 
 def _write(result: Result, table: _Table, waiting: Path) -> None:
