@@ -95,3 +95,34 @@ def test_columns_that_come_in_rows_of_their_own_are_known_again(memory):
         for late, name in enumerate(COLUMNS):
             rows.add(STAMPS[k] + 0.001 * late, {name: readings(k)[name]})
     assert rows.shift == 0.0 and not rows.counts["clock set back"]
+
+
+def read_and_gone_on(records, read, back):
+    """A stream of stamps and readings that is read, and gone on with from some records back; rows and their stamps."""
+    rows = Rows(COLUMNS)
+    for stamp, values in records[:read]:
+        rows.add(stamp, values)
+        while rows.ready() is not None:
+            pass
+    rows = gone_on(rows.memory())
+    came = []
+    for i, (stamp, values) in enumerate(records[read - back : read + 100]):
+        rows.add(stamp, values, arrived=max(0, i + 1 - back) * STEP)
+        while (row := rows.ready()) is not None:
+            came.append(row.time)
+    return rows, came
+
+
+@pytest.mark.parametrize("back", [100, 2500])
+@pytest.mark.parametrize("kind", ["late", "stamp twice"])
+@pytest.mark.parametrize("every", [20, 100])
+def test_rows_that_were_late_or_had_a_stamp_twice_set_no_clock_back_when_they_are_repeated(kind, every, back):
+    records = []
+    for k, stamp in enumerate(STAMPS):
+        records.append((stamp, readings(k)))
+        if k % every == 0 and k > 20:
+            other = round(STAMPS[k - 10] + 0.017, 3) if kind == "late" else stamp
+            records.append((other, {"x": 9.0, "y": float(k)}))
+    rows, came = read_and_gone_on(records, READ, back)
+    assert rows.shift == 0.0 and not rows.counts["clock set back"]
+    assert 90 < len(came) < 110 and {*came} <= {*STAMPS} and np.allclose(np.diff(came), STEP, atol=1e-6)

@@ -275,6 +275,7 @@ class Rows:
         elif self._was_answered(row):
             self.counts["doubled"] += 1
             self._leave_out()
+            self._late.clear()  # a row that is known again between late ones shows that the clock is the same
             return True
         elif not self.answered or row.time < self.answered[0][0] - 1e-9:
             if len(self._aside) < MOST_ASIDE:
