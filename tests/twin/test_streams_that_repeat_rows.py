@@ -126,3 +126,24 @@ def test_rows_that_were_late_or_had_a_stamp_twice_set_no_clock_back_when_they_ar
     rows, came = read_and_gone_on(records, READ, back)
     assert rows.shift == 0.0 and not rows.counts["clock set back"]
     assert 90 < len(came) < 110 and {*came} <= {*STAMPS} and np.allclose(np.diff(came), STEP, atol=1e-6)
+
+
+@pytest.mark.parametrize("ahead", [2.0, 86400.0])
+@pytest.mark.parametrize("at", [300, READ - 100], ids=["before the last minute", "within it"])
+def test_a_repeated_row_with_a_stamp_from_the_future_does_not_end_what_a_stream_repeats(at, ahead):
+    records = [(stamp, readings(k)) for k, stamp in enumerate(STAMPS)]
+    records[at] = (STAMPS[READ] + ahead, readings(at))
+    rows, came = read_and_gone_on(records, READ, READ)
+    assert rows.shift == 0.0 and not rows.counts["clock set back"] and not rows.notes
+    assert rows.counts["future"] == 2  # as it was read, and as it is repeated
+    assert 90 < len(came) < 110 and {*came} <= {*STAMPS}
+
+
+def test_a_row_from_the_future_among_those_of_a_clock_that_was_set_back_costs_no_other(memory):
+    rows = gone_on(memory[0])
+    shifted = [round(stamp - 65.01, 2) for stamp in STAMPS]
+    taken(rows, range(READ, READ + 3), stamps=shifted)
+    rows.add(STAMPS[-1], readings(0))
+    came = taken(rows, range(READ + 3, READ + 300), stamps=shifted)
+    assert rows.counts["clock set back"] == rows.counts["future"] == 1 and not rows.counts["late"]
+    assert len(came) > 290 and np.allclose(np.diff(came), STEP, atol=1e-6)

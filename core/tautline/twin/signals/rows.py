@@ -198,10 +198,10 @@ class Rows:
         if row.time <= self.reached:
             self._add_late(row)
             return
-        self._running_up = False
         if row.time - self.newest > self._far and np.isfinite(self.newest):
-            self._suspect = row
+            self._suspect = row  # it may be no row of now: what a stream repeats has not ended yet
             return
+        self._running_up = False
         self._leave_out()
         self._late.clear()
         shown = np.isfinite(row.values)
