@@ -1,11 +1,16 @@
 """A stream that is gone on with and repeats rows that were answered, such as the last lines of a log."""
 
 import json
+import time as clock
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from tautline.cli.commands import twin as command
 from tautline.twin.signals.rows import Rows
+from tautline.twin.sources.record import Record
+from tautline.twin.twin import Twin
 
 STEP = 0.05
 STAMPS = [round(1.8e9 + STEP * k, 2) for k in range(4000)]
@@ -63,12 +68,45 @@ def test_a_clock_that_was_set_back_while_no_twin_ran_is_seen_and_no_row_of_a_sec
     assert came[0] > memory[0]["reached"]
 
 
-def test_a_stream_that_repeats_an_old_part_and_ends_there_is_left_out_and_sets_no_clock_back(memory):
+@pytest.mark.parametrize(
+    ("old", "told", "them"), [(100, "100 rows are", "They are"), (1, "1 row is", "It is")], ids=["many", "one"]
+)
+def test_a_stream_that_repeats_an_old_part_and_ends_there_is_left_out_and_sets_no_clock_back(memory, old, told, them):
     rows = gone_on(memory[0])
-    assert not taken(rows, range(100)) and rows.ready(end=True) is None
-    assert rows.shift == 0.0 and rows.counts["late"] == 100
+    assert not taken(rows, range(old)) and rows.ready(end=True) is None
+    assert rows.shift == 0.0 and rows.counts["late"] == old
     (note,) = rows.notes
-    assert note.startswith("100 rows are from before all that were answered")
+    assert note.startswith(f"{told} from before all that were answered") and note.endswith(f"{them} left out")
+
+
+def test_a_stream_that_is_silent_has_not_ended_and_rows_in_doubt_wait_on(memory, monkeypatch):
+    monkeypatch.setattr(command, "SILENCE", 0.0)
+    rows, came = gone_on(memory[0]), []
+    shifted = [round(stamp - 65.01, 2) for stamp in STAMPS]
+    buffered = [(shifted[k], readings(k), 0.0) for k in range(READ, READ + 40)]
+    measured = [(shifted[k], readings(k), 3.0 + STEP * (k - READ)) for k in range(READ + 40, READ + 200)]
+    coming = [*(Record(*one) for one in buffered), None, None, *(Record(*one) for one in measured)]
+    twin = SimpleNamespace(readings=SimpleNamespace(rows=rows), _answer=lambda row: row.time, work=lambda _: False)
+    twin.answers = lambda **how: Twin.answers(twin, **how)
+    source = SimpleNamespace(ended=False, live=True)
+
+    def poll(_timeout):
+        clock.sleep(0.001 if coming[0] is None else 0.0)
+        source.ended = len(coming) == 1
+        return coming.pop(0)
+
+    def add(record):
+        rows.add(record.time, record.values, record.arrived)
+        came.extend(twin.answers())
+
+    source.poll = poll
+    command._Loop._hear_all(
+        SimpleNamespace(source=source, twin=twin, rereading=None, _add=add, _give=came.extend, _pass_on=lambda: None)
+    )
+    came.extend(Twin.finish(twin))
+    assert len(came) == 200 and not rows.counts["late"] and rows.counts["clock set back"] == 1
+    (note,) = rows.notes
+    assert "set back by 64.9 s" in note
 
 
 @pytest.mark.parametrize("back", [40.0, 65.0])

@@ -428,26 +428,35 @@ class Rows:
                 rate = 100.0 * self.clock_rate
                 self.notes.append(f"the source's clock runs {rate:+.2g} % beside ours; the twin goes by its stamps")
 
-    def ready(self, end: bool = False) -> Row | None:
-        """The next row that no other can come before; with `end` nothing more is waited for."""
+    def ready(self, end: bool = False, silent: bool = False) -> Row | None:
+        """The next row that no other can come before.
+
+        With `silent`, as none comes now, nothing more is waited for; with `end` none comes any more.
+        """
         if end and self._aside:
+            count = len(self._aside)
+            rows, them = ("1 row is", "It is") if count == 1 else (f"{count} rows are", "They are")
             self.notes.append(
-                f"{len(self._aside)} rows are from before all that were answered in the last minute, and the source "
-                "ended before it showed whether its clock was set back. They are left out"
+                f"{rows} from before all that were answered in the last minute, and the source ended before it showed "
+                f"whether its clock was set back. {them} left out"
             )
             self._leave_out()
-        if end and self._suspect is not None:
+        return self._next(end or silent)
+
+    def _next(self, at_once: bool) -> Row | None:
+        """The next row in order; with `at_once` nothing more is waited for."""
+        if at_once and self._suspect is not None:
             self._suspect.after_gap = True
             self.counts["gaps"] += 1
             self._insert(self._suspect)
             self._suspect = None
         if not self.waiting:
             return None
-        if self.reached == -np.inf and not end and self._shows_too_little:
+        if self.reached == -np.inf and not at_once and self._shows_too_little:
             return None
         row = self.waiting[0]
         behind = self._suspect is not None or any(one.after_gap for one in self.waiting[1:])
-        if not (end or behind or self.newest - row.time >= self.patience - 1e-9):
+        if not (at_once or behind or self.newest - row.time >= self.patience - 1e-9):
             return None
         self.waiting.pop(0)
         self.past.append(row)
