@@ -120,6 +120,21 @@ def test_rows_of_a_clock_that_was_set_back_are_not_taken_for_repeated_ones_thoug
     assert len(came) >= 300 and np.allclose(np.diff(came), STEP, atol=1e-6)
 
 
+def test_rows_that_waited_are_taken_back_one_by_one_so_that_few_are_looked_among():
+    count, most, came = 3000, 0, []
+    rows = Rows(COLUMNS, live=True)
+    rows.recall({"reached": STAMPS[-1], "shift": 0.0, "interval": STEP, "counts": {}})
+    stamps = [STAMPS[0] - STEP * (count + 1 - k) for k in range(count + 1)]
+    assert not taken(rows, range(count), stamps=stamps)
+    rows.add(stamps[count], readings(count), arrived=float(count))
+    while (row := rows.ready()) is not None:
+        came.append(row.time)
+        most = max(most, len(rows.waiting))
+    assert most < 10
+    assert rows.counts["clock set back"] == 1 and not rows.counts["late"]
+    assert len(came) >= count - 3 and np.allclose(np.diff(came), STEP, atol=1e-6)
+
+
 def test_repeated_rows_with_other_readings_are_of_a_clock_that_was_set_back(memory):
     rows = gone_on(memory[0])
     for k in range(READ - 20, READ + 20):
