@@ -39,14 +39,14 @@ def watched():
     """A function that judges a run ahead at a row of a calm twin with a bound of 80 kN, and gives its overload."""
     twin = weight_twin(start="5 t", map=WEIGHT)
 
-    def judged(found, time=1.0, before=0.95, moved=0.0):
+    def judged(found, time=1.0, before=0.95, moved=0.0, sd=400.0, value=50e3, name=OVERLOAD, output="winch.tension"):
         watch = Watch(twin.plan, twin.readings.health, None)
         for at, ahead in ((before, None), (time, found)):
             watch.judge(Compared(
-                at, np.full(3, np.nan), {"winch.tension": (50e3, 400.0)}, np.zeros(1), np.ones(1), np.zeros(1, bool),
-                np.ones(1), True, ahead, moved={"winch.tension": moved},
+                at, np.full(3, np.nan), {output: (value, sd)}, np.zeros(1), np.ones(1), np.zeros(1, bool),
+                np.ones(1), True, ahead, moved={output: moved},
             ))  # fmt: skip
-        return watch.alarms.active.get(OVERLOAD)
+        return watch.alarms.active.get(name)
 
     return judged
 
@@ -75,6 +75,39 @@ def test_a_danger_at_an_estimate_that_has_moved_since_is_told_and_not_certain(wa
     alarm = watched(passed((1.0, 85e3)), moved=-20e3)
     assert not alarm.known and "That is not certain" in alarm.text
     assert watched(passed((1.0, 85e3)), moved=20e3).known  # it has moved towards the danger
+
+
+def test_a_danger_of_an_output_with_places_is_not_certain_where_one_of_them_has_moved_away(watched):
+    moved, ahead = np.array([20e3, -15e3]), passed((1.0, 85e3))
+    alarm = watched(ahead, moved=moved, value=np.full(2, 50e3), sd=np.full(2, 400.0))
+    assert not alarm.known and "The deviation is 15.01 kN" in alarm.text
+    assert watched(ahead, moved=np.abs(moved), value=np.full(2, 50e3), sd=np.full(2, 400.0)).known
+
+
+def test_a_danger_by_a_guess_is_told_where_one_place_of_an_output_still_has_it(watched):
+    guess = passed((1.0, 85e3), known=False)
+    assert watched(guess, moved=np.array([-40e3, 0.0]), value=np.full(2, 50e3), sd=np.full(2, 400.0)) is not None
+    assert watched(guess, moved=np.array([-40e3, -9e3]), value=np.full(2, 50e3), sd=np.full(2, 400.0)) is None
+
+
+@pytest.mark.parametrize(
+    ("moved", "sd", "told"),
+    [(-20e3, np.nan, "20 kN"), (np.nan, 400.0, "not known"), (np.array([0.0, np.nan]), 400.0, "not known")],
+    ids=["deviation not known", "move not known", "move of a place not known"],
+)
+def test_a_danger_is_not_certain_where_the_move_of_the_estimate_is_not_known_or_is_all_that_is_known(
+    watched, moved, sd, told
+):
+    alarm = watched(passed((1.0, 85e3)), moved=moved, sd=sd)
+    assert not alarm.known and alarm.text.endswith(f"The deviation is {told}")
+    assert watched(passed((1.0, 85e3), known=False), moved=moved, sd=sd) is None or np.isnan(moved).any()
+
+
+def test_the_deviation_of_a_bound_from_below_is_the_largest_of_all_places_too(watched):
+    name, value = "slack rope ahead", np.array([900.0, 5e3])
+    alarm = watched(None, value=value, sd=np.array([300.0, 1.0]), name=name, output="min_tension")
+    assert not alarm.known and "The deviation is 300 N" in alarm.text
+    assert watched(None, value=value, sd=np.array([20.0, np.nan]), name=name, output="min_tension").known
 
 
 def test_a_danger_is_as_certain_as_the_worst_that_is_to_come_and_not_as_its_first_moment(watched):

@@ -213,10 +213,13 @@ class Twin:
                 raise ArgumentError(f"the reading of {name} is {reading!r}, and that is no number") from None
         return found
 
-    def answers(self, end: bool = False) -> list[dict[str, Any]]:
-        """Lines of all rows that are ready; with `end` of all rows that there are."""
+    def answers(self, end: bool = False, silent: bool = False) -> list[dict[str, Any]]:
+        """Lines of all rows that are ready; with `silent`, as none comes now, of all that are known to be of now.
+
+        With `end` none comes any more: rows of which it is not known what they are are left out, and told.
+        """
         lines = []
-        while (row := self.readings.rows.ready(end)) is not None:
+        while (row := self.readings.rows.ready(end, silent)) is not None:
             if (line := self._answer(row)) is not None:
                 lines.append(line)
         return lines

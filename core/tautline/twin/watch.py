@@ -100,6 +100,13 @@ def surely_beyond(value: float, sd: float, bound: Alarm) -> bool:
     return value - off > bound.above or value + off < bound.below
 
 
+def largest_known(sd: Any) -> float:
+    """The largest standard deviation of all places of an output, whichever of them the bound is about; or NaN."""
+    known = np.abs(np.ravel(sd))
+    known = known[np.isfinite(known)]
+    return float(known.max()) if known.size else np.nan
+
+
 class Watch:
     """Judges the alarms of a plan, of its sensors and of the application, row by row.
 
@@ -164,33 +171,33 @@ class Watch:
         values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
         text, holds, certain, doubt = "", bool(now), True, "The deviation"
-        sd = extreme(np.abs(computed[1]), one) if computed is not None else np.nan
+        sd = largest_known(computed[1]) if computed is not None else np.nan
         if now:
             text = f"{one.target} {now[0][0]}: {bound_said(now[0][1], one.above, one.below, self._teller(one))}"
             certain = now[-1][0] == "measured" or surely_beyond(now[0][1], sd, one)
             if certain and now[-1][0] == "computed" and np.isfinite(measured):
                 certain, doubt, sd = False, "What is measured", measured
         elif known and (coming := self._coming(one, row)) is not None:
-            left, value, worst, shift = coming
+            left, value, worst, away = coming
             text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
-            if not beyond(shift, 0.0 if worst > one.above else np.inf, 0.0 if worst < one.below else -np.inf):
-                sd = float(np.hypot(sd, shift))
-            holds, certain = True, surely_beyond(worst, sd, one)
+            if away != 0.0:
+                sd = float(np.hypot(sd, away)) if np.isfinite(sd) else away
+            holds, certain = True, bool(np.isfinite(away)) and surely_beyond(worst, sd, one)
         if row.late and not holds and one.name in self._told_ahead:
             told_ahead = "not known any more: this was foreseen, and the computer has no time to look again"
             self.alarms.judge(one.name, True, row.time, told_ahead, one.lasting, False)
             return
         (self._told_ahead.add if holds and not now else self._told_ahead.discard)(one.name)
         if not certain:
-            text += f". That is not certain. {doubt} is {self._teller(one)(sd)}"
+            text += f". That is not certain. {doubt} is {self._teller(one)(sd) if np.isfinite(sd) else 'not known'}"
         self.alarms.judge(one.name, holds, row.time, text, one.lasting, certain)
 
     def _coming(self, one: Alarm, row: Compared) -> tuple[float, float, float, float] | None:
-        """How long ahead a bound is passed, s, the value there, the worst one, and how the estimate has moved since.
+        """How long ahead a bound is passed, s, the value there, the worst one, and how far the estimate has moved away.
 
-        That is by how much outputs are more now. What was to come before the last row has come, or has not: that row
-        shows it. A run ahead that was begun with a guess says nothing of what would not be passed at the estimate of
-        now.
+        That is by how much outputs are farther from beyond the bound now, at the place where it is most; NaN where that
+        is not known. What was to come before the last row has come, or has not: that row shows it. A run ahead that was
+        begun with a guess says nothing of what would not be passed at the estimate of now, at any place.
         """
         ahead = row.foreseen
         coming = ahead.coming(one.name, self._before) if ahead is not None else []
@@ -198,11 +205,12 @@ class Watch:
             return None
         at, value = coming[0]
         worst = max((other for _, other in coming), key=lambda other: max(other - one.above, one.below - other))
-        moved = np.nan_to_num(np.ravel(row.moved[one.target])) if one.target in row.moved else np.zeros(1)
-        shift = float(moved[np.argmax(np.abs(moved))])
-        if not ahead.known and not beyond(worst + shift, one.above, one.below):
-            return None
-        return max(0.0, at - row.time), value, worst, shift
+        side = 1.0 if worst > one.above else -1.0
+        toward = side * np.ravel(row.moved.get(one.target, 0.0))
+        if not ahead.known and not np.isnan(toward).any():
+            if not beyond(worst + side * float(toward.max()), one.above, one.below):
+                return None
+        return max(0.0, at - row.time), value, worst, float(np.maximum(-toward.min(), 0.0))
 
     def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
         """Judge what is wrong with sensors."""

@@ -10,6 +10,7 @@ from tautline.twin.signals.rows import Rows
 from tautline.twin.sources.csv_file import CsvFile
 from tautline.twin.sources.record import SourceStopped
 from tautline.twin.sources.stream import Stream
+from tautline.twin.sources.table import Header
 
 UNITS = {"winch": "m", "rope": "kN"}
 FIRST = "time [s],winch [m],rope [kN]\n0,1,50\n"
@@ -215,6 +216,28 @@ def test_a_second_line_of_titles_below_the_header_describes_its_columns_and_ends
     source = of(tmp_path, f"{header}\n{below}\n{rows}")
     assert values(source) == ROWS
     assert len(source.notes) == 1 and "describes its columns" in source.notes[0]
+
+
+def described(second, header="time [s],rope,tension [kN]", unit="N"):
+    """The header of a table with a second line of titles, for the column `rope` in a unit of the map."""
+    return Header(header, ("rope",), "", "rows.csv", {"rope": unit}).next_header(second, 2)
+
+
+@pytest.mark.parametrize("second", ["TIME [S],SEIL [KN],KRAFT [KN]", "Zeit [s],Seil [kN],Kraft [kN]"])
+def test_a_unit_in_capitals_in_a_second_line_of_titles_is_that_of_another_column_where_it_has_none(second):
+    found = described(second)
+    assert found.factors == {"rope": 1000.0} and len(found.notes) == 1
+
+
+def test_a_unit_in_capitals_is_that_of_its_own_column_before_that_of_another():
+    assert described("TIME [S],SEIL [MN],KRAFT [MN]", "time [s],rope,tension [mN]", "MN").factors == {"rope": 1.0}
+
+
+@pytest.mark.parametrize("unit", ["KN", "Kn"])
+def test_a_unit_that_no_one_knows_in_a_second_line_of_titles_is_told_though_another_column_has_it(unit):
+    found = described(f"Zeit [s],Seil [{unit}],Kraft [kN]")
+    assert found.factors == {"rope": 1.0}
+    assert any(f"[{unit}] is no known unit: 'rope' is read as without this line" in note for note in found.notes)
 
 
 @pytest.mark.parametrize("of", [file, stream])

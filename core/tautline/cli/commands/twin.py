@@ -279,7 +279,7 @@ class _Loop:
             record = self.source.poll(0.0 if busy else POLL)
             if record is None:
                 if clock.monotonic() - heard > SILENCE:
-                    self._give(self.twin.answers(end=True))
+                    self._give(self.twin.answers(silent=True))
                     heard = clock.monotonic()
                 continue
             heard = clock.monotonic()

@@ -70,9 +70,9 @@ ABSURD = 1.0e30
 
 @dataclass
 class Row:
-    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` is what the source gave.
+    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` and ``stamp`` are what the source gave.
 
-    ``places`` are those of its records among all that the source gives.
+    ``places`` are those of its records among all that the source gives; one that is ``new`` is known to repeat none.
     """
 
     time: float
@@ -81,9 +81,10 @@ class Row:
     after_gap: bool = False
     places: list[int] = field(default_factory=list)
     joined: bool = False
+    new: bool = False
 
     def __post_init__(self) -> None:
-        self.raw = self.values.copy()
+        self.raw, self.stamp = self.values.copy(), self.time
 
 
 @dataclass
@@ -142,6 +143,7 @@ class Rows:
         self.answered: deque[tuple[float, np.ndarray]] = deque(maxlen=MOST_KEPT)
         self._running_up, self._came_first = False, (np.nan, np.nan)
         self._aside: list[Row] = []
+        self._taken_back: deque[Row] = deque()
         self.reached = -np.inf
         self.newest = -np.inf
         self._suspect: Row | None = None
@@ -159,8 +161,6 @@ class Rows:
     @property
     def interval(self) -> float:
         """The sample interval, s."""
-        if len(self._intervals) >= TYPICAL - 1:
-            self.known_interval = float(np.median(self._intervals))
         return self.known_interval
 
     @property
@@ -185,23 +185,27 @@ class Rows:
         if null.any():
             self.counts["with a reading that stands for none (-999.25)"] += 1
             read[null] = np.nan
-        row = Row(time + self.shift, read, arrived, places=[place])
+        row = Row(time, read, arrived, places=[place])
         if self.live:
             self._compare_clocks(time, arrived)
+        if self._taken_back:
+            self._taken_back.append(row)  # those before it are not put in their place yet
+        else:
+            self._take(row)
+
+    def _take(self, row: Row) -> None:
+        """Put a row in its place, or keep it until it is known what it is."""
+        row.time = row.stamp + self.shift
         if self._suspect is not None:
             self._resolve(row)
         if row.time <= self.reached:
-            before = self.shift
-            if self._is_repeated(row):
-                return
-            row.time += self.shift - before
-        if row.time <= self.reached:
-            self._add_late(row)
+            if row.new or not self._is_repeated(row):
+                self._add_late(row)
+            return
+        if row.time - self.newest > self._far and np.isfinite(self.newest):
+            self._suspect = row  # it may be no row of now: what a stream repeats has not ended yet
             return
         self._running_up = False
-        if row.time - self.newest > self._far and np.isfinite(self.newest):
-            self._suspect = row
-            return
         self._leave_out()
         self._late.clear()
         shown = np.isfinite(row.values)
@@ -259,7 +263,7 @@ class Rows:
             self.counts["future"] += 1
 
     def _is_repeated(self, row: Row) -> bool:
-        """Whether a stream that is gone on with repeats a row, which is counted and left out.
+        """Whether a row of a stream that is gone on with is none to go on with now: one that it repeats is left out.
 
         Such as the last lines of a log, with which a program that follows it begins. Rows from before those that are
         known again wait for one that shows it: a row that was answered, or one that comes later than all of them. A
@@ -275,6 +279,7 @@ class Rows:
         elif self._was_answered(row):
             self.counts["doubled"] += 1
             self._leave_out()
+            self._late.clear()  # a row that is known again between late ones shows that the clock is the same
             return True
         elif not self.answered or row.time < self.answered[0][0] - 1e-9:
             if len(self._aside) < MOST_ASIDE:
@@ -282,24 +287,20 @@ class Rows:
             else:
                 self.counts["late"] += 1
             return True
-        self._take_back()
-        return False
+        if not self._aside:
+            return False
+        # One by one, as they are answered: all at once each would be looked for among all others.
+        self._taken_back.extend((*self._aside, row))
+        for one in self._taken_back:
+            one.new = True
+        self._aside.clear()
+        return True
 
     def _leave_out(self) -> None:
         """Rows that waited are repeated."""
         if self._aside:
             self.counts["late"] += len(self._aside)
             self._aside.clear()
-
-    def _take_back(self) -> None:
-        """Rows that waited are of a clock that was set back."""
-        waited, self._aside, before = self._aside, [], self.shift
-        for row in waited:
-            row.time += self.shift - before
-            if row.time > self.reached:
-                self._insert(row)
-            else:
-                self._add_late(row)
 
     def _was_answered(self, row: Row) -> bool:
         """Whether there was a row of that stamp with the same readings; its columns may have come one by one."""
@@ -354,8 +355,7 @@ class Rows:
             )
 
     def _insert(self, row: Row) -> None:
-        times = [one.time for one in self.waiting]
-        k = bisect_left(times, row.time - 1e-9)
+        k = bisect_left(self.waiting, row.time - 1e-9, key=lambda one: one.time)
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
             self.counts["doubled"] += 1
             known = self.waiting[k].values
@@ -385,6 +385,8 @@ class Rows:
             else:
                 steps = row.time - self._seen[shown]
                 self._intervals.extend(steps[np.isfinite(steps)].tolist())
+            if len(self._intervals) >= TYPICAL - 1:
+                self.known_interval = float(np.median(self._intervals))
         self._seen[shown], self._last_shown = row.time, shown
         found = unknown and bool(np.isfinite(self.interval))
         if found:
@@ -427,26 +429,37 @@ class Rows:
                 rate = 100.0 * self.clock_rate
                 self.notes.append(f"the source's clock runs {rate:+.2g} % beside ours; the twin goes by its stamps")
 
-    def ready(self, end: bool = False) -> Row | None:
-        """The next row that no other can come before; with `end` nothing more is waited for."""
+    def ready(self, end: bool = False, silent: bool = False) -> Row | None:
+        """The next row that no other can come before.
+
+        With `silent`, as none comes now, nothing more is waited for; with `end` none comes any more.
+        """
         if end and self._aside:
+            count = len(self._aside)
+            rows, them = ("1 row is", "It is") if count == 1 else (f"{count} rows are", "They are")
             self.notes.append(
-                f"{len(self._aside)} rows are from before all that were answered in the last minute, and the source "
-                "ended before it showed whether its clock was set back. They are left out"
+                f"{rows} from before all that were answered in the last minute, and the source ended before it showed "
+                f"whether its clock was set back. {them} left out"
             )
             self._leave_out()
-        if end and self._suspect is not None:
+        while (row := self._next((end or silent) and not self._taken_back)) is None and self._taken_back:
+            self._take(self._taken_back.popleft())
+        return row
+
+    def _next(self, at_once: bool) -> Row | None:
+        """The next row in order; with `at_once` nothing more is waited for."""
+        if at_once and self._suspect is not None:
             self._suspect.after_gap = True
             self.counts["gaps"] += 1
             self._insert(self._suspect)
             self._suspect = None
         if not self.waiting:
             return None
-        if self.reached == -np.inf and not end and self._shows_too_little:
+        if self.reached == -np.inf and not at_once and self._shows_too_little:
             return None
         row = self.waiting[0]
         behind = self._suspect is not None or any(one.after_gap for one in self.waiting[1:])
-        if not (end or behind or self.newest - row.time >= self.patience - 1e-9):
+        if not (at_once or behind or self.newest - row.time >= self.patience - 1e-9):
             return None
         self.waiting.pop(0)
         self.past.append(row)

@@ -318,16 +318,20 @@ class Header:
             return None  # its columns are in another order
         if not all(math.isnan(number_of(one)) for one in cells):
             return None
-        known = [one if is_unit(one) else "" for one in units]
+        asked = self._given[3] or {}
+        known = list(units)
         if line == line.upper():  # in a line of capitals [KN] is the header's [kN], or that of the map
-            asked = [*self.units, *(self._given[3] or {}).values()]
-            known = [next((same for same in asked if same.upper() == one), one) for one in known]
+            own = {place: (self.units[place], asked.get(name, "")) for name, place in self.places.items()}
+            anywhere = [*self.units, *asked.values()]
+            for i, one in enumerate(units):  # [MN] of a column in MN is not the [mN] of another one
+                known[i] = next((same for same in (*own.get(i, ()), *anywhere) if same.upper() == one), one)
+        known = [one if is_unit(one) else "" for one in known]
         if not told and not any(known):
             return None
         self.notes.append(f"{where}:{number}: a line below the header that has other names describes its columns")
         for name, place in {**self.places, self.names[self.stamp] or "time": self.stamp}.items():
-            unit, wanted = units[place], (self._given[3] or {}).get(name, "")
-            same = unit.upper() in {one.upper() for one in (*self.units, wanted)}
+            unit, wanted = units[place], asked.get(name, "")
+            same = unit.upper() in {self.units[place].upper(), wanted.upper()}
             if unit and not same and not is_unit(known[place]):
                 self.notes.append(f"{where}:{number}: [{unit}] is no known unit: '{name}' is read as without this line")
         if not any(known):
