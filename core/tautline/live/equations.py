@@ -24,7 +24,7 @@ class Equations:
 
     The unknowns are those that are free; what is tied, prescribed or held follows from them. A multiplier is an unknown
     of which only the acceleration counts. Laws with a memory (friction that sticks) stay as they are at the instant the
-    equations are asked for.
+    equations are asked for, also before the first step.
 
     Attributes
     ----------
@@ -51,6 +51,8 @@ class Equations:
         self._matrix = new_matrix(system.size, system.bandwidth, system.border)
         self._factors = new_factors(system.size, system.bandwidth, system.border)
         self._none = np.zeros(system.size)
+        # Laws with a memory that no step has written yet take it from here, not from what is asked first.
+        self._evaluate(time, self._q, self._v, self._none, 0.0, 0.0, 0.0, self._matrix)
 
     @property
     def size(self) -> int:
