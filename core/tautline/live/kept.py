@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 
 import numpy as np
 
+from tautline.live.memory import State
+
 BLOCK = 64
 """Frames that room is made for at a time."""
+
+
+def mark_of(row: np.ndarray) -> str:
+    """What tells one frame from all others: a hash of its numbers."""
+    return hashlib.blake2b(row.tobytes(), digest_size=8).hexdigest()
+
+
+def begins_late(time: float) -> str:
+    """A warning for the reader of a result that holds no frames from its start to a time, s."""
+    return (
+        f"the run was gone on with at {time:.6g} s from a state that another run saved. The frames of that run are not "
+        "in this result. What is said of the whole run is said of the frames that are here"
+    )
 
 
 class Kept:
@@ -19,6 +35,13 @@ class Kept:
         Numbers of a frame; the first is its time.
     span : float
         Frames older than this before the newest are dropped, s.
+
+    Attributes
+    ----------
+    start : str
+        Mark of the frame that the run began with, whether it is still kept or not.
+    joined : float or None
+        Time of a restored state before which frames are missing, for they were those of another run, s.
     """
 
     def __init__(self, width: int, span: float = math.inf) -> None:
@@ -26,6 +49,8 @@ class Kept:
         self._rows = np.zeros((BLOCK if span > 0.0 else 0, width))
         self._first = self._last = 0
         self.dropped = 0
+        self.start = ""
+        self.joined: float | None = None
 
     @property
     def count(self) -> int:
@@ -36,6 +61,16 @@ class Kept:
     def rows(self) -> np.ndarray:
         """The rows (n, width), not a copy."""
         return self._rows[self._first : self._last]
+
+    @property
+    def last(self) -> str:
+        """Mark of the newest frame; empty where none is kept."""
+        return mark_of(self._rows[self._last - 1]) if self._last > self._first else ""
+
+    def begin(self, row: np.ndarray) -> None:
+        """Keep the frame at the start of a run."""
+        self.start = mark_of(row)
+        self.add(row)
 
     def add(self, row: np.ndarray) -> None:
         """Keep a frame."""
@@ -62,13 +97,29 @@ class Kept:
             self._rows[:n] = rows.copy()
         self._first, self._last = 0, n
 
-    def go_back(self, time: float, tolerance: float) -> None:
-        """Drop the frames after a time, s."""
+    def go_back(self, state: State, row: np.ndarray, tolerance: float) -> None:
+        """Drop the frames after a state that is restored, and those before it that another run has made.
+
+        The frame of the start stays where the state comes from the same start. Else the frames begin with that of the
+        state, ``row``.
+        """
         times = self.rows[:, 0]
-        self._last = self._first + int(np.searchsorted(times, time + tolerance, side="right"))
+        self._last = self._first + int(np.searchsorted(times, state.time + tolerance, side="right"))
+        if self.joined is not None and state.time < self.joined:
+            self.joined = None
+        same = state.start in ("", self.start)
+        if same and (not state.last or state.last == self.last or self._last == self._first):
+            return
+        if same and mark_of(self._rows[self._first]) == self.start:
+            self._last = self._first + 1
+        else:
+            self.start, self._last, self.dropped = state.start, self._first, 0
+            self.add(row)
+        self.joined = state.time if state.time > tolerance else None
 
     def copy(self) -> Kept:
         """The same frames, kept apart."""
         other = Kept(self.width, self.span)
         other._rows, other._first, other._last, other.dropped = self._rows.copy(), self._first, self._last, self.dropped
+        other.start, other.joined = self.start, self.joined
         return other

@@ -35,6 +35,8 @@ class State:
         Names of parameters with which the start was found.
     stopped : tuple of str
         Why the simulation cannot go on, and the word of its status; empty where it can.
+    start, last : str
+        Marks of the frame that the run began with, and of the newest that was kept; empty where that is not known.
     """
 
     time: float
@@ -45,11 +47,13 @@ class State:
     changed: tuple[str, ...] = ()
     given: tuple[str, ...] = ()
     stopped: tuple[str, str] = ("", "")
+    start: str = ""
+    last: str = ""
 
     def __reduce__(self) -> Any:
         return as_sent, (
             self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block), self.changed, self.given,
-            self.stopped,
+            self.stopped, self.start, self.last,
         )  # fmt: skip
 
 
@@ -60,7 +64,7 @@ def sum_of(block: np.ndarray) -> int:
 
 def as_sent(
     time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int, changed: Iterable[str] = (),
-    given: Iterable[str] = (), stopped: Sequence[str] = ("", ""),
+    given: Iterable[str] = (), stopped: Sequence[str] = ("", ""), start: str = "", last: str = "",
 ) -> State:  # fmt: skip
     """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
 
@@ -74,7 +78,7 @@ def as_sent(
     try:
         why, word = stopped
         told = str(scene), str(layout), block, int(frames), tuple(map(str, changed)), tuple(map(str, given))
-        return State(float(time), *told, (str(why), str(word)))
+        return State(float(time), *told, (str(why), str(word)), str(start), str(last))
     except (TypeError, ValueError):
         raise damaged() from None
 

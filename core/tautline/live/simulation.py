@@ -37,11 +37,12 @@ from tautline.live.equations import Equations
 from tautline.live.errors import SimulationError, seconds, unknown
 from tautline.live.forces import Force, Group, force_of, places_of
 from tautline.live.inputs import Inputs
-from tautline.live.kept import Kept
+from tautline.live.kept import Kept, begins_late
 from tautline.live.memory import Memory, State, check
 from tautline.live.readings import Outputs, Parameters, handles_of
 from tautline.live.turn import Turn
 from tautline.results.assessment.balance import ENERGIES, Balance
+from tautline.results.assessment.start import Start
 from tautline.results.result import Result
 from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
 from tautline.results.store import Store
@@ -184,7 +185,8 @@ class Simulation:
             raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
         self._frame, self._next = 0, self._frame_time(0)
         self._begun = True
-        self._kept.add(self._frames.rows[0])
+        self._kept.begin(self._frames.rows[0])
+        self._starts = {self._kept.start: run.began}
 
     def _bind(self) -> None:
         """Bind the loop to its arguments, and list what a state is made of."""
@@ -480,6 +482,8 @@ class Simulation:
         run.memory = remember(*(thing for _, thing in self._memorable()))
         status = status or self._status or run.end_status().word
         beyond = () if run.watch is None else run.watch.explicit.warnings
+        if self._kept.joined is not None:
+            beyond = [*beyond, begins_late(self._kept.joined)]
         made = run.finish(stored, status, {"end": self._time}, beyond)
         assert made is not None
         return made
@@ -503,10 +507,14 @@ class Simulation:
             return State(
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
+                self._kept.start, self._kept.last,
             )  # fmt: skip
 
     def restore(self, state: State) -> None:
         """Stand where a state was saved: everything goes on from there to the bit. Frames after it are dropped.
+
+        So are those before it, where another run has made the state; a warning of the result says then from when on
+        there are frames. That of the start stays where both began the same.
 
         Raises
         ------
@@ -524,7 +532,9 @@ class Simulation:
         self._stopped, self._status = state.stopped
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
-        self._kept.go_back(state.time, self._tolerance)
+        self._kept.go_back(state, self._frames.rows[0], self._tolerance)
+        if state.start:
+            self._run.began = self._starts.get(state.start, Start())
         reached = state.time + self._tolerance
         k = int(np.searchsorted(self._grid, reached, side="right"))
         if k == self._grid.size:
@@ -570,7 +580,7 @@ class Simulation:
         other.scene, other._application = self.scene, self._application
         other._named, other._keep = self._named, self._keep
         other._prepare(self._application.build(self._application.driven(self.scene, self._named)))
-        other._run.began = self._run.began
+        other._starts = dict(self._starts)
         other._bind()
         for force in self._forces:
             other._add(force.copy())
