@@ -377,7 +377,7 @@ class Simulation:
             if force.failed is not None:
                 error, force.failed = force.failed, None
                 self._stopped, self._status = f"a force raised {type(error).__name__} at {reached:.6g} s", "stopped"
-                self._time = float(reached)
+                self._stand_at(reached)
                 raise error
         self._stand_at(reached)
         if status in (Status.UNSTABLE, Status.NOT_FINITE):
@@ -392,6 +392,10 @@ class Simulation:
         self._time = float(time)
         before = self._frames.rows[0].copy()
         record_now(self._run.method, self.model.system, self._state, self._time, self._frames.rows[0])
+        # A force that raised, and is no number then, leaves its places without a reaction.
+        size = self.model.system.q.size
+        now, last = (frames_of(rows, size).residual[0] for rows in (self._frames.rows, before[None]))
+        np.copyto(now, last, where=~np.isfinite(now))
         if not np.isfinite(self._frames.rows[0]).all():
             # What the inputs ask for from here on cannot be: the last frame is all that is known.
             self._frames.rows[0] = before
