@@ -37,6 +37,8 @@ class State:
         Why the simulation cannot go on, and the word of its status; empty where it can.
     start, last : str
         Marks of the frame that the run began with, and of the newest that was kept; empty where that is not known.
+    displaced : tuple of str
+        Names of what was displaced.
     """
 
     time: float
@@ -49,11 +51,12 @@ class State:
     stopped: tuple[str, str] = ("", "")
     start: str = ""
     last: str = ""
+    displaced: tuple[str, ...] = ()
 
     def __reduce__(self) -> Any:
         return as_sent, (
             self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block), self.changed, self.given,
-            self.stopped, self.start, self.last,
+            self.stopped, self.start, self.last, self.displaced,
         )  # fmt: skip
 
 
@@ -65,6 +68,7 @@ def sum_of(block: np.ndarray) -> int:
 def as_sent(
     time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int, changed: Iterable[str] = (),
     given: Iterable[str] = (), stopped: Sequence[str] = ("", ""), start: str = "", last: str = "",
+    displaced: Iterable[str] = (),
 ) -> State:  # fmt: skip
     """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
 
@@ -78,7 +82,7 @@ def as_sent(
     try:
         why, word = stopped
         told = str(scene), str(layout), block, int(frames), tuple(map(str, changed)), tuple(map(str, given))
-        return State(float(time), *told, (str(why), str(word)), str(start), str(last))
+        return State(float(time), *told, (str(why), str(word)), str(start), str(last), tuple(map(str, displaced)))
     except (TypeError, ValueError):
         raise damaged() from None
 

@@ -44,7 +44,7 @@ from tautline.live.turn import Turn
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.assessment.start import Start
 from tautline.results.result import Result
-from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
+from tautline.results.resumption import DISPLACED, FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
 from tautline.results.store import Store
 from tautline.run import Run
 from tautline.system.memory import arrays_of, recall, remember
@@ -169,6 +169,7 @@ class Simulation:
         self._begun = False
         self._changed: set[str] = set()
         self._given: set[str] = set()
+        self._displaced: set[str] = set()
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
         self._kept = Kept(self._frames.rows.shape[1], span)
@@ -390,6 +391,10 @@ class Simulation:
         """Make the outputs those of the state as it is, at a time that is no end of an advance."""
         self._pause[STEP] = self._pause[PART] = 0
         self._time = float(time)
+        self._record_anew()
+
+    def _record_anew(self) -> None:
+        """Write the frame of the state as it is; accelerations and reactions are those of the last step."""
         before = self._frames.rows[0].copy()
         record_now(self._run.method, self.model.system, self._state, self._time, self._frames.rows[0])
         # A force that raised, and is no number then, leaves its places without a reaction.
@@ -434,12 +439,13 @@ class Simulation:
         counts = self._begun
         before = self._energy() if counts else 0.0
         yield
-        self._observed = None
         self._run.forget_step()
         if counts:
             work = self._energy() - before
             self._state.ledger[WORK] += work
             self._state.ledger[THROUGHPUT] += abs(work)
+            self._record_anew()
+        self._observed = None
 
     def _energy(self) -> float:
         """Kinetic, strain and potential energy of the state as it is, J."""
@@ -499,6 +505,7 @@ class Simulation:
             PARAMETERS_CHANGED: sorted(self._changed),
             INPUTS_DRIVEN: self.inputs.driven,
             FORCES_ADDED: [force.name for force in self._forces],
+            DISPLACED: sorted(self._displaced),
         }
         return {what: ", ".join(some) for what, some in names.items() if some}
 
@@ -511,7 +518,7 @@ class Simulation:
             return State(
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
-                self._kept.start, self._kept.last,
+                self._kept.start, self._kept.last, tuple(sorted(self._displaced)),
             )  # fmt: skip
 
     def restore(self, state: State) -> None:
@@ -532,7 +539,7 @@ class Simulation:
     def _restore(self, state: State) -> None:
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
-        self._changed, self._given = set(state.changed), set(state.given)
+        self._changed, self._given, self._displaced = set(state.changed), set(state.given), set(state.displaced)
         self._stopped, self._status = state.stopped
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
@@ -571,6 +578,7 @@ class Simulation:
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
         number = self.model.system.dofs.number[places]
         with self._turn.change, self._parameter_changes():
+            self._displaced.add(name)
             full[places[number >= 0]] += given[number >= 0]
             reduced[number[number >= 0]] += given[number >= 0]
 
