@@ -104,13 +104,18 @@ class Equations:
         Raises
         ------
         SimulationError
-            Where the mass matrix is singular, naming the unknown; and as `residual` does.
+            Where the mass matrix is singular, or an acceleration is not finite, naming the unknown; and as `residual`
+            does.
         """
         self._evaluate(t, q, v, self._none, 1.0, 0.0, 0.0, self._factors.matrix)
         row = self._lasting.call(factorise_matrix, (self._factors,))
         if row:
             raise SimulationError(f"the mass matrix is singular at {self.names[row - 1]}", "give it a mass")
         self._lasting.call(solve_matrix, (self._factors,), self._residual)
+        if not np.isfinite(self._residual).all():
+            name = self.names[int(np.argmin(np.isfinite(self._residual)))]
+            cause = f"no acceleration follows from these positions and velocities: that of {name} is no finite number"
+            raise SimulationError(cause, "give positions near those of `state`")
         return -self._residual
 
     def first_order(self, t: float, y: np.ndarray) -> np.ndarray:
