@@ -28,7 +28,7 @@ def heavy():
 
 
 def test_a_state_of_another_start_is_where_the_result_begins(heavy):
-    """With the frames of 2 t before it, 22 % of the energy was created numerically, and 5 t hung from the tension of 2 t."""
+    """With the frames of 2 t before it, 22 % of the energy was created numerically: 5 t hung where 2 t had."""
     state, whole = heavy
     sim = tautline.Simulation(HOIST, parameters={"payload.mass": 2000.0})
     own = sim.save()
