@@ -288,3 +288,10 @@ def test_what_is_no_force_or_no_place_is_refused(force, on, words):
     with pytest.raises(SimulationError, match=words):
         sim.add_force(force, on=on)
     assert np.array_equal(before.block, sim.save().block)
+
+
+def test_equations_refuse_positions_from_which_no_acceleration_follows():
+    equations = tautline.Simulation(DATA / "hoist.yaml", keep=False).equations
+    t, q, v = equations.state()
+    with pytest.raises(tautline.TautlineError, match="acceleration"):
+        equations.acceleration(t, 0.0 * q, v)

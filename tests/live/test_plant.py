@@ -286,3 +286,23 @@ def test_a_vector_input_is_its_three_components():
     assert np.array_equal(whole.B, parts.B)
     with pytest.raises(UnknownName, match=r"payload\.force"):
         sim.linearise(["payload.forze"], ["payload.position"])
+
+
+@pytest.mark.parametrize(
+    "wrong", [float("nan"), float("inf"), "1 Hz", [[0.1, 0.2]], None, True, 1.0j, [[1.0], [1.0, 2.0]]]
+)
+def test_a_response_refuses_what_is_no_frequency(wrong):
+    plant = tautline.Simulation(DATA / "hoist.yaml", keep=False).linearise(
+        ["winch.pay_out_speed"], ["payload.position[2]"]
+    )
+    with pytest.raises(tautline.TautlineError, match="frequenc"):
+        plant.response(wrong)
+
+
+def test_the_response_at_no_frequency_to_a_speed_is_refused_in_words_as_infinite():
+    plant = tautline.Simulation(DATA / "hoist.yaml", keep=False).linearise(
+        ["winch.pay_out_speed"], ["payload.position[2]"]
+    )
+    with pytest.raises(tautline.TautlineError, match="0 Hz is infinite"):
+        plant.response(0.0)
+    assert plant.response([0.1, 0.2]).shape == (2, 1, 1) and plant.response([]).shape == (0, 1, 1)

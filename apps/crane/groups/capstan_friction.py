@@ -63,7 +63,7 @@ class Slips(NamedTuple):
     ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turned to heat in the
     last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts``
     (1,) is 0 while an equilibrium is sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the
-    first step is accepted: no contact has moved or been loaded before.
+    first step is accepted, or begun where ``held``: no contact has moved or been loaded before.
 
     ``by_p`` (n,) is k_p of the step under way: the row's, or the present stretch of rope on a rim that moves.
 
@@ -240,6 +240,9 @@ def _begin(g, t, h, beta, gamma, q, v, a):
     if g.fresh[0] == 1.0:
         for i in range(g.rows.size):
             g.travel[i] = _travel(g, i, q)
+        if g.held[0] == 1:
+            # No step will be accepted: what is asked for first is where the contact stood.
+            g.fresh[0] = 0.0
 
 
 @kernel

@@ -160,6 +160,8 @@ def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     """Tension at rest of every span end, (n,) N, and a note where it is an estimate, if a scene starts as drawn."""
     first = np.ravel(at_start(result, "tension"))
     if layout.scene.start == "static":
+        if result.time[0] > 0.0:  # the frame of the start was dropped, or was that of another run
+            return first, f", over the tension at {result.time[0]:.4g} s, where the result begins"
         # A load that was changed on the way has another tension at rest, of which no frame is known.
         return first, ", by the load at the start" if result.attributes.get("parameters_changed") else ""
     found = static_tension(layout.scene, layout.path)

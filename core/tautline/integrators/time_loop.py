@@ -130,8 +130,9 @@ DOUBLED_BELOW = 1.0 / 12.0
 def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
     """One implicit step of length h, in halves, quarters, ... where it is not solved or not accurate.
 
-    Returns a status, or PAUSED. The next step goes on in parts of the size that this one ended with, or twice that: a
-    step much longer than the last would carry what is left of a disturbance too far.
+    Returns a status, or PAUSED; ``pause`` then says which parts were accepted, and so it does of a step that fails. The
+    next step goes on in parts of the size that this one ended with, or twice that: a step much longer than the last
+    would carry what is left of a disturbance too far.
     """
     finest = 1 << method.max_halvings
     controlled = method.tolerance > 0.0
@@ -151,6 +152,7 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
             if size < finest and at % (2 * size) == 0 and may_grow:
                 size *= 2
         elif size == 1:
+            pause[PART] = at
             return status
         else:
             size //= 2
@@ -176,7 +178,10 @@ def run_implicit(method, groups, dofs, functions, state, ends, steps, begin, row
                 pause[STEP] = step
                 return DONE, k, t0 + step * h
             if status != DONE:
-                return status, k, t0 + step * h
+                # The state is that of the parts that were accepted, and so is the time.
+                part = pause[PART] / (1 << method.max_halvings)
+                pause[PART] = 0
+                return status, k, t0 + step * h + h * part
         record_frame(groups, dofs, state, ends[k], rows[k], at)
         t0 = ends[k]
     return DONE, ends.size, t0

@@ -24,7 +24,7 @@ class Equations:
 
     The unknowns are those that are free; what is tied, prescribed or held follows from them. A multiplier is an unknown
     of which only the acceleration counts. Laws with a memory (friction that sticks) stay as they are at the instant the
-    equations are asked for.
+    equations are asked for, also before the first step.
 
     Attributes
     ----------
@@ -51,6 +51,8 @@ class Equations:
         self._matrix = new_matrix(system.size, system.bandwidth, system.border)
         self._factors = new_factors(system.size, system.bandwidth, system.border)
         self._none = np.zeros(system.size)
+        # Laws with a memory that no step has written yet take it from here, not from what is asked first.
+        self._evaluate(time, self._q, self._v, self._none, 0.0, 0.0, 0.0, self._matrix)
 
     @property
     def size(self) -> int:
@@ -102,13 +104,18 @@ class Equations:
         Raises
         ------
         SimulationError
-            Where the mass matrix is singular, naming the unknown; and as `residual` does.
+            Where the mass matrix is singular, or an acceleration is not finite, naming the unknown; and as `residual`
+            does.
         """
         self._evaluate(t, q, v, self._none, 1.0, 0.0, 0.0, self._factors.matrix)
         row = self._lasting.call(factorise_matrix, (self._factors,))
         if row:
             raise SimulationError(f"the mass matrix is singular at {self.names[row - 1]}", "give it a mass")
         self._lasting.call(solve_matrix, (self._factors,), self._residual)
+        if not np.isfinite(self._residual).all():
+            name = self.names[int(np.argmin(np.isfinite(self._residual)))]
+            cause = f"no acceleration follows from these positions and velocities: that of {name} is no finite number"
+            raise SimulationError(cause, "give positions near those of `state`")
         return -self._residual
 
     def first_order(self, t: float, y: np.ndarray) -> np.ndarray:

@@ -4,7 +4,8 @@ What is given is reached at the end of the next advance. The way there is a poly
 second rate that the function has now, so that nothing jumps. The rate at its end is that given beside the value; else
 it is the harmonic mean of the slopes of this advance and of the last, and zero where these differ in sign (F. N.
 Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): a value that is given in every advance is followed
-smoothly, and one that is given once is come to rest at.
+smoothly, and one that is given once is come to rest at. A way of which an advance was left in the middle, on Ctrl-C, is
+gone on with; by an advance that goes beyond its end what was given is come to rest at, at the end of that.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ advance (NaN: none was given yet), and one of the following."""
 AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
 """As the scene has it; at its value, at rest; at its value, moving; given anew, to be reached in the next advance."""
 PIECES = 3
+ROUNDING = 1e-14
+"""Share of a time within which an advance ends where a way does."""
 
 
 class Inputs(Unpickled, Mapping[str, Any]):
@@ -262,10 +265,19 @@ class Inputs(Unpickled, Mapping[str, Any]):
             return
         for k in tuple(self._active):
             row = self.memory[k]
-            if row[STATE] != GIVEN:  # it stays at what was given before, and comes to rest there
+            if row[STATE] != GIVEN:
+                until = self._way_end(k)
+                if begin < until and end <= until * (1.0 + ROUNDING):
+                    continue  # the last advance was left in its middle: what it had for it goes on
+                # It stays at what was given before, and comes to rest there.
                 row[RATE], row[SECOND], row[STATE] = 0.0, 0.0, GIVEN
             self._write(k, row, begin, end)
         self._functions.frames.time[0] = np.nan
+
+    def _way_end(self, k: int) -> float:
+        """When the way that was written last for an input ends, s."""
+        f, function = self._functions, self._list[k].members[0][1]
+        return float(f.breaks[f.break_from[f.live[function]] + 1])
 
     def _write(self, k: int, row: np.ndarray, begin: float, end: float) -> None:
         """Write the ways of all functions that an input drives."""

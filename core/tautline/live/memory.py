@@ -37,6 +37,10 @@ class State:
         Why the simulation cannot go on, and the word of its status; empty where it can.
     explicit : tuple of float
         What is known of the step of an explicit method (`tautline.integrators.explicit_step.ExplicitStep.memory`).
+    start, last : str
+        Marks of the frame that the run began with, and of the newest that was kept; empty where that is not known.
+    displaced : tuple of str
+        Names of what was displaced.
     """
 
     time: float
@@ -48,11 +52,14 @@ class State:
     given: tuple[str, ...] = ()
     stopped: tuple[str, str] = ("", "")
     explicit: tuple[float, ...] = ()
+    start: str = ""
+    last: str = ""
+    displaced: tuple[str, ...] = ()
 
     def __reduce__(self) -> Any:
         return as_sent, (
             self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block), self.changed, self.given,
-            self.stopped, self.explicit,
+            self.stopped, self.explicit, self.start, self.last, self.displaced,
         )  # fmt: skip
 
 
@@ -63,7 +70,8 @@ def sum_of(block: np.ndarray) -> int:
 
 def as_sent(
     time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int, changed: Iterable[str] = (),
-    given: Iterable[str] = (), stopped: Sequence[str] = ("", ""), explicit: Iterable[float] = (),
+    given: Iterable[str] = (), stopped: Sequence[str] = ("", ""), explicit: Iterable[float] = (), start: str = "",
+    last: str = "", displaced: Iterable[str] = (),
 ) -> State:  # fmt: skip
     """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
 
@@ -77,7 +85,8 @@ def as_sent(
     try:
         why, word = stopped
         told = str(scene), str(layout), block, int(frames), tuple(map(str, changed)), tuple(map(str, given))
-        return State(float(time), *told, (str(why), str(word)), tuple(map(float, explicit)))
+        known = tuple(map(float, explicit)), str(start), str(last), tuple(map(str, displaced))
+        return State(float(time), *told, (str(why), str(word)), *known)
     except (TypeError, ValueError):
         raise damaged() from None
 

@@ -29,7 +29,7 @@ from tautline.kernels.groups import MEMORY, hold_laws
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
-from tautline.live.errors import SimulationError
+from tautline.live.errors import SimulationError, plain_numbers
 from tautline.system.handles import Input, Output
 
 COMPLEX_STEP = 1.0e-30
@@ -94,10 +94,43 @@ class Plant:
         return np.linalg.eigvals(self.A)
 
     def response(self, frequency: np.ndarray) -> np.ndarray:
-        """Frequency response ``C (i w - A)^-1 B + D + i w E``, (frequencies, outputs, inputs); frequency in Hz."""
-        w = 2.0j * np.pi * np.atleast_1d(np.asarray(frequency, float))
-        one = np.eye(len(self.A))
-        return np.array([self.C @ np.linalg.solve(s * one - self.A, self.B) + self.D + s * self.E for s in w])
+        """Frequency response ``C (i w - A)^-1 B + D + i w E``, (frequencies, outputs, inputs).
+
+        Parameters
+        ----------
+        frequency : float or float (k,)
+            Hz.
+
+        Raises
+        ------
+        SimulationError
+            For what is no finite number or list of these, and at a frequency at which the response is infinite: 0 Hz
+            where an input is a speed, which goes on for ever.
+        """
+        return np.array([self._response(f) for f in _frequencies(frequency)]).reshape(-1, *self.D.shape)
+
+    def _response(self, frequency: float) -> np.ndarray:
+        """Response at one frequency, Hz."""
+        s = 2.0j * np.pi * frequency
+        try:
+            found = self.C @ np.linalg.solve(s * np.eye(len(self.A)) - self.A, self.B) + self.D + s * self.E
+        except np.linalg.LinAlgError:
+            cause = f"the response at {frequency:g} Hz is infinite: an input that is a speed moves on for ever, or an "
+            cause += "oscillation there has no damping"
+            raise SimulationError(cause, "give another frequency") from None
+        return np.asarray(found)
+
+
+def _frequencies(given: Any) -> np.ndarray:
+    """Frequencies as a vector, Hz; raises SimulationError."""
+    cure = "give a finite number in Hz, or a list of these"
+    try:
+        found = np.atleast_1d(plain_numbers(np.asarray(given)))
+    except (TypeError, ValueError):  # rows of different lengths
+        raise SimulationError("what is given is no list of frequencies", cure) from None
+    if found.dtype.kind not in "iuf" or found.ndim != 1 or not np.isfinite(found).all():
+        raise SimulationError(f"{given!r} is no frequency and no list of frequencies", cure)
+    return found.astype(float)
 
 
 class _Drive(NamedTuple):

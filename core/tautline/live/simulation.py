@@ -8,21 +8,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from threading import get_ident
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tautline.application.installed import Installed
 from tautline.integrators.explicit_step import ExplicitStep
 from tautline.integrators.method import method_for
-from tautline.integrators.schedule import frame_times
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.time_loop import (
     PART,
     STEP,
     WORK_LIMIT,
-    Frames,
     compile_for,
     frames_of,
     loop_of,
@@ -36,14 +34,17 @@ from tautline.live.arguments import names_of, span_of, values_of
 from tautline.live.equations import Equations
 from tautline.live.errors import SimulationError, seconds, unknown
 from tautline.live.forces import Force, Group, force_of, places_of
+from tautline.live.frame_clock import CLOSE, FrameClock
 from tautline.live.inputs import Inputs
-from tautline.live.kept import Kept
+from tautline.live.kept import Kept, begins_late
 from tautline.live.memory import Memory, State, check
+from tautline.live.parts import Parts
 from tautline.live.readings import Outputs, Parameters, handles_of
 from tautline.live.turn import Turn
 from tautline.results.assessment.balance import ENERGIES, Balance
+from tautline.results.assessment.start import Start
 from tautline.results.result import Result
-from tautline.results.resumption import FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
+from tautline.results.resumption import DISPLACED, FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
 from tautline.results.store import Store
 from tautline.run import Run
 from tautline.system.memory import arrays_of, recall, remember
@@ -58,30 +59,8 @@ BEGIN = 7
 """Place of the time of the last frame among the arguments of a loop."""
 SHORTEST = 1e-9
 """Shortest advance, over the interval of frames: what is shorter is the rounding of a sum of times."""
-CLOSE = 1.0e-9
-"""Share of the output interval within which an advance ends at a frame."""
 LONG = 200_000
 """Steps, iterations and factorisations after which Ctrl-C is heard in the middle of an advance."""
-
-
-class Parts(NamedTuple):
-    """What a simulation works with: its own arrays, no copies, as they are until a force is added or it is restored.
-
-    Attributes
-    ----------
-    state : tautline.integrators.state.State
-    method : NamedTuple
-        Of integration, with its arrays.
-    frames : Frames
-        The one frame that it stands at.
-    memory : Memory
-        Of all that a saved state holds.
-    """
-
-    state: Any
-    method: Any
-    frames: Frames
-    memory: Memory
 
 
 class Simulation:
@@ -157,8 +136,8 @@ class Simulation:
         self._mark = (
             f"{model.attributes.get('application', '')} {model.attributes.get('model_hash', '')} {model.solver.method}"
         )
-        self._grid, _ = frame_times(model.solver.end, model.solver.interval, model.solver.step)
-        self._tolerance = CLOSE * model.solver.interval
+        self._frame_clock = FrameClock(model.solver)
+        self._tolerance = self._frame_clock.tolerance
         self._clock = np.zeros(2)
         self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
@@ -168,6 +147,7 @@ class Simulation:
         self._begun = False
         self._changed: set[str] = set()
         self._given: set[str] = set()
+        self._displaced: set[str] = set()
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
         self._kept = Kept(self._frames.rows.shape[1], span)
@@ -182,9 +162,9 @@ class Simulation:
         self._call(0.0)
         if not np.isfinite(self._frames.rows[0]).all():
             raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
-        self._frame, self._next = 0, self._frame_time(0)
         self._begun = True
-        self._kept.add(self._frames.rows[0])
+        self._kept.begin(self._frames.rows[0])
+        self._starts = {self._kept.mark: run.began}
 
     def _bind(self) -> None:
         """Bind the loop to its arguments, and list what a state is made of."""
@@ -280,9 +260,7 @@ class Simulation:
             raise SimulationError(
                 f"the simulation has stopped: {self._stopped}", "restore a state that was saved before"
             )
-        ahead = self._frame_time(self._frame + max(0, round((time - self._next) / self.model.solver.interval)))
-        if abs(time - ahead) <= self._tolerance:
-            time = ahead
+        time = self._frame_clock.snapped(time)
         self._refuse_unprepared(time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) if ear is None else nullcontext(ear) as ear:
@@ -291,7 +269,7 @@ class Simulation:
                 self.inputs.write(begin, time)
                 self._observed = None
                 while begin < time:
-                    end = min(self._next, time)
+                    end = min(self._frame_clock.next, time)
                     if (due := self._due()) < end - self._tolerance:
                         end = due
                     self._go(begin, end, ear)
@@ -314,11 +292,6 @@ class Simulation:
         """Until when it is known what the scene moves by itself, s, infinite where without end; and the key of that."""
         ends = ((one.until, one.key) for one in self._prepared if not self.inputs.steers(one.function))
         return min(ends, default=(math.inf, ""))
-
-    def _frame_time(self, k: int) -> float:
-        """Time of the k-th frame after the first; they go on after the scene's end."""
-        last = self._grid.size - 1
-        return float(self._grid[k] if k <= last else self._grid[last] + (k - last) * self.model.solver.interval)
 
     def _go(self, begin: float, end: float, ear: Ear) -> None:
         """Take the steps from one time to the next; raises Interrupted where Ctrl-C was heard meanwhile."""
@@ -347,10 +320,9 @@ class Simulation:
     def _arrive(self, end: float) -> None:
         """Stand at the end of an advance, or of a part of it, and keep the frame where it is one of the output."""
         self._time = end
-        if end == self._next:
+        if end == self._frame_clock.next:
             self._kept.add(self._frames.rows[0])
-            self._frame += 1
-            self._next = self._frame_time(self._frame)
+            self._frame_clock.passed()
 
     def _call(self, begin: float) -> tuple[int, int, float]:
         """Run the compiled loop, and keep the time it took."""
@@ -407,7 +379,7 @@ class Simulation:
             if force.failed is not None:
                 error, force.failed = force.failed, None
                 self._stopped, self._status = f"a force raised {type(error).__name__} at {reached:.6g} s", "stopped"
-                self._time = float(reached)
+                self._stand_at(reached)
                 raise error
         self._stand_at(reached)
         self._judge_step()
@@ -421,8 +393,16 @@ class Simulation:
         """Make the outputs those of the state as it is, at a time that is no end of an advance."""
         self._pause[STEP] = self._pause[PART] = 0
         self._time = float(time)
+        self._record_anew()
+
+    def _record_anew(self) -> None:
+        """Write the frame of the state as it is; accelerations and reactions are those of the last step."""
         before = self._frames.rows[0].copy()
         record_now(self._run.method, self.model.system, self._state, self._time, self._frames.rows[0])
+        # A force that raised, and is no number then, leaves its places without a reaction.
+        size = self.model.system.q.size
+        now, last = (frames_of(rows, size).residual[0] for rows in (self._frames.rows, before[None]))
+        np.copyto(now, last, where=~np.isfinite(now))
         if not np.isfinite(self._frames.rows[0]).all():
             # What the inputs ask for from here on cannot be: the last frame is all that is known.
             self._frames.rows[0] = before
@@ -462,13 +442,14 @@ class Simulation:
         self._judge_step()
         before = self._energy() if counts else 0.0
         yield
-        self._observed = None
         if self._explicit is not None:
             self._explicit.forget()
         if counts:
             work = self._energy() - before
             self._state.ledger[WORK] += work
             self._state.ledger[THROUGHPUT] += abs(work)
+            self._record_anew()
+        self._observed = None
 
     def _energy(self) -> float:
         """Kinetic, strain and potential energy of the state as it is, J."""
@@ -518,7 +499,10 @@ class Simulation:
         run.memory = remember(*(thing for _, thing in self._memorable()))
         status = status or self._status or run.end_status().word
         self._judge_step()
-        made = run.finish(stored, status, {"end": self._time}, self._explicit.warnings if self._explicit else ())
+        further = [] if self._explicit is None else self._explicit.warnings
+        if self._kept.joined is not None:
+            further = [*further, begins_late(self._kept.joined)]
+        made = run.finish(stored, status, {"end": self._time}, further)
         assert made is not None
         return made
 
@@ -529,6 +513,7 @@ class Simulation:
             PARAMETERS_CHANGED: sorted(self._changed),
             INPUTS_DRIVEN: self.inputs.driven,
             FORCES_ADDED: [force.name for force in self._forces],
+            DISPLACED: sorted(self._displaced),
         }
         return {what: ", ".join(some) for what, some in names.items() if some}
 
@@ -541,10 +526,14 @@ class Simulation:
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
                 () if self._explicit is None else self._explicit.memory(),
+                self._kept.mark, self._kept.last, tuple(sorted(self._displaced)),
             )  # fmt: skip
 
     def restore(self, state: State) -> None:
         """Stand where a state was saved: everything goes on from there to the bit. Frames after it are dropped.
+
+        So are those before it, where another run has made the state; a warning of the result says then from when on
+        there are frames. That of the start stays where both began the same.
 
         Raises
         ------
@@ -558,18 +547,14 @@ class Simulation:
     def _restore(self, state: State) -> None:
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
-        self._changed, self._given = set(state.changed), set(state.given)
+        self._changed, self._given, self._displaced = set(state.changed), set(state.given), set(state.displaced)
         self._stopped, self._status = state.stopped
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
-        self._kept.go_back(state.time, self._tolerance)
-        reached = state.time + self._tolerance
-        k = int(np.searchsorted(self._grid, reached, side="right"))
-        if k == self._grid.size:
-            k += int((reached - self._grid[-1]) / self.model.solver.interval)
-        while self._frame_time(k) <= reached:
-            k += 1
-        self._frame, self._next = k, self._frame_time(k)
+        self._kept.go_back(state, self._frames.rows[0], self._tolerance)
+        if state.start:
+            self._run.began = self._starts.get(state.start, Start())
+        self._frame_clock.stand_at(state.time)
         if self._explicit is not None:
             self._explicit.recall(state.explicit)
             self._step = self._explicit.step if self.model.solver.automatic else self._step
@@ -597,6 +582,7 @@ class Simulation:
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
         number = self.model.system.dofs.number[places]
         with self._turn.change, self._parameter_changes():
+            self._displaced.add(name)
             full[places[number >= 0]] += given[number >= 0]
             reduced[number[number >= 0]] += given[number >= 0]
 
@@ -610,7 +596,7 @@ class Simulation:
         other.scene, other._application = self.scene, self._application
         other._named, other._keep = self._named, self._keep
         other._prepare(self._application.build(self._application.driven(self.scene, self._named)))
-        other._run.began = self._run.began
+        other._starts = dict(self._starts)
         other._bind()
         for force in self._forces:
             other._add(force.copy())

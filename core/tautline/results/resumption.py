@@ -12,8 +12,8 @@ from tautline.results.result import Result
 from tautline.version import __version__
 
 PARAMETERS_GIVEN, PARAMETERS_CHANGED = "parameters_given", "parameters_changed"
-INPUTS_DRIVEN, FORCES_ADDED = "inputs_driven", "forces_added"
-TAKEN_OVER = PARAMETERS_GIVEN, PARAMETERS_CHANGED
+INPUTS_DRIVEN, FORCES_ADDED, DISPLACED = "inputs_driven", "forces_added", "displaced"
+TAKEN_OVER = PARAMETERS_GIVEN, PARAMETERS_CHANGED, DISPLACED
 """Attributes of a result that hold for what goes on from it: the numbers behind them are part of its last state."""
 ROUNDING = 1e-12
 """Share of a time that is rounding."""

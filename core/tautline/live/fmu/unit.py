@@ -238,7 +238,7 @@ def to_bytes(saved: dict[str, Any]) -> bytes:
     if NO_STATE in saved:
         return b""
     state: State = saved["state"]
-    rest = state.changed, state.given, state.stopped
+    rest = state.changed, state.given, state.stopped, state.explicit, state.start, state.last, state.displaced
     told = [state.time, state.scene, state.layout, state.frames, sum_of(state.block), *rest]
     head = {**saved, "state": told}
     return json.dumps(head).encode("utf8") + b"\0" + state.block.tobytes()
