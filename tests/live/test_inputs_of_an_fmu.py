@@ -353,7 +353,19 @@ def test_an_output_that_is_set_is_told_and_stays(folder):
 
 @pytest.mark.parametrize(
     "place, wrong",
-    [(-1, []), (-1, ["a"]), (-1, ["a", "b", "c"]), (-1, 3), (-2, 3), (0, "soon"), (3, "many"), (0, None)],
+    [
+        (7, []),
+        (7, ["a"]),
+        (7, ["a", "b", "c"]),
+        (7, 3),
+        (6, 3),
+        (8, 3),
+        (8, ["a"]),
+        (11, 3),
+        (0, "soon"),
+        (3, "many"),
+        (0, None),
+    ],
 )
 def test_bytes_of_a_state_whose_head_is_damaged_are_refused_in_plain_words(folder, place, wrong):
     core = Core(folder)
