@@ -81,3 +81,23 @@ def test_an_output_that_is_read_makes_no_variable_that_nobody_asked_for(hoist, m
     assert hoist["tension"].shape and hoist["winch.tension"] > 0.0
     with pytest.raises(AssertionError, match="nobody asked"):
         hoist["sheave_load"]
+
+
+def test_a_force_reads_outputs_of_one_frame_the_newest_while_it_advances():
+    sim = tautline.Simulation(DATA / "hoist.yaml")
+    seen = []
+
+    def force(t, q, v):
+        # The second is asked for later only: it must not be made of another frame than the first.
+        seen.append((t, sim["winch.tension"], sim["max_tension"] if t > 0.25 else None))
+        return np.zeros_like(q)
+
+    sim.add_force(force, on="payload.position")
+    sim.advance_to(0.5)
+    result = sim.result
+    drum, most = result["drum_tension"][:, 0], result["tension"].reshape(len(result.time), -1).max(axis=1)
+    for _, one, other in seen:
+        frames = [np.flatnonzero(np.isclose(drum, one, rtol=1e-12))]
+        frames += [np.flatnonzero(np.isclose(most, other, rtol=1e-12))] if other is not None else []
+        assert set.intersection(*(set(some.tolist()) for some in frames))
+    assert np.isclose(seen[-1][1], drum[-2], rtol=1e-12)

@@ -120,6 +120,22 @@ def test_the_start_stays_that_of_the_run_where_the_last_frames_are_gone_on_with(
     assert figures["dynamic_amplification"] == pytest.approx((tension[some] / tension[0]).max(), rel=1e-6)
 
 
+@pytest.mark.parametrize("begin", [0.0, 2.7])
+def test_statistics_that_go_on_from_the_last_frames_measure_from_the_start(begin):
+    kept = {"interval": 0.05, "keep": "statistics", "windows": 0.2, "begin": begin}
+    sim = tautline.Simulation(DATA / "hoist.yaml", keep=1.0)
+    sim.advance_to(2.5)
+    resumed = tautline.simulate(
+        tautline.read(DATA / "hoist.yaml").replace({"output": kept}), end=3.0, resume=sim.result
+    )
+    full = tautline.simulate(DATA / "hoist.yaml", end=3.0)
+    tension, height = full["tension"], full["body_position"][:, 0, 2]
+    some = full.time >= max(begin, 1.5) - 1e-9
+    figures = {name: one["value"] for name, one in resumed.headline.items()}
+    assert figures["rise"] == pytest.approx(height[-1] - height[0], rel=1e-6)
+    assert figures["dynamic_amplification"] == pytest.approx((tension[some] / tension[0]).max(), rel=1e-6)
+
+
 @pytest.mark.parametrize("how", ["given", "initial", "named"])
 def test_a_result_of_a_driven_simulation_says_so_and_is_not_gone_on_with(how):
     name = "vessel.surge" if how == "named" else "winch.pay_out_speed"

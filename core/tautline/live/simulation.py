@@ -319,7 +319,8 @@ class Simulation:
 
     def _arrive(self, end: float) -> None:
         """Stand at the end of an advance, or of a part of it, and keep the frame where it is one of the output."""
-        self._time = end
+        # A force reads outputs while it advances: those of one frame, which is now another one.
+        self._time, self._observed = end, None
         if end == self._frame_clock.next:
             self._kept.add(self._frames.rows[0])
             self._frame_clock.passed()

@@ -189,7 +189,8 @@ class StatisticsStore(Store):
             return
         arrays = {name: np.concatenate([part[name] for part in self._piece]) for name in self._first}
         self._piece, self._waiting = [], 0
-        piece = Result(None, (self.variables, arrays, self.coordinates, self.attributes, {}), start=self._first)
+        contents = (self.variables, arrays, self.coordinates, self.attributes, {})
+        piece = Result(None, contents, start=self.start or self._first)
         for tally in self._tallies:
             tally.add(arrays, arrays["time"])
         if self.keep.rules:

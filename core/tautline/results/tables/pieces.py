@@ -8,8 +8,10 @@ import numpy as np
 
 SEEN = "frames_seen"
 """Attribute of such a result: how many frames its statistics are of."""
-APART = 1.5
-"""Time between two frames, over that between neighbours of the run, from which frames are missing between them."""
+WINDOWS = "windows"
+"""Attribute of such a result: spans of time in which every frame is kept."""
+CLOSE = 1.0e-9
+"""Of a time, by which a frame may lie outside of its window: times are rounded."""
 
 
 def pieces_of(result: Any) -> np.ndarray | None:
@@ -18,8 +20,11 @@ def pieces_of(result: Any) -> np.ndarray | None:
     time = np.asarray(result["time"], float)
     if seen <= time.size or time.size < 2:
         return None
-    interval = (time[-1] - time[0]) / (seen - 1)
-    return 1 + np.concatenate(([0], np.cumsum(np.diff(time) > APART * interval)))
+    together = np.zeros(time.size - 1, bool)
+    for window in result.attributes.get(WINDOWS, ()):
+        begin, end = window["begin"] - CLOSE * time[-1], window["end"] + CLOSE * time[-1]
+        together |= (time[:-1] >= begin) & (time[1:] <= end)
+    return 1 + np.concatenate(([0], np.cumsum(~together)))
 
 
 def pieces_said(result: Any) -> str:
