@@ -287,6 +287,24 @@ def end_step(method, groups, dofs, functions, state, t, h):
     return DONE
 
 
+@kernel
+def stand_at(dofs, functions, state, t):
+    """Write the state, which has gone back to time t, into the full vectors that outputs are read of."""
+    prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
+    expand(dofs, state.a, state.full_a)
+
+
+@kernel
+def is_finite(x):
+    """Whether all numbers of a vector are finite."""
+    for i in range(x.size):
+        if not np.isfinite(x[i]):
+            return False
+    return True
+
+
 def sums_of(method: Explicit) -> tuple[str, ...]:
     """What an explicit method asks of the groups, beside what every method does."""
     masses = "diagonal_mass" if isinstance(method.mass, np.ndarray) else "mass"

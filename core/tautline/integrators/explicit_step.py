@@ -107,8 +107,9 @@ class ExplicitStep:
         """See whether the steps since the last look, s, were beyond the critical one; none is chosen by that.
 
         Of a run that cannot go back: where it ends, where its result is read, and before it is changed from outside.
+        Of fewer than ``FEWEST_STEPS`` nothing is asked: a look costs as much as hundreds of steps.
         """
-        if not self._begun or time <= self._looked:
+        if not self._begun or time < self._looked + FEWEST_STEPS * taken:
             return
         if taken > self.critical.search(state, time)[0]:
             self.beyond = time

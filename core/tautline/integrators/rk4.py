@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tautline.integrators.corrector.newton import DONE
-from tautline.integrators.explicit import BEFORE, Explicit, accelerate, account, end_step, explicit_stepping
+from tautline.integrators.corrector.newton import DONE, NOT_FINITE
+from tautline.integrators.explicit import BEFORE, Explicit, accelerate, account, end_step, explicit_stepping, is_finite
 from tautline.integrators.state import observe_motion, restore
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand_held, prescribe
@@ -34,6 +34,8 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
         if stage == 0 or method.driven:
             expand_held(dofs, state.full_a)
         status = accelerate(method, groups, dofs, now, state)
+        if stage == 0 and not is_finite(state.a):
+            status = NOT_FINITE  # before work is booked with what is no number
         if status != DONE:
             restore(state)
             return status

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.integrators.corrector.newton import DONE
-from tautline.integrators.explicit import accelerate, account
+from tautline.integrators.corrector.newton import DONE, NOT_FINITE
+from tautline.integrators.explicit import accelerate, account, is_finite, stand_at
 from tautline.integrators.linearise import NO_SEARCH, SUMS, evaluate_scene
 from tautline.integrators.newton_at_rest import iterate
 from tautline.integrators.state import (
@@ -206,10 +206,13 @@ def run_explicit(method, groups, dofs, functions, state, ends, steps, begin, row
                 return DONE, k, t0 + step * h
             status = take_step(method, groups, dofs, functions, state, t0 + step * h, h)
             if status != DONE:
+                stand_at(dofs, functions, state, t0 + step * h)
                 return status, k, t0 + step * h
             state.counters[STEPS] += 1
         expand_held(dofs, state.full_a)
         status = accelerate(method, groups, dofs, ends[k], state)
+        if status == DONE and not is_finite(state.a):
+            status = NOT_FINITE
         if status != DONE:
             return status, k, ends[k]
         expand(dofs, state.a, state.full_a)

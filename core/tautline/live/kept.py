@@ -55,6 +55,10 @@ class Kept:
         self.start: np.ndarray | None = None
         self.mark = ""
         self.joined: float | None = None
+        self._starts: dict[str, np.ndarray] = {}
+        # The newest frame, or what was told of it with a state, also where none is kept.
+        self._newest: np.ndarray | None = None
+        self._told = ""
 
     @property
     def count(self) -> int:
@@ -68,16 +72,18 @@ class Kept:
 
     @property
     def last(self) -> str:
-        """Mark of the newest frame; empty where none is kept."""
-        return mark_of(self._rows[self._last - 1]) if self._last > self._first else ""
+        """Mark of the newest frame, whether it is kept or not."""
+        return self._told if self._newest is None else mark_of(self._newest)
 
     def begin(self, row: np.ndarray) -> None:
         """Keep the frame at the start of a run."""
         self.mark, self.start = mark_of(row), row[None].copy()
+        self._starts[self.mark] = self.start
         self.add(row)
 
     def add(self, row: np.ndarray) -> None:
         """Keep a frame."""
+        self._newest = row.copy()
         if not self.span > 0.0:
             self.dropped += 1
             return
@@ -111,19 +117,31 @@ class Kept:
         self._last = self._first + int(np.searchsorted(times, state.time + tolerance, side="right"))
         if self.joined is not None and state.time < self.joined:
             self.joined = None
-        same = state.start in ("", self.mark)
-        if same and (not state.last or state.last == self.last or self._last == self._first):
+        same, held = state.start == self.mark, self._last > self._first
+        alike = same and (not held or mark_of(self._rows[self._last - 1]) == state.last)
+        self._newest, self._told = None, state.last
+        if not self.span > 0.0 or alike:
+            self._begun_with(state.start)
             return
-        if same and mark_of(self._rows[self._first]) == self.mark:
+        if same and held and mark_of(self._rows[self._first]) == self.mark:
             self._last = self._first + 1
         else:
-            self.start, self.mark, self._last, self.dropped = None, state.start, self._first, 0
-            self.add(row)
+            self._last, self.dropped = self._first, 0
+        self._begun_with(state.start)
         self.joined = state.time if state.time > tolerance else None
+        if self.joined is not None or not self.rows.size:
+            self.add(row)
+            self._newest = None
+
+    def _begun_with(self, mark: str) -> None:
+        """Take another frame for that of the start; its numbers are known where it was kept here."""
+        if mark != self.mark:
+            self.mark, self.start = mark, self._starts.get(mark)
 
     def copy(self) -> Kept:
         """The same frames, kept apart."""
         other = Kept(self.width, self.span)
         other._rows, other._first, other._last, other.dropped = self._rows.copy(), self._first, self._last, self.dropped
         other.start, other.mark, other.joined = self.start, self.mark, self.joined
+        other._starts, other._newest, other._told = self._starts, self._newest, self._told
         return other

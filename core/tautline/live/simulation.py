@@ -349,7 +349,8 @@ class Simulation:
 
     def _judge_step(self) -> None:
         """See whether the explicit steps up to now were beyond the critical one, where nothing looks at them later."""
-        if (explicit := self._explicit) is not None:
+        # A function of the user's is called by steps alone: it may remember what it was asked.
+        if (explicit := self._explicit) is not None and not self._forces:
             # Forces that are evaluated leave their mark in the memory of groups: to look at a run must not change it.
             block = self._memory.read()
             explicit.judge(self._state, self._time, self._step)

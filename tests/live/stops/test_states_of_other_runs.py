@@ -57,9 +57,25 @@ def test_of_the_same_start_the_frame_of_the_start_stays_and_those_of_another_dri
     sim.restore(state)
     sim.advance_to(0.6)
     found = sim.result
-    assert np.allclose(found["time"], [0.0, 0.55, 0.6])
+    assert np.allclose(found["time"], [0.0, 0.5, 0.55, 0.6])
     assert len(late(found)) == 1
-    assert np.array_equal(found["tension"][1:], whole["tension"][11:13])
+    assert np.array_equal(found["tension"][1:], whole["tension"][10:13])
+
+
+@pytest.mark.parametrize("keep", [True, 5.0])
+def test_a_state_of_a_simulation_that_keeps_no_frames_is_not_spliced_either(keep):
+    """Of the same start with another drive: the load leapt by 5 m from one frame to the next, without a word."""
+    other, sim = tautline.Simulation(HOIST, keep=False), tautline.Simulation(HOIST, keep=keep)
+    other.inputs["winch.pay_out_speed"] = -0.5
+    other.advance_to(0.5)
+    sim.advance_to(1.0)
+    sim.restore(pickle.loads(pickle.dumps(other.save())))
+    sim.advance_to(0.6)
+    found, heights = sim.result, sim.result["body_position"][:, 0, 2]
+    assert len(late(found)) == 1 and found["time"][-3:] == pytest.approx([0.5, 0.55, 0.6])
+    # What is told of the whole run is over its start, of which both runs have the frame.
+    start = tautline.Simulation(HOIST)["body_position"][0, 2]
+    assert found.attributes["headline"]["rise"]["value"] == pytest.approx(heights[-1] - start)
 
 
 def test_a_state_of_the_simulation_itself_keeps_its_frames(heavy):
