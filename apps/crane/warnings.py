@@ -12,7 +12,7 @@ from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoiste
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
-from crane.assembly.jumps import jumps_of
+from crane.assembly.jumps import SUDDEN, jumps_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
@@ -344,8 +344,6 @@ def _compression(scene: CraneScene) -> Sentences:
 
 
 BOUNCES = "The load then bounces on the rope"
-SUDDEN = 0.01
-"""Share of the tension at rest that a jump in speed may add without a word."""
 TOLD = 1e-3
 """Share of the fastest jump below which another is not named."""
 

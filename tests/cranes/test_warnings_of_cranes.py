@@ -285,9 +285,9 @@ def jumping(of):
     return float(front), float(bounce[0]) if bounce else None
 
 
-def heaving(compensation=None, pay_out=0.0):
+def heaving(compensation=None, pay_out=0.0, **phase):
     """A load of 50 t below a tip that heaves with 0.4 m/s at t = 0."""
-    heave = {"harmonic": {"amplitude": 0.4 / (2.0 * math.pi / 8.0), "period": 8}}
+    heave = {"harmonic": {"amplitude": 0.4 / (2.0 * math.pi / 8.0), "period": 8, **phase}}
     more = {} if compensation is None else {"heave_compensation": compensation}
     return one_fall(
         path=[winch(pay_out=pay_out), tip(inertia=0.01), HOOK],
@@ -351,6 +351,13 @@ def test_a_compensator_that_starts_late_is_told_with_the_bounce_of_both_starts(g
     _, bounce = jumping(of)
     assert 0.9 * rise_of(of) < bounce < 1.15 * rise_of(of)
     assert "Heave compensation does not move at t = 0, and has to catch up" in only(of, "vessel.motion")
+
+
+def test_a_late_compensator_of_a_heave_that_rests_at_its_crest_is_told_no_jump():
+    crest = heaving({"gain": 0.95, "delay": 0.2}, phase="90 deg")
+    assert not any("a front of" in warning.text for warning in warnings(crest))
+    grows = heaving({"gain": 0.95, "limits": {"stroke": 0.05}}, pay_out=0.4, ramp=1)
+    assert "catch up" not in only(grows, "path[0].drum.pay_out")
 
 
 def test_a_jump_of_a_crane_that_starts_as_drawn_is_told_without_the_heave():

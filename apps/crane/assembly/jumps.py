@@ -17,9 +17,12 @@ from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
+SUDDEN = 0.01
+"""Share of the tension at rest that a jump in speed may add without a word."""
 BOUNCES_SEEN = 4.0
 """Bounces of the load after the delay of a late actuator, over which its swing is looked for."""
 PER_BOUNCE = 200
+"""Times in one bounce at which the rate is taken."""
 
 
 class Jumps(NamedTuple):
@@ -68,14 +71,15 @@ def jumps_of(found: Estimate, actuator: Compensation | None) -> Jumps:
     drums = tuple((drum, float(supply.speed[0])) for drum, supply in supplies if supply is not None)
     answer = 0.0 if actuator is None or fastest == 0.0 else float(_answers(actuator, begin)[0])
     paid = sum(speed + answer for _, speed in drums)
-    rate = float(_lengthening(found, begin)[0]) - paid
+    lengthening = float(_lengthening(found, begin)[0])
+    rate = lengthening - paid
     front = found.impedance * max([fastest, *(abs(speed + answer) for _, speed in drums)])
+    swing = found.bounce_of(rate)
+    heaves = max(fastest * found.impedance, found.bounce_of(lengthening)) > SUDDEN * found.largest_tension
     # a limit that is met later has nothing to do with the start: it is told with its share of the run
-    late = fastest > 0.0 and answer == 0.0 and actuator is not None and actuator.away > 0.0
+    late = heaves and answer == 0.0 and actuator is not None and actuator.away > 0.0
     if actuator is not None and late:
         swing = _swing_of(found, actuator, sum(speed for _, speed in drums), len(drums))
-    else:
-        swing = found.bounce_of(rate)
     return Jumps(fastest, point, drums, answer, rate, front, swing, late)
 
 
