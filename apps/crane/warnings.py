@@ -12,8 +12,8 @@ from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoiste
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
-from crane.assembly.layout import entries_of
-from crane.assembly.loads import floating, pull_on
+from crane.assembly.jumps import SUDDEN, jumps_of
+from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
 from crane.results.limits import LEAST_RATIO
@@ -26,7 +26,6 @@ from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import read_record
 from crane.sea.record_doubts import doubts, doubts_of_table
-from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
 from tautline.scene.functions import Ramp, Sum, Table
@@ -64,7 +63,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
-        *_winches(found, actuator), *_let_go(found), *_start(found),
+        *_winches(found, actuator), *_let_go(found), *_start(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_turns_on(scene), *_never(scene), *_record(scene),
     ]  # fmt: skip
@@ -344,32 +343,40 @@ def _compression(scene: CraneScene) -> Sentences:
         yield "rope.compression", text
 
 
-def _start(found: Estimate) -> Sentences:
-    """What the rope hangs on moves at t = 0, and the load rests."""
-    scene, layout = found.scene, found.layout
-    if scene.start != "static" or not layout.frames:
+BOUNCES = "The load then bounces on the rope"
+TOLD = 1e-3
+"""Share of the fastest jump below which another is not named."""
+
+
+def _start(found: Estimate, actuator: Compensation | None) -> Sentences:
+    """What moves at t = 0 while the load rests: frames, winches and heave compensation, told once with their sum."""
+    scene, jumps = found.scene, jumps_of(found, actuator)
+    if max(jumps.front, jumps.swing) <= SUDDEN * found.largest_tension:
         return
-    functions = compile_functions(layout.requests.of)
-    fastest, name, lengthening = 0.0, "", 0.0
-    for i, item in enumerate(scene.path):
-        frame = int(layout.wheels.frame[i])
-        if getattr(item, "body", None) is not None or frame == layout.frame[-1]:
-            continue
-        rate = entries_of(layout.degrees, functions, range(frame, frame + ENTRIES), np.zeros(1), order=1)[0]
-        drawn = np.array(getattr(item, "center", None) or getattr(item, "position", None))
-        velocity = rate[:3] + rate[3:].reshape(3, 3).T @ drawn
-        lengthening -= float(velocity @ pull_on(found.path, i))
-        speed = float(np.linalg.norm(velocity))
-        if speed > fastest:
-            fastest, name = speed, item.name
-    front, swing = fastest * found.impedance, found.bounce_of(lengthening)
-    if max(front, swing) > SUDDEN * found.largest_tension:
-        cure = "Use `ramp`, or ignore the first waves" if front >= swing else f"{BOUNCES}. Use `ramp`"
-        text = (
-            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests. The jump causes up to "
-            f"{max(front, swing):.3g} N of tension. {cure}"
-        )
-        yield "vessel.motion" if scene.vessel is not None else "frames", text
+    least = TOLD * max([jumps.fastest, abs(jumps.answer), *(abs(speed) for _, speed in jumps.drums)])
+    drums = [(drum, speed) for drum, speed in jumps.drums if abs(speed) > least]
+    hangs = jumps.fastest > least
+    said = [f"{jumps.point} moves at {jumps.fastest:.2g} m/s at t = 0, and the load rests"] if hangs else []
+    said += [f"{drum.name} jumps to {speed:.3g} m/s of rope at t = 0" for drum, speed in drums]
+    if jumps.drums and abs(jumps.answer) > least:
+        said.append(f"Heave compensation pays out {jumps.answer:.3g} m/s at t = 0")
+    if jumps.late:
+        said.append("Heave compensation does not move at t = 0, and has to catch up")
+    bounces = jumps.swing > jumps.front
+    said.append(f"This sends a front of {jumps.front:.3g} N along the rope: v sqrt(EA rho)")
+    if bounces:
+        said.append(f"{BOUNCES}, with {jumps.swing:.3g} N more and less")
+    elif jumps.swing <= SUDDEN * found.largest_tension and len(drums) + hangs + (jumps.answer != 0.0) > 1:
+        said.append("Together they hardly change the length of the rope, and the load hardly bounces")
+    if hangs or len(drums) > 1:
+        said.append("Use `ramp`" if bounces else "Use `ramp`, or ignore the first waves")
+    else:
+        ramp = f"{{ramp: {{to: {drums[0][1]:.3g}, over: 1.0}}}}"
+        said.append(f"Begin at 0 with a ramp, such as {ramp}, unless that is what is asked")
+    if hangs:
+        yield "vessel.motion" if scene.vessel is not None else "frames", ". ".join(said)
+    else:
+        yield where(scene, drums[0][0], drums[0][0].drive), ". ".join(said)
 
 
 def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:
@@ -416,13 +423,8 @@ def rope_warnings(scene: CraneScene) -> Sentences:
         yield f"rope.{key}", text
 
 
-BOUNCES = "The load then bounces on the rope"
-SUDDEN = 0.01
-"""Share of the tension at rest that a jump in speed may add without a word."""
-
-
 def _winches(found: Estimate, actuator: Compensation | None) -> Sentences:
-    """Motion of winches that begins with a jump, or goes too far, and layers that count nothing: key and text of each.
+    """Motion of winches that goes too far, and layers that count nothing: key and text of each.
 
     Parameters
     ----------
@@ -436,16 +438,6 @@ def _winches(found: Estimate, actuator: Compensation | None) -> Sentences:
         supply = supply_of(scene, drum)
         if supply is None:
             continue
-        speed = float(supply.speed[0])
-        front, swing = abs(speed) * found.impedance, found.bounce_of(speed)
-        if max(front, swing) > SUDDEN * found.largest_tension:
-            then = f"{BOUNCES}, with {swing:.3g} N more and less. " if swing > front else ""
-            text = (
-                f"jumps to {supply.speed[0]:.3g} m/s at t = 0, and a front of {front:.3g} N runs along the rope: v "
-                f"sqrt(EA rho). {then}Begin at 0 with a ramp, such as {{ramp: {{to: "
-                f"{supply.speed[0]:.3g}, over: 1.0}}}}, unless that is what is asked"
-            )
-            yield where(scene, drum, drum.drive), text
         whole = _compensated(supply, actuator)
         yield from _empty(scene, drum, whole)
         yield from _full(scene, drum, whole)

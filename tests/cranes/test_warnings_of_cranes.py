@@ -14,7 +14,7 @@ from references.cables import catenary
 import tautline
 from crane.assembly.drum_supply import check_supply, supply_of
 from crane.assembly.estimates import estimate, held_limit, rk4_limit
-from crane.scene.scene import CraneScene
+from crane.scene.scene import CraneScene, Drum
 from crane.scene.strength import strain_bound
 from crane.view.figures import draw_scene
 from crane.warnings import describe, figures, warnings
@@ -261,15 +261,6 @@ def test_a_jump_is_told_the_tension_of_the_loads_bounce_that_it_causes(count, ju
     assert tension.max() - tension[0].max() == pytest.approx(said, rel=0.1)
 
 
-def test_a_drum_that_runs_out_and_a_load_hoisted_too_high_are_told_with_the_time():
-    out = winch(pay_out={"ramp": {"to": 1.0, "over": 1.0}}, rope_on_drum="5 m")
-    assert "t = 5.5 s" in only(one_fall(path=[out, TIP, HOOK]), "path[0].drum.rope_on_drum")
-    enough = winch(pay_out={"ramp": {"to": 1.0, "over": 1.0}}, rope_on_drum="50 m")
-    assert told(one_fall(path=[enough, TIP, HOOK]), "path[0].drum.rope_on_drum") == []
-    up = winch(pay_out={"ramp": {"to": -4.0, "over": 1.0}})
-    assert "t = 6.75 s" in only(one_fall(path=[up, TIP, HOOK]), "path[0].drum.pay_out")
-
-
 def between_drums(*speeds):
     """A block in two falls of 25 m between two drums."""
     path = []
@@ -278,6 +269,109 @@ def between_drums(*speeds):
         path.append([{"drum": drum | {"center": [x + way, 0, 0]}}, tip(name=f"s{k + 1}", center=[x, 0, 30])])
     block = {"sheave": {"name": "block", "body": "payload", "radius": 0.4, "axis": [0, 1, 0], "wrap": "under"}}
     return one_fall(path=[*path[0], block, *path[1][::-1]], bodies=[LOAD | {"position": [0.8, 0, 5]}])
+
+
+def rise_of(of):
+    """Largest tension of a run above that at its start, N."""
+    tension = np.array(tautline.simulate(of)["tension"])
+    return tension.max() - tension[0].max()
+
+
+def jumping(of):
+    """Front and bounce, N, that the one warning of all jumps tells; no bounce is None."""
+    (text,) = (warning.text for warning in warnings(of) if "a front of" in warning.text)
+    (front,) = re.findall(r"a front of ([\d.e+]+) N", text)
+    bounce = re.findall(r"with ([\d.e+]+) N more and less", text)
+    return float(front), float(bounce[0]) if bounce else None
+
+
+def heaving(compensation=None, pay_out=0.0, **phase):
+    """A load of 50 t below a tip that heaves with 0.4 m/s at t = 0."""
+    heave = {"harmonic": {"amplitude": 0.4 / (2.0 * math.pi / 8.0), "period": 8, **phase}}
+    more = {} if compensation is None else {"heave_compensation": compensation}
+    return one_fall(
+        path=[winch(pay_out=pay_out), tip(inertia=0.01), HOOK],
+        bodies=[LOAD | {"mass": "50 t"}],
+        vessel={"reference": [0, 0, 0], "motion": {"heave": heave}},
+        solver={"end": "4 s"}, interval=0.01, **more,
+    )  # fmt: skip
+
+
+def suspended(*speeds):
+    """A block of 50 t between two drums."""
+    text = yaml.safe_load(between_drums(*speeds).document.text)
+    for k, speed in zip((0, -1), speeds, strict=True):
+        text["path"][k]["drum"]["pay_out"] = speed
+    for item in text["path"]:
+        item.get("sheave", {})["inertia"] = 0.01
+    text["bodies"][0]["mass"] = 50_000.0
+    text["solver"]["end"], text["output"]["interval"] = 2.0, 0.01
+    return CraneScene.parse(yaml.safe_dump(text))
+
+
+AS_IT_HEAVES = {"harmonic": {"amplitude": 0.4, "period": 8, "phase": "90 deg"}}
+
+
+@pytest.mark.parametrize(
+    "of",
+    [heaving({"gain": 1.0}), heaving(pay_out=AS_IT_HEAVES), suspended(0.4, -0.4)],
+    ids=["compensated", "winch pays out the heave", "opposed winches"],
+)
+def test_jumps_that_cancel_are_told_once_with_their_front_and_without_a_bounce(of):
+    front, bounce = jumping(of)
+    assert bounce is None
+    assert rise_of(of) < front
+
+
+@pytest.mark.parametrize(
+    ("of", "rate"),
+    [
+        (heaving(), 0.4),
+        (heaving({"gain": 0.5}), 0.2),
+        (heaving(pay_out=-0.2), 0.6),
+        (suspended(-0.4, -0.1), 0.5),
+        (suspended(0.4, -0.1), 0.3),
+    ],
+    ids=["heave", "half compensated", "heave and winch", "two winches", "winches partly opposed"],
+)
+def test_jumps_are_told_once_with_the_bounce_of_their_signed_sum(of, rate):
+    falls_of = sum(isinstance(item, Drum) for item in of.path)
+    closed = rate * math.sqrt(8.0e7 / estimate(of).path.length * 50_000.0) / falls_of
+    _, bounce = jumping(of)
+    assert bounce == pytest.approx(closed, rel=0.02)
+    assert 0.9 * rise_of(of) < bounce < 1.15 * rise_of(of)
+
+
+@pytest.mark.parametrize(
+    ("gain", "delay", "limits"),
+    [(0.95, 0.05, {}), (0.95, 0.2, {}), (0.95, 0.5, {}), (0.6, 0.2, {}), (0.95, 0.2, {"speed": 0.5})],
+)
+def test_a_compensator_that_starts_late_is_told_with_the_bounce_of_both_starts(gain, delay, limits):
+    of = heaving({"gain": gain, "delay": delay, "limits": limits})
+    _, bounce = jumping(of)
+    assert 0.9 * rise_of(of) < bounce < 1.15 * rise_of(of)
+    assert "Heave compensation does not move at t = 0, and has to catch up" in only(of, "vessel.motion")
+
+
+def test_a_late_compensator_of_a_heave_that_rests_at_its_crest_is_told_no_jump():
+    crest = heaving({"gain": 0.95, "delay": 0.2}, phase="90 deg")
+    assert not any("a front of" in warning.text for warning in warnings(crest))
+    grows = heaving({"gain": 0.95, "limits": {"stroke": 0.05}}, pay_out=0.4, ramp=1)
+    assert "catch up" not in only(grows, "path[0].drum.pay_out")
+
+
+def test_a_jump_of_a_crane_that_starts_as_drawn_is_told_without_the_heave():
+    still = heaving({"gain": 1.0}).model_copy(update={"start": "as drawn"})
+    assert not any("a front of" in warning.text for warning in warnings(still))
+
+
+def test_a_drum_that_runs_out_and_a_load_hoisted_too_high_are_told_with_the_time():
+    out = winch(pay_out={"ramp": {"to": 1.0, "over": 1.0}}, rope_on_drum="5 m")
+    assert "t = 5.5 s" in only(one_fall(path=[out, TIP, HOOK]), "path[0].drum.rope_on_drum")
+    enough = winch(pay_out={"ramp": {"to": 1.0, "over": 1.0}}, rope_on_drum="50 m")
+    assert told(one_fall(path=[enough, TIP, HOOK]), "path[0].drum.rope_on_drum") == []
+    up = winch(pay_out={"ramp": {"to": -4.0, "over": 1.0}})
+    assert "t = 6.75 s" in only(one_fall(path=[up, TIP, HOOK]), "path[0].drum.pay_out")
 
 
 def test_two_drums_that_hoist_one_block_too_high_are_told_together():
