@@ -537,20 +537,24 @@ def _penalties(scene: CableScene) -> Sentences:
         stiffness = tie.stiffness or 0.0
         rope = sum(sides(node) for node in tie.nodes)
         if stiffness > STIFF_PENALTY * stiffest > 0.0 or stiffness * gap > ROUNDED_SHARE * force:
-            text = (
-                f"{stiffness:.2g} N/m is {stiffness / stiffest:.1g} times the stiffest element: rounding eats the "
-                f"forces, by up to {stiffness * gap:.1g} N; give {chosen:.1g}"
-            )
+            # Beside elements without any stiffness there is neither a multiple to tell nor a spring to advise.
+            beside = f" is {stiffness / stiffest:.1g} times the stiffest element" if stiffest > 0.0 else ""
+            cure = f"give {chosen:.1g}" if stiffest > 0.0 else f"use LagMultipl{_kind(tie)}"
+            text = f"{stiffness:.2g} N/m{beside}: rounding eats the forces, by up to {stiffness * gap:.1g} N; {cure}"
             yield (*tie.place, "p_spring"), text
         elif tie.method == "penalty" and 0.0 < stiffness * rope < 1.0 / SOFT_SHARE:
             more = "" if tie.what == 0 else " So much of it appears or vanishes at the tie."
-            kind = "7" if tie.place[-1].endswith("7") else "4"
             text = (
                 f"{stiffness:.3g} N/m is soft beside the rope on both sides of the tie. It adds about "
                 f"{100.0 / (stiffness * rope):.3g} % to the stretch of that rope.{more} Give "
-                f"{1.0 / (SOFT_SHARE * rope):.2g} or more, or use LagMultipl{kind}"
+                f"{1.0 / (SOFT_SHARE * rope):.2g} or more, or use LagMultipl{_kind(tie)}"
             )
             yield (*tie.place, "p_spring"), text
+
+
+def _kind(tie: Tie) -> str:
+    """Number at the end of a tie's key: the degrees of freedom of its nodes."""
+    return "7" if str(tie.place[-1]).endswith("7") else "4"
 
 
 def _sides(scene: CableScene) -> Callable[[int], float]:

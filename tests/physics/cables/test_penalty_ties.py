@@ -7,7 +7,19 @@ import re
 
 import numpy as np
 import pytest
-from physics.cables.tied_cables import FREE, at_rest, element, join, model_of, node, of_nodes, run, run_unwatched, scene
+from physics.cables.tied_cables import (
+    FREE,
+    PINNED,
+    at_rest,
+    element,
+    join,
+    model_of,
+    node,
+    of_nodes,
+    run,
+    run_unwatched,
+    scene,
+)
 
 from tautline.cable.input.scene import parse
 from tautline.cable.warnings import figures
@@ -127,6 +139,14 @@ def test_a_spring_whose_rounding_is_felt_far_from_the_origin_is_told_with_the_fo
     assert "rounding eats the forces" in text
     # k d at 2010 m: 1e14 N/m of 4.5e-13 m
     assert "by up to 4e+01 N; give 1e+12" in text
+
+
+def test_a_stiff_spring_between_elements_without_stiffness_is_told_with_the_multiplier_and_no_multiple():
+    nodes = [node(i, (x, 0, 0), PINNED if i == 0 else (*FREE[:6], 1)) for i, x in enumerate((0, 1, 1, 2))]
+    elements = [element(i, *ends, EA=0.0) for i, ends in enumerate([(0, 1), (2, 3)])]
+    (text,) = told_of(scene([*nodes, *elements, *join("penalty", 1, 2, stiffness=1e14)], (0, 0, -g), **HANGING))
+    # 1e14 N/m of the rounding of 2 m, 4.4e-16 m
+    assert text == "1e+14 N/m: rounding eats the forces, by up to 0.04 N; use LagMultipl7"
 
 
 def test_the_largest_gap_of_penalty_springs_is_a_figure_of_the_run():
