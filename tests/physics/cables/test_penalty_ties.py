@@ -4,6 +4,7 @@ A mass M let go on a light elastic rope falls by twice its stretch at rest, 2 M 
 """
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from physics.cables.tied_cables import (
 )
 
 from tautline.cable.input.scene import parse
+from tautline.cable.model.observe import gap_of
 from tautline.cable.warnings import figures
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.warnings import warnings_of
@@ -156,6 +158,33 @@ def test_the_largest_gap_of_penalty_springs_is_a_figure_of_the_run():
     assert figure["value"] == pytest.approx((MASS + 0.25) * g / 1e5, rel=1e-6)
     assert figure["unit"] == "m"
     assert "tie_gap_max" not in model_of(rope("multiplier", 1e6)).headline(result)
+
+
+def test_a_gap_along_an_axis_that_both_nodes_hold_is_none_of_a_spring():
+    # a stretched wire along x whose halves are drawn 0.5 m apart in y, where nothing may move: the spring opens by F/k
+    places, held = [(0, 0, 0), (1, 0, 0), (1, 0.5, 0), (2, 0.5, 0)], [PINNED, *[(0, 1, 1, 0, 0, 0, 1)] * 3]
+    nodes = [node(i, xyz, BC) for i, (xyz, BC) in enumerate(zip(places, held, strict=True))]
+    elements = [element(0, 0, 1, EA=1e6), element(1, 2, 3, EA=1e6)]
+    pull = "PointForce: {id: 0, nodes7: [3], force: [1000.0, 0, 0]}"
+    text = scene([*nodes, *elements, *join("penalty", 1, 2, (0,), 1e5), pull], **HANGING | {"start": "static"})
+    figure = model_of(text).headline(run(text))["tie_gap_max"]
+    assert figure["value"] == pytest.approx(1000.0 / 1e5, rel=1e-6)
+
+
+def test_a_variable_is_read_once_for_the_gap_of_all_penalty_springs():
+    class Counted(dict):
+        asked = 0
+
+        def __getitem__(self, name):
+            self.asked += 1
+            return super().__getitem__(name)
+
+    ropes = parse(over_an_eyelet(1e8)), parse(rope("penalty", 1e6))
+    many = [replace(ropes[what], ties=ropes[what].ties * 50) for what in (0, 1)]
+    for made in many:
+        result = Counted(position=np.zeros((3, len(made.nodes), 3)), material_coordinate=np.zeros((3, len(made.nodes))))
+        assert gap_of(result, made) == 0.0
+        assert result.asked == 1
 
 
 # the critical step of RK4
