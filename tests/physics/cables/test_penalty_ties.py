@@ -5,6 +5,7 @@ A mass M let go on a light elastic rope falls by twice its stretch at rest, 2 M 
 
 import re
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -22,7 +23,9 @@ from physics.cables.tied_cables import (
     scene,
 )
 
+from tautline.cable.input.material import element_lengths
 from tautline.cable.input.scene import parse
+from tautline.cable.model import magnitudes
 from tautline.cable.model.observe import gap_of
 from tautline.cable.warnings import figures
 from tautline.integrators.status import Status, StoppedEarly
@@ -103,6 +106,28 @@ def test_a_step_without_solution_blames_no_penalty_that_is_soft_or_not_there(way
     with pytest.raises(StoppedEarly) as stop:
         run(rope(way, 1e8, stiffness=stiffness, maxIter=1))
     assert "penalty" not in stop.value.sentence
+
+
+# many ties
+def spans(ties):
+    """A rope along x, whose first span has 1 m and all others 0.5 m, that springs of chosen stiffness join."""
+    places = [0.0, *np.repeat(1.0 + 0.5 * np.arange(ties), 2), 1.0 + 0.5 * ties]
+    nodes = [node(i, (x, 0, 0), PINNED if i == 0 else (*FREE[:6], 1)) for i, x in enumerate(places)]
+    elements = [element(i, 2 * i, 2 * i + 1, EA=1e6) for i in range(ties + 1)]
+    tied = [item for i in range(ties) for item in join("penalty", 2 * i + 1, 2 * i + 2)]
+    return parse(scene([*nodes, *elements, *tied], **HANGING))
+
+
+def test_springs_between_slopes_take_the_shortest_element_of_both_nodes_and_look_at_all_elements_once():
+    asked = []
+    for ties in (3, 12):
+        made = spans(ties)
+        with patch.object(magnitudes, "element_lengths", side_effect=element_lengths) as lengths:
+            slopes = [magnitudes.stiffness_of(made, tie, 4.0) for tie in made.ties if tie.what == 2]
+            magnitudes.rounding_error(made)
+        assert slopes == [4.0 * 0.5**2] * ties
+        asked.append(lengths.call_count)
+    assert asked[1] == asked[0]
 
 
 # soft springs and springs that are too stiff
