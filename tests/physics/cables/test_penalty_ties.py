@@ -82,6 +82,17 @@ def test_a_tolerance_below_what_rounding_leaves_of_stiff_springs_is_told():
     assert model.solver.tolerance == pytest.approx((3.0 * 1.33e12) ** 0.5 * 2.0 * 2.2e-16 * 2010.0, rel=0.02)
 
 
+@pytest.mark.parametrize(("of_elements", "larger"), [(1e-3, 1e-3), (1e-9, 1.78e-6)])
+def test_of_what_springs_and_elements_leave_by_rounding_the_larger_is_told_alone(of_elements, larger):
+    # both are asked of scenes of many unknowns; what the springs leave is that of the test above
+    many = patch("tautline.cable.model.build.MANY", 1)
+    with many, patch("tautline.integrators.statics.attainable.attainable", return_value=of_elements):
+        model = model_of(rope("penalty", 1e8, -2000.0))
+    (note,) = [note for note in model.notes if "eps_energy" in note]
+    assert note.startswith("eps_energy = 1e-08 is below") and f"The run uses {model.solver.tolerance:.1e}" in note
+    assert model.solver.tolerance == pytest.approx(larger, rel=0.1)
+
+
 def test_a_chosen_penalty_shares_its_error_between_its_give_and_its_rounding():
     # k = sqrt(K F/d): K/k of an element's stretch and k d/F of the force are the same, 3e-5 at -2000 m
     model, state = at_rest(rope("penalty", 1e8, -2000.0))
