@@ -7,6 +7,7 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
+from decimal import ROUND_FLOOR, Context
 from typing import Any
 
 import numpy as np
@@ -526,20 +527,32 @@ def _twice(scene: CableScene) -> Sentences:
 @warning("cable")
 def _penalties(scene: CableScene) -> Sentences:
     """Penalty springs so stiff that rounding makes their forces, or so soft that the rope opens at them."""
-    given = [tie for tie in scene.ties if tie.stiffness is not None and tie.what != 2]
-    if not given:
+    sprung = [tie for tie in scene.ties if tie.method != "multiplier" and tie.what != 2]
+    if not sprung:
         return
     with np.errstate(all="ignore"):
         stiffest, chosen = stiffest_element(scene), penalty_stiffness(scene)
         gap, force = rounded_gap(scene), largest_force(scene)
+    better = _one_digit_below(chosen)
+    # What is chosen is chosen for all: it is told of the first.
+    left_out = [tie for tie in sprung if tie.stiffness is None and chosen * gap > ROUNDED_SHARE * force][:1]
+    for tie in left_out:
+        text = (
+            f"{chosen:.2g} N/m is chosen, the best beside coordinates as large as here. Rounding of them still changes "
+            f"the forces by up to {chosen * gap:.1g} N; {_without_rounding(tie)}"
+        )
+        yield tie.place, text
     sides = _sides(scene)
-    for tie in given:
-        stiffness = tie.stiffness or 0.0
+    for tie in sprung:
+        if tie.stiffness is None:
+            continue
+        stiffness = tie.stiffness
         rope = sum(sides(node) for node in tie.nodes)
         if stiffness > STIFF_PENALTY * stiffest > 0.0 or stiffness * gap > ROUNDED_SHARE * force:
             # Beside elements without any stiffness there is neither a multiple to tell nor a spring to advise.
             beside = f" is {stiffness / stiffest:.1g} times the stiffest element" if stiffest > 0.0 else ""
-            cure = f"give {chosen:.1g}" if stiffest > 0.0 else f"use LagMultipl{_kind(tie)}"
+            cured = stiffest > 0.0 and better * gap <= ROUNDED_SHARE * force
+            cure = f"give {better:.1g}" if cured else _without_rounding(tie)
             text = f"{stiffness:.2g} N/m{beside}: rounding eats the forces, by up to {stiffness * gap:.1g} N; {cure}"
             yield (*tie.place, "p_spring"), text
         elif tie.method == "penalty" and 0.0 < stiffness * rope < 1.0 / SOFT_SHARE:
@@ -555,6 +568,16 @@ def _penalties(scene: CableScene) -> Sentences:
 def _kind(tie: Tie) -> str:
     """Number at the end of a tie's key: the degrees of freedom of its nodes."""
     return "7" if str(tie.place[-1]).endswith("7") else "4"
+
+
+def _without_rounding(tie: Tie) -> str:
+    """What to do where rounding is felt with any spring."""
+    return f"use LagMultipl{_kind(tie)}, or put the origin near the ropes, where coordinates are small"
+
+
+def _one_digit_below(x: float) -> float:
+    """The largest number of one digit that is not above x: what is advised must not itself be told as too stiff."""
+    return float(Context(prec=1, rounding=ROUND_FLOOR).create_decimal_from_float(x))
 
 
 def _sides(scene: CableScene) -> Callable[[int], float]:

@@ -142,6 +142,9 @@ def test_springs_between_slopes_take_the_shortest_element_of_both_nodes_and_look
 
 
 # soft springs and springs that are too stiff
+SMALL = "use LagMultipl7, or put the origin near the ropes, where coordinates are small"
+
+
 def told_of(text):
     """What is told of the stiffness of ties."""
     return [warning.text for warning in warnings_of("cable", parse(text)) if "p_spring" in warning.where]
@@ -179,12 +182,33 @@ def test_a_spring_whose_rounding_is_felt_far_from_the_origin_is_told_with_the_fo
     assert "by up to 4e+01 N; give 1e+12" in text
 
 
+@pytest.mark.parametrize(("EA", "bottom"), [(1e8, 0.0), (1e8, -2000.0), (3e5, 0.0), (7e7, -5e4), (2.9e6, -2e5)])
+def test_a_spring_as_stiff_as_is_advised_is_not_told_again(EA, bottom):
+    (text,) = told_of(rope("penalty", EA, bottom, 1e18))
+    advised = float(re.search(r"give ([\d.e+]+)$", text).group(1))
+    assert told_of(rope("penalty", EA, bottom, advised)) == []
+
+
+@pytest.mark.parametrize("stiffness", [1e18, 2e11])
+def test_where_rounding_is_felt_with_any_spring_the_multiplier_or_another_origin_is_advised(stiffness):
+    # 4.2e6 m as of a map: doubles are 9.3e-10 m apart there; 4e8 N/m ask for 2e11 N/m: 200 N beside 1e5 N
+    (text,) = told_of(rope("penalty", 1e9, -4.2e6, stiffness))
+    assert text.endswith(SMALL)
+
+
+def test_a_chosen_spring_whose_rounding_is_felt_is_told_once():
+    found = [w for w in warnings_of("cable", parse(rope("penalty", 1e9, -4.2e6))) if "Penalty7" in w.where]
+    (warning,) = found
+    assert "N/m is chosen" in warning.text and warning.text.endswith(SMALL)
+    assert [w for w in warnings_of("cable", parse(rope("penalty", 1e8))) if "Penalty7" in w.where] == []
+
+
 def test_a_stiff_spring_between_elements_without_stiffness_is_told_with_the_multiplier_and_no_multiple():
     nodes = [node(i, (x, 0, 0), PINNED if i == 0 else (*FREE[:6], 1)) for i, x in enumerate((0, 1, 1, 2))]
     elements = [element(i, *ends, EA=0.0) for i, ends in enumerate([(0, 1), (2, 3)])]
     (text,) = told_of(scene([*nodes, *elements, *join("penalty", 1, 2, stiffness=1e14)], (0, 0, -g), **HANGING))
     # 1e14 N/m of the rounding of 2 m, 4.4e-16 m
-    assert text == "1e+14 N/m: rounding eats the forces, by up to 0.04 N; use LagMultipl7"
+    assert text == "1e+14 N/m: rounding eats the forces, by up to 0.04 N; " + SMALL
 
 
 def test_the_largest_gap_of_penalty_springs_is_a_figure_of_the_run():
