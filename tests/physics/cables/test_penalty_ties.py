@@ -5,6 +5,7 @@ A mass M let go on a light elastic rope falls by twice its stretch at rest, 2 M 
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 from unittest.mock import patch
 
 import numpy as np
@@ -26,8 +27,11 @@ from physics.cables.tied_cables import (
 from tautline.cable.input.material import element_lengths
 from tautline.cable.input.scene import parse
 from tautline.cable.model import magnitudes
+from tautline.cable.model.build import assemble_cables
 from tautline.cable.model.observe import gap_of
+from tautline.cable.model.ties import stiff_tie
 from tautline.cable.warnings import figures
+from tautline.integrators.state import WORST
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.warnings import warnings_of
 
@@ -117,6 +121,21 @@ def test_a_step_without_solution_blames_no_penalty_that_is_soft_or_not_there(way
     with pytest.raises(StoppedEarly) as stop:
         run(rope(way, 1e8, stiffness=stiffness, maxIter=1))
     assert "penalty" not in stop.value.sentence
+
+
+def test_a_multiplier_that_was_worst_blames_no_penalty_at_the_last_node():
+    # the last node of the list is tied by a stiff penalty, and two others by multipliers, whose unknowns come after it
+    places = [(0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0), (2, 0, 0)]
+    nodes = [node(i, xyz, PINNED if i == 0 else (*FREE[:6], 1)) for i, xyz in enumerate(places)]
+    elements = [element(i, *ends, EA=1e6) for i, ends in enumerate([(0, 1), (2, 3), (5, 4)])]
+    ties = [*join("multiplier", 1, 2), *join("penalty", 3, 5, (0,), 1e12)]
+    layout, system, *_ = assemble_cables(parse(scene([*nodes, *elements, *ties], **HANGING)))
+    blamed = {}
+    for worst, place in enumerate(system.free):
+        state = SimpleNamespace(counters={WORST: worst})
+        blamed[int(place)] = stiff_tie(layout, system, state, Status.NOT_CONVERGED)
+    assert {place // 7 for place, told in blamed.items() if told} == {3, 5}
+    assert max(blamed) > layout.lasts[-1]
 
 
 # many ties
