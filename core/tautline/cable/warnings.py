@@ -542,12 +542,12 @@ def _penalties(scene: CableScene) -> Sentences:
             f"the forces by up to {chosen * gap:.1g} N; {_without_rounding(tie)}"
         )
         yield tie.place, text
-    sides = _sides(scene)
+    give = _give(scene)
     for tie in sprung:
         if tie.stiffness is None:
             continue
         stiffness = tie.stiffness
-        rope = sum(sides(node) for node in tie.nodes)
+        rope, how = give(tie)
         if stiffness > STIFF_PENALTY * stiffest > 0.0 or stiffness * gap > ROUNDED_SHARE * force:
             # Beside elements without any stiffness there is neither a multiple to tell nor a spring to advise.
             beside = f" is {stiffness / stiffest:.1g} times the stiffest element" if stiffest > 0.0 else ""
@@ -559,7 +559,7 @@ def _penalties(scene: CableScene) -> Sentences:
             more = "" if tie.what == 0 else " So much of it appears or vanishes at the tie."
             text = (
                 f"{stiffness:.3g} N/m is soft beside the rope on both sides of the tie. It adds about "
-                f"{100.0 / (stiffness * rope):.3g} % to the stretch of that rope.{more} Give "
+                f"{100.0 / (stiffness * rope):.3g} % to the {how} of that rope.{more} Give "
                 f"{1.0 / (SOFT_SHARE * rope):.2g} or more, or use LagMultipl{_kind(tie)}"
             )
             yield (*tie.place, "p_spring"), text
@@ -580,17 +580,33 @@ def _one_digit_below(x: float) -> float:
     return float(Context(prec=1, rounding=ROUND_FLOOR).create_decimal_from_float(x))
 
 
-def _sides(scene: CableScene) -> Callable[[int], float]:
-    """How far a newton stretches the rope from a node on, m/N: up to where it is held or tied, branches or ends."""
+def _give(scene: CableScene) -> Callable[[Tie], tuple[float, str]]:
+    """How far a newton moves the rope on both sides of a tie, m/N, and how: by its stretch, else by its bending.
+
+    What has bending stiffness alone is taken as a beam of both sides that is clamped at one end: L^3/(3 EJ).
+    """
+    lengths = element_lengths(scene).tolist()
+    parts = list(zip(scene.elements, lengths, strict=True))
+    stretch = _sides(scene, [length / e.EA if e.EA > 0.0 else 0.0 for e, length in parts])
+    # L/EJ^(1/3): of elements in a row their sum counts, and its cube.
+    bend = _sides(scene, [length / math.cbrt(e.EJ) if e.EJ > 0.0 else 0.0 for e, length in parts])
+
+    def of(tie: Tie) -> tuple[float, str]:
+        rope = sum(stretch(node) for node in tie.nodes)
+        if rope > 0.0 or tie.what != 0:
+            return rope, "stretch"
+        return sum(bend(node) for node in tie.nodes) ** 3 / 3.0, "bending"
+
+    return of
+
+
+def _sides(scene: CableScene, give: list[float]) -> Callable[[int], float]:
+    """Sum of what elements give, from a node on up to where the rope is held or tied, branches or ends."""
     ends: dict[int, list[tuple[int, int]]] = {}
     for i, element in enumerate(scene.elements):
         for node, other in (element.nodes, element.nodes[::-1]):
             ends.setdefault(node, []).append((i, other))
     stops = {node.id for node in scene.nodes if all(node.held[:3])} | {node for tie in scene.ties for node in tie.nodes}
-    give = [
-        length / element.EA if element.EA > 0.0 else 0.0
-        for element, length in zip(scene.elements, element_lengths(scene).tolist(), strict=True)
-    ]
 
     def along(first: int, node: int) -> float:
         total, seen = give[first], {first}

@@ -186,6 +186,24 @@ def test_springs_stiff_enough_and_beside_a_multiplier_are_not_called_soft(way, s
     assert told_of(rope(way, 1e6, stiffness=stiffness)) == []
 
 
+def test_a_soft_spring_in_a_beam_without_axial_stiffness_is_told_with_its_share_of_the_bending():
+    # a cantilever of 2 m gives L^3/(3 EJ) = 2.67e-4 m/N, and the spring in its middle 1/k = 1e-3 m/N more: 375 %
+    held, guided = (1, 1, 1, 1, 1, 1, 1), (1, 1, 0, 1, 1, 0, 1)
+    nodes = [node(i, (x, 0, 0), guided if i else held) for i, x in enumerate((0.0, 0.5, 1.0, 1.0, 1.5, 2.0))]
+    elements = [element(i, *ends, EA=0.0, EJ=1e4) for i, ends in enumerate([(0, 1), (1, 2), (3, 4), (4, 5)])]
+    pull = "PointForce: {id: 0, nodes7: [5], force: [0, 0, -0.1]}"
+    slopes = join("multiplier", 2, 3, (2,))
+    down, told = {}, {}
+    for way, stiffness in (("multiplier", None), ("penalty", 1e3)):
+        text = scene([*nodes, *elements, *join(way, 2, 3, (0,), stiffness), *slopes, pull], **HANGING)
+        told[way] = told_of(text)
+        down[way] = -at_rest(text)[1].full_q[5 * 7 + 2]
+    assert down["multiplier"] == pytest.approx(0.1 * 2.0**3 / 3e4, rel=1e-3)
+    assert 100.0 * (down["penalty"] / down["multiplier"] - 1.0) == pytest.approx(375.0, rel=1e-3)
+    (sentence,) = told["penalty"]
+    assert "It adds about 375 % to the bending of that rope" in sentence and told["multiplier"] == []
+
+
 def test_a_soft_spring_between_p_is_told_with_the_rope_that_appears_at_it():
     # 20 m and 5 m on both sides, EA 1e6: a newton stretches the rope by 25e-6 m as far as the next eyelet
     (text,) = told_of(over_an_eyelet(1e4))
