@@ -220,6 +220,21 @@ def test_a_small_motion_that_is_no_rounding_beside_the_other_directions_keeps_it
     assert max(np.abs(x.get_ylim())) < 2.0e-6
 
 
+@pytest.mark.parametrize(("axis", "begin"), [(2, 0.0), (2, -100.0), (1, 4.2e6)])
+def test_millimetres_are_drawn_where_coordinates_are_those_of_a_map(axis, begin):
+    run = crane(ONE, frames=40, sway=0.0)
+    place = np.zeros_like(run["position"])
+    place[..., 1] = 4.2e6
+    place[..., axis] = begin - np.linspace(0.0, 2.8e-3, 40)[:, None]
+    # in x doubles of 4.2e6 m are rounded
+    place[..., 0] = 9.3e-10 * np.sin(np.arange(place[..., 0].size)).reshape(place[..., 0].shape)
+    run._contents[1]["position"] = place
+    plots = only(draw_crane([run], ["position"])).axes
+    low, high = plots[axis].get_ylim()
+    assert 2.8e-3 < high - low < 4e-3
+    assert np.ptp(plots[0].get_ylim()) > 1.0
+
+
 def test_what_is_level_but_for_rounding_is_drawn_level(well):
     well._contents[1]["bit_speed"][:] = 3.0
     well._contents[1]["bit_speed"][::2] += 1e-13

@@ -7,6 +7,7 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
+from decimal import ROUND_FLOOR, Context
 from typing import Any
 
 import numpy as np
@@ -526,44 +527,86 @@ def _twice(scene: CableScene) -> Sentences:
 @warning("cable")
 def _penalties(scene: CableScene) -> Sentences:
     """Penalty springs so stiff that rounding makes their forces, or so soft that the rope opens at them."""
-    given = [tie for tie in scene.ties if tie.stiffness is not None and tie.what != 2]
-    if not given:
+    sprung = [tie for tie in scene.ties if tie.method != "multiplier" and tie.what != 2]
+    if not sprung:
         return
     with np.errstate(all="ignore"):
         stiffest, chosen = stiffest_element(scene), penalty_stiffness(scene)
         gap, force = rounded_gap(scene), largest_force(scene)
-    sides = _sides(scene)
-    for tie in given:
-        stiffness = tie.stiffness or 0.0
-        rope = sum(sides(node) for node in tie.nodes)
+    better = _one_digit_below(chosen)
+    # What is chosen is chosen for all: it is told of the first.
+    left_out = [tie for tie in sprung if tie.stiffness is None and chosen * gap > ROUNDED_SHARE * force][:1]
+    for tie in left_out:
+        text = (
+            f"{chosen:.2g} N/m is chosen, the best beside coordinates as large as here. Rounding of them still changes "
+            f"the forces by up to {chosen * gap:.1g} N; {_without_rounding(tie)}"
+        )
+        yield tie.place, text
+    give = _give(scene)
+    for tie in sprung:
+        if tie.stiffness is None:
+            continue
+        stiffness = tie.stiffness
+        rope, how = give(tie)
         if stiffness > STIFF_PENALTY * stiffest > 0.0 or stiffness * gap > ROUNDED_SHARE * force:
-            text = (
-                f"{stiffness:.2g} N/m is {stiffness / stiffest:.1g} times the stiffest element: rounding eats the "
-                f"forces, by up to {stiffness * gap:.1g} N; give {chosen:.1g}"
-            )
+            # Beside elements without any stiffness there is neither a multiple to tell nor a spring to advise.
+            beside = f" is {stiffness / stiffest:.1g} times the stiffest element" if stiffest > 0.0 else ""
+            cured = stiffest > 0.0 and better * gap <= ROUNDED_SHARE * force
+            cure = f"give {better:.1g}" if cured else _without_rounding(tie)
+            text = f"{stiffness:.2g} N/m{beside}: rounding eats the forces, by up to {stiffness * gap:.1g} N; {cure}"
             yield (*tie.place, "p_spring"), text
         elif tie.method == "penalty" and 0.0 < stiffness * rope < 1.0 / SOFT_SHARE:
             more = "" if tie.what == 0 else " So much of it appears or vanishes at the tie."
-            kind = "7" if tie.place[-1].endswith("7") else "4"
             text = (
                 f"{stiffness:.3g} N/m is soft beside the rope on both sides of the tie. It adds about "
-                f"{100.0 / (stiffness * rope):.3g} % to the stretch of that rope.{more} Give "
-                f"{1.0 / (SOFT_SHARE * rope):.2g} or more, or use LagMultipl{kind}"
+                f"{100.0 / (stiffness * rope):.3g} % to the {how} of that rope.{more} Give "
+                f"{1.0 / (SOFT_SHARE * rope):.2g} or more, or use LagMultipl{_kind(tie)}"
             )
             yield (*tie.place, "p_spring"), text
 
 
-def _sides(scene: CableScene) -> Callable[[int], float]:
-    """How far a newton stretches the rope from a node on, m/N: up to where it is held or tied, branches or ends."""
+def _kind(tie: Tie) -> str:
+    """Number at the end of a tie's key: the degrees of freedom of its nodes."""
+    return "7" if str(tie.place[-1]).endswith("7") else "4"
+
+
+def _without_rounding(tie: Tie) -> str:
+    """What to do where rounding is felt with any spring."""
+    return f"use LagMultipl{_kind(tie)}, or put the origin near the ropes, where coordinates are small"
+
+
+def _one_digit_below(x: float) -> float:
+    """The largest number of one digit that is not above x: what is advised must not itself be told as too stiff."""
+    return float(Context(prec=1, rounding=ROUND_FLOOR).create_decimal_from_float(x))
+
+
+def _give(scene: CableScene) -> Callable[[Tie], tuple[float, str]]:
+    """How far a newton moves the rope on both sides of a tie, m/N, and how: by its stretch, else by its bending.
+
+    What has bending stiffness alone is taken as a beam of both sides that is clamped at one end: L^3/(3 EJ).
+    """
+    lengths = element_lengths(scene).tolist()
+    parts = list(zip(scene.elements, lengths, strict=True))
+    stretch = _sides(scene, [length / e.EA if e.EA > 0.0 else 0.0 for e, length in parts])
+    # L/EJ^(1/3): of elements in a row their sum counts, and its cube.
+    bend = _sides(scene, [length / math.cbrt(e.EJ) if e.EJ > 0.0 else 0.0 for e, length in parts])
+
+    def of(tie: Tie) -> tuple[float, str]:
+        rope = sum(stretch(node) for node in tie.nodes)
+        if rope > 0.0 or tie.what != 0:
+            return rope, "stretch"
+        return sum(bend(node) for node in tie.nodes) ** 3 / 3.0, "bending"
+
+    return of
+
+
+def _sides(scene: CableScene, give: list[float]) -> Callable[[int], float]:
+    """Sum of what elements give, from a node on up to where the rope is held or tied, branches or ends."""
     ends: dict[int, list[tuple[int, int]]] = {}
     for i, element in enumerate(scene.elements):
         for node, other in (element.nodes, element.nodes[::-1]):
             ends.setdefault(node, []).append((i, other))
     stops = {node.id for node in scene.nodes if all(node.held[:3])} | {node for tie in scene.ties for node in tie.nodes}
-    give = [
-        length / element.EA if element.EA > 0.0 else 0.0
-        for element, length in zip(scene.elements, element_lengths(scene).tolist(), strict=True)
-    ]
 
     def along(first: int, node: int) -> float:
         total, seen = give[first], {first}

@@ -4,13 +4,34 @@ A mass M let go on a light elastic rope falls by twice its stretch at rest, 2 M 
 """
 
 import re
+from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
-from physics.cables.tied_cables import FREE, at_rest, element, join, model_of, node, of_nodes, run, run_unwatched, scene
+from physics.cables.tied_cables import (
+    FREE,
+    PINNED,
+    at_rest,
+    element,
+    join,
+    model_of,
+    node,
+    of_nodes,
+    run,
+    run_unwatched,
+    scene,
+)
 
+from tautline.cable.input.material import element_lengths
 from tautline.cable.input.scene import parse
+from tautline.cable.model import magnitudes
+from tautline.cable.model.build import assemble_cables
+from tautline.cable.model.observe import gap_of
+from tautline.cable.model.ties import stiff_tie
 from tautline.cable.warnings import figures
+from tautline.integrators.state import WORST
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.warnings import warnings_of
 
@@ -65,6 +86,17 @@ def test_a_tolerance_below_what_rounding_leaves_of_stiff_springs_is_told():
     assert model.solver.tolerance == pytest.approx((3.0 * 1.33e12) ** 0.5 * 2.0 * 2.2e-16 * 2010.0, rel=0.02)
 
 
+@pytest.mark.parametrize(("of_elements", "larger"), [(1e-3, 1e-3), (1e-9, 1.78e-6)])
+def test_of_what_springs_and_elements_leave_by_rounding_the_larger_is_told_alone(of_elements, larger):
+    # both are asked of scenes of many unknowns; what the springs leave is that of the test above
+    many = patch("tautline.cable.model.build.MANY", 1)
+    with many, patch("tautline.integrators.statics.attainable.attainable", return_value=of_elements):
+        model = model_of(rope("penalty", 1e8, -2000.0))
+    (note,) = [note for note in model.notes if "eps_energy" in note]
+    assert note.startswith("eps_energy = 1e-08 is below") and f"The run uses {model.solver.tolerance:.1e}" in note
+    assert model.solver.tolerance == pytest.approx(larger, rel=0.1)
+
+
 def test_a_chosen_penalty_shares_its_error_between_its_give_and_its_rounding():
     # k = sqrt(K F/d): K/k of an element's stretch and k d/F of the force are the same, 3e-5 at -2000 m
     model, state = at_rest(rope("penalty", 1e8, -2000.0))
@@ -91,7 +123,47 @@ def test_a_step_without_solution_blames_no_penalty_that_is_soft_or_not_there(way
     assert "penalty" not in stop.value.sentence
 
 
+def test_a_multiplier_that_was_worst_blames_no_penalty_at_the_last_node():
+    # the last node of the list is tied by a stiff penalty, and two others by multipliers, whose unknowns come after it
+    places = [(0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0), (2, 0, 0)]
+    nodes = [node(i, xyz, PINNED if i == 0 else (*FREE[:6], 1)) for i, xyz in enumerate(places)]
+    elements = [element(i, *ends, EA=1e6) for i, ends in enumerate([(0, 1), (2, 3), (5, 4)])]
+    ties = [*join("multiplier", 1, 2), *join("penalty", 3, 5, (0,), 1e12)]
+    layout, system, *_ = assemble_cables(parse(scene([*nodes, *elements, *ties], **HANGING)))
+    blamed = {}
+    for worst, place in enumerate(system.free):
+        state = SimpleNamespace(counters={WORST: worst})
+        blamed[int(place)] = stiff_tie(layout, system, state, Status.NOT_CONVERGED)
+    assert {place // 7 for place, told in blamed.items() if told} == {3, 5}
+    assert max(blamed) > layout.lasts[-1]
+
+
+# many ties
+def spans(ties):
+    """A rope along x, whose first span has 1 m and all others 0.5 m, that springs of chosen stiffness join."""
+    places = [0.0, *np.repeat(1.0 + 0.5 * np.arange(ties), 2), 1.0 + 0.5 * ties]
+    nodes = [node(i, (x, 0, 0), PINNED if i == 0 else (*FREE[:6], 1)) for i, x in enumerate(places)]
+    elements = [element(i, 2 * i, 2 * i + 1, EA=1e6) for i in range(ties + 1)]
+    tied = [item for i in range(ties) for item in join("penalty", 2 * i + 1, 2 * i + 2)]
+    return parse(scene([*nodes, *elements, *tied], **HANGING))
+
+
+def test_springs_between_slopes_take_the_shortest_element_of_both_nodes_and_look_at_all_elements_once():
+    asked = []
+    for ties in (3, 12):
+        made = spans(ties)
+        with patch.object(magnitudes, "element_lengths", side_effect=element_lengths) as lengths:
+            slopes = [magnitudes.stiffness_of(made, tie, 4.0) for tie in made.ties if tie.what == 2]
+            magnitudes.rounding_error(made)
+        assert slopes == [4.0 * 0.5**2] * ties
+        asked.append(lengths.call_count)
+    assert asked[1] == asked[0]
+
+
 # soft springs and springs that are too stiff
+SMALL = "use LagMultipl7, or put the origin near the ropes, where coordinates are small"
+
+
 def told_of(text):
     """What is told of the stiffness of ties."""
     return [warning.text for warning in warnings_of("cable", parse(text)) if "p_spring" in warning.where]
@@ -114,6 +186,24 @@ def test_springs_stiff_enough_and_beside_a_multiplier_are_not_called_soft(way, s
     assert told_of(rope(way, 1e6, stiffness=stiffness)) == []
 
 
+def test_a_soft_spring_in_a_beam_without_axial_stiffness_is_told_with_its_share_of_the_bending():
+    # a cantilever of 2 m gives L^3/(3 EJ) = 2.67e-4 m/N, and the spring in its middle 1/k = 1e-3 m/N more: 375 %
+    held, guided = (1, 1, 1, 1, 1, 1, 1), (1, 1, 0, 1, 1, 0, 1)
+    nodes = [node(i, (x, 0, 0), guided if i else held) for i, x in enumerate((0.0, 0.5, 1.0, 1.0, 1.5, 2.0))]
+    elements = [element(i, *ends, EA=0.0, EJ=1e4) for i, ends in enumerate([(0, 1), (1, 2), (3, 4), (4, 5)])]
+    pull = "PointForce: {id: 0, nodes7: [5], force: [0, 0, -0.1]}"
+    slopes = join("multiplier", 2, 3, (2,))
+    down, told = {}, {}
+    for way, stiffness in (("multiplier", None), ("penalty", 1e3)):
+        text = scene([*nodes, *elements, *join(way, 2, 3, (0,), stiffness), *slopes, pull], **HANGING)
+        told[way] = told_of(text)
+        down[way] = -at_rest(text)[1].full_q[5 * 7 + 2]
+    assert down["multiplier"] == pytest.approx(0.1 * 2.0**3 / 3e4, rel=1e-3)
+    assert 100.0 * (down["penalty"] / down["multiplier"] - 1.0) == pytest.approx(375.0, rel=1e-3)
+    (sentence,) = told["penalty"]
+    assert "It adds about 375 % to the bending of that rope" in sentence and told["multiplier"] == []
+
+
 def test_a_soft_spring_between_p_is_told_with_the_rope_that_appears_at_it():
     # 20 m and 5 m on both sides, EA 1e6: a newton stretches the rope by 25e-6 m as far as the next eyelet
     (text,) = told_of(over_an_eyelet(1e4))
@@ -129,6 +219,35 @@ def test_a_spring_whose_rounding_is_felt_far_from_the_origin_is_told_with_the_fo
     assert "by up to 4e+01 N; give 1e+12" in text
 
 
+@pytest.mark.parametrize(("EA", "bottom"), [(1e8, 0.0), (1e8, -2000.0), (3e5, 0.0), (7e7, -5e4), (2.9e6, -2e5)])
+def test_a_spring_as_stiff_as_is_advised_is_not_told_again(EA, bottom):
+    (text,) = told_of(rope("penalty", EA, bottom, 1e18))
+    advised = float(re.search(r"give ([\d.e+]+)$", text).group(1))
+    assert told_of(rope("penalty", EA, bottom, advised)) == []
+
+
+@pytest.mark.parametrize("stiffness", [1e18, 2e11])
+def test_where_rounding_is_felt_with_any_spring_the_multiplier_or_another_origin_is_advised(stiffness):
+    # 4.2e6 m as of a map: doubles are 9.3e-10 m apart there; 4e8 N/m ask for 2e11 N/m: 200 N beside 1e5 N
+    (text,) = told_of(rope("penalty", 1e9, -4.2e6, stiffness))
+    assert text.endswith(SMALL)
+
+
+def test_a_chosen_spring_whose_rounding_is_felt_is_told_once():
+    found = [w for w in warnings_of("cable", parse(rope("penalty", 1e9, -4.2e6))) if "Penalty7" in w.where]
+    (warning,) = found
+    assert "N/m is chosen" in warning.text and warning.text.endswith(SMALL)
+    assert [w for w in warnings_of("cable", parse(rope("penalty", 1e8))) if "Penalty7" in w.where] == []
+
+
+def test_a_stiff_spring_between_elements_without_stiffness_is_told_with_the_multiplier_and_no_multiple():
+    nodes = [node(i, (x, 0, 0), PINNED if i == 0 else (*FREE[:6], 1)) for i, x in enumerate((0, 1, 1, 2))]
+    elements = [element(i, *ends, EA=0.0) for i, ends in enumerate([(0, 1), (2, 3)])]
+    (text,) = told_of(scene([*nodes, *elements, *join("penalty", 1, 2, stiffness=1e14)], (0, 0, -g), **HANGING))
+    # 1e14 N/m of the rounding of 2 m, 4.4e-16 m
+    assert text == "1e+14 N/m: rounding eats the forces, by up to 0.04 N; " + SMALL
+
+
 def test_the_largest_gap_of_penalty_springs_is_a_figure_of_the_run():
     # the load at rest pulls the spring open by (M + half the rope) g/k
     result = run(rope("penalty", 1e6, stiffness=1e5, start="static"))
@@ -136,6 +255,33 @@ def test_the_largest_gap_of_penalty_springs_is_a_figure_of_the_run():
     assert figure["value"] == pytest.approx((MASS + 0.25) * g / 1e5, rel=1e-6)
     assert figure["unit"] == "m"
     assert "tie_gap_max" not in model_of(rope("multiplier", 1e6)).headline(result)
+
+
+def test_a_gap_along_an_axis_that_both_nodes_hold_is_none_of_a_spring():
+    # a stretched wire along x whose halves are drawn 0.5 m apart in y, where nothing may move: the spring opens by F/k
+    places, held = [(0, 0, 0), (1, 0, 0), (1, 0.5, 0), (2, 0.5, 0)], [PINNED, *[(0, 1, 1, 0, 0, 0, 1)] * 3]
+    nodes = [node(i, xyz, BC) for i, (xyz, BC) in enumerate(zip(places, held, strict=True))]
+    elements = [element(0, 0, 1, EA=1e6), element(1, 2, 3, EA=1e6)]
+    pull = "PointForce: {id: 0, nodes7: [3], force: [1000.0, 0, 0]}"
+    text = scene([*nodes, *elements, *join("penalty", 1, 2, (0,), 1e5), pull], **HANGING | {"start": "static"})
+    figure = model_of(text).headline(run(text))["tie_gap_max"]
+    assert figure["value"] == pytest.approx(1000.0 / 1e5, rel=1e-6)
+
+
+def test_a_variable_is_read_once_for_the_gap_of_all_penalty_springs():
+    class Counted(dict):
+        asked = 0
+
+        def __getitem__(self, name):
+            self.asked += 1
+            return super().__getitem__(name)
+
+    ropes = parse(over_an_eyelet(1e8)), parse(rope("penalty", 1e6))
+    many = [replace(ropes[what], ties=ropes[what].ties * 50) for what in (0, 1)]
+    for made in many:
+        result = Counted(position=np.zeros((3, len(made.nodes), 3)), material_coordinate=np.zeros((3, len(made.nodes))))
+        assert gap_of(result, made) == 0.0
+        assert result.asked == 1
 
 
 # the critical step of RK4

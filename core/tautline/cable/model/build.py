@@ -21,7 +21,7 @@ from tautline.cable.model.magnitudes import largest_force, mass_of, rounding_err
 from tautline.cable.model.observe import FIGURES, GAP, Observer, headline, variables
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
 from tautline.constraints.multiplier import Multipliers
-from tautline.integrators.statics.attainable import MANY, loosened, within_rounding
+from tautline.integrators.statics.attainable import MANY, within_rounding
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
@@ -131,8 +131,7 @@ def build(scene: CableScene) -> Model:
         handles=lambda: handles(layout, system.groups, model),
         cause=lambda state, status: stiff_tie(layout, system, state, status),
     )  # fmt: skip
-    model = loosened(model, rounding_error(scene), "eps_energy")
-    return with_limits(within_rounding(model, "eps_energy", MANY), scene)
+    return with_limits(within_rounding(model, "eps_energy", MANY, rounding_error(scene)), scene)
 
 
 def _node_groups(layout: Layout) -> list[Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from tautline.cable.input.material import element_lengths, material_coordinates
 from tautline.cable.input.parts import CableScene, Tie
 from tautline.cable.input.syntax.nodal import item_of
+from tautline.scene.model import MADE
 
 STIFF_SHARE = 1.0e-4
 """Share of the largest axial stiffness that counts as a large force."""
@@ -17,6 +18,8 @@ STIFF = 1.0e6
 """Chosen penalty over the stiffest element, at most: a joint gives 1e-6 of the stretch of an element."""
 ROUNDED = float(np.finfo(float).eps)
 """Of a coordinate, by which the gap of two nodes is rounded."""
+JOINED = "shortest elements at nodes"
+"""Where a scene keeps them."""
 
 
 def mass_of(scene: CableScene) -> float:
@@ -85,9 +88,20 @@ def stiffness_of(scene: CableScene, tie: Tie, chosen: float) -> float:
         return tie.stiffness
     if tie.what != 2:
         return chosen
-    ends = zip(scene.elements, _lengths(scene).tolist(), strict=True)
-    joined = [length for element, length in ends if set(element.nodes) & set(tie.nodes)]
-    return chosen * min(joined, default=1.0) ** 2
+    shortest = _shortest(scene)
+    return chosen * min((shortest[node] for node in tie.nodes if node in shortest), default=1.0) ** 2
+
+
+def _shortest(scene: CableScene) -> dict[int, float]:
+    """Length of the shortest element at each node, m, by node id; found once for thousands of ties."""
+    kept = scene.__dict__.setdefault(MADE, {})
+    if JOINED not in kept:
+        found: dict[int, float] = {}
+        for element, length in zip(scene.elements, _lengths(scene).tolist(), strict=True):
+            for node in element.nodes:
+                found[node] = min(length, found.get(node, math.inf))
+        kept[JOINED] = found
+    return kept[JOINED]
 
 
 def _lengths(scene: CableScene) -> np.ndarray:

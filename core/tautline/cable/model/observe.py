@@ -17,6 +17,8 @@ FIGURES = {"axial_force_max": "N", "axial_force_min": "N", "displacement_max": "
 """Figures of a run and their units, of which a scene may set limits."""
 GAP = {"tie_gap_max": "m"}
 """The same of a scene with penalty springs."""
+FRAMES = 256
+"""Whose gaps are found at once: of all together they would take as much memory as the variable itself."""
 SHORTEST_SLOPE = 1.0e-90
 """Slope below which a curve has no direction, and no curvature to speak of."""
 
@@ -129,20 +131,35 @@ class Observer:
 
 
 def gap_of(result: Any, scene: CableScene) -> float | None:
-    """Largest distance, m, by which penalty springs let positions or p differ; None without any."""
+    """Largest distance, m, by which penalty springs let positions or p differ; None without any.
+
+    An axis on which both nodes are held has no spring: how far they are drawn apart there is no gap of one.
+    """
     place = {node.id: i for i, node in enumerate(scene.nodes)}
     gaps = []
-    for tie in scene.ties:
-        first, second = (place[node] for node in tie.nodes)
-        if tie.method != "penalty" or tie.what == 2:
+    for what, name in ((0, "position"), (1, "material_coordinate")):
+        ties = [tie for tie in scene.ties if tie.method == "penalty" and tie.what == what]
+        if not ties:
             continue
-        if tie.what == 0:
-            x = result["position"]
-            gaps.append(np.linalg.norm(x[:, second] - x[:, first] - np.array(tie.offset), axis=-1).max())
-        else:
-            p = result["material_coordinate"]
-            gaps.append(np.abs(p[:, second] - p[:, first]).max())
+        # A variable is read from the file of a run each time it is asked for.
+        values = np.asarray(result[name])
+        first, second = np.array([[place[node] for node in tie.nodes] for tie in ties]).T
+        sprung = _sprung(scene, first, second, what)
+        offset = np.array([tie.offset for tie in ties]) if what == 0 else 0.0
+        for begin in range(0, len(values), FRAMES):
+            some = values[begin : begin + FRAMES]
+            apart = np.where(sprung, some[:, second] - some[:, first] - offset, 0.0)
+            gaps.append((np.linalg.norm(apart, axis=-1) if what == 0 else np.abs(apart)).max())
     return float(max(gaps)) if gaps else None
+
+
+def _sprung(scene: CableScene, first: np.ndarray, second: np.ndarray, what: int) -> np.ndarray:
+    """On which of the axes of r, (pairs, 3), or of p, (pairs,), at least one of two nodes is free."""
+    if what == 0:
+        free = ~np.array([node.held[:3] for node in scene.nodes])
+    else:
+        free = ~np.array([node.held[-1] for node in scene.nodes])
+    return free[first] | free[second]
 
 
 def headline(result: Any, scene: CableScene) -> dict[str, dict[str, Any]]:

@@ -181,7 +181,11 @@ def stiff_tie(layout: Layout, system: System, state: Any, status: Status) -> tup
     scene, worst = layout.scene, int(state.counters[WORST])
     if status is not Status.NOT_CONVERGED or worst < 0:
         return None
-    node = list(layout.start)[int(np.searchsorted(layout.starts, system.free[worst], side="right")) - 1]
+    place = int(system.free[worst])
+    # After those of the nodes come p of fluids and multipliers, which are no node's.
+    if place > layout.lasts[-1]:
+        return None
+    node = list(layout.start)[int(np.searchsorted(layout.starts, place, side="right")) - 1]
     chosen, least = penalty_stiffness(scene), STIFF_TIE * stiffest_element(scene)
     for tie in scene.ties:
         # What a spring between slopes gives is told by that between positions beside it.

@@ -29,23 +29,26 @@ SAMPLES = 8
 """Times that the signs of what rounding leaves are drawn, for its energy."""
 
 
-def within_rounding(model: Model, key: str = "solver.tolerance", many: float = math.inf) -> Model:
+def within_rounding(model: Model, key: str = "solver.tolerance", many: float = math.inf, known: float = 0.0) -> Model:
     """The model with a tolerance that its numbers can reach, and a note where the scene asks for less.
 
     Iterations that seek less than rounding leaves are all in vain, and then the step is halved in vain too. It is asked
-    of small tolerances, and of all where there are ``many`` unknowns.
+    of small tolerances, and of all where there are ``many`` unknowns. ``known`` is what the application itself knows
+    rounding to leave, by the settings' criterion: the larger of the two counts, and is told alone.
     """
     settings = model.solver
-    asked = settings.tolerance < EXAMINED or model.system.size >= many
-    if method_of(settings.method).explicit or not asked:
+    if method_of(settings.method).explicit:
         return model
-    return loosened(model, attainable(model.system, settings, model.step_limit), key)
+    asked = max(settings.tolerance, known) < EXAMINED or model.system.size >= many
+    found = attainable(model.system, settings, model.step_limit) if asked else 0.0
+    # A tolerance of one or more is none.
+    return _loosened(model, max((least for least in (known, found) if least < 1.0), default=0.0), key)
 
 
-def loosened(model: Model, least: float, key: str = "solver.tolerance") -> Model:
-    """The model with the tolerance ``least``, and a note, where the scene asks an implicit method for less."""
+def _loosened(model: Model, least: float, key: str) -> Model:
+    """The model with the tolerance ``least``, and a note, where the scene asks for less."""
     settings = model.solver
-    if method_of(settings.method).explicit or not settings.tolerance < least < 1.0:
+    if not settings.tolerance < least:
         return model
     note = (
         f"{key} = {settings.tolerance:g} is below what the rounding of numbers leaves in this scene, {least:.1e}. "

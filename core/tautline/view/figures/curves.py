@@ -33,6 +33,10 @@ DASH = "–"
 """Unit of what has none."""
 ROUNDING = 1.0e-9
 """Share of the largest magnitude below which differences are shown as none."""
+FINEST = 1.0e-6
+"""Difference of lengths, m, that is shown however far from the origin they are."""
+DOUBLES = 1.0e-13
+"""Share of a length by which some hundred roundings of doubles may change it: less is never shown."""
 LETTERS = 30
 """Of a vertical axis' label in one line."""
 
@@ -122,7 +126,7 @@ def _history(chosen: Sequence[Chosen], times: Sequence[np.ndarray], names: Seque
                 plot.fill_between(time, low, high, label=words, **look)
             for k, column, look in _looks(columns, run, len(parts), names, many):
                 plot.plot(time, values[:, k] / factor, label=column, **look, **marker(time))
-        _steady(plot, [part[2] / factor for part in parts], _sizes(chosen) / factor)
+        _steady(plot, [part[2] / factor for part in parts], chosen, factor)
         plot.set_ylabel(label(parts[0][0], unit or DASH, LETTERS))
     legend_above(plots[0, 0])
     return over_time(figure, plots, times)
@@ -158,27 +162,35 @@ def _looks(
     return looks
 
 
-def _steady(plot: Axes, values: Sequence[np.ndarray], size: float, along: str = "y") -> None:
-    """Keep rounding from filling the panel: what varies by less than 1e-9 of its size is shown as level.
+def _steady(
+    plot: Axes, values: Sequence[np.ndarray], chosen: Sequence[Chosen], factor: float, along: str = "y"
+) -> None:
+    """Keep rounding from filling the panel: what varies by less than that is shown as level.
 
-    `size` is the largest magnitude in any direction, in the unit of the axis: beside it what is not zero may be
-    rounding. It is shown as zero then.
+    Values are in the unit of the axis, which is `factor` of that of the variable. Beside the largest magnitude in any
+    direction what is not zero may be rounding. It is shown as zero then.
     """
     whole = np.concatenate([array.ravel() for array in values])
     if whole.size == 0 or not np.isfinite(whole).all():
         return
+    size, least = max(one.size for one in chosen) / factor, _rounding(chosen) / factor
     own, middle = float(np.abs(whole).max()), 0.5 * float(whole.max() + whole.min())
-    if np.ptp(whole) > ROUNDING * max(own, size):
+    if np.ptp(whole) > least:
         return
-    if own <= ROUNDING * size:
+    if own <= least:
         own, middle = size, 0.0
     half = 0.1 * own or 1.0
     getattr(plot, f"set_{along}lim")(middle - half, middle + half)
 
 
-def _sizes(chosen: Sequence[Chosen]) -> float:
-    """Largest magnitude of all results."""
-    return max(one.size for one in chosen)
+def _rounding(chosen: Sequence[Chosen]) -> float:
+    """Largest difference of a variable's values that is shown as none, in its unit.
+
+    Of a place on a map, 4 10^6 m from the origin, the share of other variables would be 4 mm, which a rope moves by.
+    """
+    size = max(one.size for one in chosen)
+    share = ROUNDING * size
+    return min(share, max(FINEST, DOUBLES * size)) if chosen[0].unit == "m" else share
 
 
 def _loop(
@@ -201,8 +213,8 @@ def _loop(
                 x, y = whole[:, k if whole.shape[1] > 1 else 0], part[2][:, k] / factor
                 plot.plot(x, y, label=words, **look, **marker(time))
                 plot.plot(x[0], y[0], marker="o", ms=5, mfc="white", mec=look["color"], ls="", zorder=3)
-        _steady(plot, [part[2] / factor for part in parts], _sizes(chosen) / factor)
-        _steady(plot, [one.values / across for one in against.chosen], _sizes(against.chosen) / across, "x")
+        _steady(plot, [part[2] / factor for part in parts], chosen, factor)
+        _steady(plot, [one.values / across for one in against.chosen], against.chosen, across, "x")
         plot.set_xlabel(label(against.chosen[0].text, across_unit or DASH))
         plot.set_ylabel(label(parts[0][0], unit or DASH, LETTERS))
     legend_above(plots[0, 0])
@@ -235,7 +247,7 @@ def _profile(
                 look = {"color": colour(number, len(frames)) if len(parts) == 1 else colour(run, len(parts))}
                 look |= {"ls": STYLES[number % len(STYLES)] if len(parts) > 1 else "-", "marker": "o", "ms": 3}
                 plot.plot(*((y, x / across) if depth else (x / across, y)), label=words or None, **look)
-        _steady(plot, seen, _sizes(chosen) / factor, "x" if depth else "y")
+        _steady(plot, seen, chosen, factor, "x" if depth else "y")
         values, along = label(parts[0][0], unit or DASH), label(against.chosen[0].text, across_unit or DASH)
         if depth:
             plot.set_xlabel(values)
