@@ -129,7 +129,7 @@ def _too_fast(record: Record, name: str, motion: np.ndarray, inside: np.ndarray)
         found = np.where(inside, spline(record.time, order), 0.0)
         row = int(np.abs(found).argmax())
         over = int(np.count_nonzero(np.abs(found) > bound))
-        if not over or (order == 2 and _fine(found, usual, unit)):
+        if not over or (order == 2 and _fine(found[inside], usual, unit)):
             continue
         fault = _fault(record, motion, row, usual, bounds[0], unit, over / int(np.count_nonzero(inside)))
         most = _told(bound, unit, order)

@@ -105,11 +105,12 @@ def sea(time, deviation, peak):
 
 @pytest.mark.parametrize("rate", [1.0, 5.0, 20.0, 100.0])
 @pytest.mark.parametrize(("deviation", "peak"), [(0.05, 6.0), (0.5, 8.0), (1.5, 12.0)])
-def test_a_sound_record_with_millimetres_is_read_without_a_word(rate, deviation, peak):
+@pytest.mark.parametrize("end", [190.0, 20.0])
+def test_a_sound_record_with_millimetres_is_read_without_a_word(rate, deviation, peak, end):
     time = np.arange(0.0, 200.0, 1.0 / rate)
     motion = sea(time, deviation, peak)
     angle = np.radians(np.round(5.0 * motion, 2))
-    assert told(time, np.round(motion, 3), end=190.0, surge=np.round(motion, 3), roll=angle) == []
+    assert told(time, np.round(motion, 3), end=end, surge=np.round(motion, 3), roll=angle) == []
 
 
 def test_rests_before_a_motion_and_behind_it_are_no_stuck_sensor():
