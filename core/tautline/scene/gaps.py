@@ -26,6 +26,8 @@ SAME = 1e-6
 """Share of the spread of all rows by which one may lie off a straight line that is gone on with."""
 STEP = 1e-3
 """Share of the spread of all rows by which a value still moves."""
+OFTEN, BESIDE = 4, 5
+"""Turns beside a gap from which on a value goes up and down as waves do; rows beside it that show a crest."""
 SHOWN = 3
 """Stretches of one file that are told."""
 
@@ -170,16 +172,33 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
 def _moves(time: np.ndarray, value: np.ndarray, i: int) -> bool:
     """Whether a value goes another way beside a gap behind row i than over it: a drum at rest may have no rows."""
     spread = SAME * float(np.ptp(value))
-    if abs(value[i + 1] - value[i]) <= spread and (i + 2 == time.size or not _swings(value, i)):
-        return False  # a hold: a last row says how long, or rows at its ends
+    if abs(value[i + 1] - value[i]) <= spread and _holds(value, i):
+        return False
     slope = (value[i + 1] - value[i]) / (time[i + 1] - time[i])
     off = [value[k] - value[i] - slope * (time[k] - time[i]) for k in (i - 1, i + 2) if 0 <= k < time.size]
     return bool(off) and min(map(abs, off)) > spread
 
 
-def _swings(value: np.ndarray, i: int) -> bool:
-    """Whether a value turns on either side of a gap behind row i, as waves do: equal ends of it are then chance."""
-    return any(_turns(part) for part in (value[: i + 1], value[i + 1 :]))
+def _holds(value: np.ndarray, i: int) -> bool:
+    """Whether somebody wrote a hold or a rest behind row i, where the values at both ends of a gap are the same.
+
+    A last row says how long. Lifts turn seldom; in a record of waves equal ends are chance, unless both are 0, a drum
+    at rest, or the value went to a crest before the gap and leaves it behind.
+    """
+    before, behind = value[max(i - BESIDE, 0) : i + 1], value[i + 1 : i + 2 + BESIDE]
+    if i + 2 == value.size or value[i] == value[i + 1] == 0.0:
+        return True
+    if _turned(value[: i + 1]) + _turned(value[i + 1 :]) < OFTEN:
+        return True
+    crest = (before[-1] - before[0]) * (behind[-1] - behind[0]) < 0.0
+    return bool(crest) and not _turns(before) and not _turns(behind)
+
+
+def _turned(value: np.ndarray) -> int:
+    """How often a value turns from up to down or back."""
+    steps = np.diff(value)
+    way = np.sign(steps[steps != 0.0])
+    return int(np.count_nonzero(way[1:] != way[:-1]))
 
 
 def _turns(value: np.ndarray) -> bool:
