@@ -15,7 +15,7 @@ import numpy as np
 
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import ANGLES, Record
-from tautline.scene.functions import MANY, Table
+from tautline.scene.functions import EVEN, MANY, MOSTLY, Table
 from tautline.scene.reading.columns import Columns
 
 SHIFTS = "m", 0.5 * 9.81, 10.0
@@ -36,10 +36,14 @@ NEAR = 3
 """Rows beside the largest acceleration in which its cause is sought."""
 STEPPED = 0.125
 """Share of the bound that a single step of the last digit makes over one interval, of readings in coarse steps."""
+COARSE, LEVELS = 2.5, 4
+"""Last digits that steps of coarse readings stay below; values from which on such steps are no jumps to and fro."""
 OFTEN = 0.2
 """Share of the rows beyond a bound from which on it is no single fault."""
-HELD = 0.5
-"""Share of the rows without a change from which on a sensor is slower than what writes the rows."""
+RINGING = 10
+"""Rows that a spline carries a single fault to."""
+HELD, CHANGES = 0.5, 10
+"""Share of the rows without a change, and changes, from which on a sensor is slower than what writes the rows."""
 FINE = {"m": 0.002, "rad": math.radians(0.02)}
 """Noise that is left without a word where rows come so often that the curve makes a large acceleration of it."""
 TRAVEL = {"m": 0.5, "rad": math.radians(2.0)}
@@ -51,6 +55,15 @@ class _Fault(NamedTuple):
 
     cause: str
     cure: str
+    same: str = ""
+    """What faults of several motions have in common that are one fault: its kind, and lines."""
+
+
+class _Said(NamedTuple):
+    """A sentence on a motion, and what those of other motions have in common with it."""
+
+    text: str
+    same: str
 
 
 def doubts(record: Record, begin: float, end: float, ramp: float) -> Iterator[str]:
@@ -71,10 +84,18 @@ def doubts(record: Record, begin: float, end: float, ramp: float) -> Iterator[st
     usual = float(np.median(np.diff(record.time)))
     yield from _sparse(record, usual)
     inside = (record.time >= begin - usual) & (record.time <= begin + end + usual)
+    alike: dict[str, list[tuple[str, str]]] = {}
     for name, motion in zip(MOTIONS, record.motions, strict=True):
         if np.any(motion):
-            said = [*_too_fast(record, name, motion, inside)] or [*_still(record, name, motion, inside)]
-            yield from said
+            found = [*_too_fast(record, name, motion, inside)] or [*_still(record, name, motion, inside)]
+            for said in found:
+                alike.setdefault(said.same, []).append((name, said.text))
+    for (_, text), *others in alike.values():
+        names = [name for name, _ in others]
+        more = " and ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)
+        yield f"{text}. The same is so of {more}" if names else text
+    for name, motion in zip(MOTIONS, record.motions, strict=True):
+        if np.any(motion):
             yield from _travel(record, name, motion, ramp)
 
 
@@ -104,7 +125,7 @@ def doubts_of_table(path: Path, table: Table, name: str, end: float) -> Iterator
     time, motion = np.array(table.time), np.array(table.value)
     record = Record(path, time, np.array([motion]), np.array(Columns(path).lines))
     usual = float(np.median(np.diff(time)))
-    yield from _too_fast(record, name, motion, (time >= -usual) & (time <= end + usual))
+    yield from (said.text for said in _too_fast(record, name, motion, (time >= -usual) & (time <= end + usual)))
 
 
 def _sparse(record: Record, usual: float) -> Iterator[str]:
@@ -116,7 +137,7 @@ def _sparse(record: Record, usual: float) -> Iterator[str]:
         )
 
 
-def _too_fast(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[str]:
+def _too_fast(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[_Said]:
     """Too large an acceleration or speed of the curve."""
     from scipy.interpolate import CubicSpline
 
@@ -128,26 +149,28 @@ def _too_fast(record: Record, name: str, motion: np.ndarray, inside: np.ndarray)
     for what, order, bound in (("an acceleration", 2, bounds[0]), ("a speed", 1, bounds[1])):
         found = np.where(inside, spline(record.time, order), 0.0)
         row = int(np.abs(found).argmax())
-        over = int(np.count_nonzero(np.abs(found) > bound))
+        beyond = np.abs(found) > bound
+        over = int(np.count_nonzero(beyond))
         if not over or (order == 2 and _fine(found[inside], usual, unit)):
             continue
-        fault = _fault(record, motion, row, usual, bounds[0], unit, over / int(np.count_nonzero(inside)))
+        fault = _fault(record, motion, row, usual, bounds[0], unit, beyond, over / int(np.count_nonzero(inside)))
         most = _told(bound, unit, order)
         others = f", and more than {most} at {over - 1} more row{'s' * (over > 2)}" if over > 1 else ""
-        yield (
+        yield _Said(
             f"{record.path.name} gives {name} {what} of {_told(abs(float(found[row])), unit, order)} at line "
             f"{record.lines[row]} ({record.time[row]:.6g} s, {_told(motion[row], unit)}){others}. Vessels seldom have "
-            f"more than {most}. {fault.cause}. {fault.cure}"
+            f"more than {most}. {fault.cause}. {fault.cure}",
+            f"{what} {record.lines[row]} {fault.same or fault.cause}",
         )
         return
 
 
-def _still(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[str]:
+def _still(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[_Said]:
     """The first stretch in which a reading stands still."""
     for first, last in _stuck(record.time, motion, _stretches(motion)):
         if inside[first] and inside[last]:
-            cause, cure = _standing(record, motion, first, last, "rad" if name in ANGLES else "m")
-            yield f"{name} of {record.path.name} may be wrong. {cause}. {cure}"
+            fault = _standing(record, motion, first, last, "rad" if name in ANGLES else "m")
+            yield _Said(f"{name} of {record.path.name} may be wrong. {fault.cause}. {fault.cure}", fault.same)
             return
 
 
@@ -174,46 +197,78 @@ def _fault(
     usual: float,
     most: float,
     unit: str,
+    beyond: np.ndarray,
     share: float,
 ) -> _Fault:
-    """The likely cause of too large an acceleration at a row."""
+    """The likely cause of too large an acceleration at a row, of those (n,) that are beyond the bound."""
     lines, intervals, steps = record.lines, np.diff(record.time), np.abs(np.diff(motion))
     first, last = max(row - NEAR, 0), min(row + NEAR, intervals.size)
     close = first + int(intervals[first:last].argmin())
-    if intervals[close] < CLOSE * usual:
+    jump = first + int(steps[first:last].argmax())
+    elsewhere = bool(beyond[: max(row - RINGING, 0)].any() or beyond[row + RINGING + 1 :].any())
+    jitters = elsewhere and float(np.mean(np.abs(intervals - usual) > EVEN * usual)) > 1.0 - MOSTLY
+    if intervals[close] < CLOSE * usual and not jitters:
         return _Fault(
             f"Lines {lines[close]} and {lines[close + 1]} are only {intervals[close]:.3g} s apart, "
             f"and rows are {usual:.6g} s apart else",
             "Delete one of the two rows",
         )
-    stretches = _stretches(motion)
-    begin, stop = stretches.T
-    standing = (stop - begin >= STILL // 2) & (begin - NEAR <= row) & (row <= stop + NEAR)
-    if share < OFTEN and standing.any():
-        first, last = stretches[int(standing.argmax())].tolist()
-        return _standing(record, motion, first, last, unit)
     step = _digit(motion)
-    if step > STEPPED * most * usual**2 and np.allclose(steps / step, np.round(steps / step), rtol=0.0, atol=0.01):
+    if step > STEPPED * most * usual**2 and steps[jump] < COARSE * step and _coarse(motion, steps, step):
         return _Fault(
             f"Its readings go in steps of {_told(step, unit)}",
             "Export it with more digits, or smooth it before the run",
         )
-    if share > OFTEN and np.mean(steps == 0.0) > HELD:
+    if _slow(steps):
         return _Fault(
             f"It changes once in {steps.size / np.count_nonzero(steps):.3g} rows only: its sensor is slower",
             "Keep only the rows in which it changes, or smooth it before the run",
         )
-    jump = first + int(steps[first:last].argmax())
-    if share > OFTEN or steps[jump] < OUTSTANDING * float(np.quantile(steps, 0.98)):
+    stretches = _stretches(motion)
+    if share < OFTEN:
+        for begin, stop in _stuck(record.time, motion, stretches):
+            if begin - NEAR <= row <= stop + NEAR:
+                return _standing(record, motion, begin, stop, unit)
+    if share <= OFTEN and steps[jump] > 0.0 and steps[jump] >= OUTSTANDING * float(np.quantile(steps, 0.98)):
         return _Fault(
-            "No single row stands out. That is noise, or a wrong unit, or an extreme sea",
-            "Check the unit of the time and of the column, and smooth a record with noise before the run",
+            f"It jumps from {_told(motion[jump], unit)} to {_told(motion[jump + 1], unit)} between lines {lines[jump]} "
+            f"and {lines[jump + 1]}",
+            "Correct the rows, delete one that is wrong, or run a part of the record without it",
+            f"jump {lines[jump]}",
+        )
+    for begin, stop in (stretches[0].tolist(), stretches[-1].tolist()):
+        if share < OFTEN and stop - begin >= STILL and begin - NEAR <= row <= stop + NEAR:
+            return _Fault(
+                f"It stands still at {_told(motion[begin], unit)} from line {lines[begin]} to line {lines[stop]}, and "
+                "moves at once beside that",
+                "Let it come to rest in some seconds, or run a part of the record without that stretch",
+                f"rest {lines[begin]} {lines[stop]}",
+            )
+    if jitters:
+        return _Fault(
+            f"The times of its rows jitter: the rows are {intervals.min():.3g} s to {intervals.max():.3g} s apart, and "
+            f"{usual:.3g} s as a rule",
+            "Write the times evenly if the sensor measures evenly, or smooth the record before the run",
         )
     return _Fault(
-        f"It jumps from {_told(motion[jump], unit)} to {_told(motion[jump + 1], unit)} between lines {lines[jump]} and "
-        f"{lines[jump + 1]}",
-        "Correct the rows, delete one that is wrong, or run a part of the record without it",
+        "No single row stands out. That is noise, or a wrong unit, or an extreme sea",
+        "Check the unit of the time and of the column, and smooth a record with noise before the run",
     )
+
+
+def _coarse(motion: np.ndarray, steps: np.ndarray, step: float) -> bool:
+    """Whether readings go in steps of a last digit, most of them one or two digits at once."""
+    even = np.allclose(steps / step, np.round(steps / step), rtol=0.0, atol=0.01)
+    return even and np.unique(motion).size >= LEVELS and float(np.median(steps[steps > 0.0])) < COARSE * step
+
+
+def _slow(steps: np.ndarray) -> bool:
+    """Whether a reading changes once in as many rows throughout, as of a sensor that is slower than the rows."""
+    changes = np.diff(np.flatnonzero(steps))
+    if changes.size < CHANGES or np.mean(steps == 0.0) <= HELD:
+        return False
+    usual = float(np.median(changes))
+    return bool(usual >= 2.0 and np.mean(np.abs(changes - usual) <= 1.0 + EVEN * usual) >= MOSTLY)
 
 
 def _standing(record: Record, motion: np.ndarray, first: int, last: int, unit: str) -> _Fault:
@@ -223,6 +278,7 @@ def _standing(record: Record, motion: np.ndarray, first: int, last: int, unit: s
         f"It stands still at {_told(motion[first], unit)} from line {lines[first]} to line {lines[last]}, for "
         f"{time[last] - time[first]:.6g} s. The sensor may have been stuck",
         "Fill that stretch in from another sensor, or run a part of the record without it",
+        f"stuck {lines[first]} {lines[last]}",
     )
 
 
@@ -235,14 +291,14 @@ def _stretches(motion: np.ndarray) -> np.ndarray:
 def _stuck(time: np.ndarray, motion: np.ndarray, stretches: np.ndarray) -> Iterator[tuple[int, int]]:
     """First and last row of stretches in which a motion as it is else goes through very many of its last digits.
 
-    A vessel that lies still at zero before and behind a motion is none.
+    A vessel that lies still before and behind a motion is none, wherever it lies.
     """
     first, last = stretches[:, 0], stretches[:, 1]
     lasts = time[last] - time[first]
     rate = float(np.abs(np.diff(motion)).sum() / np.ptp(time))
     long = (last - first >= STILL) & (lasts >= STILL_FOR) & (rate * lasts > DIGITS * _digit(motion))
     for begin, stop in stretches[long].tolist():
-        if motion[begin] != 0.0 or (begin > 0 and stop < motion.size - 1):
+        if begin > 0 and stop < motion.size - 1:
             yield begin, stop
 
 

@@ -37,6 +37,19 @@ FAULTS = {
     "a jump": (T, changed(90, 9.0), ("at line 92", "It jumps from", "between lines 91 and 92")),
     "two rows too close": (*NEAR, ("Lines 102 and 103 are only 0.0001 s apart", "Delete one")),
     "coarse steps": (T, np.round(2.0 * SWELL) / 2.0, ("go in steps of 0.5 m", "more digits")),
+    "a step from a rest to another": (T, np.where(T < 10.0, 0.0, 5.0), ("It jumps from 0 m to 5 m", "lines 101")),
+    "decimetres": (T, np.round(3.0 * np.sin(T / 48.0), 1), ("go in steps of 0.1 m", "more digits")),
+    "a slow sensor with centimetres": (
+        T,
+        np.round(2.0 * np.sin(T / 15.0), 2)[np.arange(250) // 10 * 10],
+        ("changes once in", "Keep only"),
+    ),
+    "stamps that jitter": (
+        T + np.random.default_rng(4).uniform(-0.046, 0.046, 250),
+        np.round(SWELL, 3),
+        ("The times of its rows jitter", "Write the times evenly"),
+    ),
+    "a sensor that dies": (T, changed(slice(160, 250), SWELL[160]), ("stands still at", "from line 162 to line 251")),
     "a slow sensor": (T, SWELL[np.arange(250) // 10 * 10], ("changes once in", "Keep only the rows")),
     "a time in minutes": (T / 60.0, SWELL, ("No single row stands out", "the unit of the time")),
 }
@@ -116,6 +129,19 @@ def test_a_sound_record_with_millimetres_is_read_without_a_word(rate, deviation,
 def test_rests_before_a_motion_and_behind_it_are_no_stuck_sensor():
     heave = np.where((T > 6.0) & (T < 18.0), 0.4 * np.sin(np.pi * (T - 6.0) / 12.0) ** 2, 0.0)
     assert told(T, heave) == []
+
+
+def test_a_rest_at_any_place_before_a_motion_and_behind_it_is_no_stuck_sensor():
+    heave = 2.0 - 0.3 * np.cos(np.pi * np.clip((T - 6.0) / 12.0, 0.0, 1.0))
+    assert told(T, heave, ramp=0.0) == []
+
+
+def test_a_fault_of_several_motions_is_told_once():
+    wrong = changed(90, 9.0)
+    (text,) = told(T, wrong, surge=0.5 * wrong, sway=wrong)
+    assert text.startswith("mru.csv gives surge an acceleration") and text.endswith("The same is so of sway and heave")
+    two = told(T, changed(90, 9.0), surge=changed(120, 9.0))
+    assert len(two) == 2, "faults on other lines are others"
 
 
 def test_rows_that_the_run_does_not_reach_are_not_judged():
