@@ -1,7 +1,8 @@
 """What is doubtful of a record of a vessel's motion: rows that can be read, and that no vessel moves by.
 
 A natural cubic spline goes through all rows, so that a stuck sensor, a jump, two rows that are too close or readings in
-coarse steps shake the ropes. Its second derivative is straight between rows: the largest one is at a row.
+coarse steps shake the ropes. Its second derivative is straight between rows: the largest one is at a row. The curve of
+a table is that spline where it does not overshoot; elsewhere its largest acceleration lies between rows.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import ANGLES, Record
+from tautline.scene.curves import hermite, slopes
 from tautline.scene.functions import EVEN, MANY, MOSTLY, Table
 from tautline.scene.reading.columns import Columns
 
@@ -44,6 +46,8 @@ RINGING = 10
 """Rows that a spline carries a single fault to."""
 HELD, CHANGES = 0.5, 10
 """Share of the rows without a change, and changes, from which on a sensor is slower than what writes the rows."""
+PLACES = 8
+"""Parts of an interval at whose ends the speed of a table's curve is looked at."""
 FINE = {"m": 0.002, "rad": math.radians(0.02)}
 """Noise that is left without a word where rows come so often that the curve makes a large acceleration of it."""
 TRAVEL = {"m": 0.5, "rad": math.radians(2.0)}
@@ -87,7 +91,8 @@ def doubts(record: Record, begin: float, end: float, ramp: float) -> Iterator[st
     alike: dict[str, list[tuple[str, str]]] = {}
     for name, motion in zip(MOTIONS, record.motions, strict=True):
         if np.any(motion):
-            found = [*_too_fast(record, name, motion, inside)] or [*_still(record, name, motion, inside)]
+            curve = _spline(record.time, motion)
+            found = [*_too_fast(record, name, motion, inside, curve)] or [*_still(record, name, motion, inside)]
             for said in found:
                 alike.setdefault(said.same, []).append((name, said.text))
     for (_, text), *others in alike.values():
@@ -125,7 +130,44 @@ def doubts_of_table(path: Path, table: Table, name: str, end: float) -> Iterator
     time, motion = np.array(table.time), np.array(table.value)
     record = Record(path, time, np.array([motion]), np.array(Columns(path).lines))
     usual = float(np.median(np.diff(time)))
-    yield from (said.text for said in _too_fast(record, name, motion, (time >= -usual) & (time <= end + usual)))
+    inside = (time >= -usual) & (time <= end + usual)
+    yield from (said.text for said in _too_fast(record, name, motion, inside, _limited(time, motion)))
+
+
+def _spline(time: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Speed and acceleration at each row of what a run follows of a record of six motions."""
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(time, motion, bc_type="natural")
+    return spline(time, 1), spline(time, 2)
+
+
+def _limited(time: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Largest speed and acceleration near each row, with their signs, of what a run follows of a table.
+
+    Its pieces are quintics: the acceleration is largest at an end of one or where the third derivative is zero, which
+    is quadratic; the speed where the acceleration is zero, or as good as there, at one of some places.
+    """
+    h = np.diff(time)
+    c = hermite(h, motion, *slopes(time, motion)).T
+    a, b, d = 60.0 * c[5] * h**2, 24.0 * c[4] * h, 6.0 * c[3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(b * b - 4.0 * a * d)
+        away = -0.5 * (b + np.where(b < 0.0, -root, root))
+        extremes = np.nan_to_num(np.stack((away / a, d / away)), nan=0.0, posinf=0.0, neginf=0.0)
+    even = np.repeat(np.linspace(0.0, 1.0, PLACES + 1)[:, None], h.size, axis=1)
+    places = np.concatenate((np.clip(extremes, 0.0, 1.0), even))
+    speed, acceleration = np.zeros(time.size), np.zeros(time.size)
+    rows = np.arange(h.size)
+    for x in places:
+        t, near = x * h, rows + (x > 0.5)
+        rate = c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])))
+        second = 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * 20.0 * c[5]))
+        for most, value in ((speed, rate), (acceleration, second)):
+            for part in (near == rows, near != rows):
+                at = near[part]
+                most[at] = np.where(np.abs(value[part]) > np.abs(most[at]), value[part], most[at])
+    return speed, acceleration
 
 
 def _sparse(record: Record, usual: float) -> Iterator[str]:
@@ -137,17 +179,16 @@ def _sparse(record: Record, usual: float) -> Iterator[str]:
         )
 
 
-def _too_fast(record: Record, name: str, motion: np.ndarray, inside: np.ndarray) -> Iterator[_Said]:
-    """Too large an acceleration or speed of the curve."""
-    from scipy.interpolate import CubicSpline
-
+def _too_fast(
+    record: Record, name: str, motion: np.ndarray, inside: np.ndarray, curve: tuple[np.ndarray, np.ndarray]
+) -> Iterator[_Said]:
+    """Too large an acceleration or speed of a curve, of which both (n,) are given at or near the rows, speed first."""
     if not inside.any():
         return
     unit, *bounds = TURNS if name in ANGLES else SHIFTS
-    spline = CubicSpline(record.time, motion, bc_type="natural")
     usual = float(np.median(np.diff(record.time)))
     for what, order, bound in (("an acceleration", 2, bounds[0]), ("a speed", 1, bounds[1])):
-        found = np.where(inside, spline(record.time, order), 0.0)
+        found = np.where(inside, curve[order - 1], 0.0)
         row = int(np.abs(found).argmax())
         beyond = np.abs(found) > bound
         over = int(np.count_nonzero(beyond))
@@ -186,7 +227,8 @@ def _fine(acceleration: np.ndarray, usual: float, unit: str) -> bool:
     From row to row they go up and down then, unlike those of a motion. Readings that go up and down by e around a
     motion give a natural spline a second derivative of 12 e / h^2.
     """
-    turns = np.mean(np.sign(acceleration[1:]) * np.sign(acceleration[:-1]) < 0.0)
+    signs = np.sign(acceleration[acceleration != 0.0])
+    turns = np.mean(signs[1:] != signs[:-1]) if signs.size > 1 else 0.0
     return bool(turns > 0.5 and float(np.abs(acceleration).max()) * usual**2 / 12.0 <= FINE[unit])
 
 

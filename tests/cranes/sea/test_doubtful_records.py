@@ -9,8 +9,10 @@ from crane.application import Crane
 from crane.scene.scene import CraneScene
 from crane.sea.mru import Record
 from crane.sea.record_doubts import doubts, doubts_of_table
+from tautline.kernels.time_function import sample
 from tautline.scene.functions import Table
 from tautline.scene.reading.document import Document
+from tautline.system.time_functions import FunctionRequest, compile_functions
 
 T = 0.1 * np.arange(250)
 SWELL = 1.5 * np.sin(2.0 * np.pi * T / 8.0)
@@ -148,10 +150,10 @@ def test_rows_that_the_run_does_not_reach_are_not_judged():
     assert told(T, changed(200, 9.0), end=15.0) == []
 
 
-def of_table(folder, heave, end=20.0, **others):
-    rows = "".join(f"{t:.6g},{z:.9g}\n" for t, z in zip(T, heave, strict=True))
+def of_table(folder, heave, end=20.0, time=T, **others):
+    rows = "".join(f"{t:.6g},{z:.9g}\n" for t, z in zip(time, heave, strict=True))
     (folder / "heave.csv").write_text("time,heave\n" + rows)
-    table = Table(time=tuple(T), value=tuple(heave), file="heave.csv", **others)
+    table = Table(time=tuple(time), value=tuple(heave), file="heave.csv", **others)
     return list(doubts_of_table(folder / "heave.csv", table, "heave", end))
 
 
@@ -161,6 +163,27 @@ def test_a_jump_in_a_table_of_one_motion_is_told(tmp_path):
     assert of_table(tmp_path, SWELL) == []
     assert of_table(tmp_path, changed(90, 9.0), interpolation="linear") == [], "corners are meant there"
     assert of_table(tmp_path, changed(200, 9.0), end=15.0) == [], "behind the run"
+
+
+@pytest.mark.parametrize("step", [1.1, 5.0])
+def test_the_acceleration_of_a_table_is_that_of_the_curve_that_a_run_follows_between_its_rows(step, tmp_path):
+    time = np.arange(40.0)
+    heave = np.where(time < 10.0, 0.0, step)
+    (text,) = of_table(tmp_path, heave, 30.0, time)
+    # Between two rests the quintic x^3 (10 - 15 x + 6 x^2) goes from one to the other: 10 / sqrt(3) at most.
+    expected = step * 10.0 / np.sqrt(3.0)
+    assert float(text.split("acceleration of ")[1].split()[0]) == pytest.approx(expected, rel=1e-3)
+    assert f"It jumps from 0 m to {step:g} m between lines 11 and 12" in text
+    followed = compile_functions([FunctionRequest(Table(time=tuple(time), value=tuple(heave)))])
+    second = np.array(sample(followed, 0, np.linspace(9.0, 10.0, 20001)))[:, 2]
+    assert np.abs(second).max() == pytest.approx(expected, rel=1e-6), "as the run has it"
+
+
+@pytest.mark.parametrize("rate", [1.0, 5.0, 20.0, 100.0])
+@pytest.mark.parametrize(("deviation", "peak"), [(0.05, 6.0), (0.5, 8.0), (1.5, 12.0)])
+def test_a_sound_table_with_millimetres_is_read_without_a_word(rate, deviation, peak, tmp_path):
+    time = np.arange(0.0, 100.0, 1.0 / rate)
+    assert of_table(tmp_path, np.round(sea(time, deviation, peak), 3), 20.0, time) == []
 
 
 def test_a_doubtful_record_is_among_the_warnings_of_check(tmp_path):
