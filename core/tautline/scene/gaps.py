@@ -14,6 +14,7 @@ from tautline.scene.functions import RATES, Duration, Table, places, usual_inter
 from tautline.scene.model import DOUBT, MARK, Model
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document, Path_, join_key
+from tautline.scene.unit_slips import CLOCK
 from tautline.scene.values.ranges import sized
 
 RECORDED = 20
@@ -53,8 +54,9 @@ def gaps_of_records(document: Document | None) -> list[SceneWarning]:
 def ends_of_records(model: type[Model], document: Document | None, end: float) -> list[SceneWarning]:
     """Warn of tables from files that begin after the run or end before it, where the value that holds there matters.
 
-    A rate that is not zero goes on and on. A place, a force or another value stops where the rows before moved it, and
-    a record of waves wherever it stops. Nothing is said of a single row, and of what a row more would cover.
+    A rate that is not zero goes on and on: that is told of a record, for who writes a few rows means it. A place, a
+    force or another value stops where the rows before moved it, and a record of waves wherever it stops. Nothing is
+    said of a single row, of what a row more would cover, nor of times of a clock, which are told as such.
 
     Parameters
     ----------
@@ -95,22 +97,25 @@ def _held(table: Table, unit: str, end: float) -> str:
     if time.size < 2:
         return ""
     first, last, usual = float(time[0]), float(time[-1]), float(np.median(np.diff(time)))
+    if abs(first) >= CLOCK:
+        return ""  # told as a time of the clock, which is the cause
     if (first >= end or last <= 0.0) and np.ptp(value) > 0.0:
         which, held = ("first", value[0]) if first >= end else ("last", value[-1])
         return (
-            f"no row of {table.file} lies in the run, from 0 to {end:.6g} s: its times go from {first:.9g} s to "
-            f"{last:.9g} s. The {which} value, {sized(float(held), unit)}, holds throughout. Count its times from the "
+            f"no row of {table.file} lies in the run, from 0 to {end:.6g} s: its times go from {first:.15g} s to "
+            f"{last:.15g} s. The {which} value, {sized(float(held), unit)}, holds throughout. Count its times from the "
             "start of the run"
         )
     said = []
     if first > min(usual, end) and _matters(value, 0, unit):
         said.append(
-            f"{table.file} begins at {first:.9g} s, and the run at 0: the first value, {sized(float(value[0]), unit)}, "
-            "holds until then. Count its times from the start of the run, or add a row at 0 s with what is meant"
+            f"{table.file} begins at {first:.15g} s, and the run at 0: the first value, "
+            f"{sized(float(value[0]), unit)}, holds until then. Count its times from the start of the run, or add a "
+            "row at 0 s with what is meant"
         )
     if last < end - usual and _matters(value, -1, unit):
         said.append(
-            f"{table.file} ends at {last:.9g} s, and the run goes on to {end:.6g} s: the last value, "
+            f"{table.file} ends at {last:.15g} s, and the run goes on to {end:.6g} s: the last value, "
             f"{sized(float(value[-1]), unit)}, holds from there on. Let the run end there, or add rows with what "
             "is meant"
         )
@@ -120,7 +125,7 @@ def _held(table: Table, unit: str, end: float) -> str:
 def _matters(value: np.ndarray, edge: int, unit: str) -> bool:
     """Whether it matters that the first value (edge 0) or the last (-1) holds."""
     if unit in RATES:
-        return abs(float(value[edge])) > SAME * float(np.abs(value).max())
+        return value.size >= RECORDED and abs(float(value[edge])) > SAME * float(np.abs(value).max())
     step = float(value[1] - value[0] if edge == 0 else value[-1] - value[-2])
     return abs(step) > STEP * float(np.ptp(value)) or (value.size >= RECORDED and _turns(value))
 
@@ -161,8 +166,8 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
         more = f" There are {left} more of this kind." if left > 0 else ""
         yield SceneWarning(
             join_key(key),
-            f"{table['file']} has no row for {intervals[i]:.6g} s, between line {before} ({time[i]:.9g} s) and line "
-            f"{behind} ({time[i + 1]:.9g} s). Its rows are {apart:.6g} s apart else. The motion in between is not "
+            f"{table['file']} has no row for {intervals[i]:.6g} s, between line {before} ({time[i]:.15g} s) and line "
+            f"{behind} ({time[i + 1]:.15g} s). Its rows are {apart:.6g} s apart else. The motion in between is not "
             f"known: a curve or a straight line goes from one row to the other. Fill it in, or write "
             f"`gap: {intervals[i]:.6g}` beside the file if the motion is known to be so.{more}",
             line,
