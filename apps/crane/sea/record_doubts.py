@@ -278,6 +278,11 @@ def _fault(
             "Correct the rows, delete one that is wrong, or run a part of the record without it",
             f"jump {lines[jump]}",
         )
+    short = stretches[1:-1][np.diff(stretches[1:-1], axis=1)[:, 0] >= STILL // 2]
+    for begin, stop in short.tolist():
+        beside = max(float(steps[begin - 1]), float(steps[stop]))
+        if share < OFTEN and begin - NEAR <= row <= stop + NEAR and beside > COARSE * step:
+            return _standing(record, motion, begin, stop, unit)
     for begin, stop in (stretches[0].tolist(), stretches[-1].tolist()):
         if share < OFTEN and stop - begin >= STILL and begin - NEAR <= row <= stop + NEAR:
             return _Fault(

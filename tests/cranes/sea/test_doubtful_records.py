@@ -51,6 +51,11 @@ FAULTS = {
         np.round(SWELL, 3),
         ("The times of its rows jitter", "Write the times evenly"),
     ),
+    "a sensor that is stuck for half a second": (
+        T,
+        np.round(changed(slice(95, 102), SWELL[95]), 3),
+        ("from line 97 to line 103", "stuck"),
+    ),
     "a sensor that dies": (T, changed(slice(160, 250), SWELL[160]), ("stands still at", "from line 162 to line 251")),
     "a slow sensor": (T, SWELL[np.arange(250) // 10 * 10], ("changes once in", "Keep only the rows")),
     "a time in minutes": (T / 60.0, SWELL, ("No single row stands out", "the unit of the time")),
