@@ -145,7 +145,7 @@ def _order(record: Record) -> list[Problem]:
         same = time[i] == time[latest]
         cause = f"the same time as line {lines[latest]}" if same else f"earlier than line {lines[latest]}"
         cure = "keep one of the two rows" if same else "sort the rows by time"
-        problems.append(record.problem(i, "t", f"{time[i]:.9g} s", cause, cure))
+        problems.append(record.problem(i, "t", f"{time[i]:.15g} s", cause, cure))
     return problems
 
 
@@ -160,7 +160,7 @@ def _gaps(record: Record, gap: float | None) -> list[Problem]:
         record.problem(
             int(i) + 1,
             "t",
-            f"{record.time[i + 1]:.9g} s",
+            f"{record.time[i + 1]:.15g} s",
             f"no row in the {intervals[i]:.6g} s before (gap is {longest:.6g} s)",
             cure,
         )
@@ -193,13 +193,15 @@ def _not_covered(record: Record, begin: float, end: float) -> list[Problem]:
     """A record that does not hold the run's time."""
     first, last = float(record.time[0]) - begin, float(record.time[-1]) - begin
     if first > 0.0:
-        cause = f"the record begins {first:.9g} s after the run"
-        cure = f"count its time from the run's start, or give `begin: {record.time[0]:.9g}` beside the file"
-        return [record.problem(0, "t", f"{record.time[0]:.9g} s", cause, cure)]
+        cause = f"the record begins {first:.15g} s after the run"
+        cure = f"count its time from the run's start, or give `begin: {record.time[0]:.15g}` beside the file"
+        return [record.problem(0, "t", f"{record.time[0]:.15g} s", cause, cure)]
     if last < end * (1.0 - 1e-9):
         cause = f"the record ends {end - last:.6g} s before the run, which goes on to {end:g} s"
-        cure = f"let the run end at {last:.6g} s" if last > 0.0 else "check `begin:`"
-        return [record.problem(record.time.size - 1, "t", f"{record.time[-1]:.9g} s", cause, cure)]
+        # rounded up, it would be refused again
+        until = next((text for n in (6, 9) if float(text := f"{last:.{n}g}") <= last), f"{last:.15g}")
+        cure = f"let the run end at {until} s" if last > 0.0 else "check `begin:`"
+        return [record.problem(record.time.size - 1, "t", f"{record.time[-1]:.15g} s", cause, cure)]
     return []
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NoReturn
@@ -28,7 +29,7 @@ from pydantic_core import CoreSchema, core_schema
 from tautline.scene.curves import beyond
 from tautline.scene.errors import SceneError
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
-from tautline.scene.reading.columns import Columns
+from tautline.scene.reading.columns import Columns, is_unit
 from tautline.scene.reading.files import FileName
 from tautline.scene.refusal import fault, refusal
 from tautline.scene.values.magnitude import SMALLEST
@@ -52,6 +53,10 @@ FELT = 0.01
 """Share of the spread of all rows beyond two of them that a curve may go in a gap."""
 OFFERED = 4
 """Columns that are offered by name where it is not clear which one is meant."""
+TIMES = "time", "t"
+"""Names of the column of times."""
+ALSO_TIMES = "time s", "times", "time sec", "seconds", "sec", "timestamp"
+"""What else other programs call it, words joined by a space; the likeliest first."""
 RATES = ("m/s", "rad/s")
 """Units of values between which a table goes straight unless told otherwise."""
 
@@ -219,25 +224,31 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
     """Where time and value stand in the file of a table, whose column of values may be asked for by name.
 
     Without a name the value is the only column beside time, or the one that is called `value`. Columns without a name
-    below a header, such as the numbers of rows that other programs write, are none.
+    below a header, such as the numbers of rows that other programs write, are none where two others have names and one
+    of those is the time. Else they count: programs write the times without a name, too, or give units only.
 
     Raises
     ------
     SceneError
         If there is no such column, or if it is not clear which one is the time or the value.
     """
-    shown = [i for i, name in enumerate(columns.names) if name] if columns.headed else columns.filled()
-    named = next((columns.names.index(name) for name in ("time", "t") if name in columns.names), None)
-    if named is None and len(shown) > 2:
-        _unclear(columns, shown, "and none is called time", "call the column of times `time` in the header")
-    time = named if named is not None else shown[0] if shown else 0
+    named = [i for i, name in enumerate(columns.names) if name]
+    known = _time(columns)
+    shown = named if len(named) > 1 and known in named else columns.filled()
     wanted = asked.lower() if isinstance(asked, str) else "value"
-    if (twice := columns.names.count(wanted)) > 1:
-        cause = f"{twice} columns are called '{wanted}'"
-        columns.stop(columns.header_line, wanted, None, cause, "give the ones that are not meant another name")
+    meant = isinstance(asked, str) or wanted in columns.names
+    if known is None and len(shown) > 2 and meant:
+        known = _growing(columns, [i for i in shown if columns.names[i] != wanted])
+    if len(shown) > 2 and (known is None or (not meant and columns.names[known] not in TIMES)):
+        _unclear(columns, shown, "and none is called time", "call the column of times `time` in the header")
+    time = known if known is not None else shown[0] if shown else 0
+    for name in (columns.names[time], wanted):
+        if name and (twice := columns.names.count(name)) > 1:
+            cause = f"{twice} columns are called '{name}'"
+            columns.stop(columns.header_line, name, None, cause, "give the ones that are not meant another name")
     beside = [i for i in shown if i != time]
-    if isinstance(asked, str) or wanted in columns.names:
-        if named is None and len(shown) == 2 and columns.names[time] == wanted:
+    if meant:
+        if known is None and len(shown) == 2 and columns.names[time] == wanted:
             return beside[0], time
         return time, columns.index((wanted,))
     if len(beside) > 1:
@@ -247,12 +258,32 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
     return time, beside[0] if beside else columns.index(("value",))
 
 
+def _time(columns: Columns) -> int | None:
+    """The column that is called time, or else in another way that means it, or the only one with a unit of time."""
+    names = [re.sub(r"[\s_.]+", " ", name).strip() for name in columns.names]
+    found = next((names.index(name) for name in (*TIMES, *ALSO_TIMES) if name in names), None)
+    if found is not None:
+        return found
+    lasting = [i for i, unit in enumerate(columns.units) if unit and is_unit(unit, "s")]
+    return lasting[0] if len(lasting) == 1 else None
+
+
+def _growing(columns: Columns, listed: Sequence[int]) -> int | None:
+    """The first of some columns, if its numbers grow from row to row, and those of no other do."""
+    growing = [i for i in listed if columns.grows(i)]
+    return growing[0] if growing == listed[:1] else None
+
+
 def _unclear(columns: Columns, listed: Sequence[int], which: str, cure: str) -> NoReturn:
     """Refuse a file in which a table's time or value may be one of several columns; raises SceneError."""
     if not columns.headed:
         cause = f"has {len(listed)} columns and no header: it is not clear which are time and value"
         cure = "write a header above the numbers, such as time,value, or keep only these two columns"
         columns.stop(columns.header_line, "", None, cause, cure)
+    nameless = next((i for i in listed if not columns.names[i]), None)
+    if nameless is not None:
+        cause = f"the header gives no name to column {nameless + 1}: it is not clear which are time and value"
+        columns.stop(columns.header_line, "", None, cause, "give each column a name, such as time,value")
     names = ", ".join(columns.titles[i] for i in listed)
     columns.stop(columns.header_line, "", None, f"has {len(listed)} columns {which}: {names}", cure)
 

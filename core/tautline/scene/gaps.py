@@ -14,6 +14,7 @@ from tautline.scene.functions import RATES, Duration, Table, places, usual_inter
 from tautline.scene.model import DOUBT, MARK, Model
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document, Path_, join_key
+from tautline.scene.unit_slips import CLOCK
 from tautline.scene.values.ranges import sized
 
 RECORDED = 20
@@ -26,6 +27,8 @@ SAME = 1e-6
 """Share of the spread of all rows by which one may lie off a straight line that is gone on with."""
 STEP = 1e-3
 """Share of the spread of all rows by which a value still moves."""
+OFTEN, BESIDE = 4, 5
+"""Turns beside a gap from which on a value goes up and down as waves do; rows beside it that show a crest."""
 SHOWN = 3
 """Stretches of one file that are told."""
 
@@ -51,8 +54,9 @@ def gaps_of_records(document: Document | None) -> list[SceneWarning]:
 def ends_of_records(model: type[Model], document: Document | None, end: float) -> list[SceneWarning]:
     """Warn of tables from files that begin after the run or end before it, where the value that holds there matters.
 
-    A rate that is not zero goes on and on. A place, a force or another value stops where the rows before moved it, and
-    a record of waves wherever it stops. Nothing is said of a single row, and of what a row more would cover.
+    A rate that is not zero goes on and on: that is told of a record, for who writes a few rows means it. A place, a
+    force or another value stops where the rows before moved it, and a record of waves wherever it stops. Nothing is
+    said of a single row, of what a row more would cover, nor of times of a clock, which are told as such.
 
     Parameters
     ----------
@@ -93,22 +97,25 @@ def _held(table: Table, unit: str, end: float) -> str:
     if time.size < 2:
         return ""
     first, last, usual = float(time[0]), float(time[-1]), float(np.median(np.diff(time)))
+    if abs(first) >= CLOCK:
+        return ""  # told as a time of the clock, which is the cause
     if (first >= end or last <= 0.0) and np.ptp(value) > 0.0:
         which, held = ("first", value[0]) if first >= end else ("last", value[-1])
         return (
-            f"no row of {table.file} lies in the run, from 0 to {end:.6g} s: its times go from {first:.9g} s to "
-            f"{last:.9g} s. The {which} value, {sized(float(held), unit)}, holds throughout. Count its times from the "
+            f"no row of {table.file} lies in the run, from 0 to {end:.6g} s: its times go from {first:.15g} s to "
+            f"{last:.15g} s. The {which} value, {sized(float(held), unit)}, holds throughout. Count its times from the "
             "start of the run"
         )
     said = []
     if first > min(usual, end) and _matters(value, 0, unit):
         said.append(
-            f"{table.file} begins at {first:.9g} s, and the run at 0: the first value, {sized(float(value[0]), unit)}, "
-            "holds until then. Count its times from the start of the run, or add a row at 0 s with what is meant"
+            f"{table.file} begins at {first:.15g} s, and the run at 0: the first value, "
+            f"{sized(float(value[0]), unit)}, holds until then. Count its times from the start of the run, or add a "
+            "row at 0 s with what is meant"
         )
     if last < end - usual and _matters(value, -1, unit):
         said.append(
-            f"{table.file} ends at {last:.9g} s, and the run goes on to {end:.6g} s: the last value, "
+            f"{table.file} ends at {last:.15g} s, and the run goes on to {end:.6g} s: the last value, "
             f"{sized(float(value[-1]), unit)}, holds from there on. Let the run end there, or add rows with what "
             "is meant"
         )
@@ -118,7 +125,7 @@ def _held(table: Table, unit: str, end: float) -> str:
 def _matters(value: np.ndarray, edge: int, unit: str) -> bool:
     """Whether it matters that the first value (edge 0) or the last (-1) holds."""
     if unit in RATES:
-        return abs(float(value[edge])) > SAME * float(np.abs(value).max())
+        return value.size >= RECORDED and abs(float(value[edge])) > SAME * float(np.abs(value).max())
     step = float(value[1] - value[0] if edge == 0 else value[-1] - value[-2])
     return abs(step) > STEP * float(np.ptp(value)) or (value.size >= RECORDED and _turns(value))
 
@@ -159,8 +166,8 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
         more = f" There are {left} more of this kind." if left > 0 else ""
         yield SceneWarning(
             join_key(key),
-            f"{table['file']} has no row for {intervals[i]:.6g} s, between line {before} ({time[i]:.9g} s) and line "
-            f"{behind} ({time[i + 1]:.9g} s). Its rows are {apart:.6g} s apart else. The motion in between is not "
+            f"{table['file']} has no row for {intervals[i]:.6g} s, between line {before} ({time[i]:.15g} s) and line "
+            f"{behind} ({time[i + 1]:.15g} s). Its rows are {apart:.6g} s apart else. The motion in between is not "
             f"known: a curve or a straight line goes from one row to the other. Fill it in, or write "
             f"`gap: {intervals[i]:.6g}` beside the file if the motion is known to be so.{more}",
             line,
@@ -170,16 +177,33 @@ def _gaps(document: Document, path: Path_, table: Mapping[str, Any]) -> Iterator
 def _moves(time: np.ndarray, value: np.ndarray, i: int) -> bool:
     """Whether a value goes another way beside a gap behind row i than over it: a drum at rest may have no rows."""
     spread = SAME * float(np.ptp(value))
-    if abs(value[i + 1] - value[i]) <= spread and (i + 2 == time.size or not _swings(value, i)):
-        return False  # a hold: a last row says how long, or rows at its ends
+    if abs(value[i + 1] - value[i]) <= spread and _holds(value, i):
+        return False
     slope = (value[i + 1] - value[i]) / (time[i + 1] - time[i])
     off = [value[k] - value[i] - slope * (time[k] - time[i]) for k in (i - 1, i + 2) if 0 <= k < time.size]
     return bool(off) and min(map(abs, off)) > spread
 
 
-def _swings(value: np.ndarray, i: int) -> bool:
-    """Whether a value turns on either side of a gap behind row i, as waves do: equal ends of it are then chance."""
-    return any(_turns(part) for part in (value[: i + 1], value[i + 1 :]))
+def _holds(value: np.ndarray, i: int) -> bool:
+    """Whether somebody wrote a hold or a rest behind row i, where the values at both ends of a gap are the same.
+
+    A last row says how long. Lifts turn seldom; in a record of waves equal ends are chance, unless both are 0, a drum
+    at rest, or the value went to a crest before the gap and leaves it behind.
+    """
+    before, behind = value[max(i - BESIDE, 0) : i + 1], value[i + 1 : i + 2 + BESIDE]
+    if i + 2 == value.size or value[i] == value[i + 1] == 0.0:
+        return True
+    if _turned(value[: i + 1]) + _turned(value[i + 1 :]) < OFTEN:
+        return True
+    crest = (before[-1] - before[0]) * (behind[-1] - behind[0]) < 0.0
+    return bool(crest) and not _turns(before) and not _turns(behind)
+
+
+def _turned(value: np.ndarray) -> int:
+    """How often a value turns from up to down or back."""
+    steps = np.diff(value)
+    way = np.sign(steps[steps != 0.0])
+    return int(np.count_nonzero(way[1:] != way[:-1]))
 
 
 def _turns(value: np.ndarray) -> bool:

@@ -9,8 +9,10 @@ from crane.application import Crane
 from crane.scene.scene import CraneScene
 from crane.sea.mru import Record
 from crane.sea.record_doubts import doubts, doubts_of_table
+from tautline.kernels.time_function import sample
 from tautline.scene.functions import Table
 from tautline.scene.reading.document import Document
+from tautline.system.time_functions import FunctionRequest, compile_functions
 
 T = 0.1 * np.arange(250)
 SWELL = 1.5 * np.sin(2.0 * np.pi * T / 8.0)
@@ -37,6 +39,24 @@ FAULTS = {
     "a jump": (T, changed(90, 9.0), ("at line 92", "It jumps from", "between lines 91 and 92")),
     "two rows too close": (*NEAR, ("Lines 102 and 103 are only 0.0001 s apart", "Delete one")),
     "coarse steps": (T, np.round(2.0 * SWELL) / 2.0, ("go in steps of 0.5 m", "more digits")),
+    "a step from a rest to another": (T, np.where(T < 10.0, 0.0, 5.0), ("It jumps from 0 m to 5 m", "lines 101")),
+    "decimetres": (T, np.round(3.0 * np.sin(T / 48.0), 1), ("go in steps of 0.1 m", "more digits")),
+    "a slow sensor with centimetres": (
+        T,
+        np.round(2.0 * np.sin(T / 15.0), 2)[np.arange(250) // 10 * 10],
+        ("changes once in", "Keep only"),
+    ),
+    "stamps that jitter": (
+        T + np.random.default_rng(4).uniform(-0.046, 0.046, 250),
+        np.round(SWELL, 3),
+        ("The times of its rows jitter", "Write the times evenly"),
+    ),
+    "a sensor that is stuck for half a second": (
+        T,
+        np.round(changed(slice(95, 102), SWELL[95]), 3),
+        ("from line 97 to line 103", "stuck"),
+    ),
+    "a sensor that dies": (T, changed(slice(160, 250), SWELL[160]), ("stands still at", "from line 162 to line 251")),
     "a slow sensor": (T, SWELL[np.arange(250) // 10 * 10], ("changes once in", "Keep only the rows")),
     "a time in minutes": (T / 60.0, SWELL, ("No single row stands out", "the unit of the time")),
 }
@@ -105,11 +125,12 @@ def sea(time, deviation, peak):
 
 @pytest.mark.parametrize("rate", [1.0, 5.0, 20.0, 100.0])
 @pytest.mark.parametrize(("deviation", "peak"), [(0.05, 6.0), (0.5, 8.0), (1.5, 12.0)])
-def test_a_sound_record_with_millimetres_is_read_without_a_word(rate, deviation, peak):
+@pytest.mark.parametrize("end", [190.0, 20.0])
+def test_a_sound_record_with_millimetres_is_read_without_a_word(rate, deviation, peak, end):
     time = np.arange(0.0, 200.0, 1.0 / rate)
     motion = sea(time, deviation, peak)
     angle = np.radians(np.round(5.0 * motion, 2))
-    assert told(time, np.round(motion, 3), end=190.0, surge=np.round(motion, 3), roll=angle) == []
+    assert told(time, np.round(motion, 3), end=end, surge=np.round(motion, 3), roll=angle) == []
 
 
 def test_rests_before_a_motion_and_behind_it_are_no_stuck_sensor():
@@ -117,14 +138,27 @@ def test_rests_before_a_motion_and_behind_it_are_no_stuck_sensor():
     assert told(T, heave) == []
 
 
+def test_a_rest_at_any_place_before_a_motion_and_behind_it_is_no_stuck_sensor():
+    heave = 2.0 - 0.3 * np.cos(np.pi * np.clip((T - 6.0) / 12.0, 0.0, 1.0))
+    assert told(T, heave, ramp=0.0) == []
+
+
+def test_a_fault_of_several_motions_is_told_once():
+    wrong = changed(90, 9.0)
+    (text,) = told(T, wrong, surge=0.5 * wrong, sway=wrong)
+    assert text.startswith("mru.csv gives surge an acceleration") and text.endswith("The same is so of sway and heave")
+    two = told(T, changed(90, 9.0), surge=changed(120, 9.0))
+    assert len(two) == 2, "faults on other lines are others"
+
+
 def test_rows_that_the_run_does_not_reach_are_not_judged():
     assert told(T, changed(200, 9.0), end=15.0) == []
 
 
-def of_table(folder, heave, end=20.0, **others):
-    rows = "".join(f"{t:.6g},{z:.9g}\n" for t, z in zip(T, heave, strict=True))
+def of_table(folder, heave, end=20.0, time=T, **others):
+    rows = "".join(f"{t:.6g},{z:.9g}\n" for t, z in zip(time, heave, strict=True))
     (folder / "heave.csv").write_text("time,heave\n" + rows)
-    table = Table(time=tuple(T), value=tuple(heave), file="heave.csv", **others)
+    table = Table(time=tuple(time), value=tuple(heave), file="heave.csv", **others)
     return list(doubts_of_table(folder / "heave.csv", table, "heave", end))
 
 
@@ -134,6 +168,27 @@ def test_a_jump_in_a_table_of_one_motion_is_told(tmp_path):
     assert of_table(tmp_path, SWELL) == []
     assert of_table(tmp_path, changed(90, 9.0), interpolation="linear") == [], "corners are meant there"
     assert of_table(tmp_path, changed(200, 9.0), end=15.0) == [], "behind the run"
+
+
+@pytest.mark.parametrize("step", [1.1, 5.0])
+def test_the_acceleration_of_a_table_is_that_of_the_curve_that_a_run_follows_between_its_rows(step, tmp_path):
+    time = np.arange(40.0)
+    heave = np.where(time < 10.0, 0.0, step)
+    (text,) = of_table(tmp_path, heave, 30.0, time)
+    # Between two rests the quintic x^3 (10 - 15 x + 6 x^2) goes from one to the other: 10 / sqrt(3) at most.
+    expected = step * 10.0 / np.sqrt(3.0)
+    assert float(text.split("acceleration of ")[1].split()[0]) == pytest.approx(expected, rel=1e-3)
+    assert f"It jumps from 0 m to {step:g} m between lines 11 and 12" in text
+    followed = compile_functions([FunctionRequest(Table(time=tuple(time), value=tuple(heave)))])
+    second = np.array(sample(followed, 0, np.linspace(9.0, 10.0, 20001)))[:, 2]
+    assert np.abs(second).max() == pytest.approx(expected, rel=1e-6), "as the run has it"
+
+
+@pytest.mark.parametrize("rate", [1.0, 5.0, 20.0, 100.0])
+@pytest.mark.parametrize(("deviation", "peak"), [(0.05, 6.0), (0.5, 8.0), (1.5, 12.0)])
+def test_a_sound_table_with_millimetres_is_read_without_a_word(rate, deviation, peak, tmp_path):
+    time = np.arange(0.0, 100.0, 1.0 / rate)
+    assert of_table(tmp_path, np.round(sea(time, deviation, peak), 3), 20.0, time) == []
 
 
 def test_a_doubtful_record_is_among_the_warnings_of_check(tmp_path):

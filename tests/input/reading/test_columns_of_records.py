@@ -199,7 +199,26 @@ def test_a_missing_stretch_is_among_the_warnings_of_check(tmp_path):
     assert any("has no row for 36.5 s" in text for text in told)
 
 
+UNEVEN = np.cumsum(np.tile([0.3, 0.5, 0.9], 5))
+LIFT, GROWTH = np.sin(np.pi * np.arange(15) / 14.0), np.sin(0.5 * np.pi * np.arange(15) / 14.0)
+
+
+def lifts(times):
+    """Rows of lifts and lowerings in turn, each with rests of 90 s at 0, and with a hold at its full speed."""
+    rows = []
+    for k in range(times):
+        begin, way = 240.0 * k, (-1.0) ** k
+        rows += [(begin + t, way * v) for t, v in zip(UNEVEN, GROWTH, strict=True)]
+        rows += [(begin + 100.0 + t, way * v) for t, v in zip(UNEVEN, GROWTH[::-1], strict=True)]
+    return rows
+
+
 WITHOUT_A_WORD = {
+    "a lift, a rest and a lowering": (
+        [*zip(UNEVEN, LIFT, strict=True), *zip(100.0 + UNEVEN, -LIFT, strict=True)],
+        CRANE.replace("out.csv", "out.csv, interpolation: linear"),
+    ),
+    "lifts with holds and rests": (lifts(6), CRANE.replace("out.csv", "out.csv, interpolation: linear")),
     "a gap that the scene allows": (RISES, CRANE.replace("out.csv", "out.csv, gap: 40 s")),
     "few rows": (HOLDS["straight"], CRANE),
     "a ramp of uneven steps": ([(t, 0.1 * t**0.5) for t in (0, 1, 2, 4, 7, 10, 20, *range(30, 400, 37), 900)], CRANE),

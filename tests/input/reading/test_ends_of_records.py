@@ -5,6 +5,8 @@ import pytest
 
 from crane.application import Crane
 from crane.scene.scene import CraneScene
+from crane.sea.mru import read_motions
+from tautline.scene.errors import SceneError
 from tautline.scene.gaps import ends_of_records
 from tautline.scene.reading.document import Document
 from tautline.scene.unit_slips import slips_of_units
@@ -44,7 +46,7 @@ def test_a_record_without_a_row_in_the_run_is_told(tmp_path):
 
 
 def test_a_speed_that_goes_on_behind_the_last_row_is_told(tmp_path):
-    (text,) = told(tmp_path, [(t, -0.5) for t in range(6)])
+    (text,) = told(tmp_path, [(0.25 * k, -0.5) for k in range(21)])
     assert "w.csv ends at 5 s, and the run goes on to 20 s: the last value, -0.5 m/s, holds from there on" in text
 
 
@@ -65,6 +67,9 @@ WITHOUT_A_WORD = {
     "a record that lacks a row's time": (speed(0.05, 20.0), CRANE),
     "a winch that has come to rest": ([(0, 0), (1, -1), (4, -1), (5, 0)], CRANE),
     "a winch that begins at rest": ([(5, 0), (6, -1), (30, -1)], CRANE),
+    "a speed that is reached and held": ([(0, 0), (1, -0.5), (10, -0.5)], CRANE),
+    "a speed that grows to its end": ([(0, 0), (5, -0.5)], CRANE),
+    "times of a clock, which are told as such": (speed(1714564800.0, 1714564825.0), CRANE),
     "a single row": ([(0, -1.0)], CRANE),
     "a place that is reached": ([(2, 0), (3, 0), (4, 0.5), (8, 2.0), (9, 2.0)], HEAVE),
     "what does not move at all": ([(30, 1.0), (40, 1.0)], HEAVE),
@@ -87,6 +92,11 @@ def test_the_end_of_a_record_is_among_the_warnings_of_check(tmp_path):
     assert any("w.csv ends at 4.9 s" in one.text for one in Crane().warnings(scene))
 
 
+def test_times_are_told_with_all_their_digits(tmp_path):
+    (text,) = told(tmp_path, speed(86400123.45, 86400150.0))
+    assert "its times go from 86400123.45 s to " in text
+
+
 def slips(tmp_path, rows):
     told(tmp_path, rows)
     return [one.text for one in slips_of_units(CraneScene, Document.parse(CRANE, tmp_path / "scene.yaml"))]
@@ -107,6 +117,26 @@ def test_begin_of_a_record_may_be_a_time_of_its_clock(tmp_path):
     document = Document.parse(scene, tmp_path / "scene.yaml")
     read = CraneScene.read(document)
     assert [one for one in Crane().warnings(read) if "begin" in one.where] == []
+
+
+def test_the_cure_of_a_record_that_begins_or_ends_elsewhere_works(tmp_path):
+    time = 1714564800.3 + 0.1 * np.arange(300)
+    rows = "".join(f"{t:.1f},0,0,{np.sin(0.8 * k):.6f},0,0,0\n" for k, t in enumerate(time))
+    (tmp_path / "m.csv").write_text("time,surge,sway,heave,roll [deg],pitch [deg],yaw [deg]\n" + rows)
+    with pytest.raises(SceneError) as error:
+        read_motions(tmp_path / "m.csv", 20.0)
+    begin = error.value.problems[0].cure.split("`begin: ")[1].split("`")[0]
+    assert begin == "1714564800.3"
+    read_motions(tmp_path / "m.csv", 20.0, begin=float(begin))
+    (tmp_path / "m.csv").write_text(
+        "time,surge,sway,heave,roll [deg],pitch [deg],yaw [deg]\n"
+        + "".join(f"{41.15226667 * k:.8f},0,0,{k},0,0,0\n" for k in range(4))
+    )
+    with pytest.raises(SceneError) as error:
+        read_motions(tmp_path / "m.csv", 200.0)
+    end = error.value.problems[0].cure.split("end at ")[1].split(" s")[0]
+    assert float(end) == pytest.approx(123.4568, abs=1e-6)
+    read_motions(tmp_path / "m.csv", float(end))
 
 
 def test_a_row_near_which_a_record_passes_zero_is_no_slip_of_a_unit(tmp_path):

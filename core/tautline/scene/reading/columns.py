@@ -157,6 +157,13 @@ class Columns:
         """Columns that have a cell with something in it: separators at the ends of lines make none."""
         return [i for i in range(len(self.names)) if any(_cell(row, i) for _, row in self.rows)]
 
+    def grows(self, place: int) -> bool:
+        """Whether a column holds numbers that grow from row to row, of two rows at least."""
+        cells = [_cell(row, place) for _, row in self.rows]
+        if len(cells) < 2 or not all(_is_number(cell) for cell in cells):
+            return False
+        return bool(np.all(np.diff([float(cell.replace(",", ".")) for cell in cells]) > 0.0))
+
     # columns by name
     def index(self, names: Sequence[str], otherwise: int | None = None) -> int:
         """Find the column of one of these names; `otherwise` is used if none has it; raises SceneError."""
