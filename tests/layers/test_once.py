@@ -29,7 +29,7 @@ def is_compiled(function):
 
 def scalar_product(node):
     """Whether an expression is x[0] y[0] + x[1] y[1] + x[2] y[2]."""
-    if not isinstance(node, ast.BinOp):
+    if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add)):
         return False
     x = next((part.value for part in ast.walk(node) if isinstance(part, ast.Subscript)), None)
     for y in (part.value for part in ast.walk(node) if isinstance(part, ast.Subscript)):
@@ -138,7 +138,7 @@ def test_outputs_of_many_frames_are_read_one_by_one_in_one_place():
         for node in ast.walk(tree):
             loops = node.generators if isinstance(node, ast.ListComp) else [node] if isinstance(node, ast.For) else []
             counted = any(ast.unparse(loop.iter).startswith("range(") for loop in loops)
-            calls = [one.func for one in ast.walk(node) if counted and isinstance(one, ast.Call)]
+            calls = [one.func for one in ast.walk(node) if isinstance(one, ast.Call)] if counted else []
             if any(isinstance(call, ast.Attribute) and call.attr == "value" for call in calls):
                 found.add(module)
     assert found == {"core/tautline/system/handles.py"}

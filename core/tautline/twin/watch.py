@@ -69,6 +69,8 @@ class Compared:
         Whether an input that the machine's driver moves is not measured.
     late : bool
         Whether the computer has no time to look ahead.
+    unsure : bool
+        Whether what is computed is in doubt, and health is degraded by that: nothing foreseen is certain then.
     """
 
     time: float
@@ -86,6 +88,7 @@ class Compared:
     blind: bool = False
     late: bool = False
     moved: Mapping[str, Any] = field(default_factory=dict)
+    unsure: bool = False
 
     @property
     def foreseen(self) -> Found | None:
@@ -182,7 +185,8 @@ class Watch:
             text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
             if away != 0.0:
                 sd = float(np.hypot(sd, away)) if np.isfinite(sd) else away
-            holds, certain = True, bool(np.isfinite(away)) and surely_beyond(worst, sd, one)
+            # A load that bounces in the simulation alone would be a danger by far more than its deviation.
+            holds, certain = True, bool(np.isfinite(away)) and surely_beyond(worst, sd, one) and not row.unsure
         if row.late and not holds and one.name in self._told_ahead:
             told_ahead = "not known any more: this was foreseen, and the computer has no time to look again"
             self.alarms.judge(one.name, True, row.time, told_ahead, one.lasting, False)
@@ -190,6 +194,7 @@ class Watch:
         (self._told_ahead.add if holds and not now else self._told_ahead.discard)(one.name)
         if not certain:
             text += f". That is not certain. {doubt} is {self._teller(one)(sd) if np.isfinite(sd) else 'not known'}"
+            text += ", and what is computed is in doubt" * (row.unsure and not now)
         self.alarms.judge(one.name, holds, row.time, text, one.lasting, certain)
 
     def _coming(self, one: Alarm, row: Compared) -> tuple[float, float, float, float] | None:

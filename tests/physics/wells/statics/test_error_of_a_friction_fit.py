@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 import yaml
+from of_the_suite import studies
 
 import tautline
 from drillstring.statics import back_calculation
@@ -72,7 +73,7 @@ def test_the_error_of_a_fitted_factor_covers_that_of_the_model_and_shrinks_with_
     assert "is that of the model" in fit_in_words(few)
 
 
-@pytest.mark.parametrize("elements", [100, 200])
+@pytest.mark.parametrize("elements", [100, *studies(200)])
 def test_the_error_of_a_fitted_factor_falls_with_the_elements_and_still_covers_the_channel_string(elements):
     found = fitted(elements)
     assert abs(found.friction - FRICTION) < found.error < 0.3 / elements
