@@ -352,26 +352,18 @@ def test_an_output_that_is_set_is_told_and_stays(folder):
 
 
 @pytest.mark.parametrize(
-    "place, wrong",
+    "name, wrong",
     [
-        (7, []),
-        (7, ["a"]),
-        (7, ["a", "b", "c"]),
-        (7, 3),
-        (6, 3),
-        (8, 3),
-        (8, ["a"]),
-        (11, 3),
-        (0, "soon"),
-        (3, "many"),
-        (0, None),
+        ("stopped", []), ("stopped", ["a"]), ("stopped", ["a", "b", "c"]), ("stopped", 3), ("given", 3),
+        ("explicit", 3), ("explicit", ["a"]), ("displaced", 3), ("time", "soon"), ("frames", "many"), ("time", None),
+        ("another", 1),
     ],
-)
-def test_bytes_of_a_state_whose_head_is_damaged_are_refused_in_plain_words(folder, place, wrong):
+)  # fmt: skip
+def test_bytes_of_a_state_whose_head_is_damaged_are_refused_in_plain_words(folder, name, wrong):
     core = Core(folder)
     core.begun()
     head, _, block = to_bytes(core.save()).partition(b"\0")
     told = json.loads(head)
-    told["state"][place] = wrong
+    told["state"][0][name] = wrong
     with pytest.raises(tautline.SimulationError, match="the saved state is damaged"):
         from_bytes(json.dumps(told).encode() + b"\0" + block)

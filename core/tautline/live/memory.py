@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,11 +56,13 @@ class State:
     last: str = ""
     displaced: tuple[str, ...] = ()
 
+    @property
+    def told(self) -> dict[str, Any]:
+        """All that it holds beside the block, by name."""
+        return {name: getattr(self, name) for name in READ}
+
     def __reduce__(self) -> Any:
-        return as_sent, (
-            self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block), self.changed, self.given,
-            self.stopped, self.explicit, self.start, self.last, self.displaced,
-        )  # fmt: skip
+        return as_sent, (self.told, self.block, sum_of(self.block))
 
 
 def sum_of(block: np.ndarray) -> int:
@@ -68,12 +70,36 @@ def sum_of(block: np.ndarray) -> int:
     return zlib.crc32(block)
 
 
-def as_sent(
-    time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int, changed: Iterable[str] = (),
-    given: Iterable[str] = (), stopped: Sequence[str] = ("", ""), explicit: Iterable[float] = (), start: str = "",
-    last: str = "", displaced: Iterable[str] = (),
-) -> State:  # fmt: skip
+def _words(told: Iterable[Any]) -> tuple[str, ...]:
+    return tuple(map(str, told))
+
+
+def _stop(told: Iterable[Any]) -> tuple[str, str]:
+    why, word = told
+    return str(why), str(word)
+
+
+def _numbers(told: Iterable[Any]) -> tuple[float, ...]:
+    return tuple(map(float, told))
+
+
+READ: dict[str, Callable[[Any], Any]] = {
+    "time": float, "scene": str, "layout": str, "frames": int, "changed": _words, "given": _words, "stopped": _stop,
+    "explicit": _numbers, "start": str, "last": str, "displaced": _words,
+}  # fmt: skip
+"""What a state holds beside its block, and how it is read of what was sent."""
+
+
+def as_sent(told: Mapping[str, Any], block: np.ndarray, expected: int) -> State:
     """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
+
+    Parameters
+    ----------
+    told : mapping
+        As `State.told` gives it, also by way of JSON.
+    block : uint8 (n,)
+    expected : int
+        The sum of its bytes.
 
     Raises
     ------
@@ -83,11 +109,8 @@ def as_sent(
     if sum_of(block) != expected:
         raise damaged()
     try:
-        why, word = stopped
-        told = str(scene), str(layout), block, int(frames), tuple(map(str, changed)), tuple(map(str, given))
-        known = tuple(map(float, explicit)), str(start), str(last), tuple(map(str, displaced))
-        return State(float(time), *told, (str(why), str(word)), *known)
-    except (TypeError, ValueError):
+        return State(block=block, **{name: READ[name](value) for name, value in told.items()})
+    except (AttributeError, KeyError, TypeError, ValueError):
         raise damaged() from None
 
 

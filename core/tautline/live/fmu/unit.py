@@ -238,9 +238,7 @@ def to_bytes(saved: dict[str, Any]) -> bytes:
     if NO_STATE in saved:
         return b""
     state: State = saved["state"]
-    rest = state.changed, state.given, state.stopped, state.explicit, state.start, state.last, state.displaced
-    told = [state.time, state.scene, state.layout, state.frames, sum_of(state.block), *rest]
-    head = {**saved, "state": told}
+    head = {**saved, "state": [state.told, sum_of(state.block)]}
     return json.dumps(head).encode("utf8") + b"\0" + state.block.tobytes()
 
 
@@ -257,8 +255,8 @@ def from_bytes(data: bytes) -> dict[str, Any]:
     head, _, block = bytes(data).partition(b"\0")
     try:
         saved = json.loads(head)
-        time, scene, layout, frames, *others = saved["state"]
-        saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, *others)
+        told, expected = saved["state"]
+        saved["state"] = as_sent(told, np.frombuffer(block, np.uint8), expected)
     except (ValueError, KeyError, TypeError):
         raise SimulationError("the bytes are no state of this FMU", "give those that it was serialised to") from None
     return saved
