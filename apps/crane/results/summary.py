@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from crane.assembly.friction import slips
 from crane.assembly.layout import Layout
 from crane.assembly.tension_at_rest import static_tension
 from crane.results.course import Course, contacts_of, course_of, laid_out
@@ -101,6 +102,30 @@ def figure_units(scene: CraneScene) -> dict[str, str]:
         several = len(scene.bodies) > 1
         found |= {f"{name}_{slug(body.name)}" if several else name: unit for name, unit in OF_BODIES.items()}
     return found
+
+
+def possible_figures(scene: CraneScene) -> tuple[str, ...]:
+    """Names of the figures that a run of a scene can have, whatever it does.
+
+    Of `figure_units` those are left out that this scene has nothing of: sheaves, what a rope could slip on, a diameter.
+    """
+    none = set()
+    if not scene.sheaves:
+        none |= {"max_sheave_load", "max_fleet_angle"}
+    if not any(slips(sheave) for sheave in scene.sheaves):
+        none.add("slipping_share")
+    if not _snaps_undamped(scene):
+        none.add("undamped_snaps")
+    if not scene.sheaves and not scene.drums:
+        none |= {"max_bending_cycles", "smallest_bending_ratio"}
+    if not scene.rope.diameter:
+        none.add("smallest_bending_ratio")
+    return tuple(name for name in figure_units(scene) if name not in none)
+
+
+def _snaps_undamped(scene: CraneScene) -> bool:
+    """Whether snaps of a scene's rope come out too high for want of damping."""
+    return scene.rope.damping == 0.0 and max(scene.elements) > 1
 
 
 def span_ends(scene: CraneScene) -> list[str]:
@@ -237,7 +262,7 @@ def _slack(result: Any, layout: Layout) -> Iterator[Row]:
     if snaps:
         snap, event = max(snaps, key=lambda pair: pair[0])
         yield "max_snap", snap, "N", f"largest snap tension ({event.span}, at {event.snap_time:.4g} s)"
-        if scene.rope.damping == 0.0 and max(scene.elements) > 1:
+        if _snaps_undamped(scene):
             text = "snaps of a rope without damping: tensions up to 1.5 times too high; remove rope.damping"
             yield "undamped_snaps", len(snaps), "", text
 
@@ -315,8 +340,8 @@ JOINED = {
     r"rise.*": "last",
 }
 """How figures of pieces of a run make those of the whole; the others are sums or counts over all frames."""
-OF_PIECES = ("max_tension", "max_sheave_load", "max_winch_power", "rise", "max_offlead")
-"""One figure of each part of the headline that has such figures."""
+OF_PIECES = ("max_tension", "max_tension_", "max_sheave_load", "max_winch_power", "rise", "max_offlead")
+"""One figure of each part of the headline that has such figures; ``max_tension_`` begins those of each place."""
 OF_TURNS = ("equivalent_tension_range", "tension_cycles")
 """Figures that follow from the turning points of the tensions."""
 

@@ -41,6 +41,13 @@ JOINED = {
     r"(hook_load|stretch|weight_on_bit)_start|surface_torque_end|drilled": "last",
 }
 """How figures of pieces of a run make those of the whole; the others are of its last half, or need every frame."""
+OF_DRILLING = frozenset({
+    "weight_on_bit_start", "weight_on_bit_mean", "torque_on_bit_mean", "drilled", "rate_of_penetration_mean",
+    "bit_rotation_mean", "stick_slip_severity", "rotation_stuck",
+})  # fmt: skip
+BREAKING_AWAY = frozenset({"break_away_stroke", "break_away_hook_load", "break_away_time"})
+WHIRLING = frozenset({"lateral_offset_max", "lateral_offset_depth", "lateral_acceleration_max", "whirl_ratio"})
+"""Figures of a bit that drills, of one that friction holds when the block moves, and of a string out of balance."""
 STUCK = 1.0e-8
 """Bit speed, m/s, below which the bit counts as stuck."""
 TORQUE_SHOWN = 1.0e-3
@@ -240,6 +247,36 @@ def coordinates_of(
     return found
 
 
+def possible_figures(drills: bool, moves: bool, wall: bool, lumps: Lumps, block: float) -> tuple[str, ...]:
+    """Names of the figures that a run can have, whatever it does; see `headline`.
+
+    Parameters
+    ----------
+    drills, moves, wall : bool
+        Whether there is a bit that drills, a block that moves, and a wall.
+    lumps : Lumps
+    block : float
+        Weight of block and drive, N.
+    """
+    none: set[str] = set()
+    if not drills:
+        none |= OF_DRILLING
+    if drills or not moves:
+        none.add("bit_stuck")
+    if not moves or not wall:
+        none |= BREAKING_AWAY
+    if not _out_of_balance(lumps):
+        none |= WHIRLING
+    if not block > 0.0:
+        none.add("hook_load_max_with_block")
+    return tuple(name for name in FIGURES if name not in none)
+
+
+def _out_of_balance(lumps: Lumps) -> bool:
+    """Whether any pipe's mass lies off its axis, of which whirl comes."""
+    return any(tube.eccentricity != (0.0, 0.0) for tube in lumps.tubes)
+
+
 def _largest_contact(result: Any, contact: np.ndarray, lumps: Lumps) -> dict[str, tuple[float, str, str]]:
     """Largest force on one place of the mesh, which is in proportion to its length, and the largest one per length."""
     touches, found = bool(contact.max() > 0.0), largest_side_force(contact, lumps)
@@ -286,6 +323,6 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
         figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")
     if drills:
         figures |= drilling_figures(result)
-    if any(tube.eccentricity != (0.0, 0.0) for tube in lumps.tubes):
+    if _out_of_balance(lumps):
         figures |= whirl_figures(result)
     return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

@@ -56,6 +56,9 @@ class Keep:
         (variable -> Turns) -> figures that follow from turning points.
     turned : tuple of str
         Their names.
+    possible : tuple of str
+        Figures that a run of the scene can have with every frame, those that are texts or several numbers too; empty
+        where an application does not say.
     """
 
     windows: float
@@ -67,6 +70,7 @@ class Keep:
     names: tuple[str, ...] = ()
     of_turns: Callable[[Mapping[str, Turns]], dict[str, dict[str, Any]]] | None = None
     turned: tuple[str, ...] = ()
+    possible: tuple[str, ...] = ()
 
     def makes(self, name: str) -> bool:
         """Whether statistics tell a figure of the application, by its name: others need every frame."""
@@ -111,7 +115,7 @@ class StatisticsStore(Store):
     bounds : sequence of tautline.results.assessment.bounds.Bound
         Limits of the scene, which are looked at in every frame that counts.
     figures : collection of str
-        Names of all figures that a run can have with every frame.
+        Names of all figures that a run can have with every frame, where `keep` does not tell them.
     """
 
     def __init__(
@@ -129,7 +133,7 @@ class StatisticsStore(Store):
         super().__init__(path, variables, coordinates, attributes)
         # That there is no figure of events, where none are made, does not say that there was no event.
         self._tallies = [Tally(one if keep.makes(one.output) else replace(one, absent=None)) for one in bounds]
-        self._left_out = [name for name in figures if not keep.makes(name)]
+        self._left_out = [name for name in keep.possible or figures if not keep.makes(name)]
         self.keep, self._headline, self._limits = keep, headline, limits
         self._moments: dict[str, Moments] = {}
         self._turns = {name: Turns() for name in keep.watched}
