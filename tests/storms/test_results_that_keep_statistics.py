@@ -14,6 +14,7 @@ from crane.application import Crane
 from crane.rope_life.fatigue import rainflow_counts
 from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
+from tautline.integrators.status import Interrupted
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
 from tautline.statistics.streaming import Blocks, Moments, Turns, Windows
@@ -393,3 +394,18 @@ def test_statistics_tell_the_largest_tension_at_each_place(scene):
     assert len(names) == 4
     assert {name: kept.headline[name] for name in names} == {name: full.headline[name] for name in names}
     assert given(kept)["hook"]["passed"] is False
+
+
+def test_limits_of_an_application_are_not_judged_and_say_why_where_a_run_ends_before_begin(jump):
+    def stop(time, wall):
+        if time > 2.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted) as ended:
+        simulate(Crane().build(jump.replace({"output": KEEP | {"begin": 25.0}})), progress=stop)
+    judged = {one["name"]: one for one in ended.value.result.limits}
+    full = {one["name"]: one for one in simulate(Crane().build(jump.replace({"solver.end": 2.0}))).limits}
+    assert judged.keys() == full.keys() and "breaking_load" in judged
+    for name, one in judged.items():
+        assert one["passed"] is None and one["value"] is None and one["limit"] == full[name]["limit"]
+        assert one["note"] == "no frame counts: the run ended before output.begin"

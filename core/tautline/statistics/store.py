@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.results.assessment.bounds import Bound, Tally
+from tautline.results.assessment.bounds import NO_FRAME_COUNTS, Bound, Tally
 from tautline.results.assessment.limits import AT_MOST
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -233,7 +233,16 @@ class StatisticsStore(Store):
             figures |= self.keep.of_turns(self._turns)
         arrays = self._frames()
         contents = (self.variables, arrays, self.coordinates, self.attributes, {})
-        return Digest(contents, figures, list(self.records.values()), self._tallies)
+        return Digest(contents, figures, self._records(), self._tallies)
+
+    def _records(self) -> list[dict[str, Any]]:
+        """Records of the application's limits; they are not judged where no frame counts."""
+        if self._moments or self._limits is None:
+            return list(self.records.values())
+        # What is judged does not hang on the frame: which limits there are, and their bounds, the last one tells too.
+        last = Result(None, (self.variables, self._last, self.coordinates, self.attributes, {}), start=self._first)
+        nothing = {"value": None, "passed": None, "time": None, "place": "", "note": NO_FRAME_COUNTS}
+        return [record | nothing for record in self._limits(last)]
 
     def finish(
         self, attributes: Mapping[str, Any] | None = None, restart: Mapping[str, np.ndarray] | None = None
