@@ -409,3 +409,17 @@ def test_limits_of_an_application_are_not_judged_and_say_why_where_a_run_ends_be
     for name, one in judged.items():
         assert one["passed"] is None and one["value"] is None and one["limit"] == full[name]["limit"]
         assert one["note"] == "no frame counts: the run ended before output.begin"
+
+
+@pytest.mark.parametrize("begin", [0.0, 1.0])
+def test_the_title_of_the_limits_says_that_statistics_see_every_frame(tmp_path, capsys, monkeypatch, begin):
+    monkeypatch.chdir(tmp_path)
+    path, every = tmp_path / "jump.yaml", "{interval: 100 ms}"
+    asked = f"{{interval: 100 ms, keep: statistics, windows: 0.5 s, begin: {begin} s}}"
+    limited = JUMP.replace(every, f"{asked}\nlimits: [{{output: max_tension, above: 90 kN}}]")
+    path.write_text(limited.replace("end: 30 s", "end: 2 s"), encoding="utf8")
+    code, _, told = commands_of(Crane(), capsys)("simulate", path)
+    told = " ".join(told.split())
+    assert code == 0
+    assert "limits of the scene, in every frame of the run" in told and "at the stored frames" not in told
+    assert ("every frame of the run from t = 1 s" in told) == (begin > 0.0)
