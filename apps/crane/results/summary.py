@@ -18,7 +18,7 @@ from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification_of, checked, columns, largest, safety_factor, slack_events
 from crane.rope_life.fatigue import SLOPE, RainflowCycles, equivalent_range, rainflow_counts
 from crane.scene.scene import CraneScene, Sheave
-from tautline.results.variable import at_start
+from tautline.results.variable import at_start, late_start
 from tautline.statistics.streaming import Turns
 
 SLACK = 0.01
@@ -185,8 +185,8 @@ def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     """Tension at rest of every span end, (n,) N, and a note where it is an estimate, if a scene starts as drawn."""
     first = np.ravel(at_start(result, "tension"))
     if layout.scene.start == "static":
-        if result.time[0] > 0.0:  # the frame of the start was dropped, or was that of another run
-            return first, f", over the tension at {result.time[0]:.4g} s, where the result begins"
+        if late := late_start(result):  # the frame of the start was that of another run, or is in no file
+            return first, f", over the tension at {late}"
         # A load that was changed on the way has another tension at rest, of which no frame is known.
         return first, ", by the load at the start" if result.attributes.get("parameters_changed") else ""
     found = static_tension(layout.scene, layout.path)
@@ -399,15 +399,16 @@ def _bodies(result: Any, scene: CraneScene) -> Iterator[Row]:
     if not scene.bodies:
         return
     position = np.asarray(result["body_position"])
-    rest = at_start(result, "body_position")
+    rest, late = at_start(result, "body_position"), late_start(result)
+    since = f" since {late}" if late else ""
     for k, body in enumerate(scene.bodies[:MOST_BODIES]):
         end = f"_{slug(body.name)}" if len(scene.bodies) > 1 else ""
-        yield f"rise{end}", float(position[-1, k, 2] - rest[k, 2]), "m", f"rise of {body.name} at the end"
+        yield f"rise{end}", float(position[-1, k, 2] - rest[k, 2]), "m", f"rise of {body.name} at the end{since}"
         highest = int(np.argmax(position[:, k, 2]))
-        text = f"largest rise of {body.name} (at {float(result.time[highest]):.4g} s)"
+        text = f"largest rise of {body.name}{since} (at {float(result.time[highest]):.4g} s)"
         yield f"max_rise{end}", float(position[highest, k, 2] - rest[k, 2]), "m", text
         away = largest(result.time, np.linalg.norm(position[:, k] - rest[k], axis=-1), [body.name])
-        text = f"largest displacement of {body.name} (at {away.time:.4g} s)"
+        text = f"largest displacement of {body.name}{since} (at {away.time:.4g} s)"
         yield f"max_displacement{end}", away.value, "m", text
 
 

@@ -21,7 +21,7 @@ from tautline.application.modelling import energies_of, energy_variables
 from tautline.lumped.curve import PER_BODY
 from tautline.results.assessment.balance import ENERGIES
 from tautline.results.on_demand import OnDemand, together
-from tautline.results.variable import Variable, at_start
+from tautline.results.variable import Variable, at_start, late_start
 
 FIGURES = {
     "hook_load_start": "N", "hook_load_max": "N", "hook_load_min": "N", "hook_load_max_with_block": "N",
@@ -300,12 +300,13 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
     hook, torque = result["hook_load"], result["surface_torque"]
     bit, speed = result["bit_depth"], result["bit_speed"]
     contact, moving = result["contact_force"], np.ptp(result["block_position"]) > 0.0
+    start = late_start(result) or "the start"
     figures = {
-        "hook_load_start": (at_start(result, "hook_load"), "N", "hook load at the start"),
+        "hook_load_start": (at_start(result, "hook_load"), "N", f"hook load at {start}"),
         "hook_load_max": (hook.max(), "N", "largest hook load"),
         "hook_load_min": (hook.min(), "N", "smallest hook load"),
         # Not how far the bit hangs below its place on the axis: a string that lies in a bend cuts its corner.
-        "stretch_start": (lumps.stretch(at_start(result, "tension")), "m", "elongation of the string at the start"),
+        "stretch_start": (lumps.stretch(at_start(result, "tension")), "m", f"elongation of the string at {start}"),
         "bit_displacement": (np.ptp(bit), "m", "bit displacement, largest less smallest"),
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
         **_largest_contact(result, contact, lumps),
