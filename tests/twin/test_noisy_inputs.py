@@ -212,6 +212,19 @@ def test_a_simulation_that_bounces_by_itself_begins_again_from_rest_and_goes_on_
     assert not [one for line in late for one in line["alarms"] if one["name"] in UNTRUE and one["known"]]
 
 
+def test_what_rows_missed_of_a_simulation_that_was_given_up_is_forgotten_when_it_begins_again():
+    rows = record(tautline.read(HOIST), read_map(MAP), Sensing(seed=1, rate=RATE), 2.0)
+    twin = Twin(HOIST, MAP)
+    missed = []
+    for k, (stamp, readings) in enumerate(rows):
+        if k == 20:
+            twin.estimate.horizon.missed[:], twin.estimate.from_rest = 400.0, True
+        if twin.add(stamp, readings):
+            missed.append(twin.estimate.horizon.missed[0])
+    # It was remembered for seconds: health stayed degraded though the new simulation went as the machine does.
+    assert max(missed) < 100.0
+
+
 def test_a_replay_that_cannot_go_on_is_not_told_as_an_accident(monkeypatch):
     twin = Twin(HOIST, MAP)
 
