@@ -16,7 +16,7 @@ from crane.scene.surroundings import Motion, MotionFile, SeaMotion
 from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
 from tautline.kernels.time_function import sample
-from tautline.scene.functions import Chirp, Harmonic, Spectrum, Sum
+from tautline.scene.functions import Chirp, Harmonic, Ramp, Spectrum, Sum, Table
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 TOLD = 1e-3
@@ -25,7 +25,7 @@ FELT = 0.02
 """Share of what the start adds below which its front is not named."""
 SWINGS = 0.02
 """Angle of a load that begins to swing sideways that is told, rad."""
-BY_RAMP, BY_TABLE, BY_CHIRP = "ramp", "table", "chirp"
+BY_RAMP, BY_TABLE, BY_CHIRP, BY_TIME = "ramp", "table", "chirp", "time"
 
 
 def start_warnings(found: Estimate, actuator: Compensation | None) -> Iterator[tuple[str, str]]:
@@ -101,6 +101,7 @@ def growth(scene: CraneScene, otherwise: str = "") -> str:
         BY_RAMP: "Use `ramp`",
         BY_TABLE: "Let the table begin with rest, and its values grow over some periods of the bounce",
         BY_CHIRP: "A chirp begins at once. Give a table of it that begins with rest and grows",
+        BY_TIME: "Let the ramp begin at t = 0 or later",
     }
     kinds = {kind for function in _sudden(scene) for kind in _kinds(function)} or {BY_RAMP}
     return ". ".join(cure for kind, cure in cures.items() if kind in kinds) + otherwise
@@ -126,5 +127,7 @@ def _kinds(function: Any) -> Iterator[str]:
         yield BY_RAMP
     elif isinstance(function, Chirp):
         yield BY_CHIRP
-    elif hasattr(function, "interpolation"):
+    elif isinstance(function, Table):
         yield BY_TABLE
+    elif isinstance(function, Ramp):
+        yield BY_TIME

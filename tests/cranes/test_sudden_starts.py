@@ -192,6 +192,12 @@ def test_a_ramp_is_told_where_one_of_several_functions_has_it():
     assert "`ramp`" in text and "Let the table begin with rest" in text
 
 
+def test_a_ramp_that_began_before_the_run_is_told_to_begin_later():
+    ramp = {"ramp": {"to": 2.0, "over": 4.0, "at": -2.0}}
+    text = told(hung("50 t", motion={"heave": ramp}))
+    assert "Let the ramp begin at t = 0 or later" in text and "`ramp`" not in text
+
+
 def test_a_load_below_an_actuator_at_its_stroke_is_not_told_to_hardly_bounce():
     harmonic = {"harmonic": {"amplitude": 0.5, "period": 8}}
     limits = {"gain": 1.0, "limits": {"stroke": 0.1}}
