@@ -12,7 +12,6 @@ from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoiste
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
-from crane.assembly.jumps import SUDDEN, jumps_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
@@ -26,6 +25,7 @@ from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import read_record
 from crane.sea.record_doubts import doubts, doubts_of_table
+from crane.sudden_starts import growth, start_warnings
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
 from tautline.scene.functions import Ramp, Sum, Table
@@ -63,7 +63,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
-        *_winches(found, actuator), *_let_go(found), *_start(found, actuator),
+        *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_turns_on(scene), *_never(scene), *_record(scene),
     ]  # fmt: skip
@@ -343,42 +343,6 @@ def _compression(scene: CraneScene) -> Sentences:
         yield "rope.compression", text
 
 
-BOUNCES = "The load then bounces on the rope"
-TOLD = 1e-3
-"""Share of the fastest jump below which another is not named."""
-
-
-def _start(found: Estimate, actuator: Compensation | None) -> Sentences:
-    """What moves at t = 0 while the load rests: frames, winches and heave compensation, told once with their sum."""
-    scene, jumps = found.scene, jumps_of(found, actuator)
-    if max(jumps.front, jumps.swing) <= SUDDEN * found.largest_tension:
-        return
-    least = TOLD * max([jumps.fastest, abs(jumps.answer), *(abs(speed) for _, speed in jumps.drums)])
-    drums = [(drum, speed) for drum, speed in jumps.drums if abs(speed) > least]
-    hangs = jumps.fastest > least
-    said = [f"{jumps.point} moves at {jumps.fastest:.2g} m/s at t = 0, and the load rests"] if hangs else []
-    said += [f"{drum.name} jumps to {speed:.3g} m/s of rope at t = 0" for drum, speed in drums]
-    if jumps.drums and abs(jumps.answer) > least:
-        said.append(f"Heave compensation pays out {jumps.answer:.3g} m/s at t = 0")
-    if jumps.late:
-        said.append("Heave compensation does not move at t = 0, and has to catch up")
-    bounces = jumps.swing > jumps.front
-    said.append(f"This sends a front of {jumps.front:.3g} N along the rope: v sqrt(EA rho)")
-    if bounces:
-        said.append(f"{BOUNCES}, with {jumps.swing:.3g} N more and less")
-    elif jumps.swing <= SUDDEN * found.largest_tension and len(drums) + hangs + (jumps.answer != 0.0) > 1:
-        said.append("Together they hardly change the length of the rope, and the load hardly bounces")
-    if hangs or len(drums) > 1:
-        said.append("Use `ramp`" if bounces else "Use `ramp`, or ignore the first waves")
-    else:
-        ramp = f"{{ramp: {{to: {drums[0][1]:.3g}, over: 1.0}}}}"
-        said.append(f"Begin at 0 with a ramp, such as {ramp}, unless that is what is asked")
-    if hangs:
-        yield "vessel.motion" if scene.vessel is not None else "frames", ". ".join(said)
-    else:
-        yield where(scene, drums[0][0], drums[0][0].drive), ". ".join(said)
-
-
 def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:
     """What keeps the actuator from its command: its limits, or a command that begins with a jump."""
     if scene.heave_compensation is None or actuator is None or actuator.away <= HELD_BACK:
@@ -397,7 +361,7 @@ def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:
     if actuator.sudden:
         text = (
             f"{off}. The tip heaves already at t = 0. After the delay the actuator would have to begin with a jump of "
-            "speed. Let the motion of the vessel grow with `ramp`, give no delay, or ignore the time just after t = 0"
+            f"speed. {growth(scene)}. Or give no delay, or ignore the time just after t = 0"
         )
         yield "heave_compensation.delay", text
 

@@ -18,8 +18,9 @@ from crane.sea.vessel import frames_of
 from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample_all
 from tautline.scene.errors import SceneError
+from tautline.scene.functions import Constant
 from tautline.scene.reading.files import stamps
-from tautline.system.time_functions import FunctionRequest, compile_functions
+from tautline.system.time_functions import FrameLift, FunctionRequest, compile_functions
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,8 +105,13 @@ def compensation_of(scene: CraneScene) -> Compensation | None:
     )
 
 
-def _compensation(scene: CraneScene, motion: FrameMotion) -> Compensation:
-    asked = scene.heave_compensation
+def heave_of(scene: CraneScene) -> FrameLift | Constant:
+    """Height of the rope's last point on the vessel above where it is with the vessel at rest, m: what is answered."""
+    return lift_of(motion_of(scene).requests, *_led(scene, motion_of(scene)))
+
+
+def _led(scene: CraneScene, motion: FrameMotion) -> tuple[int, int, tuple[float, ...]]:
+    """Numbers of the frame of the point whose heave is answered, and of the vessel; where the point is drawn, m."""
     places = {frame.name: k for k, frame in enumerate(motion.frames)}
     order = scene.path if isinstance(scene.path[0], Drum) else scene.path[::-1]
     led = [item for item in order if scene.frame_of(item) is not None]
@@ -113,9 +119,12 @@ def _compensation(scene: CraneScene, motion: FrameMotion) -> Compensation:
         cause = "nothing of the path rides on the vessel: there is no heave to answer"
         raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
     tip = led[-1]
-    k = places[scene.frame_of(tip)]
-    point = tip.position if isinstance(tip, Anchor) else tip.center
-    if (free := unlimited(motion.requests, k, places["vessel"], point, asked)) is not None:
+    return places[scene.frame_of(tip)], places["vessel"], tip.position if isinstance(tip, Anchor) else tip.center
+
+
+def _compensation(scene: CraneScene, motion: FrameMotion) -> Compensation:
+    asked = scene.heave_compensation
+    led = _led(scene, motion)
+    if (free := unlimited(motion.requests, *led, asked)) is not None:
         return free
-    heave = lift_of(motion.requests, k, places["vessel"], point)
-    return compensate(heave, asked.gain, asked.delay, asked.limits, scene.solver.end)
+    return compensate(lift_of(motion.requests, *led), asked.gain, asked.delay, asked.limits, scene.solver.end)
