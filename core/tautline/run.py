@@ -86,6 +86,8 @@ GAINED = 0.05
 lost without account may be what the method is to damp, and is only warned of."""
 POOR_BALANCE = 0.05
 """Error of the energy balance from which a run's accuracy is in doubt."""
+HUGE_SHARE = 10.0
+"""Share of the energy above which it is told as more than that: what went through may be as good as nothing."""
 LATE = 0.5 * math.pi
 """Lag of a free oscillation at the end of a run, rad, that is warned of."""
 LOOKS = 200
@@ -515,7 +517,9 @@ class Run:
         found = []
         gained, omega, lag = self.energy_gained(), self.oscillation_frequency(), self.phase_lag(step)
         if abs(gained) > POOR_BALANCE:
-            share = f"{100.0 * abs(gained):.2g} %"
+            share = (
+                f"{100.0 * abs(gained):.2g} %" if abs(gained) < HUGE_SHARE else f"More than {100.0 * HUGE_SHARE:g} %"
+            )
             found.append(f"{share} of the energy is unaccounted for: take a smaller step and compare")
         steps = 2.0 * math.pi / (omega * step) if omega * step > 0.0 else math.inf
         if steps < STEPS_PER_PERIOD:

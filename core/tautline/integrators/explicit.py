@@ -288,15 +288,6 @@ def end_step(method, groups, dofs, functions, state, t, h):
 
 
 @kernel
-def stand_at(dofs, functions, state, t):
-    """Write the state, which has gone back to time t, into the full vectors that outputs are read of."""
-    prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
-    expand(dofs, state.q, state.full_q)
-    expand(dofs, state.v, state.full_v)
-    expand(dofs, state.a, state.full_a)
-
-
-@kernel
 def is_finite(x):
     """Whether all numbers of a vector are finite."""
     for i in range(x.size):

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.newton import DONE, SAME_STEP, Corrector, correct, corrector
-from tautline.integrators.state import WORST, book_losses, book_motion, book_work, watch
+from tautline.integrators.state import WORST, book_losses, book_motion, book_push, book_work, keep_ends, stand_at, watch
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
 from tautline.kernels.changes import COUNT
-from tautline.kernels.dofs import expand, prescribe
+from tautline.kernels.dofs import expand, prescribe_end, prescribe_lasting
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.memory import form_of
@@ -41,7 +41,8 @@ class GeneralizedAlpha(NamedTuple):
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
-    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`.
+    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``bent`` (1,) is 1 where a
+    function of time bent in the last step: what it pushed has got all of that, and accelerations are found anew.
     """
 
     alpha_m: float
@@ -59,6 +60,7 @@ class GeneralizedAlpha(NamedTuple):
     history: np.ndarray
     newest: np.ndarray
     order: np.ndarray
+    bent: np.ndarray
 
 
 def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
@@ -219,7 +221,7 @@ def _forget_what_is_held(dofs, state):
 
 @separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
 def _keep_start(q, v, a, auxiliary, keep):
-    """Remember the start of a step at which a mass jumps: ``keep`` (4, n), as `restore` puts it back."""
+    """Remember the start of a step at which a mass or a speed jumps: ``keep`` (4, n), as `restore` puts it back."""
     for i in range(q.size):
         keep[0, i], keep[1, i], keep[2, i], keep[3, i] = q[i], v[i], a[i], auxiliary[i]
 
@@ -253,25 +255,30 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         m.order[0] = min(m.order[0], 0)
     m.corrector.changed[COUNT] = 0
     over.jump(groups, m.corrector.changed)
-    settling = m.corrector.changed[COUNT] > 0
-    jump = settling
-    # Once through, but where a mass has jumped: then accelerations are found for it first, by the same corrector.
+    # Once through, but where a mass or a speed has jumped: then accelerations are found first, by the same corrector.
+    # Where a speed has, once more: the force that holds what is driven is that of the accelerations which were found.
+    settling = 2 if m.bent[0] > 0 else 1 if m.corrector.changed[COUNT] > 0 else 0
+    jump, bends = settling > 0, False
     while True:
-        if settling:
+        if settling > 0:
             _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
             end, by_a, by_v = t, beta / (AT_ONCE * AT_ONCE), gamma / AT_ONCE
         else:
             _predict(m, state, h, ratio)
-            prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
+            counted = m.gamma * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
+            bends = prescribe_end(dofs, functions, t + h, h, counted, state.full_q, state.full_v, state.full_a)
             end, by_a, by_v = t + h, beta, gamma
         status = correct(m.corrector, groups, dofs, state, end, by_a, by_v)
-        if not settling or status != DONE:
+        if settling == 0 or status != DONE:
             break
         _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep)
         m.order[0] = 0  # accelerations of before tell nothing of those to come
-        settling = False
-        over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
-    jumped = m.corrector.changed[1] > 0
+        settling -= 1
+        if settling == 0:
+            if m.bent[0] > 0:
+                keep_ends(dofs, state)
+            over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
+    jumped = bends or m.corrector.changed[1] > 0
     if status == DONE and m.tolerance > 0.0:
         m.control[0] = _local_error(m, state, h)
         if m.control[0] > m.tolerance:
@@ -283,10 +290,9 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
             _take_start(state.q, state.v, state.a, state.auxiliary, state.keep)
         else:
             _go_back(m, state)
-        prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
-        expand(dofs, state.q, state.full_q)
-        expand(dofs, state.v, state.full_v)
-        expand(dofs, state.a, state.full_a)
+        stand_at(dofs, functions, state, t)
+        if m.bent[0] > 0:
+            _go_on_from_bend(dofs, functions, state, t, m.last_step[0])
         return status
     for i in m.algebraic:
         state.q[i] = 0.0
@@ -296,8 +302,20 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     if over.may_switch(groups):
         _forget_what_is_held(dofs, state)
     book_losses(groups, state, t, h, m.power)
-    book_work(groups, dofs, state, t + h, m.power)
+    if bends:
+        book_push(groups, dofs, functions, state, t + h, h, h * counted, m.power)
+        _go_on_from_bend(dofs, functions, state, t + h, h)
+    else:
+        book_work(groups, dofs, state, t + h, m.power)
+    m.bent[0] = 1 if bends else 0
     return DONE
+
+
+@kernel
+def _go_on_from_bend(dofs, functions, state, t, h):
+    """Give what follows functions the accelerations to go on with at t, behind a step of length h in which one bent."""
+    prescribe_lasting(dofs, functions, t, h, state.full_a)
+    expand(dofs, state.a, state.full_a)
 
 
 def amplification(m: GeneralizedAlpha, turn: float) -> complex:
@@ -344,6 +362,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
+        np.zeros(1, np.int64),
     )  # fmt: skip
 
 

@@ -8,8 +8,10 @@ import numpy as np
 
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
+from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, lane, larger, largest, spread, total, where, within
+from tautline.kernels.time_function import evaluate
 from tautline.system.system import System
 
 STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST, ROWS = range(6)
@@ -69,6 +71,15 @@ def new_state(system: System) -> State:
         np.zeros((4, n)), np.zeros(n), np.zeros(13), np.zeros((2, full)), np.zeros(full), np.zeros(full),
         np.zeros((2, full)), np.zeros(6, dtype=np.int64),
     )  # fmt: skip
+
+
+@kernel
+def stand_at(dofs, functions, state, t):
+    """Write the state, which is that of time t, into the full vectors that outputs are read of."""
+    prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
+    expand(dofs, state.a, state.full_a)
 
 
 @kernel
@@ -140,7 +151,7 @@ def open_ledger(groups, dofs, state, t, power):
         state.passed[i] = state.entered[0, i] = state.full_q[i]
     if dofs.flowing.size > 0:
         state.ledger[FLOW], state.ledger[RATE] = _energy_of_flow(groups, dofs, state, t), _rate_of_flow(dofs, state)
-    _keep_ends(dofs, state)
+    keep_ends(dofs, state)
     power.fill(0.0)
     over.supply(groups, t, state.full_q, state.full_v, power)
     state.ledger[POWER] = power[0] + power[1]
@@ -203,7 +214,7 @@ def _energy_of_flow(groups, dofs, state, t):
 
 
 @kernel(forceinline=True)
-def _keep_ends(dofs, state):
+def keep_ends(dofs, state):
     """Keep what the next step's work is a mean and a difference of; a rope has far more than is held of it."""
     for k in dofs.driven:
         i = dofs.held[k]
@@ -270,7 +281,41 @@ def book_work(groups, dofs, state, t, power):
             if dofs.unknown[k] < 0:
                 j = -1 - dofs.unknown[k]
                 work += dofs.factor[k] * _mean_force(state, i) * (state.full_q[j] - state.entered[0, j])
-    _keep_ends(dofs, state)
+    keep_ends(dofs, state)
+    _book_all_work(groups, dofs, state, t, power, work)
+
+
+@kernel
+def book_push(groups, dofs, functions, state, t, h, impulse, power):
+    """Book the work of a step of length h up to t in which a function bends, as `book_work` does that of others.
+
+    The force at its end is that of a push, of which ``impulse``, s, times the force is the impulse. Its work is that
+    times the mean of the speeds at both ends. The rest is the force of before.
+    """
+    ways = state.middle[0]
+    work = 0.0
+    for k in dofs.driven:
+        i = dofs.held[k]
+        ways[i] = 0.5 * impulse * (evaluate(functions, dofs.motion[k], t - h)[1] + state.full_v[i])
+        work += _pushed(state, ways, i, i)
+    for i in dofs.carried:
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            if dofs.unknown[k] < 0:
+                work += dofs.factor[k] * _pushed(state, ways, i, -1 - dofs.unknown[k])
+    keep_ends(dofs, state)
+    _book_all_work(groups, dofs, state, t, power, work)
+
+
+@kernel(forceinline=True)
+def _pushed(state, ways, i, j):
+    """Work of what holds degree of freedom i, which moves with j: of the force of before, and of a push over a way."""
+    force = state.entered[1, i]
+    return force * (state.full_q[j] - state.entered[0, j]) + (state.residual[i] - force) * ways[j]
+
+
+@kernel
+def _book_all_work(groups, dofs, state, t, power, work):
+    """Book the work of what is held up to time t, with that of other drives and of what flows in."""
     power.fill(0.0)
     over.supply(groups, t, state.full_q, state.full_v, power)
     work += 0.5 * (t - state.ledger[TIME]) * (power[0] + state.ledger[POWER])

@@ -79,8 +79,8 @@ SENTENCES = {
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "
-        "a smaller step (or control: error), and finer elements where they fold. If a smaller step does not help, a "
-        "force law creates energy: for example, a stuck bit with blades returns the energy that it had taken"
+        "a smaller step, and finer elements where they fold. If a smaller step does not help, a force law of the "
+        "scene creates energy"
     ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }

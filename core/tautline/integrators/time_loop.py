@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.newton import DONE, NOT_FINITE
-from tautline.integrators.explicit import accelerate, account, is_finite, stand_at
+from tautline.integrators.explicit import accelerate, account, is_finite
 from tautline.integrators.linearise import NO_SEARCH, SUMS, evaluate_scene
 from tautline.integrators.newton_at_rest import iterate
 from tautline.integrators.state import (
@@ -20,6 +20,7 @@ from tautline.integrators.state import (
     WORK,
     book_energy,
     open_ledger,
+    stand_at,
 )
 from tautline.integrators.stepping import stepping_with, take_step
 from tautline.kernels import groups as over

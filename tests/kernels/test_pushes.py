@@ -1,0 +1,72 @@
+"""What follows a function of time pushes what it carries as hard as its speed changes, however a step cuts that."""
+
+import numpy as np
+import pytest
+
+from tautline.kernels.dofs import prescribe_end, prescribe_lasting
+from tautline.kernels.jit import entry
+from tautline.kernels.time_function import value_at
+from tautline.scene.functions import Harmonic, Ramp, Table
+from tautline.system.system import Degrees, assemble
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+STEP = 1e-3
+
+
+@entry
+def _prescribe_end(dofs, functions, t, h, gamma, q, v, a):
+    return prescribe_end(dofs, functions, t, h, gamma, q, v, a)
+
+
+@entry
+def _prescribe_lasting(dofs, functions, t, h, a):
+    prescribe_lasting(dofs, functions, t, h, a)
+
+
+def pushed(function, end, h=STEP, gamma=0.5):
+    """Changes of speed by a step that counts parts of the accelerations at its ends, the true ones, and which bend."""
+    functions = compile_functions([function])
+    degrees = Degrees(["driven", "free"], np.zeros(2), np.ones(2))
+    degrees.prescribe(0, 0)
+    dofs = assemble((), degrees, functions, np.zeros(2), [], []).dofs
+    q, v, a = (np.full(2, x) for x in value_at(functions, 0, 0.0))
+    begin, total, found, true, bends = v[0], 0.0, [], [], []
+    for k in range(round(end / h)):
+        t, start = h * (k + 1), a[0]
+        bends.append(_prescribe_end(dofs, functions, t, h, gamma, q, v, a))
+        total += h * ((1.0 - gamma) * start + gamma * a[0])
+        if bends[-1]:
+            _prescribe_lasting(dofs, functions, t, h, a)
+        found.append(total)
+        true.append(v[0] - begin)
+    return np.array(found), np.array(true), np.array(bends)
+
+
+@pytest.mark.parametrize("gamma", [0.5, 0.5024])
+@pytest.mark.parametrize("over", [1e-5, 1e-4, 9e-4, 1e-3, 2.3e-3, 6e-3])
+@pytest.mark.parametrize("at", [0.02, 0.02001, 0.0203, 0.02099])
+@pytest.mark.parametrize("kind", ["ramp", "table"])
+def test_a_speed_that_changes_within_a_step_pushes_by_all_of_its_change_wherever_steps_end(kind, at, over, gamma):
+    ramp = Ramp(**{"from": 25.0}, to=4.0, at=at, over=over)
+    corners = Table(time=(0.0, at, at + over, 1.0), value=(25.0, 25.0, 4.0, 4.0), interpolation="linear")
+    given = FunctionRequest(ramp if kind == "ramp" else corners, True, 1.0)
+    found, true, bends = pushed(given, 0.04, gamma=gamma)
+    # By accelerations at the ends of steps alone nothing of it was left, or ten times of it.
+    assert true[-1] == pytest.approx(-21.0)
+    assert np.max(np.abs(found - true)) < 0.05 * 21.0
+    assert found[-1] == pytest.approx(true[-1], rel=0.001 if over < 2e-3 else 0.03)
+    assert 1 <= bends.sum() <= 2 + over / STEP + 2
+
+
+def test_a_table_of_places_that_jumps_in_speed_pushes_by_each_jump():
+    zigzag = Table(time=(0.0, 0.0103, 0.02, 0.0307, 1.0), value=(0.0, 0.01, 0.0, 0.02, 0.02), interpolation="linear")
+    found, true, bends = pushed(FunctionRequest(zigzag), 0.04)
+    assert found == pytest.approx(true, abs=1e-9)
+    assert bends.sum() == 3
+
+
+@pytest.mark.parametrize("steps", [10, 50, 1000])
+def test_what_is_smooth_is_left_as_it_is_to_the_bit(steps):
+    found, true, bends = pushed(FunctionRequest(Harmonic(amplitude=0.3, period=steps * STEP)), 0.4)
+    assert not bends.any()
+    assert found == pytest.approx(true, abs=0.06 * np.ptp(true))
