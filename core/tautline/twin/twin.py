@@ -7,7 +7,7 @@ alarms, the outlook, and what the application knows of the work.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -172,8 +172,9 @@ class Twin:
         return [one.column for one in self.plan.channels]
 
     def add(
-        self, time: float, values: Mapping[str, float] | Sequence[float] | np.ndarray, arrived: float = 0.0
-    ) -> list[dict[str, Any]]:
+        self, time: float, values: Mapping[str, float] | Sequence[float] | np.ndarray, arrived: float = 0.0,
+        repeated: Collection[str] = (),
+    ) -> list[dict[str, Any]]:  # fmt: skip
         """Take a row of data, and give the lines of all rows that it completes.
 
         Parameters
@@ -185,6 +186,8 @@ class Twin:
             column that is not there, is a reading that is missing. Columns that the map does not name do not count.
         arrived : float
             When it arrived, by this computer's clock, s.
+        repeated : collection of str, optional
+            Columns that were not measured at this stamp, and whose last readings hold: true ones that come yet count.
 
         Raises
         ------
@@ -193,7 +196,7 @@ class Twin:
         SceneEnded
             For a row later than what the scene moves by itself.
         """
-        self.readings.rows.add(float(time), self._by_column(values), arrived)
+        self.readings.rows.add(float(time), self._by_column(values), arrived, repeated)
         return self.answers()
 
     def _by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:

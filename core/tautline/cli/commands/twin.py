@@ -298,7 +298,7 @@ class _Loop:
                 self.state = None
         if self.rereading is not None:
             self.twin.readings.rows.place = self.rereading.place
-        self._give(self.twin.add(record.time, record.values, record.arrived))
+        self._give(self.twin.add(record.time, record.values, record.arrived, record.repeated))
 
     def _pass_on(self) -> None:
         """Print what the source has to say, such as that nobody answers."""

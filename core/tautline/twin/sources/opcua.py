@@ -76,7 +76,7 @@ class OpcUa:
         self._columns = list(columns)
         self._queue: queue.Queue[Change | float | None] = queue.Queue(MOST)
         self._next: Change | float | None = None
-        self._holding = Holding(columns, 1e-3 * PERIOD)
+        self._holding = Holding(columns, 1e-3 * PERIOD, notes=self.notes)
         self._made: deque[Record] = deque()
         self._fault: BaseException | None = None
         self._closing = threading.Event()

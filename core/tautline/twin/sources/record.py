@@ -23,12 +23,15 @@ class Record:
         ``time.monotonic()`` at arrival, s.
     whole : bool
         Whether all of it was there: False for a last line without a line end, of which the last cell counts as missing.
+    repeated : frozenset of str
+        Columns that were not measured at this stamp: their readings are those of before, which hold until others come.
     """
 
     time: float
     values: Mapping[str, float]
     arrived: float
     whole: bool = True
+    repeated: frozenset[str] = frozenset()
 
 
 class SourceStopped(TautlineError):
