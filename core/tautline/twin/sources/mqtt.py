@@ -213,6 +213,11 @@ class Mqtt:
         except queue.Empty:
             return None
 
+    @property
+    def waiting(self) -> int:
+        """Records that have come and were not taken yet."""
+        return self._queue.qsize()
+
     def close(self) -> None:
         """Let go of the broker."""
         self.ended = True

@@ -7,7 +7,7 @@ import math
 import queue
 import threading
 import time as clock
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from datetime import UTC
 from typing import Any
@@ -253,6 +253,13 @@ class OpcUa:
             return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:
             return None
+
+    @property
+    def waiting(self) -> int:
+        """Records that have come and were not taken yet: as many as the variable with most changes has."""
+        waits = [*list(self._queue.queue), self._next]
+        changes = Counter(one.column for one in waits if isinstance(one, Change))
+        return len(self._made) + max(changes.values(), default=0)
 
     def close(self) -> None:
         """Let go of the server."""

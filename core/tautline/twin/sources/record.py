@@ -65,6 +65,8 @@ class Source(Protocol):
         Records that were let go because they came faster than they were taken.
     factors : dict of str to float
         What readings are multiplied by, by column, to be in the map's unit, where the source gives another one.
+    waiting : int
+        Records that have come and were not taken yet.
     notes : list of str
         Sentences for the user that were not yet printed; who prints them takes them out.
     """
@@ -77,6 +79,10 @@ class Source(Protocol):
     dropped: int
     factors: dict[str, float]
     notes: list[str]
+
+    @property
+    def waiting(self) -> int:
+        """How many records have come and were not taken yet."""
 
     def poll(self, timeout: float) -> Record | None:
         """The next record; None where none came within so many seconds."""

@@ -117,6 +117,11 @@ class Stream:
         self.ended = found is None
         return found
 
+    @property
+    def waiting(self) -> int:
+        """Records that were read and not taken yet."""
+        return sum(isinstance(one, Record) for one in list(self._queue.queue))
+
     def close(self) -> None:
         """Nothing: the thread ends with the process, or with the stream."""
 
