@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.scene.values.moments import stamp_said
+from tautline.scene.values.moments import duration_said, stamp_said
 
 FAR = 4.0
 """Stamps further ahead than so many sample intervals wait for the next."""
@@ -51,6 +51,8 @@ OFTEN = 0.4
 """Share of the last rows of a column that are late, from which on this is told."""
 AHEAD = 10
 """Rows of a column in a row from far ahead, after which this is told."""
+LONGEST_DELAY = 10.0
+"""Longest delay that is of use to a twin, s."""
 SPARE = 1.5
 """Sample intervals that a delay is to be longer than what it waits for."""
 JOINED = 0.1
@@ -261,12 +263,16 @@ class Rows:
         behind = [by for i in late for by in self._behind[i] if by > 0.0]
         longer = max(behind) + SPARE * (self.interval if np.isfinite(self.interval) else 0.0)
         names, beside = (", ".join(self.columns[i] for i in some) for some in (late, others))
-        by = float(np.median(behind))
+        cure = "Let one clock give the stamps of all columns. A message without a stamp has the time of its arrival"
+        if longer <= LONGEST_DELAY:
+            cure += (
+                ". If the stamps are right, and these readings only come later, write "
+                f"`delay: {np.ceil(10.0 * longer) / 10.0:.1f} s` in the map"
+            )
+        by = duration_said(float(np.median(behind)))
         self.notes.append(
-            f"the stamps of {names} are {by:.3g} s behind those of {beside}: rows with them come too late and are left "
-            "out. Let one clock give the stamps of all columns. A message without a stamp has the time of its arrival. "
-            "If the stamps are right, and these readings only come later, write "
-            f"`delay: {np.ceil(10.0 * longer) / 10.0:.1f} s` in the map"
+            f"the stamps of {names} are {by} behind those of {beside}: rows with them come too late and are left out. "
+            f"{cure}"
         )
 
     def _compare_ahead(self, row: Row) -> None:
@@ -281,7 +287,7 @@ class Rows:
         by = float(np.median(np.concatenate([self._ahead[i] for i in ahead])))
         names, beside = (", ".join(self.columns[i] for i in some) for some in (ahead, others))
         self.notes.append(
-            f"the stamps of {names} are {by:.3f} s ahead of those of {beside}: rows with them are left out. "
+            f"the stamps of {names} are {duration_said(by)} ahead of those of {beside}: rows with them are left out. "
             "Let one clock give the stamps of all columns"
         )
 

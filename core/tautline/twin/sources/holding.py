@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tautline.scene.values.moments import duration_said
 from tautline.twin.sources.record import Record
 
 KEPT = 20
@@ -178,10 +179,10 @@ class Holding:
             self._held.pop(one.column, None)
             self._apart[one.column] += 1
             if self._apart[one.column] == TOLD_AT:
-                where = "ahead of" if by > 0.0 else "behind"
+                where = f"{duration_said(abs(by))} {'ahead of' if by > 0.0 else 'behind'}"
                 self.notes.append(
-                    f"the stamps of {one.column} are {said_of(abs(by))} {where} those of the other variables: its "
-                    "readings are left out. Let one clock give the stamps of all variables"
+                    f"the stamps of {one.column} are {where} those of the other variables: its readings "
+                    "are left out. Let one clock give the stamps of all variables"
                 )
 
     def _recorded(self, time: float, changes: Sequence[Change]) -> list[Record]:
@@ -289,8 +290,3 @@ class Holding:
             elif lag > 0.0 and since > 0.0:
                 self._skipped[column].append(time)
         return repeated
-
-
-def said_of(seconds: float) -> str:
-    """A duration in words: ``3600 s``."""
-    return f"{seconds:.0f} s" if seconds >= 100.0 else f"{seconds:.3g} s"
