@@ -105,6 +105,17 @@ def test_the_lines_of_a_twin_that_is_behind_have_an_alarm_and_degraded_health():
     assert not line["alarms"] and line["health"] == "good"
 
 
+def test_rows_that_are_answered_in_a_silence_have_waited_for_other_rows_only():
+    made, now = Twin(SCENE, MAP, live=True), [0.0]
+    made.backlog = Backlog(now=lambda: now[0])
+    for k in range(30):
+        now[0] = 1000.0 + STEP * k
+        made.add(STEP * k, [0.0], now[0])
+    now[0] += 5.0
+    *_, line = made.answers(silent=True)
+    assert line["health"] == "good" and not line["alarms"]
+
+
 def test_rows_from_python_without_a_time_of_arrival_are_not_behind():
     made, lines = Twin(SCENE, MAP, live=True), []
     for k in range(30):

@@ -200,9 +200,12 @@ class Twin:
             For a row later than what the scene moves by itself.
         """
         self.readings.rows.add(float(time), self._by_column(values), arrived, repeated)
-        if self.backlog is not None:
-            self.backlog.take(self.readings.rows.newest, arrived)
-        return self.answers()
+        if self.backlog is None:
+            return self.answers()
+        self.backlog.take(self.readings.rows.newest, arrived)
+        lines = self.answers()
+        self.backlog.none_waits()  # rows that are answered in a silence, or at the end, wait for other rows only
+        return lines
 
     def _by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:
         """Readings of a row by column."""
@@ -227,8 +230,6 @@ class Twin:
         With `end` none comes any more: rows of which it is not known what they are are left out, and told.
         """
         lines = []
-        if self.backlog is not None and (end or silent):
-            self.backlog.none_waits()
         while (row := self.readings.rows.ready(end, silent)) is not None:
             if (line := self._answer(row)) is not None:
                 lines.append(line)
