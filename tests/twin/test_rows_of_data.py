@@ -346,3 +346,39 @@ def test_late_rows_of_all_columns_and_a_column_that_is_late_now_and_then_need_no
         while rows.ready() is not None:
             pass
     assert rows.counts["late"] > 300 and not rows.notes
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_columns_whose_stamps_are_far_ahead_of_those_of_others_are_told_once_and_the_others_stay(first):
+    rows, found = Rows(["winch", "heave", "tension"]), []
+    for k in range(400):
+        both = (100.0 + 0.05 * k, {"winch": 0.1 * k, "tension": 0.3 * k}), (3700.0 + 0.05 * k, {"heave": 0.2 * k})
+        for one in (both[first], both[1 - first]) if k >= 10 else both[:1]:
+            rows.add(*one)
+        while (row := rows.ready()) is not None:
+            found.append(row)
+    (note,) = rows.notes
+    assert note.startswith("the stamps of heave are 3600 s ahead of those of winch, tension: ")
+    assert len(found) > 390 and found[-1].time < 120.0
+
+
+def test_no_delay_of_an_hour_is_advised():
+    rows = Rows(["winch", "heave"])
+    for k in range(100):
+        rows.add(3700.0 + 0.05 * k, {"winch": 0.1 * k})
+        rows.add(100.0 + 0.05 * k, {"heave": 0.1 * k})
+        while rows.ready() is not None:
+            pass
+    (note,) = rows.notes
+    assert "heave are 3600 s behind those of winch" in note and "`delay" not in note
+
+
+def test_a_column_that_is_late_every_second_time_is_told_as_one_that_always_is():
+    rows = Rows(["winch", "heave"], 0.3)
+    for k in range(200):
+        rows.add(100.0 + 0.05 * k, {"winch": 0.1 * k})
+        rows.add(100.0 + 0.05 * (k - (8 if k % 2 else 4)) + 0.02, {"heave": 0.2 * k})
+        while rows.ready() is not None:
+            pass
+    (note,) = rows.notes
+    assert note.startswith("the stamps of heave are 0.38 s behind those of winch") and "`delay: 0.5 s`" in note

@@ -1,6 +1,7 @@
 """What the command ``twin`` prints for people: notes of its source, counts, times."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -31,6 +32,7 @@ class Given:
     def __init__(self, rows, dropped=0, notes=()):
         self.name, self.live, self.again, self.ended, self.refused = "given", False, True, False, 0
         self.dropped, self.notes, self._rows, self.factors = dropped, list(notes), list(rows), {}
+        self.waiting = 0
 
     def poll(self, timeout):
         if self._rows:
@@ -199,3 +201,18 @@ def test_when_a_twin_began_again_from_rest_is_said_as_a_time_of_day():
     assert len(told) == 2
     assert told[0].endswith("begun again from rest at 2026-11-28 21:00:00.0 UTC")
     assert told[1].startswith("At 2026-11-28 21:00:01.0 UTC the simulated load bounced")
+
+
+def test_rows_that_were_not_answered_when_the_command_was_stopped_are_counted(twin):
+    class Stopped(Given):
+        def poll(self, timeout):
+            self.waiting = len(self._rows)
+            if self.waiting <= 2:
+                raise KeyboardInterrupt
+            return super().poll(timeout)
+
+    given = rows()
+    code, out, told = twin(Stopped(given), "--json")
+    left = len(given) - len(out.splitlines())
+    assert code == 130 and left > 2
+    assert re.search(rf"rows not answered +{left}\b", told)

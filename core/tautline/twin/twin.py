@@ -7,7 +7,7 @@ alarms, the outlook, and what the application knows of the work.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,7 @@ from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, re
 from tautline.twin.operation import Operation
 from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling
+from tautline.twin.signals.backlog import LIMIT, Backlog
 from tautline.twin.signals.readings import Readings
 from tautline.twin.signals.rows import Row
 from tautline.twin.signals.sensors import Health
@@ -95,6 +96,8 @@ class Twin:
         if self.estimate.blows and self.plan.inputs:
             self.readings.rows.fewest = NOISE_SHOWN
         self.watch = Watch(self.plan, self.readings.health, self.operation, getattr(self.scene, "units", "si"))
+        aheads = [one.ahead for one in self.plan.alarms if one.ahead > 0.0]
+        self.backlog = Backlog(min(aheads, default=LIMIT)) if live else None
         estimated = self.estimate
         self.outlook = Outlook(self.plan, self.readings.waves, lambda: (*estimated.state(), estimated.converged))
         self._begin_anew()
@@ -172,8 +175,9 @@ class Twin:
         return [one.column for one in self.plan.channels]
 
     def add(
-        self, time: float, values: Mapping[str, float] | Sequence[float] | np.ndarray, arrived: float = 0.0
-    ) -> list[dict[str, Any]]:
+        self, time: float, values: Mapping[str, float] | Sequence[float] | np.ndarray, arrived: float = 0.0,
+        repeated: Collection[str] = (),
+    ) -> list[dict[str, Any]]:  # fmt: skip
         """Take a row of data, and give the lines of all rows that it completes.
 
         Parameters
@@ -185,6 +189,8 @@ class Twin:
             column that is not there, is a reading that is missing. Columns that the map does not name do not count.
         arrived : float
             When it arrived, by this computer's clock, s.
+        repeated : collection of str, optional
+            Columns that were not measured at this stamp, and whose last readings hold: true ones that come yet count.
 
         Raises
         ------
@@ -193,8 +199,13 @@ class Twin:
         SceneEnded
             For a row later than what the scene moves by itself.
         """
-        self.readings.rows.add(float(time), self._by_column(values), arrived)
-        return self.answers()
+        self.readings.rows.add(float(time), self._by_column(values), arrived, repeated)
+        if self.backlog is None:
+            return self.answers()
+        self.backlog.take(self.readings.rows.newest, arrived)
+        lines = self.answers()
+        self.backlog.none_waits()  # rows that are answered in a silence, or at the end, wait for other rows only
+        return lines
 
     def _by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:
         """Readings of a row by column."""
@@ -546,6 +557,7 @@ class Twin:
         } | self._further
         names = [one.name for one in plan.measured]
         shown = list(dict.fromkeys([*names, *plan.keep, *(one.target for one in plan.alarms)]))
+        self._judge_backlog(row.time)
         lag = clock.monotonic() - row.arrived if rows.live else max(0.0, rows.newest - row.time)
         return {
             "time": row.time,
@@ -565,10 +577,23 @@ class Twin:
             **(self.operation.told() if self.operation else {}),
         }
 
+    def _judge_backlog(self, time: float) -> None:
+        """Warn where rows wait longer for their answers than what is foreseen is of use."""
+        if self.backlog is None:
+            return
+        seconds, tell = self.backlog.judge()
+        self.watch.judge_backlog(time, seconds, self.backlog.behind)
+        if tell:
+            self.notes.append(
+                f"the twin is {seconds:.1f} s behind the machine, as this computer does not keep up with the rows. "
+                "Fewer rows a second help, and so do fewer elements in the scene"
+            )
+
     @property
     def state_of_health(self) -> str:
         """Good, degraded or lost."""
         followed = self.now >= self.unsettled and not self.settling.catching_up
+        followed &= self.backlog is None or not self.backlog.behind
         return self.readings.state_of_health(settled=followed and not self.unsure)
 
 

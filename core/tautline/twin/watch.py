@@ -31,6 +31,8 @@ SURE = 2.0
 """Standard deviations by which a computed value is beyond its bound for sure."""
 UNSEEN = 1.0
 """For how long an input that the driver moves is not measured before that is told as `NOT_AHEAD`, s."""
+BEHIND = "behind the machine"
+"""Name of the alarm that rows wait for their answers."""
 STOPPED = "simulation stopped"
 """Name of the alarm that the simulation was begun again."""
 WHY_OFF = "zero and unit of the sensor, or the scene's weights, are not right, and no estimate makes up for it"
@@ -233,6 +235,11 @@ class Watch:
                 side = "above" if health.off > 0.0 else "below"
                 text = f"{column} stays dozens of standard deviations {side} what is expected: {WHY_OFF}"
                 self.alarms.judge(f"{column} far off", health.contradicts, time, text)
+
+    def judge_backlog(self, time: float, seconds: float, behind: bool) -> None:
+        """Judge whether rows wait so long for their answers that these are of a time gone by."""
+        text = f"what is shown is {seconds:.1f} s behind the machine: rows wait, as this computer does not keep up"
+        self.alarms.judge(BEHIND, behind, time, text)
 
     def judge_operation(self, time: float) -> None:
         """Judge what the application warns of."""

@@ -298,7 +298,7 @@ class _Loop:
                 self.state = None
         if self.rereading is not None:
             self.twin.readings.rows.place = self.rereading.place
-        self._give(self.twin.add(record.time, record.values, record.arrived))
+        self._give(self.twin.add(record.time, record.values, record.arrived, record.repeated))
 
     def _pass_on(self) -> None:
         """Print what the source has to say, such as that nobody answers."""
@@ -440,6 +440,8 @@ class _Loop:
             rows.append(("lines that could not be read", str(self.source.refused)))
         if self.source.dropped:
             rows.append(("records dropped, as they came too fast", str(self.source.dropped)))
+        if left := self.source.waiting + len(self.twin.readings.rows.waiting):
+            rows.append(("rows not answered", str(left)))
         rows.append(("rows answered", str(self.lines)))
         if not self.quiet:
             console().print(two_columns(rows))

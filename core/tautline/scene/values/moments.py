@@ -14,3 +14,8 @@ def stamp_said(time: float) -> str:
         return f"{time:.1f} s"
     tenths = round(10.0 * time)
     return f"{datetime.fromtimestamp(tenths // 10, UTC):%Y-%m-%d %H:%M:%S}.{tenths % 10} UTC"
+
+
+def duration_said(seconds: float) -> str:
+    """A duration in words: ``0.35 s``, ``3600 s``."""
+    return f"{seconds:.0f} s" if seconds >= 100.0 else f"{seconds:.3g} s"

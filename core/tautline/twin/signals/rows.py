@@ -6,6 +6,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | what comes | what becomes of it |
 |---|---|
 | a stamp that was there | its values fill what was empty; it is counted |
+| a repeated reading, and the true one of that stamp after it | the true one counts |
 | out of order, within the delay | it is put in its place |
 | later than the delay | it is left out, and counted |
 | a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
@@ -21,14 +22,14 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter, deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from tautline.scene.values.moments import stamp_said
+from tautline.scene.values.moments import duration_said, stamp_said
 
 FAR = 4.0
 """Stamps further ahead than so many sample intervals wait for the next."""
@@ -45,7 +46,15 @@ TYPICAL = 5
 DIFFERENT = 3
 """Rows with a stamp that was there, and with other readings, after which this is told."""
 BEHIND = 10
-"""Late rows of a column, without one that is not, after which this is told; another column has as many that are not."""
+"""Late rows of a column after which this is told; another column has as many that are in time, without a late one."""
+OFTEN = 0.4
+"""Share of the last rows of a column that are late, from which on this is told."""
+AHEAD = 10
+"""Rows of a column in a row from far ahead, after which this is told."""
+LONGEST_DELAY = 10.0
+"""Longest delay that is of use to a twin, s."""
+SPARE = 1.5
+"""Sample intervals that a delay is to be longer than what it waits for."""
 JOINED = 0.1
 """Part of the sample interval within which rows that have no column in common are one."""
 KEPT, MOST_KEPT = 60.0, 3000
@@ -73,6 +82,7 @@ class Row:
     """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` and ``stamp`` are what the source gave.
 
     ``places`` are those of its records among all that the source gives; one that is ``new`` is known to repeat none.
+    ``repeated`` (c,) are columns whose readings are those of before, which held as nothing else was sent.
     """
 
     time: float
@@ -82,9 +92,23 @@ class Row:
     places: list[int] = field(default_factory=list)
     joined: bool = False
     new: bool = False
+    repeated: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
 
     def __post_init__(self) -> None:
         self.raw, self.stamp = self.values.copy(), self.time
+        if not len(self.repeated):
+            self.repeated = np.zeros(len(self.values), bool)
+
+    @property
+    def measured(self) -> np.ndarray:
+        """Columns (c,) with readings that were measured at this stamp."""
+        return np.isfinite(self.values) & ~self.repeated
+
+    def fill(self, other: Row) -> None:
+        """Take readings of another row for what is empty here, and true ones for those that are repeated."""
+        mine = np.isfinite(self.values) & ~(self.repeated & other.measured)
+        self.values = np.where(mine, self.values, other.values)
+        self.repeated = np.where(mine, self.repeated, other.repeated)
 
 
 @dataclass
@@ -149,9 +173,11 @@ class Rows:
         self._suspect: Row | None = None
         self._late: list[Row] = []
         self._different = 0
+        # By how much the last rows of each column came too late, s; zero for those that did not.
         self._behind: list[deque[float]] = [deque(maxlen=INTERVALS) for _ in self.columns]
+        self._ahead: list[list[float]] = [[] for _ in self.columns]
         self._in_time = np.zeros(len(self.columns), int)  # rows of each column in time, without a late one
-        self._behind_told = False
+        self._behind_told = self._ahead_told = False
         self._intervals: deque[float] = deque(maxlen=INTERVALS)
         self._clock: deque[tuple[float, float]] = deque(maxlen=600)
         self.clock_rate = 0.0
@@ -170,8 +196,10 @@ class Rows:
             return self.delay
         return max(DELAY * self.interval, self.wanted) if np.isfinite(self.interval) else np.inf
 
-    def add(self, time: float, values: Mapping[str, float], arrived: float = 0.0) -> None:
-        """Take a record of the source."""
+    def add(
+        self, time: float, values: Mapping[str, float], arrived: float = 0.0, repeated: Collection[str] = ()
+    ) -> None:
+        """Take a record of the source; `repeated` are columns whose readings were not measured at this stamp."""
         place, self.place = self.place, self.place + 1
         if not np.isfinite(time):
             self.counts["no stamp"] += 1
@@ -185,7 +213,7 @@ class Rows:
         if null.any():
             self.counts["with a reading that stands for none (-999.25)"] += 1
             read[null] = np.nan
-        row = Row(time, read, arrived, places=[place])
+        row = Row(time, read, arrived, places=[place], repeated=np.array([one in repeated for one in self.columns]))
         if self.live:
             self._compare_clocks(time, arrived)
         if self._taken_back:
@@ -199,6 +227,8 @@ class Rows:
         if self._suspect is not None:
             self._resolve(row)
         if row.time <= self.reached:
+            if row.repeated.any() and not row.measured.any():
+                return  # nothing is lost by it
             if row.new or not self._is_repeated(row):
                 self._add_late(row)
             return
@@ -208,29 +238,57 @@ class Rows:
         self._running_up = False
         self._leave_out()
         self._late.clear()
-        shown = np.isfinite(row.values)
-        self._in_time[shown] += 1
-        for i in np.flatnonzero(shown).tolist():
-            self._behind[i].clear()
+        measured = row.measured
+        self._in_time[measured] += 1
+        for i in np.flatnonzero(measured).tolist():
+            self._behind[i].append(0.0)
+            self._ahead[i].clear()
         self._insert(row)
 
     def _compare_columns(self, row: Row) -> None:
-        """Tell once where all rows of some columns are late and those of others are not: their clocks differ."""
-        shown = np.isfinite(row.values)
-        self._in_time[shown] = 0
-        for i in np.flatnonzero(shown).tolist():
+        """Tell once where rows of some columns are late and those of others are not, and what helps."""
+        measured = row.measured
+        self._in_time[measured] = 0
+        for i in np.flatnonzero(measured).tolist():
             self._behind[i].append(self.newest - row.time)
-        late = [i for i, one in enumerate(self._behind) if len(one) >= BEHIND]
+        if self._behind_told:
+            return
+        often = [sum(by > 0.0 for by in one) for one in self._behind]
+        late = [i for i, n in enumerate(often) if n >= BEHIND and n >= OFTEN * len(self._behind[i])]
         others = np.flatnonzero(self._in_time >= BEHIND).tolist()
-        if self._behind_told or not late or not others:
+        if not late or not others:
             return
         self._behind_told = True
-        late = [i for i, one in enumerate(self._behind) if len(one) >= BEHIND - 1]
-        by = float(np.median(np.concatenate([self._behind[i] for i in late])))
+        late = [i for i, n in enumerate(often) if n >= BEHIND - 1 and n >= OFTEN * len(self._behind[i])]
+        behind = [by for i in late for by in self._behind[i] if by > 0.0]
+        longer = max(behind) + SPARE * (self.interval if np.isfinite(self.interval) else 0.0)
         names, beside = (", ".join(self.columns[i] for i in some) for some in (late, others))
+        cure = "Let one clock give the stamps of all columns. A message without a stamp has the time of its arrival"
+        if longer <= LONGEST_DELAY:
+            cure += (
+                ". If the stamps are right, and these readings only come later, write "
+                f"`delay: {np.ceil(10.0 * longer) / 10.0:.1f} s` in the map"
+            )
+        by = duration_said(float(np.median(behind)))
         self.notes.append(
-            f"the stamps of {names} are {by:.3g} s behind those of {beside}: rows with them come too late and are left "
-            "out. Let one clock give the stamps of all columns. A message without a stamp has the time of its arrival"
+            f"the stamps of {names} are {by} behind those of {beside}: rows with them come too late and are left out. "
+            f"{cure}"
+        )
+
+    def _compare_ahead(self, row: Row) -> None:
+        """Tell once where rows of some columns are from far ahead, and those of others are not: their clocks differ."""
+        for i in np.flatnonzero(row.measured).tolist():
+            self._ahead[i].append(row.time - self.newest)
+        ahead = [i for i, one in enumerate(self._ahead) if len(one) >= AHEAD]
+        others = [i for i in np.flatnonzero(self._in_time >= AHEAD).tolist() if not self._ahead[i]]
+        if self._ahead_told or not ahead or not others:
+            return
+        self._ahead_told = True
+        by = float(np.median(np.concatenate([self._ahead[i] for i in ahead])))
+        names, beside = (", ".join(self.columns[i] for i in some) for some in (ahead, others))
+        self.notes.append(
+            f"the stamps of {names} are {duration_said(by)} ahead of those of {beside}: rows with them are left out. "
+            "Let one clock give the stamps of all columns"
         )
 
     def _nulls(self, read: np.ndarray) -> np.ndarray:
@@ -257,10 +315,9 @@ class Rows:
             suspect.after_gap = True
             self.counts["gaps"] += 1
             self._insert(suspect)
-        elif row.time > self.newest - self._far:
-            self.counts["future"] += 1
         else:
             self.counts["future"] += 1
+            self._compare_ahead(suspect)
 
     def _is_repeated(self, row: Row) -> bool:
         """Whether a row of a stream that is gone on with is none to go on with now: one that it repeats is left out.
@@ -321,7 +378,7 @@ class Rows:
             self.counts["doubled"] += 1
             return
         if known is not None:
-            self._compare(known.raw, row)
+            self._compare(np.where(known.repeated, np.nan, known.raw), row)
         self.counts["late"] += 1
         self._compare_columns(row)
         if self._late and not row.time > self._late[-1].time:
@@ -343,7 +400,7 @@ class Rows:
 
     def _compare(self, known: np.ndarray, row: Row) -> None:
         """Tell once where rows of one stamp have different readings (c,): they are not one row that came twice."""
-        both = np.isfinite(known) & np.isfinite(row.values)
+        both = np.isfinite(known) & row.measured
         self._different += not np.array_equal(known[both], row.values[both])
         if self._different == DIFFERENT:
             self._different += 1  # never this number again
@@ -357,11 +414,11 @@ class Rows:
     def _insert(self, row: Row) -> None:
         k = bisect_left(self.waiting, row.time - 1e-9, key=lambda one: one.time)
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
-            self.counts["doubled"] += 1
-            known = self.waiting[k].values
-            self._compare(known, row)
-            self.waiting[k].places += row.places
-            self.waiting[k].values = np.where(np.isfinite(known), known, row.values)
+            known = self.waiting[k]
+            self.counts["doubled"] += not (row.repeated.any() or (known.repeated & row.measured).any())
+            self._compare(np.where(known.repeated, np.nan, known.values), row)
+            known.places += row.places
+            known.fill(row)
             return
         if self._join(row, k):
             return
@@ -402,11 +459,13 @@ class Rows:
         if not shown.any() or not np.isfinite(self.interval):
             return False
         for one in self.waiting[max(k - 1, 0) : k + 1]:
-            known = np.isfinite(one.values)
             if abs(one.time - row.time) > JOINED * self.interval or row.after_gap:
                 continue
-            if not (shown & known).any():
-                one.values, one.places = np.where(known, one.values, row.values), one.places + row.places
+            # A reading that is repeated in the one is none beside what is measured in the other.
+            apart = not (row.measured & one.measured).any() and row.measured.any() and one.measured.any()
+            if apart or not (shown & np.isfinite(one.values)).any():
+                one.fill(row)
+                one.places = one.places + row.places
                 one.raw, one.joined = one.values.copy(), True
                 self._seen[shown] = row.time
                 return True

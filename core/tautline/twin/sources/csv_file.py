@@ -76,6 +76,7 @@ class CsvFile:
             self._file.close()
             raise
         self._begun = (self._now(), self._next[0].time if self._next else 0.0)
+        self._arrived = self._begun[0]
 
     def _line(self) -> str | None:
         """The next line that is neither empty nor a comment."""
@@ -125,6 +126,7 @@ class CsvFile:
         row, factors = self._next
         # A stamp far ahead that is wrong is not waited for: the row behind it is due before.
         time = min(row.time, self._later[0].time) if self._later and math.isfinite(self._later[0].time) else row.time
+        arrived = self._now()
         if self._speed is not None and math.isfinite(time):
             due = self._begun[0] + (time - self._begun[1]) / self._speed
             end = self._now() + timeout
@@ -132,10 +134,18 @@ class CsvFile:
                 if self._now() >= end:
                     return None
                 self._sleep(min(left, end - self._now(), PATIENT))
+            # A row that was asked for late was there when it was due.
+            arrived = max(due, self._arrived)
+        self._arrived = arrived
         self.factors |= factors  # those of this row: the next may be read by another header
         self._next, self._later = self._later, self._taken()
         self.ended = self._next is None and self._stopped is None
-        return Record(row.time, row.values, self._now(), row.whole)
+        return Record(row.time, row.values, arrived, row.whole)
+
+    @property
+    def waiting(self) -> int:
+        """None: rows of a file are read as they are asked for."""
+        return 0
 
     def close(self) -> None:
         """Close the file."""

@@ -4,6 +4,10 @@ OPC UA sends changes: a variable that stands still is silent, and silence of a s
 reading still holds (OPC UA part 4, 7.22.2: the default DataChangeTrigger is STATUS_VALUE, and many servers do not know
 the one that tells every stamp). So a reading that is not sent again is repeated here, at the interval in which it used
 to come, as far as the server has said that it is alive.
+
+One variable may reach us later than another of the same stamp. How far its stamps run behind the newest one is known
+from its changes, and by so much longer it is waited for before it counts as silent. A repeated reading is marked: where
+the true one comes yet, that one counts.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tautline.scene.values.moments import duration_said
 from tautline.twin.sources.record import Record
 
 KEPT = 20
@@ -34,6 +39,18 @@ WAIT, OLD, DAY = 1.0, 2.0, 86400.0
 old; and how old a stamp may be by our clock, so that the source's clock is taken to show the same, s."""
 SET = 1.0
 """Difference from which on stamps tell of a clock that was set, s."""
+MOSTLY = 0.9
+"""Share of the changes of a variable that come no later than what counts as its lag."""
+IN_STEP = 0.5
+"""Part of the interval up to which a variable that comes behind others is no later than they are."""
+APART = 2.0
+"""Difference from which on the stamps of a variable are of another clock than those of most others, s."""
+AT_ONCE = 0.5
+"""Time between changes from which on they are no measurements of a clock for sure, as long as none is known, s."""
+TOLD_AT = 10
+"""Changes of another clock of a variable after which this is told."""
+SKIPPED = 1000
+"""Stamps at which a silent variable may have to be repeated yet."""
 
 
 @dataclass(frozen=True)
@@ -70,24 +87,39 @@ class Holding:
         Interval in which the server looks at variables, s.
     now : callable
         The time, s since 1970.
+    notes : list of str, optional
+        Where sentences for the user go.
     """
 
-    def __init__(self, columns: Sequence[str], sampling: float, now: Callable[[], float] = clock.time) -> None:
+    def __init__(
+        self, columns: Sequence[str], sampling: float, now: Callable[[], float] = clock.time,
+        notes: list[str] | None = None,
+    ) -> None:  # fmt: skip
         self._columns, self._sampling = list(columns), sampling
         self._held: dict[str, float] = {}
         self._sent: dict[str, float] = {}
         self._shown: dict[str, float] = {}
         self._intervals: dict[str, deque[float]] = {name: deque(maxlen=KEPT) for name in columns}
+        self._lags: dict[str, deque[float]] = {name: deque(maxlen=KEPT) for name in columns}
+        self._skipped: dict[str, deque[float]] = {name: deque(maxlen=SKIPPED) for name in columns}
+        self._offsets: dict[str, tuple[float, float]] = {}
+        self._common = self._newest = math.nan
+        self._apart = dict.fromkeys(columns, 0)
+        self.notes: list[str] = [] if notes is None else notes
         self._clock: tuple[float, float] | None = None
         self._reached = -math.inf
         self._first: list[Change] = []
+        self._early: list[Sequence[Change]] = []
         self._now = now
 
     def forget(self) -> None:
         """Hold nothing any more: the connection is lost."""
         self._first.clear()
+        self._early.clear()
         self._held.clear()
         self._sent.clear()
+        for skipped in self._skipped.values():
+            skipped.clear()
 
     def records(self, changes: Sequence[Change]) -> list[Record]:
         """Records of changes of one stamp, or of the first ones of a subscription: these wait for the next to come."""
@@ -95,39 +127,96 @@ class Holding:
             self._first += changes
             return []
         found = []
-        if self._first:
-            # Now it is known what the source's clock shows.
-            then = changes[0].time - (changes[0].arrived - self._first[0].arrived)
-            stamp = max(one.time for one in self._first)
-            found = self._begin(stamp if abs(then - stamp) < OLD else then)
         time = max(one.time for one in changes)
+        apart = not changes[0].first and self._is_apart(time, changes)
+        if self._first:
+            self._early.append(changes)
+            waited = changes[0].arrived - self._first[0].arrived
+            # One clock may be wrong: half of the variables show it.
+            return self._shown_clock() if 2 * len(self._offsets) >= len(self._columns) or waited > WAIT else []
+        if apart:
+            self._tell_apart(time, changes)
+            return []
         if changes[0].first and self._clock is not None:
             # What stood still while the connection was lost has the stamp of long ago, and holds now.
             time = max(time, self._clock[0] + changes[0].arrived - self._clock[1])
         elif self._clock is not None and time < self._clock[0] + changes[0].arrived - self._clock[1] + SET:
-            found += self._still(time - 0.5 * self.interval)  # all held until this change
-        return [*found, self._record(time, changes)]
+            # All held until this change; but those that follow at once may be how it is measured, until that is known.
+            known = any(self._usual(name) is not None for name in self._held)
+            found += self._still(time - 0.5 * self.interval) if known or time - self._newest > AT_ONCE else []
+        return [*found, *self._recorded(time, changes)]
+
+    def _shown_clock(self) -> list[Record]:
+        """Records of first readings and of changes since: now it is known what the source's clock shows."""
+        early, self._early = self._early, []
+        then, stamp = self._common + self._first[0].arrived, max(one.time for one in self._first)
+        found = self._begin(stamp if abs(then - stamp) < OLD else then)
+        for changes in early:
+            found += self.records(changes)
+        return found
 
     def _begin(self, time: float) -> list[Record]:
         changes, self._first = self._first, []
-        return [self._record(time, changes)]
+        return self._recorded(time, changes)
 
-    def _record(self, time: float, changes: Sequence[Change]) -> Record:
+    def _is_apart(self, time: float, changes: Sequence[Change]) -> bool:
+        """Whether changes are of another clock than those of most variables; learns where the clock of these stands."""
+        arrived = changes[0].arrived
+        self._offsets |= {one.column: (time - arrived, arrived) for one in changes}
+        recent = sorted(offset for offset, then in self._offsets.values() if arrived - then <= LONGEST)
+        # Of two the one behind: rows of a stamp far ahead are of no use to anyone.
+        before, self._common = self._common, recent[(len(recent) - 1) // 2]
+        if abs(self._common - before) > SET:
+            self._newest, self._reached, self._clock = math.nan, -math.inf, None
+            for lags in self._lags.values():
+                lags.clear()
+        return abs(time - arrived - self._common) > APART
+
+    def _tell_apart(self, time: float, changes: Sequence[Change]) -> None:
+        """Leave out changes of another clock, and tell once of each variable that does not come to its senses."""
+        by = time - changes[0].arrived - self._common
+        for one in changes:
+            self._held.pop(one.column, None)
+            self._apart[one.column] += 1
+            if self._apart[one.column] == TOLD_AT:
+                where = f"{duration_said(abs(by))} {'ahead of' if by > 0.0 else 'behind'}"
+                self.notes.append(
+                    f"the stamps of {one.column} are {where} those of the other variables: its readings "
+                    "are left out. Let one clock give the stamps of all variables"
+                )
+
+    def _recorded(self, time: float, changes: Sequence[Change]) -> list[Record]:
+        """The record of changes, behind those of stamps at which they are known by now to have held."""
+        found, arrived = [], changes[0].arrived
         values = dict.fromkeys(self._columns, math.nan)
         for one in changes:
+            if one.column in self._held:
+                found += self._made_up_for(one.column, time - 0.5 * self.interval, arrived, silent=False)
+            skipped = self._skipped[one.column]
+            while skipped and skipped[0] <= time:
+                skipped.popleft()
             values[one.column] = self._held[one.column] = one.value
             if not one.first and time > self._sent.get(one.column, math.inf):
                 self._intervals[one.column].append(time - self._sent[one.column])
+            if not one.first and math.isfinite(self._newest):
+                self._lags[one.column].append(max(0.0, self._newest - time))
             self._sent[one.column] = self._shown[one.column] = time
-        self._clock = (time, changes[0].arrived)
-        self._hold(time, values, {one.column for one in changes})
-        self._reached = time if time < self._reached - SET else max(self._reached, time)
-        return Record(time, values, changes[0].arrived)
+        self._newest = max(time, self._newest) if math.isfinite(self._newest) else time
+        if self._clock is None or time >= self._clock[0] or changes[0].first:
+            self._clock = (time, arrived)
+        repeated = self._hold(time, values, {one.column for one in changes})
+        for name in repeated:
+            found += self._made_up_for(name, time - 0.5 * self.interval, arrived)
+            self._shown[name] = time
+        self._reached = max(self._reached, time)
+        return [*found, Record(time, values, arrived, repeated=frozenset(repeated))]
 
     def until(self, alive: float) -> list[Record]:
         """Records of what still holds, up to when the server was alive last, by ``time.monotonic()``, s."""
         begun: list[Record] = []
-        if self._first and alive - self._first[0].arrived > WAIT:
+        if self._early and alive - self._first[0].arrived > WAIT:
+            begun = self._shown_clock()
+        elif self._first and not self._early and alive - self._first[0].arrived > WAIT:
             # Nothing moves: a stamp tells when it stopped, and it stands there now.
             stamp, now = max(one.time for one in self._first), self._now() - clock.monotonic() + self._first[0].arrived
             begun = self._begin(now if 0.0 < now - stamp < DAY else stamp)
@@ -144,9 +233,28 @@ class Holding:
         found = []
         while self._reached + step <= last:
             self._reached += step
-            values = dict.fromkeys(self._columns, math.nan)
-            self._hold(self._reached, values, None)
-            found.append(Record(self._reached, values, arrived + self._reached - time))
+            values, then = dict.fromkeys(self._columns, math.nan), arrived + self._reached - time
+            repeated = self._hold(self._reached, values, None)
+            for name in repeated:
+                found += self._made_up_for(name, self._reached - 0.5 * step, then)
+                self._shown[name] = self._reached
+            found.append(Record(self._reached, values, then, repeated=frozenset(repeated)))
+        return found
+
+    def _made_up_for(self, column: str, until: float, arrived: float, silent: bool = True) -> list[Record]:
+        """Records of stamps at which a variable was not repeated, as it might have come yet, and is known to hold.
+
+        It is `silent`, or has come now, and was silent before if that took longer than it used to.
+        """
+        skipped, found, interval = self._skipped[column], [], self._usual(column) or self.interval
+        least = AGAIN if silent else SILENT
+        while skipped and skipped[0] <= until:
+            stamp = skipped.popleft()
+            since = stamp - self._shown[column]
+            if since > (least if self._shown[column] == self._sent[column] else AGAIN) * interval:
+                self._shown[column] = stamp
+                values = dict.fromkeys(self._columns, math.nan) | {column: self._held[column]}
+                found.append(Record(stamp, values, arrived, repeated=frozenset([column])))
         return found
 
     @property
@@ -162,13 +270,23 @@ class Holding:
         low, middle, high = np.quantile(intervals, (0.25, 0.5, 0.75)).tolist()
         return float(middle) if high <= REGULAR * low and middle <= LONGEST else None
 
-    def _hold(self, time: float, values: dict[str, float], new: set[str] | None) -> None:
-        """Repeat what was not sent for longer than it used to take; `new` was sent, None where all are silent."""
+    def _lag(self, column: str) -> float:
+        """How far the stamps of a variable run behind the newest one when they come, s; 0 where it is in step."""
+        lags = sorted(self._lags[column])
+        late = lags[math.ceil(MOSTLY * (len(lags) - 1))] if lags else 0.0
+        return late if late > IN_STEP * self.interval else 0.0
+
+    def _hold(self, time: float, values: dict[str, float], new: set[str] | None) -> list[str]:
+        """Repeat what was not sent for longer than it takes; `new` was sent, None where all are silent. Gives names."""
+        repeated = []
         for column, value in self._held.items():
             if new is not None and column in new:
                 continue
-            interval = self._usual(column) or self.interval
-            shown = self._shown[column]
-            waits = new is not None and shown == self._sent[column]
-            if time - shown > (SILENT if waits else AGAIN) * interval:
-                values[column], self._shown[column] = value, time
+            interval, lag = self._usual(column) or self.interval, self._lag(column)
+            since, sent = time - self._shown[column], self._shown[column] == self._sent[column]
+            if since > (SILENT if new is not None and sent else AGAIN) * interval + (lag if sent else 0.0):
+                values[column] = value
+                repeated.append(column)
+            elif lag > 0.0 and since > 0.0:
+                self._skipped[column].append(time)
+        return repeated

@@ -7,15 +7,16 @@ import math
 import queue
 import sys
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 from urllib.parse import unquote
 
 from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
 from tautline.twin.sources.connection import Connection, cause_of
+from tautline.twin.sources.objects import SAID_OF, UNIT, VALUE, ObjectReadings, Remarks
 from tautline.twin.sources.record import Record, SourceFault
-from tautline.twin.sources.stamps import Stamps, number_of
+from tautline.twin.sources.stamps import Stamps
 
 MOST = 10_000
 """Records that may wait; beyond, the oldest is dropped."""
@@ -25,6 +26,8 @@ QUALITY = 1
 DELAYS = (1, 30)
 """Shortest and longest time between attempts to connect again, s."""
 KEEPALIVE = 15
+LISTED = 6
+"""Keys that a message names."""
 UNSPECIFIED = "Unspecified error"
 """What paho calls a connection that ended without a word."""
 
@@ -33,7 +36,9 @@ class Mqtt:
     """Subscribes to a topic, and connects again by itself when the broker was lost.
 
     A message is a JSON object with a stamp and columns; or one column, of which the last level of the topic is the
-    name: ``{"time": ..., "value": ...}``, or a bare number, which has the time of its arrival.
+    name: ``{"time": ..., "value": ...}``, or a bare number, which has the time of its arrival. So has an object
+    without a stamp, unless the map names one. The ``unit`` beside a ``value`` is converted. A ``quality`` or a
+    ``status`` that is not good makes readings count as missing.
 
     Parameters
     ----------
@@ -42,6 +47,8 @@ class Mqtt:
     columns : sequence of str
     time : str
         The key of the stamp; empty for the usual names.
+    units : mapping, optional
+        Units by column that the readings are wanted in.
 
     Raises
     ------
@@ -49,7 +56,9 @@ class Mqtt:
         For an address without host or topic or with a bad port, and where paho-mqtt is not installed.
     """
 
-    def __init__(self, address: str, columns: Sequence[str], time: str = "") -> None:
+    def __init__(
+        self, address: str, columns: Sequence[str], time: str = "", units: Mapping[str, str] | None = None
+    ) -> None:
         parts = split_address(address.replace("#", "%23"), address, "mqtt://localhost:1883/crane/#")
         topic = unquote(parts.path.lstrip("/"))
         if not parts.hostname or not topic:
@@ -67,7 +76,8 @@ class Mqtt:
         self._columns, self._topic = list(columns), topic
         self._stamps = Stamps(time, self.notes)
         self._topics: dict[str, str] = {}
-        self._told: set[str] = set()
+        self._remarks = Remarks(self.notes)
+        self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors)
         self._fault: BaseException | None = None
         self._queue: queue.Queue[Record] = queue.Queue(MOST)
         self._client = paho.Client(paho.CallbackAPIVersion.VERSION2)
@@ -133,25 +143,26 @@ class Mqtt:
         stamp: Any = None
         if isinstance(found, dict):
             key = self._stamps.column([str(name) for name in found])
-            stamp = self._stamps.read(key, found[key]) if key is not None else None
-            if column in values and "value" in found:
-                values[column] = number_of(found["value"])
-            values |= {name: number_of(found[name]) for name in self._columns if name in found}
+            stamp = self._readings.stamp(self._stamps, key, found[key]) if key is not None else None
+            if self._readings.are_good(found, f"topic {topic}:"):
+                values |= self._values_of(found, topic, column)
         elif column in values:
-            values[column] = number_of(found)
+            values[column] = self._readings.number(column, found)
         if all(math.isnan(value) for value in values.values()):
             return None
         if retained and stamp is None:
             what = "a message" if isinstance(found, dict) else "a number"
-            self._tell_once(
+            self._remarks.tell(
                 f"retained {topic}",
                 f"topic {topic}: {what} without a stamp, which the broker has kept, is left out. Its age is not known",
             )
             return None
+        if isinstance(found, dict) and stamp is None and self._lacks_time(topic, found):
+            return None
         for name, value in values.items():
             first = self._topics.setdefault(name, topic) if not math.isnan(value) else topic
             if are_of_two(first, topic, name):
-                self._tell_once(
+                self._remarks.tell(
                     f"topics of {name}",
                     f"column '{name}' comes from two topics, {first} and {topic}: readings of {topic} are left out. "
                     "Name a topic in --source that leads to one machine",
@@ -161,10 +172,29 @@ class Mqtt:
             return None
         return Record(clock.time() if stamp is None else stamp, values, clock.monotonic())
 
-    def _tell_once(self, what: str, text: str) -> None:
-        if what not in self._told:
-            self._told.add(what)
-            self.notes.append(text)
+    def _values_of(self, found: Mapping[str, Any], topic: str, column: str) -> dict[str, float]:
+        """Readings of an object by column; `column` is the one that the topic names."""
+        values = {}
+        if column in self._columns and VALUE in found:
+            unit = next((found[key] for key in UNIT if key in found), None)
+            values[column] = self._readings.number(column, found[VALUE])
+            values[column] = self._readings.scaled(column, values[column], unit, f"topic {topic}:")
+        return values | {name: self._readings.number(name, found[name]) for name in self._columns if name in found}
+
+    def _lacks_time(self, topic: str, found: Mapping[str, Any]) -> bool:
+        """Whether an object without a stamp is left out, as the map names one; either is told."""
+        if self._stamps.asked:
+            text = f"topic {topic}: messages without '{self._stamps.asked}' are left out. The map gives that as `time`"
+            self._remarks.tell(f"time of {topic}", text)
+            return True
+        known = {*self._columns, VALUE, *UNIT, *SAID_OF}
+        others = [str(name) for name in found if str(name) not in known]
+        text = f"topic {topic}: messages have no time, so the time of arrival counts"
+        if others:
+            text += f". Keys that are no columns: {', '.join(others[:LISTED])}{', ...' if len(others) > LISTED else ''}"
+            text += f". Write `time: {others[0]}` in the map if {others[0]} is the time"
+        self._remarks.tell(f"time of {topic}", text)
+        return False
 
     def poll(self, timeout: float) -> Record | None:
         """The next record; None where none came within so many seconds.
@@ -182,6 +212,11 @@ class Mqtt:
             return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:
             return None
+
+    @property
+    def waiting(self) -> int:
+        """Records that have come and were not taken yet."""
+        return self._queue.qsize()
 
     def close(self) -> None:
         """Let go of the broker."""

@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from tautline.twin.sources.reading_units import unit_of_code
+
 DEEPEST, LARGEST = 8, 5000
 """Levels and nodes that are searched for a name."""
 TOGETHER = 8
@@ -149,6 +151,24 @@ async def variables_of(client: Any) -> tuple[list[Variable], bool]:
 def _in_parts(level: Sequence[Any]) -> Iterator[Sequence[Any]]:
     for k in range(0, len(level), TOGETHER):
         yield level[k : k + TOGETHER]
+
+
+async def units_of(nodes: Mapping[str, Any]) -> dict[str, list[str]]:
+    """The unit of each column that the server gives one of (OPC UA part 8: EngineeringUnits), and its other names."""
+    found = await asyncio.gather(*(_unit_of(node) for node in nodes.values()))
+    return {column: names for column, names in zip(nodes, found, strict=True) if names}
+
+
+async def _unit_of(node: Any) -> list[str]:
+    from asyncua.ua import UaError
+
+    try:
+        unit = await (await node.get_child("0:EngineeringUnits")).read_value()
+    except (UaError, ValueError):
+        return []
+    text, code = getattr(unit, "DisplayName", None), getattr(unit, "UnitId", 0)
+    names = [str(getattr(text, "Text", None) or ""), unit_of_code(int(code or 0))]
+    return [one for one in names if one]
 
 
 def nodes_by_column(client: Any, ids: Mapping[str, str]) -> dict[str, Any]:

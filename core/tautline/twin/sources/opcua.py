@@ -7,8 +7,8 @@ import math
 import queue
 import threading
 import time as clock
-from collections import deque
-from collections.abc import Sequence
+from collections import Counter, deque
+from collections.abc import Mapping, Sequence
 from datetime import UTC
 from typing import Any
 
@@ -16,9 +16,9 @@ from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
 from tautline.twin.sources.connection import Connection, cause_of
 from tautline.twin.sources.holding import Change, Holding
-from tautline.twin.sources.nodes import DEEPEST, LARGEST, Choice, chosen, is_id, nodes_by_column, variables_of
+from tautline.twin.sources.nodes import DEEPEST, LARGEST, Choice, chosen, is_id, nodes_by_column, units_of, variables_of
+from tautline.twin.sources.objects import ObjectReadings, Remarks, factor_told, what_is
 from tautline.twin.sources.record import Record, SourceFault
-from tautline.twin.sources.stamps import number_of
 
 MOST = 100_000
 PORT = 4840
@@ -40,6 +40,14 @@ DEAF = 60.0
 """How long a server may say nothing at all before it is connected to anew, s."""
 
 
+class Lost:
+    """In the queue: the connection was lost here, and nothing holds any more."""
+
+
+Heard = Change | float | Lost
+"""What waits in the queue: a change, when the server was alive, s, or that it was lost."""
+
+
 class OpcUa:
     """Subscribes to variables, and connects again by itself when the server was lost.
 
@@ -49,6 +57,8 @@ class OpcUa:
         ``opc.tcp://host[:port]/path``.
     columns : sequence of str
         Browse names below Objects that one variable has, or node ids such as ``ns=2;s=Winch.Position``.
+    units : mapping, optional
+        Units by column that the readings are wanted in; those of the server are converted.
 
     Raises
     ------
@@ -56,7 +66,7 @@ class OpcUa:
         For an address without host or with a bad port, and where asyncua is not installed.
     """
 
-    def __init__(self, address: str, columns: Sequence[str]) -> None:
+    def __init__(self, address: str, columns: Sequence[str], units: Mapping[str, str] | None = None) -> None:
         example = "opc.tcp://localhost:4840/crane"
         parts = split_address(address, address, example)
         if not parts.hostname:
@@ -71,12 +81,15 @@ class OpcUa:
         self.factors: dict[str, float] = {}
         self.missing: list[str] = []
         self._told: set[str] = set()
+        self._units, self._remarks = units or {}, Remarks(self.notes)
+        self._readings = ObjectReadings(columns, self._units, self.notes, self.factors)
+        self._scales: dict[str, float] = {}
         self._connection = Connection(address, self.notes)
         self._address = address if parts.port else parts._replace(netloc=f"{parts.netloc}:{PORT}").geturl()
         self._columns = list(columns)
-        self._queue: queue.Queue[Change | float | None] = queue.Queue(MOST)
-        self._next: Change | float | None = None
-        self._holding = Holding(columns, 1e-3 * PERIOD)
+        self._queue: queue.Queue[Heard] = queue.Queue(MOST)
+        self._next: Heard | None = None
+        self._holding = Holding(columns, 1e-3 * PERIOD, notes=self.notes)
         self._made: deque[Record] = deque()
         self._fault: BaseException | None = None
         self._closing = threading.Event()
@@ -100,7 +113,7 @@ class OpcUa:
                     self._connection.lost("" if isinstance(error, OSError) else cause_of(error))
                 else:
                     self._connection.failed(cause_of(error), answered=not isinstance(error, OSError))
-            self._put(None)
+            self._put(Lost())
             if self._followed:
                 delay = DELAYS[0]
             await asyncio.sleep(0.0 if self._closing.is_set() else delay)
@@ -117,6 +130,7 @@ class OpcUa:
         async with Client(self._address, timeout=4.0) as client:
             choice, whole = await self._choose(client)
             nodes = nodes_by_column(client, choice.ids)
+            self._scale(await units_of(nodes))
             handler = _Handler(self, {str(node.nodeid): name for name, node in nodes.items()})
             subscription = await client.create_subscription(asked, handler)
             refused = await _subscribe(subscription, nodes)
@@ -143,6 +157,26 @@ class OpcUa:
             cure = "compare them with the `column` of the sensors in the map"
             self.notes.append(f"the server has no variable {', '.join(missing)}: there is no reading of it; {cure}")
         self.missing = missing
+
+    def _scale(self, units: Mapping[str, list[str]]) -> None:
+        """Convert readings of now on from the units that the server gives."""
+        self._scales = {
+            column: factor_told(column, names, self._units.get(column), "the server says that", self._remarks)
+            for column, names in units.items()
+        }
+        self.factors |= {column: one for column, one in self._scales.items() if math.isfinite(one)}
+
+    def read(self, column: str, value: Any) -> float:
+        """A reading of a variable, in the map's unit; NaN for what is no number, which is told once."""
+        if value is None or not isinstance(value, (int, float, str)) or isinstance(value, bool):
+            why = f"the server gives {column} {what_is(value)}, and that is no number: its readings count as missing"
+            self._remarks.tell(f"kind of {column}", why)
+            return math.nan
+        found = self._readings.number(column, value)
+        if isinstance(value, str) and math.isnan(found) and "," not in value:
+            why = f"the server gives {column} {what_is(value)}, and that is no number: such readings count as missing"
+            self._remarks.tell(f"kind of {column}", why)
+        return found * self._scales.get(column, 1.0)
 
     async def _choose(self, client: Any) -> tuple[Choice, bool]:
         """Variables of the columns, and whether all nodes were searched; none are where all columns are ids."""
@@ -180,10 +214,12 @@ class OpcUa:
         if isinstance(first, float):
             self._made.extend(self._holding.until(first))
             return self._made.popleft() if self._made else None
-        if first is None:
+        if isinstance(first, Lost):
+            self._holding.forget()
+        if first is None or isinstance(first, Lost):
             return None
         together = {first.column: first}
-        more: Change | float | None
+        more: Heard | None
         while isinstance(more := self._take(GATHER), Change):
             near = (first.first and more.first) or abs(more.time - first.time) <= TOGETHER
             if not near or more.column in together:
@@ -202,25 +238,28 @@ class OpcUa:
         then = "its readings are used" if used else "its readings count as missing"
         self.notes.append(f"the server gives {column} the status {status}: {then}")
 
-    def _put(self, what: Change | float | None) -> None:
+    def _put(self, what: Heard) -> None:
         try:
             self._queue.put_nowait(what)
         except queue.Full:
             self.dropped += 1
 
-    def _take(self, timeout: float) -> Change | float | None:
-        """A change, or when the server was alive last, s; None where there is neither."""
+    def _take(self, timeout: float) -> Heard | None:
+        """What was heard next; None where nothing was."""
         if self._next is not None:
             kept, self._next = self._next, None
             return kept
-        found: Change | float | None
         try:
-            found = self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
+            return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:
             return None
-        if found is None:
-            self._holding.forget()
-        return found
+
+    @property
+    def waiting(self) -> int:
+        """Records that have come and were not taken yet: as many as the variable with most changes has."""
+        waits = [*list(self._queue.queue), self._next]
+        changes = Counter(one.column for one in waits if isinstance(one, Change))
+        return len(self._made) + max(changes.values(), default=0)
 
     def close(self) -> None:
         """Let go of the server."""
@@ -277,7 +316,7 @@ class _Handler:
         time = _seconds(sent.SourceTimestamp, _seconds(sent.ServerTimestamp, clock.time()))
         first = column not in self._known
         self._known.add(column)
-        reading = number_of(value) if self._usable(column, sent.StatusCode) else math.nan
+        reading = self._source.read(column, value) if self._usable(column, sent.StatusCode) else math.nan
         self._source.take_change(Change(time, column, reading, clock.monotonic(), first))
 
     def _usable(self, column: str, status: Any) -> bool:

@@ -31,8 +31,8 @@ def open_source(
     speed : float or None
         Of the replay of a file, times real time; None for as fast as possible.
     units : mapping, optional
-        Units by column that the readings are wanted in. Where the header of a table gives another unit of the same
-        quantity, readings are converted.
+        Units by column that the readings are wanted in. Where the header of a table, a server or a message gives
+        another unit of the same quantity, readings are converted.
 
     Raises
     ------
@@ -48,11 +48,11 @@ def open_source(
     if address.startswith(("mqtt://", "mqtts://")):
         from tautline.twin.sources.mqtt import Mqtt
 
-        return Mqtt(address, columns, time)
+        return Mqtt(address, columns, time, units)
     if address.startswith("opc.tcp://"):
         from tautline.twin.sources.opcua import OpcUa
 
-        return OpcUa(address, columns)
+        return OpcUa(address, columns, units)
     if "://" in address:
         raise option_error("--source", address, "is of no known kind", f"known: a file, -, {', '.join(SCHEMES)}")
     from tautline.twin.sources.csv_file import CsvFile

@@ -8,6 +8,21 @@ from tautline.errors import TautlineError
 from tautline.scene.reading.columns import NO_UNIT, unit_named
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 
+CODES = {
+    "MTR": "m", "KMT": "km", "CMT": "cm", "MMT": "mm", "INH": "in", "FOT": "ft", "NEW": "N", "B47": "kN", "B75": "MN",
+    "KGM": "kg", "GRM": "g", "TNE": "t", "LBR": "lb", "MTS": "m/s", "C16": "mm/s", "2M": "cm/s", "2X": "m/min",
+    "FS": "ft/s", "FR": "ft/min", "C81": "rad", "C25": "mrad", "DD": "deg", "2A": "rad/s", "RPM": "rpm", "PAL": "Pa",
+    "KPA": "kPa", "MPA": "MPa", "BAR": "bar", "PS": "psi", "NU": "N·m", "B48": "kN·m", "SEC": "s", "C26": "ms",
+    "MIN": "min", "HTZ": "Hz", "WTT": "W", "KWT": "kW",
+}  # fmt: skip
+"""Units by their common codes (UNECE recommendation 20)."""
+
+
+def unit_of_code(number: int) -> str:
+    """The unit of an OPC UA ``UnitId``, which has the letters of a common code (part 8, 5.6.4.3); empty for others."""
+    letters = [number >> shift & 0xFF for shift in (16, 8, 0)] if 0 < number < 1 << 24 else []
+    return CODES.get("".join(chr(one) for one in letters if one), "")
+
 
 class OtherQuantity(TautlineError):
     """A unit of the header that measures something else than that of the map; ``str()`` says why."""

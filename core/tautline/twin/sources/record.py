@@ -23,12 +23,15 @@ class Record:
         ``time.monotonic()`` at arrival, s.
     whole : bool
         Whether all of it was there: False for a last line without a line end, of which the last cell counts as missing.
+    repeated : frozenset of str
+        Columns that were not measured at this stamp: their readings are those of before, which hold until others come.
     """
 
     time: float
     values: Mapping[str, float]
     arrived: float
     whole: bool = True
+    repeated: frozenset[str] = frozenset()
 
 
 class SourceStopped(TautlineError):
@@ -62,6 +65,8 @@ class Source(Protocol):
         Records that were let go because they came faster than they were taken.
     factors : dict of str to float
         What readings are multiplied by, by column, to be in the map's unit, where the source gives another one.
+    waiting : int
+        Records that have come and were not taken yet.
     notes : list of str
         Sentences for the user that were not yet printed; who prints them takes them out.
     """
@@ -74,6 +79,10 @@ class Source(Protocol):
     dropped: int
     factors: dict[str, float]
     notes: list[str]
+
+    @property
+    def waiting(self) -> int:
+        """How many records have come and were not taken yet."""
 
     def poll(self, timeout: float) -> Record | None:
         """The next record; None where none came within so many seconds."""

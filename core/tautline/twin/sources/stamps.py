@@ -11,7 +11,7 @@ from tautline.scene.reading.columns import HEADER, unit_named
 from tautline.scene.values.moments import UNIX
 from tautline.scene.values.units import Unit, UnknownUnit, read_unit
 
-NAMES = ("time", "t", "timestamp", "stamp")
+NAMES = ("time", "t", "timestamp", "stamp", "ts", "datetime")
 """Columns of the stamp, where none is named."""
 FINER = ((1e14, "ms", "milliseconds"), (1e17, "us", "microseconds"), (math.inf, "ns", "nanoseconds"))
 """Units of stamps since 1970 that are no seconds: below which number a stamp is likely in each."""

@@ -11,8 +11,9 @@ from collections.abc import Mapping, Sequence
 from typing import IO, Any
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.twin.sources.objects import ObjectReadings
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
-from tautline.twin.sources.stamps import Stamps, number_of
+from tautline.twin.sources.stamps import Stamps
 from tautline.twin.sources.table import Header, has_end
 
 MOST = 100_000
@@ -45,6 +46,7 @@ class Stream:
         self._header: Header | None = None
         self._objects = False
         self._stamps = Stamps(time, self.notes)
+        self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors)
         threading.Thread(target=self._listen, daemon=True, name="tautline source").start()
 
     def _listen(self) -> None:
@@ -68,7 +70,7 @@ class Stream:
         row: tuple[float, Mapping[str, float]] | None
         if line.lstrip().startswith("{") or self._objects:
             self._objects, whole = True, True  # half an object is none
-            row = read_object(line, self._columns, self._stamps)
+            row = read_object(line, self._columns, self._stamps, self._readings)
         elif self._header is None:
             given = self._columns, self._time, self.name, self._units, self.notes, self._number
             self._begin(Header(line, *given))
@@ -115,6 +117,11 @@ class Stream:
         self.ended = found is None
         return found
 
+    @property
+    def waiting(self) -> int:
+        """Records that were read and not taken yet."""
+        return sum(isinstance(one, Record) for one in list(self._queue.queue))
+
     def close(self) -> None:
         """Nothing: the thread ends with the process, or with the stream."""
 
@@ -132,7 +139,9 @@ def text_of(line: str, name: str) -> str:
     return line.removeprefix("\ufeff")
 
 
-def read_object(line: str, columns: Sequence[str], stamps: Stamps) -> tuple[float, dict[str, float]] | None:
+def read_object(
+    line: str, columns: Sequence[str], stamps: Stamps, readings: ObjectReadings
+) -> tuple[float, dict[str, float]] | None:
     """Stamp and values of a JSON object; None for what is none."""
     try:
         found: Any = json.loads(line)
@@ -141,5 +150,6 @@ def read_object(line: str, columns: Sequence[str], stamps: Stamps) -> tuple[floa
     if not isinstance(found, dict):
         return None
     stamp = stamps.column([str(key) for key in found])
-    values = {name: number_of(found.get(name)) for name in columns}
-    return stamps.read(stamp, found[stamp]) if stamp is not None else float("nan"), values
+    good = readings.are_good(found, "in the data")
+    values = {name: readings.number(name, found.get(name)) if good else float("nan") for name in columns}
+    return readings.stamp(stamps, stamp, found[stamp]) if stamp is not None else float("nan"), values

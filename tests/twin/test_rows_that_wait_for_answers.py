@@ -1,0 +1,151 @@
+"""A twin that does not keep up with the rows of a machine says so; rows that were written before wait for nobody."""
+
+import io
+import json
+import time as clock
+
+import pytest
+
+from tautline.twin.signals.backlog import FALLS_BACK, LIMIT, Backlog
+from tautline.twin.sources.csv_file import CsvFile
+from tautline.twin.sources.holding import Change
+from tautline.twin.sources.opcua import OpcUa
+from tautline.twin.sources.stream import Stream
+from tautline.twin.twin import Twin
+
+STEP = 0.1
+SCENE = """
+rope: {mass_per_length: 6.5, axial_stiffness: 8.0e7, bending_stiffness: 0, damping: 1.0e-4, diameter: 36 mm}
+bodies: [{name: payload, mass: 5 t, position: [0.5, 0, -20]}]
+path:
+  - drum: {name: winch, center: [0, 0, 0], radius: 0.5, axis: [0, 1, 0], wrap: over, pay_out: {constant: 0}}
+  - end: {name: hook, body: payload}
+mesh: {elements_per_span: 2}
+gravity: [0, 0, -9.81]
+start: static
+solver: {method: generalized-alpha, rho_inf: 0.6, step: 5 ms, end: 60 s}
+output: {interval: 50 ms}
+"""
+MAP = """
+sensors: [{column: winch, unit: m, input: winch.pay_out}]
+watch: [{output: winch.tension, above: 80 kN, ahead: 2 s, name: overload}]
+"""
+
+
+def delayed(cost, count=200, pace=1.0, limit=LIMIT):
+    """By how much the twin is behind at each row, s, where it takes `cost` for one.
+
+    Rows come `pace` times as fast as they were measured. The clock is simulated: a row is taken when it has come and
+    the one before is answered.
+    """
+    now = [1000.0]
+    backlog, found = Backlog(limit, lambda: now[0]), []
+    for k in range(count):
+        arrived = 1000.0 + STEP * k / pace
+        now[0] = max(now[0], arrived)
+        backlog.take(STEP * k, arrived)
+        now[0] += cost
+        seconds, tell = backlog.judge()
+        found.append((seconds, backlog.behind, tell))
+    return found
+
+
+def test_a_twin_that_takes_longer_for_a_row_than_the_next_takes_to_come_is_behind_by_what_has_added_up():
+    found = delayed(0.12)
+    # 0.02 s more with every row: exact for a queue that is served one by one.
+    assert found[-1][0] == pytest.approx(0.12 + 199 * 0.02, abs=1e-6) and found[-1][1]
+    first = next(k for k, one in enumerate(found) if one[1])
+    assert found[first][0] == pytest.approx(LIMIT, abs=0.03)
+    told = [k for k, one in enumerate(found) if one[2]]
+    assert len(told) == 1 and told[0] - first == pytest.approx(FALLS_BACK / 0.12, abs=2)
+
+
+def test_a_twin_that_keeps_up_is_never_behind():
+    assert not any(behind or tell for _, behind, tell in delayed(0.09))
+
+
+def test_rows_that_were_written_before_wait_for_nobody():
+    assert not any(behind for _, behind, _ in delayed(0.12, pace=1e5))
+
+
+def test_a_shorter_look_ahead_is_of_no_use_sooner():
+    first = [next(k for k, one in enumerate(delayed(0.12, limit=limit)) if one[1]) for limit in (0.5, LIMIT, 10.0)]
+    assert first[0] < first[1] == first[2]
+
+
+def test_a_twin_that_was_late_at_its_start_is_behind_until_it_has_caught_up_and_nothing_is_told_to_help():
+    now = [1005.0]
+    backlog, found = Backlog(now=lambda: now[0]), []
+    for k in range(200):
+        arrived = 1000.0 + STEP * k
+        now[0] = max(now[0], arrived) + 0.02
+        backlog.take(STEP * k, arrived)
+        found.append((*backlog.judge(), backlog.behind))
+    behind = [one[2] for one in found]
+    assert any(behind) and not behind[-1] and not any(one[1] for one in found)
+    assert behind.index(False, behind.index(True)) < 70
+
+
+def answered(late):
+    """Lines of a twin whose rows are each taken so long after their arrival, s; the clock is simulated."""
+    made, now = Twin(SCENE, MAP, live=True), [0.0]
+    made.backlog = Backlog(now=lambda: now[0])
+    lines = []
+    for k in range(30):
+        now[0] = 1000.0 + STEP * k + late
+        lines += made.add(STEP * k, [0.0], 1000.0 + STEP * k)
+    return lines
+
+
+def test_the_lines_of_a_twin_that_is_behind_have_an_alarm_and_degraded_health():
+    *_, line = answered(4.0)
+    (alarm,) = [one for one in line["alarms"] if one["name"] == "behind the machine"]
+    assert "4.0 s behind the machine" in alarm["text"] and line["health"] == "degraded"
+    *_, line = answered(0.2)
+    assert not line["alarms"] and line["health"] == "good"
+
+
+def test_rows_that_are_answered_in_a_silence_have_waited_for_other_rows_only():
+    made, now = Twin(SCENE, MAP, live=True), [0.0]
+    made.backlog = Backlog(now=lambda: now[0])
+    for k in range(30):
+        now[0] = 1000.0 + STEP * k
+        made.add(STEP * k, [0.0], now[0])
+    now[0] += 5.0
+    *_, line = made.answers(silent=True)
+    assert line["health"] == "good" and not line["alarms"]
+
+
+def test_rows_from_python_without_a_time_of_arrival_are_not_behind():
+    made, lines = Twin(SCENE, MAP, live=True), []
+    for k in range(30):
+        lines += made.add(STEP * k, [0.0])
+    assert lines[-1]["health"] == "good" and not lines[-1]["alarms"]
+
+
+def test_records_that_nobody_has_taken_are_counted(monkeypatch, tmp_path):
+    stream = Stream(io.StringIO("".join(json.dumps({"time": k, "a": 1}) + "\n" for k in range(7))), ["a"])
+    end = clock.monotonic() + 5.0
+    while stream.waiting < 7 and clock.monotonic() < end:
+        clock.sleep(0.01)
+    assert stream.waiting == 7
+    stream.poll(0.1)
+    assert stream.waiting == 6
+    pytest.importorskip("asyncua")
+    monkeypatch.setattr(OpcUa, "_listen", lambda self: None)
+    source = OpcUa("opc.tcp://localhost:4840/x", ["a", "b"])
+    for k in range(5):
+        source._put(Change(1.0 * k, "a", 1.0, 1.0 * k))
+        source._put(Change(1.0 * k, "b", 1.0, 1.0 * k))
+    assert source.waiting == 5
+    source.close()
+
+
+def test_a_row_of_a_replay_that_is_asked_for_late_has_arrived_when_it_was_due(tmp_path):
+    (tmp_path / "r.csv").write_text("time,a\n0,1\n1,1\n2,1\n3,1\n")
+    now = [100.0]
+    source, arrived = CsvFile(tmp_path / "r.csv", ["a"], speed=1.0, now=lambda: now[0], sleep=lambda s: None), []
+    for _ in range(4):
+        now[0] += 5.0
+        arrived.append(source.poll(0.0).arrived)
+    assert arrived == [100.0, 101.0, 102.0, 103.0]
