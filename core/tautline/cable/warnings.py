@@ -33,8 +33,6 @@ from tautline.scene.reading.document import join_key
 from tautline.scene.solver import longest_step
 from tautline.scene.warnings import warning
 
-STIFF_PENALTY = 1.0e6
-"""Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
 ROUNDED_SHARE = 1.0e-3
 """Share of a scene's largest force from which on that what rounding leaves in a penalty spring is told."""
 SOFT_SHARE = 0.01
@@ -548,7 +546,7 @@ def _penalties(scene: CableScene) -> Sentences:
             continue
         stiffness = tie.stiffness
         rope, how = give(tie)
-        if stiffness > STIFF_PENALTY * stiffest > 0.0 or stiffness * gap > ROUNDED_SHARE * force:
+        if stiffness * gap > ROUNDED_SHARE * force:
             # Beside elements without any stiffness there is neither a multiple to tell nor a spring to advise.
             beside = f" is {stiffness / stiffest:.1g} times the stiffest element" if stiffest > 0.0 else ""
             cured = stiffest > 0.0 and better * gap <= ROUNDED_SHARE * force

@@ -219,6 +219,20 @@ def test_a_spring_whose_rounding_is_felt_far_from_the_origin_is_told_with_the_fo
     assert "by up to 4e+01 N; give 1e+12" in text
 
 
+@pytest.mark.parametrize(("stiffness", "is_eaten"), [(4.1e11, False), (1e13, False), (1e14, False), (1e22, True)])
+def test_a_spring_is_told_for_its_rounding_where_that_is_felt_and_not_for_being_stiff_alone(stiffness, is_eaten):
+    # 1e6 to 2.5e8 times the stiffest element: measured 2e-9 of the largest force and less, but 8e-3 at 1e22 N/m, where
+    # nothing is left of the rope's stiffness beside the spring's
+    largest = [
+        np.array(run(rope(way, 1e6, stiffness=k))["axial_force"]).max()
+        for way, k in (("multiplier", None), ("penalty", stiffness))
+    ]
+    assert (abs(largest[1] / largest[0] - 1.0) > 1e-3) == is_eaten
+    assert abs(largest[1] / largest[0] - 1.0) < 1e-8 or is_eaten
+    told = told_of(rope("penalty", 1e6, stiffness=stiffness))
+    assert len(told) == is_eaten and all("rounding eats the forces" in text for text in told)
+
+
 @pytest.mark.parametrize(("EA", "bottom"), [(1e8, 0.0), (1e8, -2000.0), (3e5, 0.0), (7e7, -5e4), (2.9e6, -2e5)])
 def test_a_spring_as_stiff_as_is_advised_is_not_told_again(EA, bottom):
     (text,) = told_of(rope("penalty", EA, bottom, 1e18))
