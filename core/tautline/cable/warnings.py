@@ -26,6 +26,7 @@ from tautline.cable.model.magnitudes import (
     stiffest_element,
     stiffness_of,
 )
+from tautline.cable.model.sides import sides_of
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.model import MADE
@@ -524,7 +525,7 @@ def _twice(scene: CableScene) -> Sentences:
 
 @warning("cable")
 def _penalties(scene: CableScene) -> Sentences:
-    """Penalty springs so stiff that rounding makes their forces, or so soft that the rope opens at them."""
+    """Springs between r and p so stiff that rounding makes their forces, or so soft that the rope opens at them."""
     sprung = [tie for tie in scene.ties if tie.method != "multiplier" and tie.what != 2]
     if not sprung:
         return
@@ -585,9 +586,9 @@ def _give(scene: CableScene) -> Callable[[Tie], tuple[float, str]]:
     """
     lengths = element_lengths(scene).tolist()
     parts = list(zip(scene.elements, lengths, strict=True))
-    stretch = _sides(scene, [length / e.EA if e.EA > 0.0 else 0.0 for e, length in parts])
+    stretch = sides_of(scene, [length / e.EA if e.EA > 0.0 else 0.0 for e, length in parts])
     # L/EJ^(1/3): of elements in a row their sum counts, and its cube.
-    bend = _sides(scene, [length / math.cbrt(e.EJ) if e.EJ > 0.0 else 0.0 for e, length in parts])
+    bend = sides_of(scene, [length / math.cbrt(e.EJ) if e.EJ > 0.0 else 0.0 for e, length in parts])
 
     def of(tie: Tie) -> tuple[float, str]:
         rope = sum(stretch(node) for node in tie.nodes)
@@ -598,26 +599,28 @@ def _give(scene: CableScene) -> Callable[[Tie], tuple[float, str]]:
     return of
 
 
-def _sides(scene: CableScene, give: list[float]) -> Callable[[int], float]:
-    """Sum of what elements give, from a node on up to where the rope is held or tied, branches or ends."""
-    ends: dict[int, list[tuple[int, int]]] = {}
-    for i, element in enumerate(scene.elements):
-        for node, other in (element.nodes, element.nodes[::-1]):
-            ends.setdefault(node, []).append((i, other))
-    stops = {node.id for node in scene.nodes if all(node.held[:3])} | {node for tie in scene.ties for node in tie.nodes}
-
-    def along(first: int, node: int) -> float:
-        total, seen = give[first], {first}
-        while node not in stops and len(ends[node]) == 2:
-            further = [one for one in ends[node] if one[0] not in seen]
-            if not further:
-                break
-            (at, node) = further[0]
-            seen.add(at)
-            total += give[at]
-        return total
-
-    return lambda node: max((along(*end) for end in ends.get(node, ())), default=0.0)
+@warning("cable")
+def _slope_penalties(scene: CableScene) -> Sentences:
+    """Penalty springs between slopes so soft that the rope has a kink at them. Ropes that do not bend load none."""
+    given = [(tie.stiffness, tie) for tie in scene.ties if tie.method == "penalty" and tie.what == 2]
+    sprung = [(stiffness, tie) for stiffness, tie in given if stiffness is not None]
+    if not sprung:
+        return
+    lengths = element_lengths(scene).tolist()
+    # L/EJ, the angle by which 1 N m bends the rope, rad; no moment passes where nothing resists bending.
+    bend = sides_of(scene, [n / e.EJ if e.EJ > 0.0 else math.inf for e, n in zip(scene.elements, lengths, strict=True)])
+    beside = [(stiffness * sum(bend(node) for node in tie.nodes), stiffness, tie) for stiffness, tie in sprung]
+    soft = [one for one in beside if 0.0 < one[0] < 1.0 / SOFT_SHARE]
+    if not soft:
+        return
+    multiple, stiffness, tie = min(soft, key=lambda one: one[0])
+    others = f". This is the worst of {len(soft)} ties that are too soft" if len(soft) > 1 else ""
+    text = (
+        f"{stiffness:.3g} N m is soft beside the bending stiffness of the rope on both sides of the tie. It adds about "
+        f"{100.0 / multiple:.3g} % to the angle by which that rope bends. Give "
+        f"{stiffness / (SOFT_SHARE * multiple):.2g} or more, or use LagMultipl7{others}"
+    )
+    yield (*tie.place, "p_spring"), text
 
 
 @warning("cable")
