@@ -51,18 +51,21 @@ def pytest_collection_modifyitems(items):
     the same at the same time: the loop over steps as they begin, and then the kinds of groups of one application. So
     the second has some minutes of other work, in which the first compiles what both need.
     """
-    apart = [item for item in items if _folder(item) in NOT_RUN]
-    apart.sort(key=lambda item: NOT_RUN.index(_folder(item)))
-    run = [item for item in items if _folder(item) not in NOT_RUN]
+    apart = [item for item in items if _folder(item.path) in NOT_RUN]
+    apart.sort(key=lambda item: NOT_RUN.index(_folder(item.path)))
+    run = [item for item in items if _folder(item.path) not in NOT_RUN]
     run.sort(key=lambda item: (_place(item.path), not _is_of_strings(item.path)))
     middle = len(items) // 2
     items[:] = [*run[:middle], *apart, *run[middle:]]
 
 
-def _folder(item):
-    return item.path.relative_to(TESTS).parts[0]
+# There are thirty times as many tests as files.
+@cache
+def _folder(path):
+    return path.relative_to(TESTS).parts[0]
 
 
+@cache
 def _place(path):
     place = path.relative_to(TESTS)
     return FIRST.index(place) if place in FIRST else len(FIRST)

@@ -116,7 +116,7 @@ def young_processes(*loaded):
             out, err = Path(folder) / "out", Path(folder) / "err"
             for file in (out, err):
                 file.touch()
-            waiting.stdin.write(json.dumps([words, str(cwd), env, str(out), str(err)]) + "\n")
+            waiting.stdin.write(json.dumps([words, str(cwd or Path.cwd()), env, str(out), str(err)]) + "\n")
             waiting.stdin.flush()
             code = int(waiting.stdout.readline())
             return subprocess.CompletedProcess(words, code, out.read_text("utf8"), err.read_text("utf8"))

@@ -12,7 +12,7 @@ from gardenhose.estimates import average, speeds
 from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene, tied
-from gardenhose.summary import FIGURES, JOINED, headline
+from gardenhose.summary import FIGURES, JOINED, OTHERS, headline
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.model.build import Assembly, assemble_cables
@@ -81,7 +81,7 @@ def build(scene: HoseScene) -> Model:
         headline=headline,
         limits=limits,
         figure_units=FIGURES,
-        statistics={"rules": JOINED},
+        statistics={"rules": JOINED, "possible": (*OTHERS, *FIGURES)},
         start=STARTS[scene.start],
         step_limit=step_limit(scene),
         settle=None if scene.coupling == "linear" else lambda state: begin_at_rest(scene, made, state),

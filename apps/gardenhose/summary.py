@@ -15,6 +15,8 @@ FIGURES = {
     "axial_force_min": "N", "flow_speed": "m/s", "node": "", "node_amplitude": "m", "node_frequency": "Hz",
 }  # fmt: skip
 """Figures of a run that are one number, and their units: a scene may set limits of these."""
+OTHERS = ("motion", "tip_mean")
+"""Figures that are a text, or several numbers."""
 JOINED = {"tip_speed_max|axial_force_max": "largest", "axial_force_min": "smallest", "flow_speed": "last"}
 """How figures of pieces of a run make those of the whole; the others are of the motion at its end."""
 MOVES = 1.0e-6

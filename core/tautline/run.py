@@ -56,7 +56,9 @@ from tautline.results.errors import ResultError
 from tautline.results.on_demand import OnDemand
 from tautline.results.result import Result
 from tautline.results.resumption import (
+    MISSING_UNTIL,
     ROUNDING,
+    begins_late,
     frames_until,
     of_another_build,
     place_of,
@@ -142,6 +144,7 @@ class Run:
         self.places: tuple[Any, dict[str, np.ndarray]] = (None, {})
         self.remembered = 0.0
         self.began = Start()
+        self.missing_until: float | None = None
         self.ahead, self.stored_at = 0, time.perf_counter()
         """Frames in the room before those of the batch, stored with what follows; and when frames were stored last."""
         self.frames = self._room(1 if brief is None else 1 + min(self.batch, self.ends.size))
@@ -158,6 +161,7 @@ class Run:
         # The state may stand between two frames: the clock is that of the state, or its own time would be shifted.
         self.time = self.reached = self.remembered = self.began_at = restart_time(earlier)
         frames = frames_until(earlier, self.time, tuple(variable.name for variable in self.model.variables))
+        self.missing_until = earlier.attributes.get(MISSING_UNTIL)
         self.began = Start.of_attribute(earlier.attributes.get("start"))
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
         self.cpu = float(earlier.attributes.get("cpu_time", 0.0))
@@ -446,7 +450,8 @@ class Run:
     def _all_warnings(self, result: Result, step: float, further: Sequence[str]) -> list[str]:
         """Of the start, of the accuracy with a mean step, s, of what the application sees in the run, and further."""
         remarks = self.model.remarks(result) if self.model.remarks is not None else []
-        return [*self.began.warnings, *self.warnings(step), *remarks, *further]
+        late = [] if self.missing_until is None else [begins_late(self.missing_until)]
+        return [*self.began.warnings, *self.warnings(step), *remarks, *further, *late]
 
     def _tells(self, name: str) -> bool:
         """Whether an attribute is wanted."""

@@ -18,7 +18,7 @@ from tautline.results.errors import ResultError
 from tautline.results.store import Store
 from tautline.results.variable import Variable
 from tautline.view.figures.choice import choose
-from tautline.view.figures.curves import MOST_LINES
+from tautline.view.figures.curves import MOST_LINES, variable_figure
 
 ONE, FALLS = one_fall(), falls(2)
 
@@ -287,3 +287,26 @@ def test_the_verb_draws_a_variable_against_another_into_the_file_that_it_is_give
     verb(Single(Drillstring()), [tmp_path / "well.nc"], file, ["hook_load"], "block_position", None, True)
     assert json.loads(capsys.readouterr().out)["figures"] == [str(file)]
     assert "hook load [kN]" in file.read_text() and "block position [m]" in file.read_text()
+
+
+def bounded(name, bound):
+    """A result of one variable, which goes from 0 to 10 kN, with a limit of its scene."""
+    time = np.linspace(0.0, 10.0, 11)
+    record = {"name": name, "limit": bound, "variable": "hook_load"}
+    with Store(None, [Variable("hook_load", ("time",), "N", "hook load")], None, {}) as store:
+        store.append({"time": time, "hook_load": 1e3 * time})
+        return store.finish({"limits": [record]})
+
+
+def test_limits_of_several_results_under_one_name_say_which_results_they_are_of():
+    runs, names = [bounded("overload", bound) for bound in (8e3, 9e3, 9e3)], ["a", "b", "c"]
+    figure = variable_figure(runs, names, "hook_load", None, "")
+    (plot,) = figure.axes
+    levels = {label: y[0] for label, (_, y) in curves(plot).items() if label not in names}
+    assert levels == {"overload (a)": pytest.approx(8.0), "overload (b, c)": pytest.approx(9.0)}
+    drawn = {line.get_label(): line.get_color() for line in plot.get_lines()}
+    assert drawn["overload (a)"] == drawn["a"] and drawn["overload (b, c)"] == "black"
+    alike = variable_figure(runs[1:], names[1:], "hook_load", None, "").axes[0]
+    assert "overload" in curves(alike), "one that all have needs no name of a result"
+    alone = variable_figure(runs[:1], names[:1], "hook_load", None, "").axes[0]
+    assert "overload" in curves(alone)

@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from young_processes import OF_COMMANDS, started, young_processes
 
 import crane
 import tautline
@@ -112,12 +113,16 @@ os._exit(0)  # the library of an FMU in Python does not survive the end of its h
 ONE_STEP = "refused(lambda: (begin(), step(0.0)))"
 
 
-def host(path, acts=ONE_STEP, **environment):
+@pytest.fixture(scope="module")
+def young():
+    """Starts hosts that need not load FMPy, NumPy and numba anew, and have found nothing of Tautline."""
+    with young_processes(*OF_COMMANDS, "fmpy") as run:
+        yield run
+
+
+def host(path, acts=ONE_STEP, run=started, **environment):
     """What a host says that makes one instance of an FMU and does what is asked."""
-    ran = subprocess.run(
-        [sys.executable, "-c", HOST.replace("ACTS", acts), str(path)], capture_output=True, text=True, timeout=300,
-        env={**os.environ, **environment},
-    )  # fmt: skip
+    ran = run(["-c", HOST.replace("ACTS", acts), path], cwd=None, env={**os.environ, **environment})
     assert ran.returncode == 0, f"the host died: {ran.returncode}; {ran.stdout}{ran.stderr}"
     return ran.stdout + ran.stderr
 
@@ -126,14 +131,14 @@ def host(path, acts=ONE_STEP, **environment):
 @pytest.mark.parametrize(
     "name", ["unit", "staticmethod", "class", "None", "fmi2", "super", "Fmi3Slave", "Unit", "a²", "1 кран", "x\x01"]
 )
-def test_an_fmu_has_any_name_that_a_file_can_have(name, fmi, tmp_path):
+def test_an_fmu_has_any_name_that_a_file_can_have(name, fmi, tmp_path, young):
     """Also one of Python, of the script itself, or with letters that C does not know in names."""
     path = tmp_path / f"{name}.fmu"
     write_fmu(DATA / "hoist.yaml", path, ["winch.pay_out_speed"], ["winch.tension"], fmi=fmi)
     told = fmpy.read_model_description(str(path))
     assert re.fullmatch("[A-Za-z][A-Za-z0-9_]*", told.coSimulation.modelIdentifier)
     assert told.modelName == name.replace("\x01", "_")
-    assert "stepped" in host(path)
+    assert "stepped" in host(path, run=young)
 
 
 def test_the_usual_name_of_an_fmu_is_that_of_its_library(tmp_path):

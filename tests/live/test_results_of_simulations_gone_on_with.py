@@ -226,3 +226,69 @@ def test_the_stiffness_of_a_rope_as_a_parameter_says_what_keeps_that_of_the_scen
     assert "on wheels and drums" in sim.parameters.handle("rope.axial_stiffness").text
     assert sim["winch.tension"] == pytest.approx(other["winch.tension"], rel=1e-5)
     assert sim["payload.position"] == pytest.approx(other["payload.position"], abs=1e-6)
+
+
+# -- what a result says of where it begins -----------------------------------------------------------------------------
+
+
+def joined(time, keep=True, **changed):
+    """A simulation that goes on from the state of another at a time, s."""
+    one = tautline.Simulation(HOIST, **changed)
+    one.advance_to(time)
+    other = tautline.Simulation(HOIST, keep=keep)
+    other.restore(one.save())
+    return other
+
+
+@pytest.mark.parametrize("path", [None, "on.nc"])
+def test_that_frames_of_another_run_are_missing_is_said_of_what_goes_on_from_a_result_too(tmp_path, path):
+    sim = joined(1.0)
+    sim.advance(0.5)
+    (told,) = [text for text in sim.result.warnings if "another run saved" in text]
+    first = tautline.simulate(HOIST, end=2.0, resume=sim.result, path=None if path is None else tmp_path / path)
+    again = tautline.simulate(HOIST, end=2.5, resume=first)
+    for resumed in (first, again):
+        assert [text for text in resumed.warnings if "another run saved" in text] == [told]
+        assert resumed.attributes["frames_missing_until"] == 1.0
+    whole = tautline.simulate(HOIST, end=2.0)
+    assert "frames_missing_until" not in whole.attributes and not whole.warnings
+
+
+def test_figures_over_the_start_of_a_result_that_begins_late_say_from_when_on():
+    sim = joined(1.0, keep=1.0, parameters={"payload.mass": 5500.0})
+    sim.advance_to(3.0)
+    result = sim.result
+    height = result["body_position"][:, 0, 2]
+    assert result.time[0] == pytest.approx(2.0) and not result.start
+    assert result.headline["rise"]["value"] == pytest.approx(height[-1] - height[0], abs=1e-12)
+    for name in ("rise", "max_rise", "max_displacement"):
+        assert "since 2 s, where the result begins" in result.headline[name]["text"]
+    assert "over the tension at 2 s, where the result begins" in result.headline["dynamic_amplification"]["text"]
+
+
+def test_figures_over_a_start_that_is_known_do_not_say_that_they_are_over_a_later_time():
+    sim = tautline.Simulation(HOIST, keep=1.0)
+    sim.advance_to(3.0)
+    result = sim.result
+    assert result.time[0] == pytest.approx(2.0)
+    assert not any("where the result begins" in one["text"] for one in result.headline.values())
+
+
+@pytest.mark.parametrize("keep", [True, 1.0, False])
+@pytest.mark.parametrize("back", [2.7, 1.0])
+def test_a_state_counts_the_frames_that_were_kept_until_then_also_after_a_way_back(keep, back):
+    sim = tautline.Simulation(HOIST, keep=keep)
+    sim.advance_to(back)
+    early = sim.save()
+    assert early.frames == 1 + round(back / 0.05)
+    sim.advance_to(3.0)
+    late = sim.save()
+    sim.restore(early)
+    assert sim.save().frames == early.frames
+    sim.advance_to(3.0)
+    assert sim.save().frames == late.frames == 61
+    other = tautline.Simulation(HOIST, keep=keep)
+    other.restore(early)
+    assert other.save().frames == early.frames
+    other.advance_to(3.0)
+    assert other.save().frames == late.frames

@@ -13,6 +13,8 @@ import tautline
 from crane.application import Crane
 from crane.rope_life.fatigue import rainflow_counts
 from drillstring.application import Drillstring
+from gardenhose.application import Gardenhose
+from tautline.integrators.status import Interrupted
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
 from tautline.statistics.streaming import Blocks, Moments, Turns, Windows
@@ -318,7 +320,7 @@ def test_statistics_of_a_string_tell_its_largest_and_smallest_and_name_what_they
     assert figures["bit_speed_max"] == np.abs(full["bit_speed"][some]).max()
     assert figures["stretch_start"] == full.headline["stretch_start"]["value"]
     left_out = kept.attributes["figures_left_out"].split(", ")
-    assert {"bit_displacement", "stick_slip_severity"} <= set(left_out)
+    assert set(left_out) == {"bit_displacement", "bit_stuck"}
     assert not set(left_out) & figures.keys()
 
 
@@ -338,3 +340,86 @@ def test_tables_of_windows_count_the_pieces_of_time_and_the_command_tells_them(b
     assert f"to {last:g} s. Tables" in told or f", {last:g} s. Tables" in told
     commands_of(Crane(), capsys)("export", "--csv", full.path, "-o", tmp_path)
     assert "piece" not in (tmp_path / "full.csv").read_text().splitlines()[0]
+
+
+HOSE = """
+hose: {length: 0.5 m, elements: 6, axial_stiffness: 10 N, bending_stiffness: 0.00108 N*m^2, mass_per_length: 0.0031316}
+water: {mass_per_length: 0.0007854 kg/m, speed: 5.0}
+gravity: [0, 0, -9.81]
+solver: {step: 2 ms, end: 1 s}
+output: {interval: 10 ms}
+"""
+
+
+def left_out_of(result):
+    return set(result.attributes["figures_left_out"].split(", "))
+
+
+def test_what_statistics_do_not_tell_names_the_figures_of_a_hose_that_are_texts_or_several_numbers_too():
+    hose = tautline.read(HOSE)
+    full = simulate(Gardenhose().build(hose))
+    kept = simulate(Gardenhose().build(hose.replace({"output": {"interval": 0.01, "keep": "statistics"}})))
+    assert {"motion", "tip_mean"} <= left_out_of(kept)
+    assert set(full.headline) <= set(kept.headline) | left_out_of(kept)
+
+
+@pytest.mark.parametrize(
+    ("changed", "more"),
+    [
+        ({}, set()),
+        ({"rope.damping": 0.0, "mesh.elements_per_span": 2}, {"undamped_snaps"}),
+    ],
+)
+def test_what_statistics_do_not_tell_names_no_figure_that_the_scene_cannot_have(jump, changed, more):
+    # A rope from an anchor to a body, without sheave, drum and diameter.
+    short = {"solver.end": 1.0, "output": KEEP}
+    assert left_out_of(simulate(Crane().build(jump.replace(short | changed)))) == {
+        "slack_events", "longest_slack", "max_snap", *more,
+    }  # fmt: skip
+
+
+def test_figures_of_a_hoist_that_statistics_do_not_tell_are_those_that_the_run_with_every_frame_has(both):
+    full, kept = both
+    assert set(full.headline) - set(kept.headline) <= left_out_of(kept)
+    # Of its slack and its slip it had none.
+    assert left_out_of(kept) - set(full.headline) <= {"longest_slack", "max_snap", "slipping_share"}
+
+
+def test_statistics_tell_the_largest_tension_at_each_place(scene):
+    limits = [{"output": "max_tension_hook", "above": 1.0e3, "name": "hook"}]
+    short = scene.replace({"solver.end": 5.0, "limits": limits})
+    full = simulate(Crane().build(short))
+    kept = simulate(Crane().build(short.replace({"output": {"interval": 0.04, "keep": "statistics"}})))
+    names = {name for name in full.headline if name.startswith("max_tension_")}
+    assert len(names) == 4
+    assert {name: kept.headline[name] for name in names} == {name: full.headline[name] for name in names}
+    assert given(kept)["hook"]["passed"] is False
+
+
+def test_limits_of_an_application_are_not_judged_and_say_why_where_a_run_ends_before_begin(jump):
+    def stop(time, wall):
+        if time > 2.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted) as ended:
+        simulate(Crane().build(jump.replace({"output": KEEP | {"begin": 25.0}})), progress=stop)
+    judged = {one["name"]: one for one in ended.value.result.limits}
+    full = {one["name"]: one for one in simulate(Crane().build(jump.replace({"solver.end": 2.0}))).limits}
+    assert judged.keys() == full.keys() and "breaking_load" in judged
+    for name, one in judged.items():
+        assert one["passed"] is None and one["value"] is None and one["limit"] == full[name]["limit"]
+        assert one["note"] == "no frame counts: the run ended before output.begin"
+
+
+@pytest.mark.parametrize("begin", [0.0, 1.0])
+def test_the_title_of_the_limits_says_that_statistics_see_every_frame(tmp_path, capsys, monkeypatch, begin):
+    monkeypatch.chdir(tmp_path)
+    path, every = tmp_path / "jump.yaml", "{interval: 100 ms}"
+    asked = f"{{interval: 100 ms, keep: statistics, windows: 0.5 s, begin: {begin} s}}"
+    limited = JUMP.replace(every, f"{asked}\nlimits: [{{output: max_tension, above: 90 kN}}]")
+    path.write_text(limited.replace("end: 30 s", "end: 2 s"), encoding="utf8")
+    code, _, told = commands_of(Crane(), capsys)("simulate", path)
+    told = " ".join(told.split())
+    assert code == 0
+    assert "limits of the scene, in every frame of the run" in told and "at the stored frames" not in told
+    assert ("every frame of the run from t = 1 s" in told) == (begin > 0.0)

@@ -1,6 +1,7 @@
 """Runs of a sweep: the numbers are those of single runs, a failed case is a row, and what is written is whole."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -269,6 +270,24 @@ def test_limits_may_be_varied_are_collected_where_nothing_is_named_and_a_slip_in
     assert {"limit.jerk.margin", "limit.overload.longest"} <= set(data.data_vars)
     with pytest.raises(tautline.SceneError, match=r"did you mean 'limit\.overload\.margin'"):
         tautline.sweep(limited(), {MASS: ["2 t"]}, collect=["limit.overlaod.margin"], jobs=1)
+
+
+@pytest.mark.parametrize(
+    ("figure", "told"),
+    [
+        ("limit.overload.longest", "how long a value is beyond its bound needs every frame"),
+        ("limit.lift.failed", "energy_hoisted needs every frame"),
+        ("limit.lift.value", "energy_hoisted needs every frame"),
+    ],
+)
+def test_what_a_limit_comes_to_is_refused_before_the_first_run_where_statistics_cannot_tell_it(figure, told):
+    scene = limited().replace({"output": {"interval": 0.05, "keep": "statistics"}})
+    lift = {"output": "energy_hoisted", "above": 1.0, "name": "lift"}
+    limits = [{"output": "winch.tension", "above": 52e3, "name": "overload"}, lift]
+    with pytest.raises(tautline.SceneError, match=f"statistics do not tell {re.escape(figure)}: {told}"):
+        tautline.sweep(scene.replace({"limits": limits}), {MASS: ["2 t"]}, collect=[figure], jobs=1)
+    data = tautline.sweep(scene, {MASS: ["2 t"]}, collect=["limit.overload.margin"], jobs=1)
+    assert np.isfinite(data["limit.overload.margin"]).all()
 
 
 def test_the_summary_of_a_plan_that_samples_tells_its_percentiles_and_their_table(tmp_path, capsys, monkeypatch):

@@ -199,6 +199,34 @@ def test_an_encoder_whose_leap_is_smeared_over_five_rows_is_no_motion_of_a_winch
     assert track.fastest == pytest.approx(2.0, rel=1e-6)
 
 
+def rotary(times, values):
+    """States of a rotary table that is at rest before the first row."""
+    table = {"column": "rpm", "name": "top.rotary_speed", "unit": "rad/s", "waves": False}
+    track = InputTrack(CHANNEL.model_copy(update=table), 0)
+    track.begin(float(values[0]), times[0] - 0.4)
+    return track, [(row.time, state, track.joining) for row, state in follow(track, times, values)]
+
+
+@pytest.mark.parametrize("interval", [0.1, 0.4, 5.0])
+def test_a_rotary_table_that_is_at_full_speed_a_row_later_is_followed_and_nothing_is_made_up_for(interval):
+    times = interval * np.arange(60)
+    values = np.where((times > 20.0 * interval) & (times < 40.5 * interval), 8.0, 0.0)
+    _, states = rotary(times, values)
+    # It took 15 s to come to 8 rad/s, and as long to stop.
+    assert not [at for at, _, joining in states if joining]
+    assert [state[0] for _, state, _ in states] == pytest.approx(values[: len(states)], abs=0.05)
+
+
+def test_one_row_of_a_speed_that_drops_out_is_left_out_and_a_stop_is_none():
+    times = 0.4 * np.arange(60)
+    values = np.full(60, 8.0)
+    values[20] = values[30] = 0.0
+    values[40:46] = 0.0
+    _, states = rotary(times, values)
+    true = np.where((np.arange(60) >= 40) & (np.arange(60) < 46), 0.0, 8.0)
+    assert [state[0] for _, state, _ in states] == pytest.approx(true[: len(states)], abs=0.05)
+
+
 def test_a_sea_that_is_dead_calm_has_a_motion_ahead():
     waves = Waves()
     for k in range(1, 700):

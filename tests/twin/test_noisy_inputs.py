@@ -51,7 +51,9 @@ def test_a_millimetre_of_noise_of_the_inputs_moves_the_tension_by_little_and_rai
     assert not UNTRUE & raised
 
 
-def test_the_place_of_a_load_that_nothing_measures_has_a_deviation_of_what_the_rows_miss():
+@pytest.fixture(scope="module")
+def without_noise():
+    """Lines of a twin of the finer model's rows without noise of the inputs, after `QUIET`, and the load's heights."""
     fine = {"mesh.elements_per_span": 8, "solver.step": "2 ms", "bodies[0].mass": "5.3 t"}
     height = "sensors:\n  - {column: height, unit: m, output: 'payload.position[2]'}"
     with_height = read_map(MAP.replace("sensors:", height))
@@ -60,7 +62,11 @@ def test_the_place_of_a_load_that_nothing_measures_has_a_deviation_of_what_the_r
         heights[round(stamp, 6)] = readings.pop("height")
         lines += twin.add(stamp, readings)
         twin.work()
-    late = [line for line in lines + twin.finish() if line["time"] > QUIET]
+    return [line for line in lines + twin.finish() if line["time"] > QUIET], heights
+
+
+def test_the_place_of_a_load_that_nothing_measures_has_a_deviation_of_what_the_rows_miss(without_noise):
+    late, heights = without_noise
     off = np.array([line["outputs"]["payload.position"][2] - heights[round(line["time"], 6)] for line in late])
     sd = np.array([line["deviations"]["payload.position"][2] for line in late])
     # By the estimate alone it was within two deviations in a quarter of the rows.
@@ -179,8 +185,8 @@ def test_health_is_degraded_until_the_weight_is_known_so_well_that_the_tension_i
         assert twin.unsure == unsure
 
 
-def test_the_deviation_of_a_computed_tension_has_what_the_model_is_off_by():
-    late = [line for line in noisy(0.0) if line["time"] > QUIET]
+def test_the_deviation_of_a_computed_tension_has_what_the_model_is_off_by(without_noise):
+    late, _ = without_noise
     off = np.array([line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late])
     sd = np.hypot([line["deviations"]["winch.tension"] for line in late], 500.0)
     # With what the estimate leaves open alone, 500 N of noise were all that was said: 0.7 of the rows.
@@ -210,6 +216,19 @@ def test_a_simulation_that_bounces_by_itself_begins_again_from_rest_and_goes_on_
     assert twin.restarts == 1
     assert any("started again from rest" in note for note in twin.notes)
     assert not [one for line in late for one in line["alarms"] if one["name"] in UNTRUE and one["known"]]
+
+
+def test_what_rows_missed_of_a_simulation_that_was_given_up_is_forgotten_when_it_begins_again():
+    rows = record(tautline.read(HOIST), read_map(MAP), Sensing(seed=1, rate=RATE), 2.0)
+    twin = Twin(HOIST, MAP)
+    missed = []
+    for k, (stamp, readings) in enumerate(rows):
+        if k == 20:
+            twin.estimate.horizon.missed[:], twin.estimate.from_rest = 400.0, True
+        if twin.add(stamp, readings):
+            missed.append(twin.estimate.horizon.missed[0])
+    # It was remembered for seconds: health stayed degraded though the new simulation went as the machine does.
+    assert max(missed) < 100.0
 
 
 def test_a_replay_that_cannot_go_on_is_not_told_as_an_accident(monkeypatch):

@@ -32,6 +32,13 @@ def contacts_of(layout: Layout) -> list[Row]:
     return rows
 
 
+def slips(sheave: Sheave) -> bool:
+    """Whether a rope can slip on a sheave, by its law; that a bearing slips is no slip of the rope."""
+    if isinstance(sheave.law, Efficiency):
+        return sheave.law.efficiency < 1.0
+    return sheave.law == "capstan" and sheave.groove_friction > 0.0
+
+
 def _of_sheave(layout: Layout, i: int, sheave: Sheave) -> list[Row]:
     rim, rows = layout.rim.get(i, NONE), []
     arc = max(float(layout.path.arcs[i]), sheave.radius)

@@ -18,7 +18,16 @@ from crane.model.handles import handles
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
 from crane.results.slipping_brakes import remarks
-from crane.results.summary import JOINED, NOTHING, OF_PIECES, OF_TURNS, figure_units, figures_of_turns, headline
+from crane.results.summary import (
+    JOINED,
+    NOTHING,
+    OF_PIECES,
+    OF_TURNS,
+    figure_units,
+    figures_of_turns,
+    headline,
+    possible_figures,
+)
 from crane.results.two_blocking import two_blocking
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
@@ -89,6 +98,7 @@ def build(scene: CraneScene) -> Model:
             "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
             "names": OF_PIECES,
             "of_turns": lambda turns: figures_of_turns(turns, scene), "turned": OF_TURNS,
+            "possible": possible_figures(scene) if scene.output.statistics else (),
         },
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)

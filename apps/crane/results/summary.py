@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from crane.assembly.friction import slips
 from crane.assembly.layout import Layout
 from crane.assembly.tension_at_rest import static_tension
 from crane.results.course import Course, contacts_of, course_of, laid_out
@@ -17,7 +18,7 @@ from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification_of, checked, columns, largest, safety_factor, slack_events
 from crane.rope_life.fatigue import SLOPE, RainflowCycles, equivalent_range, rainflow_counts
 from crane.scene.scene import CraneScene, Sheave
-from tautline.results.variable import at_start
+from tautline.results.variable import at_start, late_start
 from tautline.statistics.streaming import Turns
 
 SLACK = 0.01
@@ -103,6 +104,30 @@ def figure_units(scene: CraneScene) -> dict[str, str]:
     return found
 
 
+def possible_figures(scene: CraneScene) -> tuple[str, ...]:
+    """Names of the figures that a run of a scene can have, whatever it does.
+
+    Of `figure_units` those are left out that this scene has nothing of: sheaves, what a rope could slip on, a diameter.
+    """
+    none = set()
+    if not scene.sheaves:
+        none |= {"max_sheave_load", "max_fleet_angle"}
+    if not any(slips(sheave) for sheave in scene.sheaves):
+        none.add("slipping_share")
+    if not _snaps_undamped(scene):
+        none.add("undamped_snaps")
+    if not scene.sheaves and not scene.drums:
+        none |= {"max_bending_cycles", "smallest_bending_ratio"}
+    if not scene.rope.diameter:
+        none.add("smallest_bending_ratio")
+    return tuple(name for name in figure_units(scene) if name not in none)
+
+
+def _snaps_undamped(scene: CraneScene) -> bool:
+    """Whether snaps of a scene's rope come out too high for want of damping."""
+    return scene.rope.damping == 0.0 and max(scene.elements) > 1
+
+
 def span_ends(scene: CraneScene) -> list[str]:
     """Names of the ends of all spans, two a span: an item, and of a sheave the item that the side leads to."""
     path = scene.path
@@ -160,8 +185,8 @@ def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     """Tension at rest of every span end, (n,) N, and a note where it is an estimate, if a scene starts as drawn."""
     first = np.ravel(at_start(result, "tension"))
     if layout.scene.start == "static":
-        if result.time[0] > 0.0:  # the frame of the start was dropped, or was that of another run
-            return first, f", over the tension at {result.time[0]:.4g} s, where the result begins"
+        if late := late_start(result):  # the frame of the start was that of another run, or is in no file
+            return first, f", over the tension at {late}"
         # A load that was changed on the way has another tension at rest, of which no frame is known.
         return first, ", by the load at the start" if result.attributes.get("parameters_changed") else ""
     found = static_tension(layout.scene, layout.path)
@@ -237,7 +262,7 @@ def _slack(result: Any, layout: Layout) -> Iterator[Row]:
     if snaps:
         snap, event = max(snaps, key=lambda pair: pair[0])
         yield "max_snap", snap, "N", f"largest snap tension ({event.span}, at {event.snap_time:.4g} s)"
-        if scene.rope.damping == 0.0 and max(scene.elements) > 1:
+        if _snaps_undamped(scene):
             text = "snaps of a rope without damping: tensions up to 1.5 times too high; remove rope.damping"
             yield "undamped_snaps", len(snaps), "", text
 
@@ -315,8 +340,8 @@ JOINED = {
     r"rise.*": "last",
 }
 """How figures of pieces of a run make those of the whole; the others are sums or counts over all frames."""
-OF_PIECES = ("max_tension", "max_sheave_load", "max_winch_power", "rise", "max_offlead")
-"""One figure of each part of the headline that has such figures."""
+OF_PIECES = ("max_tension", "max_tension_", "max_sheave_load", "max_winch_power", "rise", "max_offlead")
+"""One figure of each part of the headline that has such figures; ``max_tension_`` begins those of each place."""
 OF_TURNS = ("equivalent_tension_range", "tension_cycles")
 """Figures that follow from the turning points of the tensions."""
 
@@ -374,15 +399,16 @@ def _bodies(result: Any, scene: CraneScene) -> Iterator[Row]:
     if not scene.bodies:
         return
     position = np.asarray(result["body_position"])
-    rest = at_start(result, "body_position")
+    rest, late = at_start(result, "body_position"), late_start(result)
+    since = f" since {late}" if late else ""
     for k, body in enumerate(scene.bodies[:MOST_BODIES]):
         end = f"_{slug(body.name)}" if len(scene.bodies) > 1 else ""
-        yield f"rise{end}", float(position[-1, k, 2] - rest[k, 2]), "m", f"rise of {body.name} at the end"
+        yield f"rise{end}", float(position[-1, k, 2] - rest[k, 2]), "m", f"rise of {body.name} at the end{since}"
         highest = int(np.argmax(position[:, k, 2]))
-        text = f"largest rise of {body.name} (at {float(result.time[highest]):.4g} s)"
+        text = f"largest rise of {body.name}{since} (at {float(result.time[highest]):.4g} s)"
         yield f"max_rise{end}", float(position[highest, k, 2] - rest[k, 2]), "m", text
         away = largest(result.time, np.linalg.norm(position[:, k] - rest[k], axis=-1), [body.name])
-        text = f"largest displacement of {body.name} (at {away.time:.4g} s)"
+        text = f"largest displacement of {body.name}{since} (at {away.time:.4g} s)"
         yield f"max_displacement{end}", away.value, "m", text
 
 

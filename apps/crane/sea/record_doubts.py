@@ -50,6 +50,8 @@ PLACES = 8
 """Parts of an interval at whose ends the speed of a table's curve is looked at."""
 FINE = {"m": 0.002, "rad": math.radians(0.02)}
 """Noise that is left without a word where rows come so often that the curve makes a large acceleration of it."""
+RIPPLE = 12.0
+"""Second derivative of a natural spline through readings that go up and down by e, over e / h^2."""
 TRAVEL = {"m": 0.5, "rad": math.radians(2.0)}
 """Mean of a motion below which a ramp may grow it without a word."""
 
@@ -61,6 +63,12 @@ class _Fault(NamedTuple):
     cure: str
     same: str = ""
     """What faults of several motions have in common that are one fault: its kind, and lines."""
+
+
+UNCLEAR = _Fault(
+    "No single row stands out. That is noise, or a wrong unit, or an extreme sea",
+    "Check the unit of the time and of the column, and smooth a record with noise before the run",
+)
 
 
 class _Said(NamedTuple):
@@ -195,6 +203,8 @@ def _too_fast(
         if not over or (order == 2 and _fine(found[inside], usual, unit)):
             continue
         fault = _fault(record, motion, row, usual, bounds[0], unit, beyond, over / int(np.count_nonzero(inside)))
+        if fault is UNCLEAR and order == 2:
+            fault = _rounded(motion, found[inside], usual, unit) or fault
         most = _told(bound, unit, order)
         others = f", and more than {most} at {over - 1} more row{'s' * (over > 2)}" if over > 1 else ""
         yield _Said(
@@ -224,12 +234,29 @@ def _told(value: float, unit: str, order: int = 0) -> str:
 def _fine(acceleration: np.ndarray, usual: float, unit: str) -> bool:
     """Whether accelerations are of the last digit, or of as little noise, of rows that come so often: no rope feels it.
 
-    From row to row they go up and down then, unlike those of a motion. Readings that go up and down by e around a
-    motion give a natural spline a second derivative of 12 e / h^2.
+    Readings that go up and down by e around a motion give a natural spline a second derivative of 12 e / h^2.
     """
+    return _ripples(acceleration) and float(np.abs(acceleration).max()) * usual**2 / RIPPLE <= FINE[unit]
+
+
+def _ripples(acceleration: np.ndarray) -> bool:
+    """Whether accelerations go up and down from row to row, unlike those of a motion."""
     signs = np.sign(acceleration[acceleration != 0.0])
     turns = np.mean(signs[1:] != signs[:-1]) if signs.size > 1 else 0.0
-    return bool(turns > 0.5 and float(np.abs(acceleration).max()) * usual**2 / 12.0 <= FINE[unit])
+    return bool(turns > 0.5)
+
+
+def _rounded(motion: np.ndarray, acceleration: np.ndarray, usual: float, unit: str) -> _Fault | None:
+    """The cause of accelerations that rounding to the last digit alone can make; None where it cannot."""
+    step = _digit(motion)
+    most = RIPPLE * 0.5 * step / usual**2
+    if not _ripples(acceleration) or float(np.abs(acceleration).max()) > most:
+        return None
+    return _Fault(
+        f"Its readings have a last digit of {_told(step, unit)}. Rows {usual:.3g} s apart make accelerations of up to "
+        f"{_told(most, unit, 2)} of that alone, and the ropes feel them",
+        "Export it with more digits, or smooth it before the run",
+    )
 
 
 def _fault(
@@ -297,10 +324,7 @@ def _fault(
             f"{usual:.3g} s as a rule",
             "Write the times evenly if the sensor measures evenly, or smooth the record before the run",
         )
-    return _Fault(
-        "No single row stands out. That is noise, or a wrong unit, or an extreme sea",
-        "Check the unit of the time and of the column, and smooth a record with noise before the run",
-    )
+    return UNCLEAR
 
 
 def _coarse(motion: np.ndarray, steps: np.ndarray, step: float) -> bool:

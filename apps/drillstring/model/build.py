@@ -8,15 +8,27 @@ from drillstring.drilling.end_groups import notes_of_ends
 from drillstring.model.handles import handles, requests
 from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
+from drillstring.results.break_away import ON_BOTTOM
 from drillstring.results.drilling import variables_of_ends
 from drillstring.results.limits import limits, pushed_at_the_top
-from drillstring.results.observe import COORDINATE_UNITS, FIGURES, JOINED, NOTHING, headline, variables
+from drillstring.results.observe import (
+    COORDINATE_UNITS,
+    FIGURES,
+    JOINED,
+    NOTHING,
+    headline,
+    possible_figures,
+    variables,
+)
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
+from drillstring.string.lumps import Lumps
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.groups import may_switch
+from tautline.results.variable import Variable
+from tautline.scene.functions import Constant
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.time_functions import compile_functions
@@ -48,14 +60,14 @@ def build(scene: DrillstringScene) -> Model:
     notes += unused_alphas(scene.solver)
     string = _assembler(scene.model.kind)(scene, well, lumps, functions, law)
     system, observer = string.system, string.observer
-    solver = scene.solver
+    solver, stored = scene.solver, variables() + variables_of_ends(system.groups)
     criterion = "force" if may_switch(system.groups) else "energy"
     model = Model(
         system=system,
         solver=settings_of(
             solver, scene.output.interval, TOLERANCE, criterion, error_of_steps(solver, STEP_ERROR)
         ),
-        variables=variables() + variables_of_ends(system.groups),
+        variables=stored,
         coordinates=observer.coordinates(),
         attributes=attributes_of(scene, "drillstring", COORDINATE_UNITS),
         observe=observer.observe,
@@ -70,10 +82,17 @@ def build(scene: DrillstringScene) -> Model:
         confined=True,
         own=observer.own,
         notes=notes,
-        statistics={"rules": JOINED},
+        statistics={"rules": JOINED, "possible": _possible(scene, lumps, stored)},
         handles=lambda: handles(scene, lumps, model),
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
+
+
+def _possible(scene: DrillstringScene, lumps: Lumps, stored: list[Variable]) -> tuple[str, ...]:
+    """Names of the figures that a run of a scene can have."""
+    drills = any(one.name == ON_BOTTOM for one in stored)
+    moves = not isinstance(scene.top.block, Constant)
+    return possible_figures(drills, moves, scene.well.wall is not None, lumps, scene.top.weight)
 
 
 def _assembler(kind: str) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 from drillstring.drilling.bit_group import OWN
 from drillstring.drilling.bit_rock import BladeBit, RockBit
 from drillstring.drilling.top_drive import TopDrive
-from tautline.results.variable import Variable, at_start
+from tautline.results.variable import Variable, at_start, late_start
 from tautline.scene.values.printed import shown
 
 LAST = 0.5
@@ -88,10 +88,10 @@ def stick_slip(time: np.ndarray, spin: np.ndarray) -> dict[str, float]:
 
 def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, str, str]]:
     """Headline figures of a bit on bottom: name -> (value, unit, text)."""
-    time, spin = result["time"], result["rotation_rate"][:, -1]
+    late, time, spin = late_start(result), result["time"], result["rotation_rate"][:, -1]
     last = last_part(time)
     figures = {
-        "weight_on_bit_start": (at_start(result, "weight_on_bit"), "N", "weight on bit at the start"),
+        "weight_on_bit_start": (at_start(result, "weight_on_bit"), "N", f"weight on bit at {late or 'the start'}"),
         "weight_on_bit_mean": (result["weight_on_bit"][last].mean(), "N", "mean weight on bit, last half"),
     }
     if np.any(result["torque_on_bit"] != 0.0):
@@ -99,7 +99,7 @@ def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, 
     drilled = result["hole_depth"][-1] - at_start(result, "hole_depth")
     if drilled > 0.0:
         mean = np.ptp(result["hole_depth"][last]) / max(np.ptp(time[last]), 1e-300)
-        figures["drilled"] = (drilled, "m", "depth drilled")
+        figures["drilled"] = (drilled, "m", "depth drilled" + (f" since {late}" if late else ""))
         figures["rate_of_penetration_mean"] = (
             mean,
             "m/s",

@@ -21,7 +21,7 @@ from tautline.application.modelling import energies_of, energy_variables
 from tautline.lumped.curve import PER_BODY
 from tautline.results.assessment.balance import ENERGIES
 from tautline.results.on_demand import OnDemand, together
-from tautline.results.variable import Variable, at_start
+from tautline.results.variable import Variable, at_start, late_start
 
 FIGURES = {
     "hook_load_start": "N", "hook_load_max": "N", "hook_load_min": "N", "hook_load_max_with_block": "N",
@@ -41,6 +41,13 @@ JOINED = {
     r"(hook_load|stretch|weight_on_bit)_start|surface_torque_end|drilled": "last",
 }
 """How figures of pieces of a run make those of the whole; the others are of its last half, or need every frame."""
+OF_DRILLING = frozenset({
+    "weight_on_bit_start", "weight_on_bit_mean", "torque_on_bit_mean", "drilled", "rate_of_penetration_mean",
+    "bit_rotation_mean", "stick_slip_severity", "rotation_stuck",
+})  # fmt: skip
+BREAKING_AWAY = frozenset({"break_away_stroke", "break_away_hook_load", "break_away_time"})
+WHIRLING = frozenset({"lateral_offset_max", "lateral_offset_depth", "lateral_acceleration_max", "whirl_ratio"})
+"""Figures of a bit that drills, of one that friction holds when the block moves, and of a string out of balance."""
 STUCK = 1.0e-8
 """Bit speed, m/s, below which the bit counts as stuck."""
 TORQUE_SHOWN = 1.0e-3
@@ -240,6 +247,36 @@ def coordinates_of(
     return found
 
 
+def possible_figures(drills: bool, moves: bool, wall: bool, lumps: Lumps, block: float) -> tuple[str, ...]:
+    """Names of the figures that a run can have, whatever it does; see `headline`.
+
+    Parameters
+    ----------
+    drills, moves, wall : bool
+        Whether there is a bit that drills, a block that moves, and a wall.
+    lumps : Lumps
+    block : float
+        Weight of block and drive, N.
+    """
+    none: set[str] = set()
+    if not drills:
+        none |= OF_DRILLING
+    if drills or not moves:
+        none.add("bit_stuck")
+    if not moves or not wall:
+        none |= BREAKING_AWAY
+    if not _out_of_balance(lumps):
+        none |= WHIRLING
+    if not block > 0.0:
+        none.add("hook_load_max_with_block")
+    return tuple(name for name in FIGURES if name not in none)
+
+
+def _out_of_balance(lumps: Lumps) -> bool:
+    """Whether any pipe's mass lies off its axis, of which whirl comes."""
+    return any(tube.eccentricity != (0.0, 0.0) for tube in lumps.tubes)
+
+
 def _largest_contact(result: Any, contact: np.ndarray, lumps: Lumps) -> dict[str, tuple[float, str, str]]:
     """Largest force on one place of the mesh, which is in proportion to its length, and the largest one per length."""
     touches, found = bool(contact.max() > 0.0), largest_side_force(contact, lumps)
@@ -263,12 +300,13 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
     hook, torque = result["hook_load"], result["surface_torque"]
     bit, speed = result["bit_depth"], result["bit_speed"]
     contact, moving = result["contact_force"], np.ptp(result["block_position"]) > 0.0
+    start = late_start(result) or "the start"
     figures = {
-        "hook_load_start": (at_start(result, "hook_load"), "N", "hook load at the start"),
+        "hook_load_start": (at_start(result, "hook_load"), "N", f"hook load at {start}"),
         "hook_load_max": (hook.max(), "N", "largest hook load"),
         "hook_load_min": (hook.min(), "N", "smallest hook load"),
         # Not how far the bit hangs below its place on the axis: a string that lies in a bend cuts its corner.
-        "stretch_start": (lumps.stretch(at_start(result, "tension")), "m", "elongation of the string at the start"),
+        "stretch_start": (lumps.stretch(at_start(result, "tension")), "m", f"elongation of the string at {start}"),
         "bit_displacement": (np.ptp(bit), "m", "bit displacement, largest less smallest"),
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
         **_largest_contact(result, contact, lumps),
@@ -286,6 +324,6 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
         figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")
     if drills:
         figures |= drilling_figures(result)
-    if any(tube.eccentricity != (0.0, 0.0) for tube in lumps.tubes):
+    if _out_of_balance(lumps):
         figures |= whirl_figures(result)
     return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

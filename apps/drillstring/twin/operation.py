@@ -15,7 +15,7 @@ import numpy as np
 
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
-from drillstring.statics.soft_string import soft_string
+from drillstring.statics.soft_string import SoftString, soft_string
 from drillstring.statics.statics import weight_per_length
 from drillstring.string.factors import factors_of
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
@@ -144,6 +144,17 @@ class RigOperation(Operation):
         weight = float(sim["top.hook_load"])
         self.rig.string_weighs(weight, self._lowered())
 
+    def sizes(self) -> dict[str, float]:
+        """What the string weighs at the hook and takes to turn off bottom, with the friction of the scene, N and N m.
+
+        A string that is lowered shows no torque at all. A share of that is no noise of the sensor.
+        """
+        turning = self._moved_as("rotating")
+        if turning is None or turning.locked is not None:
+            return {}
+        sizes = {"hook_load": abs(turning.hook_load), "torque": abs(turning.surface_torque)}
+        return {name: sizes[kind] for name, kind in KNOWN_AS.items() if kind in sizes}
+
     def doubts(self, plan: Plan) -> list[str]:
         """A hook load that has the block's weight in it, where the scene states that weight and the map no zero."""
         self._estimates = any(not one.is_offset for one in plan.unknowns)
@@ -158,15 +169,19 @@ class RigOperation(Operation):
 
     def _lowered(self) -> float:
         """Hook load, N, of the string that is lowered with the friction of the scene; nothing where it locks up."""
+        lowered = self._moved_as("slack_off")
+        if lowered is None:
+            return nan
+        return lowered.hook_load if lowered.locked is None else 0.0
+
+    def _moved_as(self, motion: str) -> SoftString | None:
+        """The string off bottom in a motion of `soft_string`, with the friction of the scene; None without a wall."""
         well, wall = well_of(self.scene), self.scene.well.wall
         if wall is None:
-            return nan
+            return None
         tubes = tubes_of(self.scene, well.length)
         weight = weight_per_length(self.scene, tubes)
-        lowered = soft_string(
-            well, tubes, weight, factors_of(wall, "kinetic"), "slack_off", hole=self.scene.well.diameter
-        )
-        return lowered.hook_load if lowered.locked is None else 0.0
+        return soft_string(well, tubes, weight, factors_of(wall, "kinetic"), motion, hole=self.scene.well.diameter)
 
     # -- a row ---------------------------------------------------------------------------------------------------------
 

@@ -20,6 +20,7 @@ from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
 from tautline.cable.input.syntax.models import MOST_OF_A_LINE
 from tautline.cable.input.syntax.nodal import item_of
 from tautline.cable.model.magnitudes import (
+    given_force,
     largest_force,
     penalty_stiffness,
     rounded_gap,
@@ -36,6 +37,8 @@ from tautline.scene.warnings import warning
 
 ROUNDED_SHARE = 1.0e-3
 """Share of a scene's largest force from which on that what rounding leaves in a penalty spring is told."""
+AT_REST = 1.0e-9
+"""Strain, and difference of slopes, below which an element is drawn as it is without a force."""
 SOFT_SHARE = 0.01
 """Stretch of a penalty spring over that of the rope on both sides, from which on it is told."""
 FEW = 12
@@ -541,7 +544,9 @@ def _penalties(scene: CableScene) -> Sentences:
             f"the forces by up to {chosen * gap:.1g} N; {_without_rounding(tie)}"
         )
         yield tie.place, text
-    give = _give(scene)
+    give, loaded = _give(scene), not _carries_nothing(scene)
+    stiff: list[tuple[float, Tie, str]] = []
+    soft: list[tuple[float, Tie, str]] = []
     for tie in sprung:
         if tie.stiffness is None:
             continue
@@ -553,15 +558,40 @@ def _penalties(scene: CableScene) -> Sentences:
             cured = stiffest > 0.0 and better * gap <= ROUNDED_SHARE * force
             cure = f"give {better:.1g}" if cured else _without_rounding(tie)
             text = f"{stiffness:.2g} N/m{beside}: rounding eats the forces, by up to {stiffness * gap:.1g} N; {cure}"
-            yield (*tie.place, "p_spring"), text
-        elif tie.method == "penalty" and 0.0 < stiffness * rope < 1.0 / SOFT_SHARE:
+            stiff.append((stiffness, tie, text))
+        elif loaded and tie.method == "penalty" and 0.0 < stiffness * rope < 1.0 / SOFT_SHARE:
             more = "" if tie.what == 0 else " So much of it appears or vanishes at the tie."
             text = (
                 f"{stiffness:.3g} N/m is soft beside the rope on both sides of the tie. It adds about "
                 f"{100.0 / (stiffness * rope):.3g} % to the {how} of that rope.{more} Give "
                 f"{1.0 / (SOFT_SHARE * rope):.2g} or more, or use LagMultipl{_kind(tie)}"
             )
-            yield (*tie.place, "p_spring"), text
+            soft.append((1.0 / (stiffness * rope), tie, text))
+    yield from _worst_of(stiff, "stiff")
+    yield from _worst_of(soft, "soft")
+
+
+def _worst_of(found: list[tuple[float, Tie, str]], word: str) -> Sentences:
+    """The sentence of the worst of some ties, by the size of what is wrong, and how many there are."""
+    if not found:
+        return
+    _, tie, text = max(found, key=lambda one: one[0])
+    others = len(found) - 1
+    if others:
+        text += f". This is the worst of {len(found)} ties that are too {word}"
+    yield (*tie.place, "p_spring"), text
+
+
+def _carries_nothing(scene: CableScene) -> bool:
+    """Whether a scene gives its rope nothing to carry: nothing weighs, pulls or moves, and it is drawn as it rests."""
+    moved = any(e.conveyed for e in scene.elements) or any(any(node.functions) for node in scene.nodes)
+    if moved or given_force(scene) > 0.0 or scene.items_of("TwoNodeSpring"):
+        return False
+    drawn, lengths = drawn_of(scene), element_lengths(scene)
+    slopes = np.concatenate([drawn.first[~drawn.linear], drawn.second[~drawn.linear]])
+    straight = np.abs(drawn.first - drawn.second)[~drawn.linear].max(initial=0.0) <= AT_REST
+    unstretched = np.abs(arc_lengths(drawn, lengths) / lengths - 1.0).max(initial=0.0) <= AT_REST
+    return bool(straight and unstretched and np.abs(np.linalg.norm(slopes, axis=1) - 1.0).max(initial=0.0) <= AT_REST)
 
 
 def _kind(tie: Tie) -> str:

@@ -18,14 +18,6 @@ def mark_of(row: np.ndarray) -> str:
     return hashlib.blake2b(row.tobytes(), digest_size=8).hexdigest()
 
 
-def begins_late(time: float) -> str:
-    """A warning for the reader of a result that holds no frames from its start to a time, s."""
-    return (
-        f"the run was gone on with at {time:.6g} s from a state that another run saved. The frames of that run are not "
-        "in this result. What is said of the whole run is said of the frames that are here"
-    )
-
-
 class Kept:
     """Rows of frames in the order of time.
 
@@ -111,8 +103,13 @@ class Kept:
         """Drop the frames after a state that is restored, and those before it that another run has made.
 
         The frame of the start stays where the state comes from the same start. Else the frames begin with that of the
-        state, ``row``.
+        state, ``row``. The frames that were kept until then are counted as the state has counted them.
         """
+        self._go_back(state, row, tolerance)
+        self.dropped = max(0, state.frames - (self._last - self._first))
+
+    def _go_back(self, state: State, row: np.ndarray, tolerance: float) -> None:
+        """Drop frames and take that of the start; see `go_back`."""
         times = self.rows[:, 0]
         self._last = self._first + int(np.searchsorted(times, state.time + tolerance, side="right"))
         if self.joined is not None and state.time < self.joined:
@@ -126,7 +123,7 @@ class Kept:
         if same and held and mark_of(self._rows[self._first]) == self.mark:
             self._last = self._first + 1
         else:
-            self._last, self.dropped = self._first, 0
+            self._last = self._first
         self._begun_with(state.start)
         self.joined = state.time if state.time > tolerance else None
         if self.joined is not None or not self.rows.size:

@@ -36,7 +36,7 @@ from tautline.live.errors import SimulationError, seconds, unknown
 from tautline.live.forces import Force, Group, force_of, places_of
 from tautline.live.frame_clock import CLOSE, FrameClock
 from tautline.live.inputs import Inputs
-from tautline.live.kept import Kept, begins_late
+from tautline.live.kept import Kept
 from tautline.live.memory import Memory, State, check
 from tautline.live.parts import Parts
 from tautline.live.readings import Outputs, Parameters, handles_of
@@ -44,7 +44,14 @@ from tautline.live.turn import Turn
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.assessment.start import Start
 from tautline.results.result import Result
-from tautline.results.resumption import DISPLACED, FORCES_ADDED, INPUTS_DRIVEN, PARAMETERS_CHANGED, PARAMETERS_GIVEN
+from tautline.results.resumption import (
+    DISPLACED,
+    FORCES_ADDED,
+    INPUTS_DRIVEN,
+    MISSING_UNTIL,
+    PARAMETERS_CHANGED,
+    PARAMETERS_GIVEN,
+)
 from tautline.results.store import Store
 from tautline.run import Run
 from tautline.system.memory import arrays_of, recall, remember
@@ -502,14 +509,13 @@ class Simulation:
         status = status or self._status or run.end_status().word
         self._judge_step()
         further = [] if self._explicit is None else self._explicit.warnings
-        if self._kept.joined is not None:
-            further = [*further, begins_late(self._kept.joined)]
+        run.missing_until = self._kept.joined
         made = run.finish(stored, status, {"end": self._time}, further)
         assert made is not None
         return made
 
-    def _moved_by(self) -> dict[str, str]:
-        """What has moved the scene beside itself, as attributes of a result."""
+    def _moved_by(self) -> dict[str, Any]:
+        """What has moved the scene beside itself, and until when frames are missing, as attributes of a result."""
         names = {
             PARAMETERS_GIVEN: sorted(self._given),
             PARAMETERS_CHANGED: sorted(self._changed),
@@ -517,7 +523,8 @@ class Simulation:
             FORCES_ADDED: [force.name for force in self._forces],
             DISPLACED: sorted(self._displaced),
         }
-        return {what: ", ".join(some) for what, some in names.items() if some}
+        moved = {what: ", ".join(some) for what, some in names.items() if some}
+        return moved if self._kept.joined is None else {**moved, MISSING_UNTIL: self._kept.joined}
 
     # -- to and fro ----------------------------------------------------------------------------------------------------
 

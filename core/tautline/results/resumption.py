@@ -13,10 +13,20 @@ from tautline.version import __version__
 
 PARAMETERS_GIVEN, PARAMETERS_CHANGED = "parameters_given", "parameters_changed"
 INPUTS_DRIVEN, FORCES_ADDED, DISPLACED = "inputs_driven", "forces_added", "displaced"
-TAKEN_OVER = PARAMETERS_GIVEN, PARAMETERS_CHANGED, DISPLACED
-"""Attributes of a result that hold for what goes on from it: the numbers behind them are part of its last state."""
+MISSING_UNTIL = "frames_missing_until"
+"""Attribute of a result without the frames of another run that its state comes from: the time of that state, s."""
+TAKEN_OVER = PARAMETERS_GIVEN, PARAMETERS_CHANGED, DISPLACED, MISSING_UNTIL
+"""Attributes of a result that hold for what goes on from it: its last state and its frames are part of that."""
 ROUNDING = 1e-12
 """Share of a time that is rounding."""
+
+
+def begins_late(time: float) -> str:
+    """A warning for the reader of a result that holds no frames from its start to a time, s."""
+    return (
+        f"the run was gone on with at {time:.6g} s from a state that another run saved. The frames of that run are not "
+        "in this result. What is said of the whole run is said of the frames that are here"
+    )
 
 
 def place_of(earlier: Result) -> Any:

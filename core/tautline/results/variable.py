@@ -38,6 +38,16 @@ def listed(variables: Iterable[Variable]) -> list[str]:
     return [f"({', '.join(dims)}) {', '.join(names)}" for dims, names in groups.items()]
 
 
+def late_start(result: Any) -> str:
+    """Where a result begins that does not know the start of its run: ``8 s, where the result begins``; else empty.
+
+    Its `at_start` is then the values of that time.
+    """
+    start = getattr(result, "start", {})
+    time = float((start if "time" in start else result)["time"][0])
+    return f"{time:.4g} s, where the result begins" if time > 0.0 else ""
+
+
 def at_start(result: Any, name: str) -> Any:
     """Values of a variable at the start of a run: its first frame, also where the result is a part without that frame.
 

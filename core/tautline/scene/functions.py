@@ -57,6 +57,20 @@ TIMES = "time", "t"
 """Names of the column of times."""
 ALSO_TIMES = "time s", "times", "time sec", "seconds", "sec", "timestamp"
 """What else other programs call it, words joined by a space; the likeliest first."""
+UNITS_OF_NAMES = {
+    word: unit
+    for unit, words in {
+        "ns": "ns nsec nanos nanosecond nanoseconds",
+        "us": "us \u00b5s \u03bcs usec micros microsecond microseconds",
+        "ms": "ms msec millis millisecond milliseconds",
+        "min": "min mins minute minutes",
+        "hour": "h hr hrs hour hours",
+    }.items()
+    for word in words.split()
+}
+"""Units of time by the words that a name ends with: ``time_ms``, ``TimeMs``, ``t ms``."""
+RUN_TOGETHER = re.compile(r"\b(time|timestamp)(ms|msec|us|usec|ns)$")
+"""Names of times with their unit in one word: ``timems``."""
 RATES = ("m/s", "rad/s")
 """Units of values between which a table goes straight unless told otherwise."""
 
@@ -223,6 +237,7 @@ def _terms(unit: str, of: str) -> TypeAdapter[Any]:
 def places(columns: Columns, asked: Any) -> tuple[int, int]:
     """Where time and value stand in the file of a table, whose column of values may be asked for by name.
 
+    A time is in the unit that its header has in brackets or at its end, ``time_ms``, and in s where it has none.
     Without a name the value is the only column beside time, or the one that is called `value`. Columns without a name
     below a header, such as the numbers of rows that other programs write, are none where two others have names and one
     of those is the time. Else they count: programs write the times without a name, too, or give units only.
@@ -242,6 +257,8 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
     if len(shown) > 2 and (known is None or (not meant and columns.names[known] not in TIMES)):
         _unclear(columns, shown, "and none is called time", "call the column of times `time` in the header")
     time = known if known is not None else shown[0] if shown else 0
+    if not columns.units[time]:
+        columns.units[time] = _name_and_unit(columns.titles[time])[1]
     for name in (columns.names[time], wanted):
         if name and (twice := columns.names.count(name)) > 1:
             cause = f"{twice} columns are called '{name}'"
@@ -264,8 +281,19 @@ def _time(columns: Columns) -> int | None:
     found = next((names.index(name) for name in (*TIMES, *ALSO_TIMES) if name in names), None)
     if found is not None:
         return found
+    heads = [_name_and_unit(title) for title in columns.titles]
+    ended = [i for i, (name, unit) in enumerate(heads) if unit and name in (*TIMES, *ALSO_TIMES)]
+    if len(ended) == 1:
+        return ended[0]
     lasting = [i for i, unit in enumerate(columns.units) if unit and is_unit(unit, "s")]
     return lasting[0] if len(lasting) == 1 else None
+
+
+def _name_and_unit(title: str) -> tuple[str, str]:
+    """Name of a column in small letters, and the unit of time that it ends with: ``time_ms`` is in ms; else empty."""
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])|[\s_.]+", " ", title).lower()
+    name, _, last = " ".join(RUN_TOGETHER.sub(r"\1 \2", apart).split()).rpartition(" ")
+    return (name, UNITS_OF_NAMES.get(last, "")) if name else (last, "")
 
 
 def _growing(columns: Columns, listed: Sequence[int]) -> int | None:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.results.assessment.bounds import Bound, Tally
+from tautline.results.assessment.bounds import NO_FRAME_COUNTS, Bound, Tally
 from tautline.results.assessment.limits import AT_MOST
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -56,6 +56,9 @@ class Keep:
         (variable -> Turns) -> figures that follow from turning points.
     turned : tuple of str
         Their names.
+    possible : tuple of str
+        Figures that a run of the scene can have with every frame, those that are texts or several numbers too; empty
+        where an application does not say.
     """
 
     windows: float
@@ -67,6 +70,7 @@ class Keep:
     names: tuple[str, ...] = ()
     of_turns: Callable[[Mapping[str, Turns]], dict[str, dict[str, Any]]] | None = None
     turned: tuple[str, ...] = ()
+    possible: tuple[str, ...] = ()
 
     def makes(self, name: str) -> bool:
         """Whether statistics tell a figure of the application, by its name: others need every frame."""
@@ -111,7 +115,7 @@ class StatisticsStore(Store):
     bounds : sequence of tautline.results.assessment.bounds.Bound
         Limits of the scene, which are looked at in every frame that counts.
     figures : collection of str
-        Names of all figures that a run can have with every frame.
+        Names of all figures that a run can have with every frame, where `keep` does not tell them.
     """
 
     def __init__(
@@ -129,7 +133,7 @@ class StatisticsStore(Store):
         super().__init__(path, variables, coordinates, attributes)
         # That there is no figure of events, where none are made, does not say that there was no event.
         self._tallies = [Tally(one if keep.makes(one.output) else replace(one, absent=None)) for one in bounds]
-        self._left_out = [name for name in figures if not keep.makes(name)]
+        self._left_out = [name for name in keep.possible or figures if not keep.makes(name)]
         self.keep, self._headline, self._limits = keep, headline, limits
         self._moments: dict[str, Moments] = {}
         self._turns = {name: Turns() for name in keep.watched}
@@ -229,7 +233,16 @@ class StatisticsStore(Store):
             figures |= self.keep.of_turns(self._turns)
         arrays = self._frames()
         contents = (self.variables, arrays, self.coordinates, self.attributes, {})
-        return Digest(contents, figures, list(self.records.values()), self._tallies)
+        return Digest(contents, figures, self._records(), self._tallies)
+
+    def _records(self) -> list[dict[str, Any]]:
+        """Records of the application's limits; they are not judged where no frame counts."""
+        if self._moments or self._limits is None:
+            return list(self.records.values())
+        # What is judged does not hang on the frame: which limits there are, and their bounds, the last one tells too.
+        last = Result(None, (self.variables, self._last, self.coordinates, self.attributes, {}), start=self._first)
+        nothing = {"value": None, "passed": None, "time": None, "place": "", "note": NO_FRAME_COUNTS}
+        return [record | nothing for record in self._limits(last)]
 
     def finish(
         self, attributes: Mapping[str, Any] | None = None, restart: Mapping[str, np.ndarray] | None = None

@@ -30,6 +30,8 @@ LIMITS_FAILED = "limits_failed"
 EVERY_FRAME = "give the scene `output: {keep: frames}`, or leave it out"
 OF_LIMIT = "limit."
 """Begins the names of what a limit of the scene came to: ``limit.overload.margin``."""
+LONGEST = ".longest"
+"""Ends the name of the longest time beyond the bound."""
 OF_ONE = re.compile(r" \(.*\)$")
 """Place and time at the end of a figure's text."""
 
@@ -176,8 +178,7 @@ def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
     for record in records:
         if "output" not in record:
             continue
-        # A NetCDF file takes a slash for a group.
-        begin, text = f"{OF_LIMIT}{record['name'].replace('/', ' per ')}", record["text"]
+        begin, text = _column(record["name"]), record["text"]
         failed = None if record["passed"] is None else int(not record["passed"])
         judged = failed is not None
         found |= {
@@ -186,7 +187,7 @@ def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
             f"{begin}.margin": Finding(
                 record["margin"] if judged else None, record["unit"], f"{text}: what was left to the bound"
             ),
-            f"{begin}.longest": Finding(record["longest"], "s", f"{text}: longest time beyond the bound"),
+            f"{begin}{LONGEST}": Finding(record["longest"], "s", f"{text}: longest time beyond the bound"),
         }
     return found
 
@@ -256,10 +257,32 @@ def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) ->
         for i, one in enumerate(read.collected())
         if model.keep is not None and one.figure in model.figure_units and not model.keep.makes(one.figure)
     ]
+    problems += [
+        read.problem_at(("collect", i), cause, EVERY_FRAME)
+        for i, one in enumerate(read.collected())
+        if model.keep is not None and (cause := _untold(one.figure, model))
+    ]
     if problems:
         raise SceneError(problems)
     # What a limit of the scene is called is looked up in a run.
     return not any(asks_limits(one.figure) for one in read.collected())
+
+
+def _untold(name: str, model: Any) -> str:
+    """Why no run that keeps statistics tells what a limit of its scene came to; empty where it may."""
+    if not name.startswith(OF_LIMIT):
+        return ""
+    if name.endswith(LONGEST):
+        return f"statistics do not tell {name}: how long a value is beyond its bound needs every frame"
+    of = next((one for one in model.bounds if name.startswith(f"{_column(one.name)}.")), None)
+    if of is None or of.of_frames or model.keep.makes(of.output):
+        return ""
+    return f"statistics do not tell {name}: {of.output} needs every frame"
+
+
+def _column(limit: str) -> str:
+    """How the columns of a limit begin. A NetCDF file takes a slash for a group."""
+    return f"{OF_LIMIT}{limit.replace('/', ' per ')}"
 
 
 OVER_PLACES = ("max", "min")

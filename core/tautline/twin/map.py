@@ -200,6 +200,11 @@ class Channel(pydantic.BaseModel):
     column_unit: str = ""
     factor: float = 1.0
 
+    @property
+    def is_set(self) -> bool:
+        """Whether it drives the simulation as a speed or a torque that a machine is set to, and stays at."""
+        return self.is_input and (self.unit.endswith("/s") or self.unit == "N m")
+
     def told(self, value: float) -> str:
         """A value, SI, in words: in the column's unit."""
         if not self.column_unit:

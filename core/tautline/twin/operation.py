@@ -70,6 +70,10 @@ class Operation(Protocol):
     def built(self, sim: Any) -> None:
         """Take notice of the simulation that stands for the machine from now on, at its start."""
 
+    def sizes(self) -> Mapping[str, float]:
+        """Sizes that outputs usually have, SI by name: noise that is a share of them is known before they show any."""
+        return {}
+
     def doubts(self, plan: Any) -> list[str]:
         """What in the map, as it was checked, is likely not meant so: sentences with cause and cure."""
         return []

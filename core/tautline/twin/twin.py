@@ -254,6 +254,8 @@ class Twin:
             self._leave_bounce(row.time)
         if self.estimate.from_rest:
             self.estimate.horizon.begin_again()
+            # What rows missed was missed by a simulation that is given up.
+            self.estimate.horizon.miss_anew(self.now)
             self._rest()
         if row.after_gap and row.time - self.now > LONG_GAP and self.estimate.log.begun:
             self._pass_over(row)
@@ -456,7 +458,7 @@ class Twin:
             # a single snap that comes a little later than computed is missed by more.
             self.unsure |= bool(missed > MANY * sd and (self.rests or spread > MANY**2))
             # Of means no single row shows it.
-            self.unsure |= bool(not alone and own > MANY * sd)
+            self.unsure |= not alone and (bool(own > MANY * sd) or self.estimate.extrapolated)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from crane.application import Crane
 from crane.scene.scene import CraneScene
@@ -189,6 +190,22 @@ def test_the_acceleration_of_a_table_is_that_of_the_curve_that_a_run_follows_bet
 def test_a_sound_table_with_millimetres_is_read_without_a_word(rate, deviation, peak, tmp_path):
     time = np.arange(0.0, 100.0, 1.0 / rate)
     assert of_table(tmp_path, np.round(sea(time, deviation, peak), 3), 20.0, time) == []
+
+
+def test_whole_centimetres_at_10_hz_are_told_as_what_they_are_and_not_as_noise(tmp_path):
+    """A run follows a curve through them, with a tension of 86 kN in place of 51 kN on a rope without a ramp."""
+    time = np.arange(0.0, 60.0, 0.1)
+    heave = 0.5 * np.sin(2.0 * np.pi * time / 8.0)
+    (text,) = of_table(tmp_path, np.round(heave, 2), 30.0, time)
+    assert "Its readings have a last digit of 0.01 m" in text and "accelerations of up to 6 m/s^2 of that alone" in text
+    assert "more digits" in text and "wrong unit" not in text
+    # What up and down by half a digit makes, by a spline of another hand.
+    ripple = CubicSpline(time, 0.005 * (-1.0) ** np.arange(time.size), bc_type="natural")
+    assert np.abs(ripple(time, 2)).max() == pytest.approx(6.0, rel=0.3)
+    assert np.abs(ripple(time[250:350], 2)).max() == pytest.approx(6.0, rel=1e-6)
+    assert of_table(tmp_path, np.round(heave, 3), 30.0, time) == []
+    noise = np.random.default_rng(1).uniform(-0.01, 0.01, time.size)
+    assert "No single row stands out" in of_table(tmp_path, np.round(heave + noise, 6), 30.0, time)[0]
 
 
 def test_a_doubtful_record_is_among_the_warnings_of_check(tmp_path):

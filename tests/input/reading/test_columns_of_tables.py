@@ -1,9 +1,10 @@
 """Which columns of a file are the times and the values of a table: one that is not clear is refused, never chosen."""
 
 import pytest
+from pydantic import TypeAdapter
 
 from tautline.scene.errors import SceneError
-from tautline.scene.functions import places
+from tautline.scene.functions import places, time_function
 from tautline.scene.reading.columns import Columns
 
 
@@ -65,3 +66,25 @@ def test_the_columns_of_a_file_are_found_where_they_are_clear(text, asked, expec
 def test_a_time_that_is_not_called_so_is_refused_where_another_column_grows_too(tmp_path):
     with pytest.raises(SceneError, match="none is called time"):
         found(tmp_path, "index,Zeit,speed\n0,0,1\n1,0.1,3\n2,0.2,2\n", "speed")
+
+
+UNITS = {
+    "time_ms": 1e-3, "Time ms": 1e-3, "TimeMs": 1e-3, "timems": 1e-3, "t_ms": 1e-3, "timestamp_ms": 1e-3,
+    "time_millis": 1e-3, "time_us": 1e-6, "time_\u00b5s": 1e-6, "t_ns": 1e-9, "time_min": 60.0, "time_h": 3600.0,
+    "elapsed_ms": 1e-3, "t [ms]": 1e-3, "time_ms [s]": 1.0, "time": 1.0, "time_s": 1.0, "Zeit": 1.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("head", "factor"), UNITS.items(), ids=UNITS)
+def test_times_are_in_the_unit_at_the_end_of_their_name(head, factor, tmp_path):
+    """Those of `time_ms` were taken for seconds, and the motion for a thousandth of what it was, without a word."""
+    (tmp_path / "record.csv").write_text(f"{head},value\n0,1\n40,2\n", encoding="utf8")
+    table = {"table": {"file": "record.csv"}}
+    read = TypeAdapter(time_function("m", of="length"))
+    (made,) = (read.validate_python(table, context={"folder": tmp_path}),)
+    assert made.time == pytest.approx((0.0, 40.0 * factor), rel=1e-12)
+
+
+def test_a_time_with_its_unit_in_its_name_is_found_among_others(tmp_path):
+    assert found(tmp_path, "index,time_ms,speed\n0,0,1\n", "speed") == (1, 2)
+    assert found(tmp_path, "time_ms,time,speed\n0,0,1\n", "speed") == (1, 2)

@@ -268,6 +268,44 @@ def test_a_soft_spring_between_p_is_told_with_the_rope_that_appears_at_it():
     assert told_of(over_an_eyelet(1e8)) == []
 
 
+def unloaded(stiffness=1e5, gravity=0.0, stretch=1.0, **more):
+    """A rope of 10 m along x in two spans without a load; `more` is that of the first element."""
+    x, slope = (0.0, 5.0, 5.0, 10.0), (stretch, 0, 0)
+    nodes = [node(i, (x[i], 0, 0), PINNED if i == 0 else (*FREE[:6], 1), slope) for i in range(4)]
+    elements = [element(0, 0, 1, EA=1e6, **more), element(1, 2, 3, EA=1e6)]
+    return scene([*nodes, *elements, *join("penalty", 1, 2, (0,), stiffness)], (0, 0, gravity), **HANGING)
+
+
+def test_a_soft_spring_is_not_told_where_the_rope_carries_nothing():
+    assert told_of(unloaded()) == []
+    # Nothing is stretched there, and so the spring adds nothing: the rope stays as it is drawn.
+    assert np.abs(run(unloaded())["axial_force"]).max() < 1e-14 * 1e6, "of an EA of 1e6 N, by rounding"
+    assert len(told_of(unloaded(gravity=-g))) == 1
+    assert len(told_of(unloaded(load=[0, 0, -1.0]))) == 1
+    assert len(told_of(unloaded(stretch=1.01))) == 1, "drawn stretched"
+    (stiff,) = told_of(unloaded(stiffness=1e14))
+    assert "rounding eats the forces" in stiff, "what a run has by its arithmetic is told in any case"
+
+
+@pytest.mark.parametrize(("word", "most", "least"), [("soft", 1e4, 1e5), ("stiff", 1e15, 1e14)])
+def test_of_many_springs_that_are_too_soft_or_too_stiff_the_worst_is_told_with_their_number(word, most, least):
+    count = 40
+    nodes = [node(i, ((i + 1) // 2, 0, 0), PINNED if i == 0 else (*FREE[:6], 1)) for i in range(2 * count + 2)]
+    elements = [element(i, 2 * i, 2 * i + 1, EA=1e6) for i in range(count + 1)]
+    ties = [
+        one for i in range(count) for one in join("penalty", 2 * i + 1, 2 * i + 2, (0,), most if i == 17 else least)
+    ]
+    found = [
+        one
+        for one in warnings_of("cable", parse(scene([*nodes, *elements, *ties], (0, 0, -g), **HANGING)))
+        if "p_spring" in one.where
+    ]
+    (one,) = found
+    assert one.text.startswith(f"{most:.2g} N/m") and one.text.endswith(
+        f"This is the worst of {count} ties that are too {word}"
+    )
+
+
 def test_a_spring_whose_rounding_is_felt_far_from_the_origin_is_told_with_the_force_and_a_better_one():
     (text,) = told_of(rope("penalty", 1e8, -2000.0, 1e14))
     assert "rounding eats the forces" in text

@@ -50,7 +50,7 @@ def windows_up_to(top, beta, **load):
 
 def test_a_hanging_pipe_has_windows_of_instability_below_the_speed_from_which_it_flutters_for_good():
     # Of fourth order in the mesh: at 20 elements 7.9e-3, at 40 5e-4. The narrowest window is 0.96 m/s wide.
-    found = stability(cantilever(0.945, 30, 50.0))
+    found = stability(cantilever(0.945, 27, 50.0))
     exact = windows_up_to(38.5, 0.945, gamma=50.0)
     assert len(exact) == 4
     assert [one.begin for one in found.windows[:4]] == pytest.approx([begin for begin, _ in exact], rel=3e-3)
@@ -59,7 +59,7 @@ def test_a_hanging_pipe_has_windows_of_instability_below_the_speed_from_which_it
 
 
 def test_the_plain_pipe_flutters_in_a_window_a_tenth_wide_before_it_does_for_good():
-    found = stability(cantilever(0.2972, 24))
+    found = stability(cantilever(0.2972, 20))
     exact = windows_up_to(15.3, 0.2972)
     assert len(exact) == 2
     assert [one.begin for one in found.windows] == pytest.approx([begin for begin, _ in exact], rel=1e-3)
@@ -71,7 +71,7 @@ def test_the_plain_pipe_flutters_in_a_window_a_tenth_wide_before_it_does_for_goo
 
 
 def test_speeds_that_are_given_step_over_no_window():
-    found = stability(cantilever(0.2972, 24), [0.0, 5.0, 10.0, 13.0, 14.0, 15.0])
+    found = stability(cantilever(0.2972, 20), [0.0, 5.0, 10.0, 13.0, 14.0, 15.0])
     assert found.speed.tolist() == [0.0, 5.0, 10.0, 13.0, 14.0, 15.0] and not found.grows.any()
     (window,) = found.windows
     (exact,) = windows_up_to(14.5, 0.2972)
@@ -81,17 +81,17 @@ def test_speeds_that_are_given_step_over_no_window():
 
 @pytest.mark.parametrize("way", ["lagrange", *studies("penalty")])
 def test_windows_are_found_whatever_ties_hose_and_water(way):
-    made = cantilever(0.2972, 10, along=1e4)
+    made = cantilever(0.2972, 8, along=1e4)
     plain, tied = stability(made), stability(made.replace({"coupling": way}))
     for one, other in zip(plain.windows[:1], tied.windows[:1], strict=True):
         assert tuple(other) == pytest.approx(tuple(one), rel=1e-6)
 
 
 CASES = [
-    (0.297, {}),
     (0.695, {"alpha": 1e-3}),
 ]
 MORE = [
+    (0.297, {}),
     (0.2, {"mu": 0.1}),
     (0.5, {"jet": 2.0}),
     (0.05, {}),

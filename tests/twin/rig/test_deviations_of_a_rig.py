@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from twin.rig.test_twin_of_a_rig import FRICTION, lines_of, record_of_connections, well
+from twin.rig.test_twin_of_a_rig import FRICTION, RIGHT, lines_of, record_of_connections, well
 
 from tautline.twin.twin import Twin
 
@@ -44,3 +44,20 @@ def test_an_estimate_that_has_left_where_the_string_is_computed_has_that_in_the_
     assert np.mean([far <= 2.0 * sd for far, sd in map(off, moved)]) >= 0.9
     wrong = [one for one in moved if off(one)[0] > 2.0 * off(one)[1]]
     assert "good" not in {one["health"] for one in wrong}
+
+
+def test_a_rig_that_knows_its_friction_is_in_good_health_also_while_it_turns_and_while_it_shows_no_torque(lines):
+    known = [line for line in lines if max(line["estimates"][name]["sd"] for name in RIGHT) < 0.025]
+    turns = [line for line in known if line["rig"]["state"] == "rotating off bottom"]
+    lowers = [line for line in known if abs(line["measured"]["surface_torque"]) < 1e-3]
+    # A start of the rotary within two rows was a break of its sensor for 15 s; 1 % of no torque was no noise at all.
+    assert len(turns) > 20 and len(lowers) > 5
+    assert np.mean([line["health"] == "good" for line in [*turns, *lowers]]) > 0.95
+
+
+def test_a_string_has_a_size_of_hook_load_and_torque_before_it_shows_any():
+    twin = Twin(well(0.25, 0.2), FRICTION)
+    hook_load, torque = twin.estimate.horizon.largest
+    # As the record shows while it turns off bottom: a simulation of the whole string, which the soft string is not.
+    assert hook_load == pytest.approx(710e3, rel=0.05)
+    assert torque == pytest.approx(13.7e3, rel=0.15)

@@ -41,12 +41,19 @@ def records(source, seconds):
     return found
 
 
-@pytest.fixture
-def connected():
-    """A server with values of a first row, and a source that has heard them."""
-    pytest.importorskip("asyncua")
+@pytest.fixture(scope="module")
+def serving():
+    """A server and its port. It takes most of a second to start: it lays out five thousand nodes of the standard."""
     port = free_port()
     running = server(port)
+    yield running, port
+    running.stop()
+
+
+@pytest.fixture
+def connected(serving):
+    """A server with values of a first row, and a source that has heard them."""
+    running, port = serving
     running.begun = clock.monotonic()
     send(running, 0, {"heave": 0.25, "rope_tension": 49.0})
     source = open_source(f"opc.tcp://127.0.0.1:{port}/tautline/", COLUMNS)
@@ -55,7 +62,6 @@ def connected():
         pass
     yield running, source
     source.close()
-    running.stop()
 
 
 def test_rows_come_at_the_sampling_interval_where_a_server_has_nothing_to_send(connected):

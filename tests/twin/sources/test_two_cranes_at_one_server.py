@@ -1,7 +1,9 @@
 """OPC UA: names that two machines have, or that one has in two folders, are not taken for those of one machine."""
 
 import time as clock
+from contextlib import contextmanager
 from datetime import UTC, datetime
+from functools import cache
 
 import pytest
 from twin.sources.test_sources_of_data import Running, all_of, free_port
@@ -12,14 +14,38 @@ from tautline.twin.sources.opening import open_source
 COLUMNS = ["winch", "heave", "tension"]
 
 
-def server_of(port, *places):
-    """A server with variables at places such as ``A/winch``, with ids such as ``ns=2;s=A.winch``."""
+@cache
+def server():
+    """A server without variables and its port, for all tests here: it takes most of a second to start."""
     asyncua = pytest.importorskip("asyncua")
+    port = free_port()
 
     async def start():
         made = asyncua.Server()
         await made.init()
         made.set_endpoint(f"opc.tcp://127.0.0.1:{port}/crane")
+        await made.start()
+        return made
+
+    return Running(start, lambda made: made.stop()), port
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _server_stops():
+    yield
+    if server.cache_info().currsize:
+        server()[0].stop()
+        server.cache_clear()
+
+
+@contextmanager
+def variables_at(running, *places):
+    """A server with variables at places such as ``A/winch``, with ids such as ``ns=2;s=A.winch``; for a ``with``."""
+    asyncua = pytest.importorskip("asyncua")
+    added = []
+
+    async def add():
+        made = running.thing
         space = await made.register_namespace("urn:crane")
         folders = {"": made.nodes.objects}
         for place in places:
@@ -28,32 +54,35 @@ def server_of(port, *places):
                 where = "/".join(above[: k + 1])
                 if where not in folders:
                     folders[where] = await folders["/".join(above[:k])].add_object(space, above[k])
+                    added.append(folders[where])
             node = asyncua.ua.NodeId(place.replace("/", "."), space)
             one = await folders["/".join(above)].add_variable(node, name, 0.0)
+            added.append(one)
             now = datetime.now(UTC)
             value = asyncua.ua.Variant(float(places.index(place)), asyncua.ua.VariantType.Double)
             await one.write_value(asyncua.ua.DataValue(value, SourceTimestamp=now, ServerTimestamp=now))
-        await made.start()
-        return made
 
-    return Running(start, lambda made: made.stop())
+    running.do(add())
+    try:
+        yield
+    finally:
+        running.do(running.thing.delete_nodes(added))
 
 
 def heard(columns, *places):
     """The first reading of each column, NaN where none comes, and the notes but that of the connection."""
-    port = free_port()
-    running = server_of(port, *places)
-    source = open_source(f"opc.tcp://127.0.0.1:{port}/crane", columns)
-    first, end = dict.fromkeys(columns, float("nan")), clock.monotonic() + 10.0
-    try:
-        while not source.notes and clock.monotonic() < end:
-            source.poll(0.05)
-        for record in all_of(source, patience=2.0):
-            first |= {name: one for name, one in record.values.items() if one == one}
-        return first, source.notes[1:]
-    finally:
-        source.close()
-        running.stop()
+    running, port = server()
+    with variables_at(running, *places):
+        source = open_source(f"opc.tcp://127.0.0.1:{port}/crane", columns)
+        first, end = dict.fromkeys(columns, float("nan")), clock.monotonic() + 10.0
+        try:
+            while not source.notes and clock.monotonic() < end:
+                source.poll(0.05)
+            for record in all_of(source, patience=2.0):
+                first |= {name: one for name, one in record.values.items() if one == one}
+            return first, source.notes[1:]
+        finally:
+            source.close()
 
 
 def test_a_name_that_two_cranes_have_is_no_reading_and_is_told_with_both_node_ids():

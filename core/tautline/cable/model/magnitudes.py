@@ -28,15 +28,20 @@ def mass_of(scene: CableScene) -> float:
     return ropes + sum(item_of(part).mass(part) * len(part.nodes) for part in scene.nodal)
 
 
-def largest_force(scene: CableScene) -> float:
-    """Force that counts as large, N: all weight, loads and forces, and a little of the stiffness."""
+def given_force(scene: CableScene) -> float:
+    """All weight, loads and forces that a scene gives, N."""
     gravity, lengths = float(np.linalg.norm(scene.gravity)), _lengths(scene).tolist()
     loads = sum(math.hypot(*e.load) * length for e, length in zip(scene.elements, lengths, strict=True) if any(e.load))
     forces = sum(item_of(part).force(part) * len(part.nodes) for part in scene.nodal)
+    return mass_of(scene) * gravity + loads + forces
+
+
+def largest_force(scene: CableScene) -> float:
+    """Force that counts as large, N: all weight, loads and forces, and a little of the stiffness."""
     axial = max((e.EA for e in scene.elements), default=0.0)
     bending = max((e.EJ for e in scene.elements), default=0.0)
     stiff = max(axial, 1e-3 * bending)
-    return mass_of(scene) * gravity + loads + forces + STIFF_SHARE * stiff or 1.0
+    return given_force(scene) + STIFF_SHARE * stiff or 1.0
 
 
 def stiffest_element(scene: CableScene) -> float:

@@ -11,7 +11,7 @@ from tautline.cable.input.parts import CableScene
 from tautline.cable.model.layout import Layout
 from tautline.constraints.multiplier import Multipliers
 from tautline.kernels.hermite import FIRST, SECOND, table
-from tautline.results.variable import Variable, at_start
+from tautline.results.variable import Variable, at_start, late_start
 
 FIGURES = {"axial_force_max": "N", "axial_force_min": "N", "displacement_max": "m", "speed_max": "m/s"}
 """Figures of a run and their units, of which a scene may set limits."""
@@ -198,11 +198,12 @@ def _sprung(scene: CableScene, first: np.ndarray, second: np.ndarray, what: int)
 def headline(result: Any, scene: CableScene) -> dict[str, dict[str, Any]]:
     """Figures that sum a run up."""
     force, position = result["axial_force"], result["position"]
-    moved = np.linalg.norm(position - at_start(result, "position"), axis=-1)
+    moved, late = np.linalg.norm(position - at_start(result, "position"), axis=-1), late_start(result)
+    since = f" since {late}" if late else ""
     figures = {
         "axial_force_max": (force.max(), "N", "largest axial force"),
         "axial_force_min": (force.min(), "N", "smallest axial force"),
-        "displacement_max": (moved.max(), "m", "largest displacement of a node"),
+        "displacement_max": (moved.max(), "m", f"largest displacement of a node{since}"),
         "speed_max": (np.linalg.norm(result["velocity"], axis=-1).max(), "m/s", "largest speed of a node"),
     }
     gap = gap_of(result, scene)

@@ -368,13 +368,14 @@ def _report(scene: Path, result: Result | None, end: float | None, warnings: Seq
     return report | {name: value for name, value in figures.items() if name not in report}
 
 
-def _print_limits(report: dict[str, Any], system: str) -> None:
+def _print_limits(report: dict[str, Any], attributes: dict[str, Any]) -> None:
     """Print what came of the limits that the scene gives itself, and until when they were looked at."""
     records = [record for record in report["limits"] if "output" in record]
     if not records:
         return
     console().print()
-    console().print(limits_of_scene(records, system))
+    system = str(attributes.get("units") or "si")
+    console().print(limits_of_scene(records, system, attributes.get("statistics_begin")))
     if report["status"] != "done" and records[0]["until"] is not None:
         say(
             f"the limits are judged until t = {quantity(records[0]['until'], 's')}, where the run ended early", "yellow"
@@ -388,7 +389,7 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         say("nothing was stored", "yellow")
     elif not quiet:
         console().print(table(report, result.attributes, result.headline))
-        _print_limits(report, str(result.attributes.get("units") or "si"))
+        _print_limits(report, result.attributes)
         frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
         if result.path is None:
             say("nothing was stored: the run only served to find the step", "yellow")

@@ -140,19 +140,23 @@ def when_and_where(record: dict[str, Any]) -> str:
     return ", ".join(word for word in (record["place"], time) if word)
 
 
-def limits_of_scene(records: Iterable[dict[str, Any]], system: str = "si") -> Table:
+def limits_of_scene(records: Iterable[dict[str, Any]], system: str = "si", begin: float | None = None) -> Table:
     """Lay out what came of the limits that a scene gives itself: each, whether it was kept, and what was worst.
 
     Parameters
     ----------
     records : iterable of dict
         Of `tautline.results.assessment.bounds`.
+    system : str
+        Of units.
+    begin : float or None
+        Of a run that keeps statistics, which looks at every frame: from when on it does so, s; None of stored frames.
     """
     from rich.table import Table
     from rich.text import Text
 
     laid_out = Table(
-        title="limits of the scene, at the stored frames",
+        title=f"limits of the scene, {_looked_at(begin)}",
         title_justify="left",
         show_header=False,
         box=None,
@@ -166,6 +170,14 @@ def limits_of_scene(records: Iterable[dict[str, Any]], system: str = "si") -> Ta
         beyond = f"; beyond it for {quantity(record['longest'], 's')}" if record["longest"] else ""
         laid_out.add_row(Text(record["text"]), Text(word, style=style), Text(limit_said(record, system) + beyond))
     return laid_out
+
+
+def _looked_at(begin: float | None) -> str:
+    """Which frames of a run limits were looked at in; see `limits_of_scene`."""
+    if begin is None:
+        return "at the stored frames"
+    # A result keeps but a few of these frames.
+    return "in every frame of the run" + (f" from t = {quantity(begin, 's')}" if begin > 0.0 else "")
 
 
 def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:

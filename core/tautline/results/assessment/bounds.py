@@ -27,6 +27,7 @@ HALVINGS = 60
 """Of the interval in which the value is looked for that was held for so long."""
 
 NOT_IN_STATISTICS = ". Some figures are not part of statistics: keep frames (`output: {keep: frames}`)"
+NO_FRAME_COUNTS = "no frame counts: the run ended before output.begin"
 NOT_FOR_HOW_LONG = "Statistics do not tell for how long: keep frames (`output: {keep: frames}`)"
 
 Frames = Mapping[str, np.ndarray]
@@ -247,7 +248,7 @@ class Tally:
         if not bound.of_frames:
             return _of_figure(bound, headline.get(bound.output), until, NOT_IN_STATISTICS)
         if not self._frames:
-            return _record(bound, until, note="no frame counts: the run ended before output.begin")
+            return _record(bound, until, note=NO_FRAME_COUNTS)
         if self._none:
             return _record(bound, until, note=self._none)
         if not np.isfinite(self._worst):

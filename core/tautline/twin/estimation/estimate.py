@@ -39,6 +39,8 @@ WORSE, NOISE = 1.5, 1.0
 so much more, in variances of the sensor."""
 FAR_OFF = 0.25
 """Standard deviations of the start that an estimate has to be away from where it was linearised to begin from rest."""
+DOUBTFUL = 0.1
+"""The same from which on what is computed of a machine that sticks and slips is in doubt."""
 WILD = 4.0
 """Size of derivatives over their usual one from which on a neighbour is begun anew."""
 NOT_SHOWN = 0.5
@@ -137,6 +139,8 @@ class Estimate:
         late = LATE if self._mean else 0
         self.horizon = Horizon([*plan.unknowns, *free], plan.measured, plan.window, len(free), late)
         self.horizon.theta0[self._offsets] = 0.0
+        sizes = operation.sizes() if operation is not None else {}
+        self.horizon.largest = np.array([sizes.get(one.name, 0.0) for one in plan.measured])
 
     # -- the simulations -----------------------------------------------------------------------------------------------
 
@@ -355,6 +359,16 @@ class Estimate:
         sd = h.deviation[p]
         return not self.blows or bool(np.all((sd < KNOWN * h.first_sd[p]) | (sd < TENTH * np.abs(h.mean[p]))))
 
+    @property
+    def extrapolated(self) -> bool:
+        """Whether what is computed at the estimate is in doubt: it is far from the parameters of the simulations."""
+        return self._is_far(DOUBTFUL)
+
+    def _is_far(self, share: float) -> bool:
+        """Whether any parameter is further from that of the simulations than a share of its deviation at the start."""
+        h, p = self.horizon, self._parameters
+        return bool(np.any(np.abs(h.mean - h.theta0)[p] > share * h.first_sd[p]))
+
     def take_in(self, sample: Sample) -> None:
         """Add a row to the window: by itself, or with others as their mean."""
         if not self._mean:
@@ -485,7 +499,7 @@ class Estimate:
         before = [one for one in h.samples if one.time >= begin]
         if not samples or not self._better(samples, theta0, before):
             # From so far away no state can be extrapolated, neither with the differences nor without: then from rest.
-            self.from_rest = self._plain and bool(np.any(np.abs(h.mean - h.theta0)[p] > FAR_OFF * h.first_sd[p]))
+            self.from_rest = self._plain and self._is_far(FAR_OFF)
             self._plain = not self._plain
             return
         self._plain = False

@@ -107,6 +107,8 @@ class Horizon:
         Where the simulations were linearised.
     mean, covariance : (k,), (k, k)
         The estimate.
+    largest : (m,)
+        Largest value seen, SI; what the application expects, before there is any.
     rough : (m, k)
         Scatter of the derivatives about their steady part.
     variance, alike, learned : (m,)

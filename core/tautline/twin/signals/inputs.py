@@ -50,6 +50,9 @@ MOST_AT_ONCE = 4.0
 """Fastest that a machine may move when it is first seen, SI."""
 LASTING, ALIKE = 4, 1.5
 """Intervals in a row, and how far their speeds may differ as a factor, from which on a motion is no break."""
+DROPPED, ALIKE_SPEEDS = 2.0, 0.1
+"""Time within which no drive goes to another speed and back, s, and the difference of the speeds before and after that,
+over the way there, up to which it is back."""
 NOISE_APART = 8.0
 """Standard deviations of the noise that two samples may be apart by."""
 
@@ -174,7 +177,12 @@ class InputTrack:
         return found
 
     def _one_side(self, times: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:
-        """Samples (n,) that no break parts from an instant; no motion is as fast as a sensor that jumps."""
+        """Samples (n,) that no break parts from an instant; no motion is as fast as a sensor that jumps.
+
+        A speed may be set as quickly as a machine likes: a rotary table turns at full speed one or two rows later.
+        """
+        if self.channel.is_set:
+            return _without_dropouts(times, values)
         keep = np.ones(len(values), bool)
         finite = np.flatnonzero(np.isfinite(values))
         # Rows that come close together: a stamp may be off by as much as they are apart, and a last digit is no speed.
@@ -229,7 +237,8 @@ class InputTrack:
         self._apart = held - found
         self._from = self.time
         slowly = max(JOIN, BOUNCES * self.bounce)
-        self._over = max(slowly, 1.875 * abs(float(self._apart[0])) / self.fastest)
+        far = 0.0 if self.channel.is_set else 1.875 * abs(float(self._apart[0])) / self.fastest
+        self._over = max(slowly, far)
 
     def joining_from_rest(self, found: np.ndarray, run_in: float) -> float:
         """How long the simulation runs before the first row, s: nothing where it stands where the sensor says."""
@@ -255,6 +264,18 @@ class InputTrack:
                 setattr(self, name, deque(value, maxlen=NOISES))
                 continue
             setattr(self, name, np.array(value, float) if isinstance(value, list) else value)
+
+
+def _without_dropouts(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Which samples (n,) of a speed count: all but one by itself that is away from both neighbours, which are alike."""
+    keep = np.ones(len(values), bool)
+    finite = np.flatnonzero(np.isfinite(values))
+    x, t = values[finite], times[finite]
+    if x.size >= 3:
+        away = np.minimum(np.abs(x[1:-1] - x[:-2]), np.abs(x[1:-1] - x[2:]))
+        single = (np.abs(x[2:] - x[:-2]) < ALIKE_SPEEDS * away) & (t[2:] - t[:-2] <= DROPPED + 1e-9)
+        keep[finite[1:-1][single]] = False
+    return keep
 
 
 def _lasting(speeds: np.ndarray) -> np.ndarray:

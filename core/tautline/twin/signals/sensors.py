@@ -228,7 +228,7 @@ class Health:
                 self._set("", "")
         if same and self._same == 2:
             # A speed may be held from one sample to the next; a place may not.
-            self._abrupt = not self._is_set and self._is_abrupt(self._step)
+            self._abrupt = not self.channel.is_set and self._is_abrupt(self._step)
             self._stopped = self.stops(self._step, self._passed)
         self._values.append(reading)
         self._last, self._last_at, self._largest = reading, time, max(self._largest, abs(reading))
@@ -243,7 +243,7 @@ class Health:
         if not (at_edge or self._abrupt or self._leapt or ship or self._has_noise()):
             return reading
         extreme = reading >= max(self._values) or reading <= min(self._values)
-        cut = extreme and len(self._values) >= ENOUGH and not self._is_set and not self._leapt
+        cut = extreme and len(self._values) >= ENOUGH and not self.channel.is_set and not self._leapt
         kind = "clipped" if at_edge or cut else "stuck"
         since = stamp_said(self._same_from)
         self._set(kind, f"{self.channel.column} has shown {self.channel.told(reading)} since {since}")
@@ -252,7 +252,7 @@ class Health:
     @property
     def is_place(self) -> bool:
         """Whether it drives the simulation, and is no speed or torque that a machine is set to."""
-        return self.channel.is_input and not self._is_set
+        return self.channel.is_input and not self.channel.is_set
 
     @property
     def last(self) -> float:
@@ -309,13 +309,8 @@ class Health:
         if before.size < ENOUGH:
             return False
         noise = np.median(np.abs(np.diff(before, 5))) / FIFTH
-        rounding = (SET_ROUNDING if self._is_set else ROUNDING) * self._largest
+        rounding = (SET_ROUNDING if self.channel.is_set else ROUNDING) * self._largest
         return bool(noise > max(NOISY * np.median(np.abs(np.diff(before))), rounding))
-
-    @property
-    def _is_set(self) -> bool:
-        """Whether it is a speed or a torque that a machine is set to, and that stands there as long as it is."""
-        return self.channel.is_input and (self.channel.unit.endswith("/s") or self.channel.unit == "N m")
 
     def compare(self, time: float, measured: float, computed: float, sd: float, settled: bool) -> bool:
         """Compare with what is computed; False where the measured value is in another unit."""

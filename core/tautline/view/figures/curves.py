@@ -79,7 +79,7 @@ def variable_figure(results: Sequence[Result], names: Sequence[str], what: str, 
             cure = "name what to draw it against with --vs"
             raise ResultError("--what", f"'{what}' does not change with time", cure)
         figure = _history(chosen, times, names, title)
-        _draw_limits(figure.axes, chosen, results, split(what)[0])
+        _draw_limits(figure.axes, chosen, results, names, split(what)[0])
         return figure
     against = _against(results, vs)
     if all(_pairs(one, other, against) for one, other in zip(chosen, against.chosen, strict=True)):
@@ -132,17 +132,31 @@ def _history(chosen: Sequence[Chosen], times: Sequence[np.ndarray], names: Seque
     return over_time(figure, plots, times)
 
 
-def _draw_limits(plots: Sequence[Axes], chosen: Sequence[Chosen], results: Sequence[Result], name: str) -> None:
-    """Draw the limits that the scenes of results give of a variable, where they are not far from its values."""
-    bounds = {(one["name"], one["limit"]) for run in results for one in run.limits if one.get("variable") == name}
+def _draw_limits(
+    plots: Sequence[Axes], chosen: Sequence[Chosen], results: Sequence[Result], names: Sequence[str], name: str
+) -> None:
+    """Draw the limits that the scenes of results give of a variable, where they are not far from its values.
+
+    One that not all of the results have is told with the names of those that have it, and is in the colour of a single
+    one: the scenes may give several bounds under one name.
+    """
+    bounds: dict[tuple[str, float], list[int]] = {}
+    for run, result in enumerate(results):
+        for one in result.limits:
+            if one.get("variable") == name and run not in (of := bounds.setdefault((one["name"], one["limit"]), [])):
+                of.append(run)
     if not bounds or len(plots) != 1:
         return
     factor, _ = scale([one.values for one in chosen], chosen[0].unit)
     low, high = plots[0].get_ylim()
-    for words, bound in sorted(bounds, key=lambda pair: pair[1]):
+    for (words, bound), runs in sorted(bounds.items(), key=lambda pair: pair[0][1]):
+        ink = "black"
+        if len(runs) < len(results):
+            words = f"{words} ({', '.join(names[run] for run in runs)})"
+            ink = colour(runs[0], len(results)) if len(runs) == 1 else ink
         # One that is far away would press the curves into a line.
         if low - (high - low) <= bound / factor <= high + (high - low):
-            plots[0].axhline(bound / factor, color="black", lw=1.2, ls="--", label=words)
+            plots[0].axhline(bound / factor, color=ink, lw=1.2, ls="--", label=words)
     legend_above(plots[0])
 
 

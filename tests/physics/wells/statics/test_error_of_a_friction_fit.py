@@ -7,6 +7,7 @@ in this hole: picked up, it crosses from the upper to the lower side at the end 
 """
 
 from functools import cache
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -58,10 +59,28 @@ WITHOUT_CLEARANCE = np.array(
 
 
 @cache
-def fitted(elements, without_clearance=False):
+def counted(elements, without_clearance=False):
+    """The fit, and of how many elements each string was that it made, and each that it solved."""
+    made, solved = [], []
+
+    class Counted(back_calculation.Statics):
+        def __init__(self, scene, depth, elements, **how):
+            super().__init__(scene, depth, elements, **how)
+            made.append(elements)
+            self.elements = elements
+
+        def solve(self, friction, motion):
+            solved.append(self.elements)
+            return super().solve(friction, motion)
+
     depth, up, down = (WITHOUT_CLEARANCE if without_clearance else LOADS).T
     measured = Measured(depth * FOOT, up * KLBF, down * KLBF, np.arange(depth.size) + 2)
-    return fit(tautline.read(WELL), measured, elements)
+    with mock.patch.object(back_calculation, "Statics", Counted):
+        return fit(tautline.read(WELL), measured, elements), made, solved
+
+
+def fitted(*how):
+    return counted(*how)[0]
 
 
 def test_the_error_of_a_fitted_factor_covers_that_of_the_model_and_shrinks_with_more_elements():
@@ -100,20 +119,7 @@ def test_elements_that_cannot_be_halved_are_doubled_to_see_the_error():
     assert found.error == pytest.approx(np.hypot(found.spread, found.model_error))
 
 
-def test_the_error_of_the_model_costs_a_coarser_string_for_each_depth_and_one_solution_for_each_load(monkeypatch):
-    made, solved = [], []
-
-    class Counted(back_calculation.Statics):
-        def __init__(self, scene, depth, elements, **how):
-            super().__init__(scene, depth, elements, **how)
-            made.append(elements)
-            self.elements = elements
-
-        def solve(self, friction, motion):
-            solved.append(self.elements)
-            return super().solve(friction, motion)
-
-    monkeypatch.setattr(back_calculation, "Statics", Counted)
-    fitted.__wrapped__(50)
+def test_the_error_of_the_model_costs_a_coarser_string_for_each_depth_and_one_solution_for_each_load():
+    _, made, solved = counted(50)
     assert (made.count(50), made.count(25)) == (len(LOADS), len(LOADS))
     assert solved.count(25) == 2 * len(LOADS)

@@ -141,10 +141,11 @@ def least_force(factor, inclination, around, curvature, place):
     weighs = load * (np.array([0.0, 0.0, 1.0]) - t[2] * t)
 
     def excess(force):
-        return force**2 - factor * rigidity / clearance * np.linalg.norm(weighs - force * bend)
+        pressed = np.linalg.norm(weighs - np.asarray(force)[..., None] * bend, axis=-1)
+        return force**2 - factor * rigidity / clearance * pressed
 
     forces = np.geomspace(1.0, 1e9, 40001)
-    first = np.flatnonzero(np.array([excess(f) for f in forces]) > 0.0)[0]
+    first = np.flatnonzero(excess(forces) > 0.0)[0]
     return brentq(excess, forces[first - 1], forces[first], xtol=1e-9, rtol=1e-14), bend[2]
 
 
