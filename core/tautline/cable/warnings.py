@@ -634,23 +634,27 @@ def _slope_penalties(scene: CableScene) -> Sentences:
     """Penalty springs between slopes so soft that the rope has a kink at them. Ropes that do not bend load none."""
     given = [(tie.stiffness, tie) for tie in scene.ties if tie.method == "penalty" and tie.what == 2]
     sprung = [(stiffness, tie) for stiffness, tie in given if stiffness is not None]
-    if not sprung:
+    if not sprung or _carries_nothing(scene):
         return
     lengths = element_lengths(scene).tolist()
     # L/EJ, the angle by which 1 N m bends the rope, rad; no moment passes where nothing resists bending.
     bend = sides_of(scene, [n / e.EJ if e.EJ > 0.0 else math.inf for e, n in zip(scene.elements, lengths, strict=True)])
     beside = [(stiffness * sum(bend(node) for node in tie.nodes), stiffness, tie) for stiffness, tie in sprung]
-    soft = [one for one in beside if 0.0 < one[0] < 1.0 / SOFT_SHARE]
-    if not soft:
-        return
-    multiple, stiffness, tie = min(soft, key=lambda one: one[0])
-    others = f". This is the worst of {len(soft)} ties that are too soft" if len(soft) > 1 else ""
-    text = (
+    soft = [
+        (1.0 / multiple, tie, _soft_slopes(stiffness, multiple))
+        for multiple, stiffness, tie in beside
+        if 0.0 < multiple < 1.0 / SOFT_SHARE
+    ]
+    yield from _worst_of(soft, "soft")
+
+
+def _soft_slopes(stiffness: float, multiple: float) -> str:
+    """What is told of a spring between slopes, N m, that is a multiple of the rope's EJ/L."""
+    return (
         f"{stiffness:.3g} N m is soft beside the bending stiffness of the rope on both sides of the tie. It adds about "
         f"{100.0 / multiple:.3g} % to the angle by which that rope bends. Give "
-        f"{stiffness / (SOFT_SHARE * multiple):.2g} or more, or use LagMultipl7{others}"
+        f"{stiffness / (SOFT_SHARE * multiple):.2g} or more, or use LagMultipl7"
     )
-    yield (*tie.place, "p_spring"), text
 
 
 @warning("cable")

@@ -207,15 +207,15 @@ def test_a_soft_spring_in_a_beam_without_axial_stiffness_is_told_with_its_share_
 EJ, PULL = 1e4, 0.1
 
 
-def joined_beam(slopes="penalty", stiffness=None, EJ=EJ):
+def joined_beam(slopes="penalty", stiffness=None, EJ=EJ, pull=PULL):
     """A cantilever of 2 m in two halves that are joined in its middle, pulled down at its tip."""
     nodes = [
         node(i, (x, 0, 0), (*FREE[:6], 1) if i else (1,) * 7) for i, x in enumerate((0.0, 0.5, 1.0, 1.0, 1.5, 2.0))
     ]
     elements = [element(i, *ends, EA=1e6, EJ=EJ) for i, ends in enumerate([(0, 1), (1, 2), (3, 4), (4, 5)])]
-    pull = f"PointForce: {{id: 0, nodes7: [5], force: [0, 0, -{PULL}]}}"
+    load = [f"PointForce: {{id: 0, nodes7: [5], force: [0, 0, -{pull}]}}"] if pull else []
     tied = [*join("penalty", 2, 3, (0,), 1e9), *join(slopes, 2, 3, (2,), stiffness)]
-    return scene([*nodes, *elements, *tied, pull], **HANGING | {"start": "static"})
+    return scene([*nodes, *elements, *tied, *load], **HANGING | {"start": "static"})
 
 
 @pytest.mark.parametrize(("stiffness", "share"), [(1e5, 5.0), (1e3, 500.0), (10.0, 5e4)])
@@ -240,6 +240,7 @@ def test_a_soft_spring_between_slopes_is_told_with_the_share_of_bending_that_it_
         pytest.param(joined_beam(), id="chosen"),
         pytest.param(joined_beam("augmented", 10.0), id="beside a multiplier"),
         pytest.param(joined_beam(stiffness=10.0, EJ=0.0), id="in a rope that does not resist bending"),
+        pytest.param(joined_beam(stiffness=10.0, pull=0.0), id="in a rope that carries nothing"),
     ],
 )
 def test_a_spring_between_slopes_that_adds_no_bending_is_not_called_soft(text):
