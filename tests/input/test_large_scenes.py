@@ -216,6 +216,21 @@ def test_a_pattern_holds_every_pair_that_a_stencil_couples_whether_it_is_sorted_
     assert np.all(np.diff(pattern.row * 8 + pattern.column) > 0)
 
 
+def test_stencils_of_one_row_each_have_all_masters_looked_through_as_often_as_one_stencil_of_all_rows(monkeypatch):
+    """A tie brings such a stencil, and a rope in pieces has thousands: each looked through all masters."""
+    asked = []
+    looked = Masters.is_single.fget
+    monkeypatch.setattr(Masters, "is_single", property(lambda masters: asked.append(0) or looked(masters)))
+    rows = np.arange(3000).reshape(-1, 2)
+    patterns, counts = [], []
+    for stencils in ([rows], [row[None, :] for row in rows]):
+        patterns.append(pattern_of(Masters.of(np.arange(3000), [], {}), 3000, stencils))
+        counts.append(len(asked))
+        asked.clear()
+    assert counts == [1, 1]
+    assert np.array_equal(patterns[0].row, patterns[1].row) and np.array_equal(patterns[0].column, patterns[1].column)
+
+
 def test_masters_mark_what_is_one_unknown_what_is_held_and_what_is_tied():
     number = np.array([0, -1, -1, 1, -1, -1, -1])
     tied = {2: [(0, 0.5), (-5, 1.0)], 5: [(1, 1.0)], 6: [(-5, 2.0)], 1: []}

@@ -1,7 +1,9 @@
 """What runs inside an FMU, without a host: inputs and parameters as a host sets them, refused and at the start."""
 
 import json
+import math
 import zipfile
+import zlib
 from pathlib import Path
 
 import pytest
@@ -351,19 +353,98 @@ def test_an_output_that_is_set_is_told_and_stays(folder):
     assert core.get(TENSION) == other.get(TENSION) != tension
 
 
+def with_head(saved, change):
+    """Bytes of a state whose head was changed by a function, with the sum that belongs to them."""
+    head, _, block = to_bytes(saved)[8:].partition(b"\0")
+    told = json.loads(head)
+    change(told)
+    rest = json.dumps(told).encode() + b"\0" + block
+    return f"{zlib.crc32(rest):08x}".encode() + rest
+
+
+@pytest.fixture(scope="module")
+def saved(folder):
+    """A state of the unit after a step with an input that was set."""
+    core = Core(folder)
+    core.set(SPEED, 0.1)
+    core.step(0.0, H)
+    return core.save()
+
+
+def assert_refused(folder, data, cause):
+    """Bytes are refused with their cause where they are read, and no step is made of a unit that is given them."""
+    with pytest.raises(tautline.SimulationError, match=cause):
+        from_bytes(data)
+    core = Core(folder)
+    for work in (lambda: core.restore(state_from_bytes(data)), lambda: core.step(0.0, H)):
+        with pytest.raises(tautline.SimulationError, match=cause):
+            work()
+
+
 @pytest.mark.parametrize(
     "name, wrong",
     [
-        ("stopped", []), ("stopped", ["a"]), ("stopped", ["a", "b", "c"]), ("stopped", 3), ("given", 3),
-        ("explicit", 3), ("explicit", ["a"]), ("displaced", 3), ("time", "soon"), ("frames", "many"), ("time", None),
-        ("another", 1),
+        ("stopped", []), ("stopped", ["a"]), ("stopped", ["a", "b", "c"]), ("stopped", 3), ("stopped", "ab"),
+        ("given", 3), ("given", "abc"), ("changed", "abc"), ("changed", [1]), ("explicit", 3), ("explicit", ["a"]),
+        ("explicit", "12"), ("displaced", 3), ("time", "soon"), ("time", None), ("time", -1.0), ("time", math.nan),
+        ("time", math.inf), ("frames", "many"), ("frames", -5), ("frames", math.inf), ("frames", 2.7), ("frames", True),
+        ("frames", "3"), ("scene", None), ("start", 1), ("another", 1),
     ],
 )  # fmt: skip
-def test_bytes_of_a_state_whose_head_is_damaged_are_refused_in_plain_words(folder, name, wrong):
-    core = Core(folder)
-    core.begun()
-    head, _, block = to_bytes(core.save()).partition(b"\0")
-    told = json.loads(head)
-    told["state"][0][name] = wrong
+def test_bytes_of_a_state_that_holds_what_cannot_be_are_refused_in_plain_words(folder, saved, name, wrong):
+    data = with_head(saved, lambda told: told["state"].update({name: wrong}))
+    assert_refused(folder, data, "the saved state is damaged")
+
+
+NAMES = (
+    "time", "scene", "layout", "frames", "changed", "given", "stopped", "explicit", "start", "last", "displaced"
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bytes_of_a_state_without_a_name_that_is_read_are_refused(folder, saved, name):
+    assert_refused(folder, with_head(saved, lambda told: told["state"].pop(name)), "the saved state is damaged")
+
+
+@pytest.mark.parametrize(
+    "name", ["state", "sent", "given", "held", "changed", "stepped", "begin", "timed", "initialised"]
+)
+def test_bytes_of_a_unit_without_a_name_that_is_read_are_refused(folder, saved, name):
+    assert_refused(folder, with_head(saved, lambda told: told.pop(name)), "the saved state is damaged")
+
+
+@pytest.mark.parametrize(
+    "name, wrong",
+    [
+        ("sent", "abc"), ("sent", {SPEED: "fast"}), ("given", {SPEED: math.nan}), ("held", [1]), ("changed", None),
+        ("changed", {"payload.mass": True}), ("stepped", 1), ("timed", "yes"), ("initialised", None), ("begin", "now"),
+        ("begin", math.inf), ("another", 1), ("state", []), ("state", None),
+    ],
+)  # fmt: skip
+def test_bytes_of_a_unit_that_holds_what_cannot_be_are_refused_in_plain_words(folder, saved, name, wrong):
+    assert_refused(folder, with_head(saved, lambda told: told.update({name: wrong})), "the saved state is damaged")
+
+
+def test_bytes_of_a_state_that_were_damaged_anywhere_are_refused(folder, saved):
+    """Also where what they hold then could be: a time of 5 s, another input."""
+    data = to_bytes(saved)
+    for sound in (data, with_head(saved, lambda told: None)):
+        assert from_bytes(sound)["sent"] == saved["sent"] == {SPEED: 0.1}
+    assert_refused(folder, data.replace(b"0.1", b"0.7", 1), "the saved state is damaged")
+    for place in (0, len(data) // 2, len(data) - 1):
+        damaged = bytearray(data)
+        damaged[place] ^= 1
+        assert_refused(folder, damaged, "the saved state is damaged")
+    assert_refused(folder, data[:-1], "the saved state is damaged")
+
+
+@pytest.mark.parametrize("name, wrong", [("frames", math.inf), ("changed", "abc"), ("frames", -5), ("time", 5.0)])
+def test_a_state_sent_to_another_process_is_refused_where_what_stands_beside_its_block_is_not_what_was(
+    saved, name, wrong
+):
+    build, (told, block, total) = saved["state"].__reduce__()
+    assert build(told, block, total).told == told
     with pytest.raises(tautline.SimulationError, match="the saved state is damaged"):
-        from_bytes(json.dumps(told).encode() + b"\0" + block)
+        build(told | {name: wrong}, block, total)
+    with pytest.raises(tautline.SimulationError, match="the saved state is damaged"):
+        build({key: value for key, value in told.items() if key != name}, block, total)

@@ -201,7 +201,9 @@ def test_a_simulation_that_stopped_stays_so_in_its_copies_and_saved_states():
     with pytest.raises(tautline.StoppedEarly):
         sim.advance_to(14.0)
     state = sim.save()
-    sent, told = pickle.loads(pickle.dumps(state)), from_bytes(to_bytes({"state": state}))["state"]
+    beside = {"stepped": True, "begin": 0.0, "timed": True, "initialised": True}
+    unit = beside | {"state": state, "sent": {}, "given": {}, "held": {}, "changed": {}}
+    sent, told = pickle.loads(pickle.dumps(state)), from_bytes(to_bytes(unit))["state"]
     assert sent.given == told.given == ("payload.mass",)
     others = [sim.copy(), *(tautline.Simulation(HOIST) for _ in range(3))]
     for other, saved in zip(others[1:], (state, sent, told), strict=True):

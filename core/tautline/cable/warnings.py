@@ -27,6 +27,7 @@ from tautline.cable.model.magnitudes import (
     stiffest_element,
     stiffness_of,
 )
+from tautline.cable.model.sides import sides_of
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.model import MADE
@@ -34,8 +35,6 @@ from tautline.scene.reading.document import join_key
 from tautline.scene.solver import longest_step
 from tautline.scene.warnings import warning
 
-STIFF_PENALTY = 1.0e6
-"""Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
 ROUNDED_SHARE = 1.0e-3
 """Share of a scene's largest force from which on that what rounding leaves in a penalty spring is told."""
 AT_REST = 1.0e-9
@@ -529,7 +528,7 @@ def _twice(scene: CableScene) -> Sentences:
 
 @warning("cable")
 def _penalties(scene: CableScene) -> Sentences:
-    """Penalty springs so stiff that rounding makes their forces, or so soft that the rope opens at them."""
+    """Springs between r and p so stiff that rounding makes their forces, or so soft that the rope opens at them."""
     sprung = [tie for tie in scene.ties if tie.method != "multiplier" and tie.what != 2]
     if not sprung:
         return
@@ -553,7 +552,7 @@ def _penalties(scene: CableScene) -> Sentences:
             continue
         stiffness = tie.stiffness
         rope, how = give(tie)
-        if stiffness > STIFF_PENALTY * stiffest > 0.0 or stiffness * gap > ROUNDED_SHARE * force:
+        if stiffness * gap > ROUNDED_SHARE * force:
             # Beside elements without any stiffness there is neither a multiple to tell nor a spring to advise.
             beside = f" is {stiffness / stiffest:.1g} times the stiffest element" if stiffest > 0.0 else ""
             cured = stiffest > 0.0 and better * gap <= ROUNDED_SHARE * force
@@ -617,9 +616,9 @@ def _give(scene: CableScene) -> Callable[[Tie], tuple[float, str]]:
     """
     lengths = element_lengths(scene).tolist()
     parts = list(zip(scene.elements, lengths, strict=True))
-    stretch = _sides(scene, [length / e.EA if e.EA > 0.0 else 0.0 for e, length in parts])
+    stretch = sides_of(scene, [length / e.EA if e.EA > 0.0 else 0.0 for e, length in parts])
     # L/EJ^(1/3): of elements in a row their sum counts, and its cube.
-    bend = _sides(scene, [length / math.cbrt(e.EJ) if e.EJ > 0.0 else 0.0 for e, length in parts])
+    bend = sides_of(scene, [length / math.cbrt(e.EJ) if e.EJ > 0.0 else 0.0 for e, length in parts])
 
     def of(tie: Tie) -> tuple[float, str]:
         rope = sum(stretch(node) for node in tie.nodes)
@@ -630,26 +629,32 @@ def _give(scene: CableScene) -> Callable[[Tie], tuple[float, str]]:
     return of
 
 
-def _sides(scene: CableScene, give: list[float]) -> Callable[[int], float]:
-    """Sum of what elements give, from a node on up to where the rope is held or tied, branches or ends."""
-    ends: dict[int, list[tuple[int, int]]] = {}
-    for i, element in enumerate(scene.elements):
-        for node, other in (element.nodes, element.nodes[::-1]):
-            ends.setdefault(node, []).append((i, other))
-    stops = {node.id for node in scene.nodes if all(node.held[:3])} | {node for tie in scene.ties for node in tie.nodes}
+@warning("cable")
+def _slope_penalties(scene: CableScene) -> Sentences:
+    """Penalty springs between slopes so soft that the rope has a kink at them. Ropes that do not bend load none."""
+    given = [(tie.stiffness, tie) for tie in scene.ties if tie.method == "penalty" and tie.what == 2]
+    sprung = [(stiffness, tie) for stiffness, tie in given if stiffness is not None]
+    if not sprung or _carries_nothing(scene):
+        return
+    lengths = element_lengths(scene).tolist()
+    # L/EJ, the angle by which 1 N m bends the rope, rad; no moment passes where nothing resists bending.
+    bend = sides_of(scene, [n / e.EJ if e.EJ > 0.0 else math.inf for e, n in zip(scene.elements, lengths, strict=True)])
+    beside = [(stiffness * sum(bend(node) for node in tie.nodes), stiffness, tie) for stiffness, tie in sprung]
+    soft = [
+        (1.0 / multiple, tie, _soft_slopes(stiffness, multiple))
+        for multiple, stiffness, tie in beside
+        if 0.0 < multiple < 1.0 / SOFT_SHARE
+    ]
+    yield from _worst_of(soft, "soft")
 
-    def along(first: int, node: int) -> float:
-        total, seen = give[first], {first}
-        while node not in stops and len(ends[node]) == 2:
-            further = [one for one in ends[node] if one[0] not in seen]
-            if not further:
-                break
-            (at, node) = further[0]
-            seen.add(at)
-            total += give[at]
-        return total
 
-    return lambda node: max((along(*end) for end in ends.get(node, ())), default=0.0)
+def _soft_slopes(stiffness: float, multiple: float) -> str:
+    """What is told of a spring between slopes, N m, that is a multiple of the rope's EJ/L."""
+    return (
+        f"{stiffness:.3g} N m is soft beside the bending stiffness of the rope on both sides of the tie. It adds about "
+        f"{100.0 / multiple:.3g} % to the angle by which that rope bends. Give "
+        f"{stiffness / (SOFT_SHARE * multiple):.2g} or more, or use LagMultipl7"
+    )
 
 
 @warning("cable")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import math
+import numbers
 import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -58,60 +60,130 @@ class State:
 
     @property
     def told(self) -> dict[str, Any]:
-        """All that it holds beside the block, by name."""
-        return {name: getattr(self, name) for name in READ}
+        """All that it holds beside the block, by name, as numbers, words and lists of them that JSON knows."""
+        return {name: read(getattr(self, name)) for name, read in READ.items()}
 
     def __reduce__(self) -> Any:
-        return as_sent, (self.told, self.block, sum_of(self.block))
+        return as_sent, (self.told, self.block, _sum_of(self.told, self.block))
 
 
-def sum_of(block: np.ndarray) -> int:
-    """A sum of bytes that hardly any damage leaves as it is."""
-    return zlib.crc32(block)
+def _sum_of(told: Mapping[str, Any], block: np.ndarray) -> int:
+    """A sum of all that a state holds, which hardly any damage leaves as it is."""
+    named = repr([(name, told[name]) for name in sorted(told)])
+    return zlib.crc32(block, zlib.crc32(named.encode("utf8")))
 
 
-def _words(told: Iterable[Any]) -> tuple[str, ...]:
-    return tuple(map(str, told))
+def number_of(told: Any) -> float:
+    """A number of what was sent, which may be infinite or none; raises TypeError for what is no number."""
+    if isinstance(told, bool) or not isinstance(told, numbers.Real):
+        raise TypeError(told)
+    return float(told)
 
 
-def _stop(told: Iterable[Any]) -> tuple[str, str]:
-    why, word = told
-    return str(why), str(word)
+def _time(told: Any) -> float:
+    """A time of what was sent, s; raises TypeError or ValueError for what is none."""
+    if not 0.0 <= number_of(told) < math.inf:
+        raise ValueError(told)
+    return float(told)
 
 
-def _numbers(told: Iterable[Any]) -> tuple[float, ...]:
-    return tuple(map(float, told))
+def word_of(told: Any) -> str:
+    """A word of what was sent; raises TypeError for what is none."""
+    if not isinstance(told, str):
+        raise TypeError(told)
+    return told
+
+
+def _count(told: Any) -> int:
+    if isinstance(told, bool) or not isinstance(told, numbers.Integral):
+        raise TypeError(told)
+    if told < 0:
+        raise ValueError(told)
+    return int(told)
+
+
+def _listed(told: Any) -> Sequence[Any]:
+    # A word is a sequence too, of letters.
+    if not isinstance(told, list | tuple):
+        raise TypeError(told)
+    return told
+
+
+def _words(told: Any) -> tuple[str, ...]:
+    return tuple(word_of(word) for word in _listed(told))
+
+
+def _stop(told: Any) -> tuple[str, str]:
+    why, word = _words(told)
+    return why, word
+
+
+def _numbers(told: Any) -> tuple[float, ...]:
+    return tuple(number_of(number) for number in _listed(told))
 
 
 READ: dict[str, Callable[[Any], Any]] = {
-    "time": float, "scene": str, "layout": str, "frames": int, "changed": _words, "given": _words, "stopped": _stop,
-    "explicit": _numbers, "start": str, "last": str, "displaced": _words,
+    "time": _time, "scene": word_of, "layout": word_of, "frames": _count, "changed": _words, "given": _words,
+    "stopped": _stop, "explicit": _numbers, "start": word_of, "last": word_of, "displaced": _words,
 }  # fmt: skip
 """What a state holds beside its block, and how it is read of what was sent."""
 
 
-def as_sent(told: Mapping[str, Any], block: np.ndarray, expected: int) -> State:
-    """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
+def read_exactly(read: Mapping[str, Callable[[Any], Any]], told: Any) -> dict[str, Any]:
+    """What was sent, each name read in its own way.
+
+    Raises
+    ------
+    SimulationError
+        Where a name is missing or another is there, and where what stands under one is not of its kind.
+    """
+    try:
+        if not isinstance(told, Mapping) or told.keys() != read.keys():
+            raise KeyError(told)
+        return {name: of(told[name]) for name, of in read.items()}
+    except (KeyError, OverflowError, TypeError, ValueError):
+        raise damaged() from None
+
+
+def state_of(told: Any, block: np.ndarray) -> State:
+    """A state of what was sent of it, whose bytes are known to be undamaged.
 
     Parameters
     ----------
     told : mapping
         As `State.told` gives it, also by way of JSON.
     block : uint8 (n,)
-    expected : int
-        The sum of its bytes.
 
     Raises
     ------
     SimulationError
-        For bytes with another sum than is expected, and for what is told beside them and cannot be.
+        For what is told beside the block and cannot be.
     """
-    if sum_of(block) != expected:
+    if not isinstance(block, np.ndarray) or block.dtype != np.uint8:
         raise damaged()
-    try:
-        return State(block=block, **{name: READ[name](value) for name, value in told.items()})
-    except (AttributeError, KeyError, TypeError, ValueError):
-        raise damaged() from None
+    return State(block=block, **read_exactly(READ, told))
+
+
+def as_sent(told: Any, block: np.ndarray, expected: int) -> State:
+    """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
+
+    Parameters
+    ----------
+    told : mapping
+        As `State.told` gives it.
+    block : uint8 (n,)
+    expected : int
+        The sum of both.
+
+    Raises
+    ------
+    SimulationError
+        For what has another sum than is expected, and for what is told beside the block and cannot be.
+    """
+    state = state_of(told, block)
+    if _sum_of(state.told, block) != expected:
+        raise damaged()
+    return state
 
 
 def damaged() -> SimulationError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -113,7 +113,8 @@ def pattern_of(masters: Masters, size: int, stencils: Sequence[np.ndarray]) -> P
     stencils : sequence of (m, k) int arrays
         Each row lists full degrees of freedom that are coupled.
     """
-    coupled = [unknowns for stencil in stencils if stencil.size for unknowns in _unknowns(masters, stencil)]
+    # Ties bring a stencil of one row each, by the thousand: numpy is asked once for all rows that are as long.
+    coupled = _stacked(unknowns for stencil in _stacked(stencils) for unknowns in _unknowns(masters, stencil))
     width = max((_spread(unknowns) for unknowns in coupled), default=0)
     if size * (2 * width + 1) <= MOST_MARKS:
         return _marked(size, width, coupled)
@@ -131,6 +132,15 @@ def _unknowns(masters: Masters, stencil: np.ndarray) -> Iterator[np.ndarray]:
         yield masters.first[stencil[single]]
     for member in stencil[~single]:
         yield np.concatenate([masters.unknown[masters.start[i] : masters.start[i + 1]] for i in member])[None, :]
+
+
+def _stacked(parts: Iterable[np.ndarray]) -> list[np.ndarray]:
+    """Arrays (m, k) one upon the other, one for each k; those without entries are left out."""
+    alike: dict[int, list[np.ndarray]] = {}
+    for part in parts:
+        if part.size:
+            alike.setdefault(part.shape[1], []).append(part)
+    return [np.concatenate(some) if len(some) > 1 else some[0] for some in alike.values()]
 
 
 def _spread(unknowns: np.ndarray) -> int:

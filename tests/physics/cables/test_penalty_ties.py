@@ -28,7 +28,7 @@ from tautline.cable.input.material import element_lengths
 from tautline.cable.input.scene import parse
 from tautline.cable.model import magnitudes
 from tautline.cable.model.build import assemble_cables
-from tautline.cable.model.observe import gap_of
+from tautline.cable.model.observe import angle_of, gap_of
 from tautline.cable.model.ties import stiff_tie
 from tautline.cable.warnings import figures
 from tautline.integrators.state import WORST
@@ -204,6 +204,63 @@ def test_a_soft_spring_in_a_beam_without_axial_stiffness_is_told_with_its_share_
     assert "It adds about 375 % to the bending of that rope" in sentence and told["multiplier"] == []
 
 
+EJ, PULL = 1e4, 0.1
+
+
+def joined_beam(slopes="penalty", stiffness=None, EJ=EJ, pull=PULL):
+    """A cantilever of 2 m in two halves that are joined in its middle, pulled down at its tip."""
+    nodes = [
+        node(i, (x, 0, 0), (*FREE[:6], 1) if i else (1,) * 7) for i, x in enumerate((0.0, 0.5, 1.0, 1.0, 1.5, 2.0))
+    ]
+    elements = [element(i, *ends, EA=1e6, EJ=EJ) for i, ends in enumerate([(0, 1), (1, 2), (3, 4), (4, 5)])]
+    load = [f"PointForce: {{id: 0, nodes7: [5], force: [0, 0, -{pull}]}}"] if pull else []
+    tied = [*join("penalty", 2, 3, (0,), 1e9), *join(slopes, 2, 3, (2,), stiffness)]
+    return scene([*nodes, *elements, *tied, *load], **HANGING | {"start": "static"})
+
+
+@pytest.mark.parametrize(("stiffness", "share"), [(1e5, 5.0), (1e3, 500.0), (10.0, 5e4)])
+def test_a_soft_spring_between_slopes_is_told_with_the_share_of_bending_that_it_really_adds(stiffness, share):
+    # The tip turns by P L^2/(2 EJ) and sinks by P L^3/(3 EJ). The moment in the middle, P L/2, turns the spring by
+    # P L/(2 k) more, EJ/(k L) of the rope's angle, and the tip sinks by L/2 of that.
+    (text,) = told_of(joined_beam(stiffness=stiffness))
+    assert f"adds about {share:.3g} % to the angle by which that rope bends" in text
+    assert "Give 5e+05 or more, or use LagMultipl7" in text
+    rigid, sprung = (
+        at_rest(text)[1].full_q[5 * 7 :] for text in (joined_beam("multiplier"), joined_beam("penalty", stiffness))
+    )
+    assert -rigid[2] == pytest.approx(PULL * 2.0**3 / (3.0 * EJ), rel=1e-3)
+    assert 100.0 * (sprung[5] / rigid[5] - 1.0) == pytest.approx(share, rel=2e-3)
+    assert sprung[2] / rigid[2] == pytest.approx(1.0 + 0.75 * share / 100.0, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param(joined_beam(stiffness=5.1e5), id="stiff enough"),
+        pytest.param(joined_beam(), id="chosen"),
+        pytest.param(joined_beam("augmented", 10.0), id="beside a multiplier"),
+        pytest.param(joined_beam(stiffness=10.0, EJ=0.0), id="in a rope that does not resist bending"),
+        pytest.param(joined_beam(stiffness=10.0, pull=0.0), id="in a rope that carries nothing"),
+    ],
+)
+def test_a_spring_between_slopes_that_adds_no_bending_is_not_called_soft(text):
+    assert told_of(text) == []
+
+
+def test_many_soft_springs_between_slopes_are_one_warning_of_the_softest_with_their_number():
+    places = (0.0, 0.5, 0.5, 1.0, 1.0, 1.5, 1.5, 2.0)
+    nodes = [node(i, (x, 0, 0), (*FREE[:6], 1) if i else (1,) * 7) for i, x in enumerate(places)]
+    elements = [element(i, 2 * i, 2 * i + 1, EA=1e6, EJ=EJ) for i in range(4)]
+    tied = [
+        item
+        for i, k in zip((1, 3, 5), (1e4, 1e3, 1e9), strict=True)
+        for item in join("penalty", i, i + 1, stiffness=[1e9, k])
+    ]
+    (text,) = told_of(scene([*nodes, *elements, *tied], (0, 0, -g), **HANGING))
+    # 0.5 m on either side bend by 1e-4 rad under 1 N m, and 1e3 N m by 1e-3 rad
+    assert "1e+03 N m" in text and "about 1e+03 %" in text and "the worst of 2 ties that are too soft" in text
+
+
 def test_a_soft_spring_between_p_is_told_with_the_rope_that_appears_at_it():
     # 20 m and 5 m on both sides, EA 1e6: a newton stretches the rope by 25e-6 m as far as the next eyelet
     (text,) = told_of(over_an_eyelet(1e4))
@@ -257,6 +314,20 @@ def test_a_spring_whose_rounding_is_felt_far_from_the_origin_is_told_with_the_fo
     assert "by up to 4e+01 N; give 1e+12" in text
 
 
+@pytest.mark.parametrize(("stiffness", "is_eaten"), [(4.1e11, False), (1e13, False), (1e14, False), (1e22, True)])
+def test_a_spring_is_told_for_its_rounding_where_that_is_felt_and_not_for_being_stiff_alone(stiffness, is_eaten):
+    # 1e6 to 2.5e8 times the stiffest element: measured 2e-9 of the largest force and less, but 8e-3 at 1e22 N/m, where
+    # nothing is left of the rope's stiffness beside the spring's
+    largest = [
+        np.array(run(rope(way, 1e6, stiffness=k))["axial_force"]).max()
+        for way, k in (("multiplier", None), ("penalty", stiffness))
+    ]
+    assert (abs(largest[1] / largest[0] - 1.0) > 1e-3) == is_eaten
+    assert abs(largest[1] / largest[0] - 1.0) < 1e-8 or is_eaten
+    told = told_of(rope("penalty", 1e6, stiffness=stiffness))
+    assert len(told) == is_eaten and all("rounding eats the forces" in text for text in told)
+
+
 @pytest.mark.parametrize(("EA", "bottom"), [(1e8, 0.0), (1e8, -2000.0), (3e5, 0.0), (7e7, -5e4), (2.9e6, -2e5)])
 def test_a_spring_as_stiff_as_is_advised_is_not_told_again(EA, bottom):
     (text,) = told_of(rope("penalty", EA, bottom, 1e18))
@@ -293,6 +364,31 @@ def test_the_largest_gap_of_penalty_springs_is_a_figure_of_the_run():
     assert figure["value"] == pytest.approx((MASS + 0.25) * g / 1e5, rel=1e-6)
     assert figure["unit"] == "m"
     assert "tie_gap_max" not in model_of(rope("multiplier", 1e6)).headline(result)
+
+
+def test_the_largest_angle_between_slopes_at_penalty_springs_is_a_figure_of_the_run():
+    # the moment P L/2 turns a spring k by P L/(2 k): 0.01 rad
+    text = joined_beam(stiffness=10.0)
+    model = model_of(text)
+    figure = model.headline(run(text))["tie_angle_max"]
+    assert figure["value"] == pytest.approx(PULL * 1.0 / 10.0, rel=1e-3)
+    assert figure["unit"] == model.figure_units["tie_angle_max"] == "rad"
+    without = model_of(joined_beam("multiplier"))
+    assert "tie_angle_max" not in without.figure_units and "tie_angle_max" not in without.headline(
+        run(joined_beam("multiplier"))
+    )
+
+
+def test_an_angle_between_slopes_that_both_nodes_hold_is_none_of_a_spring():
+    # the halves of a wire along x leave in other directions, which are held; nothing else bends them
+    held = (1, 1, 1, 1, 1, 1, 1)
+    nodes = [node(i, (x, 0, 0), held, (1, 0, d)) for i, (x, d) in enumerate([(0, 0.0), (1, 0.0), (1, 0.1), (2, 0.1)])]
+    elements = [element(0, 0, 1, EA=1e6), element(1, 2, 3, EA=1e6)]
+    made = parse(scene([*nodes, *elements, *join("penalty", 1, 2, (2,), 1e5)], **HANGING))
+    slopes = np.array([[n.slope for n in made.nodes]] * 3)
+    assert angle_of({"slope": slopes}, made) == 0.0
+    freed = replace(made, nodes=[n._replace(held=(*n.held[:5], False, True)) for n in made.nodes])
+    assert angle_of({"slope": slopes}, freed) == pytest.approx(np.arctan(0.1), rel=1e-12)
 
 
 def test_a_gap_along_an_axis_that_both_nodes_hold_is_none_of_a_spring():

@@ -18,7 +18,7 @@ from tautline.cable.model.handles import handles
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
 from tautline.cable.model.magnitudes import largest_force, mass_of, rounding_error
-from tautline.cable.model.observe import FIGURES, GAP, Observer, headline, variables
+from tautline.cable.model.observe import Observer, figure_units, headline, variables
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
 from tautline.constraints.multiplier import Multipliers
 from tautline.integrators.statics.attainable import MANY, within_rounding
@@ -124,7 +124,7 @@ def build(scene: CableScene) -> Model:
         observe=observer.observe,
         headline=lambda result: headline(result, scene),
         limits=lambda result: limits(result, scene),
-        figure_units=FIGURES | (GAP if any(tie.method == "penalty" and tie.what != 2 for tie in scene.ties) else {}),
+        figure_units=figure_units(scene),
         start=solver.start,
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,

@@ -16,7 +16,9 @@ from tautline.results.variable import Variable, at_start, late_start
 FIGURES = {"axial_force_max": "N", "axial_force_min": "N", "displacement_max": "m", "speed_max": "m/s"}
 """Figures of a run and their units, of which a scene may set limits."""
 GAP = {"tie_gap_max": "m"}
-"""The same of a scene with penalty springs."""
+"""The same of a scene with penalty springs between r or p."""
+ANGLE = {"tie_angle_max": "rad"}
+"""The same of a scene with penalty springs between slopes."""
 FRAMES = 256
 """Whose gaps are found at once: of all together they would take as much memory as the variable itself."""
 SHORTEST_SLOPE = 1.0e-90
@@ -130,6 +132,12 @@ class Observer:
         return (parts[0] + parts[1] + parts[2] + parts[3]) / length**order
 
 
+def figure_units(scene: CableScene) -> dict[str, str]:
+    """Figures that a run of a scene has, and their units."""
+    sprung = {tie.what for tie in scene.ties if tie.method == "penalty"}
+    return FIGURES | (GAP if sprung - {2} else {}) | (ANGLE if 2 in sprung else {})
+
+
 def gap_of(result: Any, scene: CableScene) -> float | None:
     """Largest distance, m, by which penalty springs let positions or p differ; None without any.
 
@@ -153,12 +161,37 @@ def gap_of(result: Any, scene: CableScene) -> float | None:
     return float(max(gaps)) if gaps else None
 
 
+def angle_of(result: Any, scene: CableScene) -> float | None:
+    """Largest angle, rad, by which penalty springs let slopes differ; None without any between slopes.
+
+    Of an axis on which both nodes are held, the angle is as if they were held alike there: it has no spring.
+    """
+    place = {node.id: i for i, node in enumerate(scene.nodes)}
+    ties = [tie for tie in scene.ties if tie.method == "penalty" and tie.what == 2]
+    if not ties:
+        return None
+    values = np.asarray(result["slope"])
+    first, second = np.array([[place[node] for node in tie.nodes] for tie in ties]).T
+    sprung = _sprung(scene, first, second, 2)
+    largest = 0.0
+    for begin in range(0, len(values), FRAMES):
+        one, other = values[begin : begin + FRAMES, first], values[begin : begin + FRAMES, second]
+        other = np.where(sprung, other, one)
+        across = np.linalg.norm(np.cross(one, other), axis=-1)
+        largest = max(largest, float(np.arctan2(across, (one * other).sum(axis=-1)).max()))
+    return largest
+
+
 def _sprung(scene: CableScene, first: np.ndarray, second: np.ndarray, what: int) -> np.ndarray:
-    """On which of the axes of r, (pairs, 3), or of p, (pairs,), at least one of two nodes is free."""
-    if what == 0:
-        free = ~np.array([node.held[:3] for node in scene.nodes])
-    else:
+    """On which of the axes of r (0) or r' (2), (pairs, 3), or of p (1), (pairs,), at least one of two nodes is free."""
+    if what == 1:
         free = ~np.array([node.held[-1] for node in scene.nodes])
+    else:
+        # A node of a linear element has no slope, and no tie has it.
+        parts = [
+            node.held[:3] if what == 0 else node.held[3:6] if node.kind == 7 else (True,) * 3 for node in scene.nodes
+        ]
+        free = ~np.array(parts)
     return free[first] | free[second]
 
 
@@ -176,4 +209,7 @@ def headline(result: Any, scene: CableScene) -> dict[str, dict[str, Any]]:
     gap = gap_of(result, scene)
     if gap is not None:
         figures["tie_gap_max"] = gap, "m", "largest gap of penalty springs"
+    angle = angle_of(result, scene)
+    if angle is not None:
+        figures["tie_angle_max"] = angle, "rad", "largest angle between slopes at penalty springs"
     return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}
