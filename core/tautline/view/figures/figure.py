@@ -10,6 +10,7 @@ import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,7 @@ from matplotlib.ticker import (
 )
 
 from tautline.results.errors import ResultError, unwritten
+from tautline.results.output_path import check_drawn
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.whole_file import whole_file
 
@@ -408,9 +410,10 @@ def save(figure: Figure, path: str | Path) -> Path:
     Raises
     ------
     ResultError
-        If the file cannot be written, or the format is unknown; WriteError where the disk is full.
+        If the file cannot be written or is there and no figure, or the format is unknown; WriteError where the disk is
+        full.
     """
-    path = Path(path)
+    path = check_drawn(Path(path))
     try:
         thin_logarithms(figure)
         with powers_in_labels(figure), whole_file(path) as waiting:
@@ -424,8 +427,8 @@ def save(figure: Figure, path: str | Path) -> Path:
 
 def save_all(figures: Mapping[str, Figure], folder: Path, stem: str, formats: Sequence[str], whole: bool) -> list[Path]:
     """Write figures as ``stem_name.format``, or as ``stem.format`` if there is one figure and `whole` says so."""
-    written = []
-    for name, figure in figures.items():
-        base = stem if whole and len(figures) == 1 else f"{stem}_{name}"
-        written += [save(figure, folder / f"{base}.{ending}") for ending in formats]
-    return written
+    bases = {name: stem if whole and len(figures) == 1 else f"{stem}_{name}" for name in figures}
+    places = {name: [folder / f"{base}.{ending}" for ending in formats] for name, base in bases.items()}
+    for place in chain.from_iterable(places.values()):
+        check_drawn(place)
+    return [save(figures[name], place) for name, of_it in places.items() for place in of_it]
