@@ -125,6 +125,9 @@ def test_a_spectrum_has_its_line_at_the_frequency():
     assert text == "6.3 Hz, amplitude 0.208 m" and plot.get_yscale() == "log"
     assert frequency[amplitude.argmax()] == pytest.approx(6.3, abs=0.1)
     assert amplitude.max() == pytest.approx(0.208, rel=0.02)
+    time = result().time
+    heading = plot.get_title(loc="left")
+    assert heading.startswith("spectrum of ") and heading.endswith(f" to {time[-1]:.4g} s")
 
 
 def test_a_waterfall_is_over_the_length_from_the_root():
