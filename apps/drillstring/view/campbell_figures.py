@@ -5,14 +5,24 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import to_rgb
 
 from drillstring.modes.campbell import Campbell
 from drillstring.modes.natural_modes import KINDS, Mode
 from drillstring.view.campbell_summary import model_of, name_of, names_of
 from drillstring.view.torque_summary import column_unit
 from tautline.scene.values.units import RPM
-from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, label, outline, sample_line, styled
+from tautline.view.figures.figure import (
+    COLOURS,
+    QUIET,
+    Axes,
+    Figure,
+    axes,
+    label,
+    lighter,
+    outline,
+    sample_line,
+    styled,
+)
 
 INKS = dict(zip(KINDS, (COLOURS[0], COLOURS[1], COLOURS[2]), strict=True))
 PLANES: dict[str, str] = {"sideways": "--", "east-west": "--", "in space": ":", "oblique": "-."}
@@ -119,7 +129,7 @@ def _shapes(plot: Axes, found: Campbell, kind: str, system: str) -> None:
     modes = [mode for mode in found.modes if mode.kind == kind][:MOST_SHAPES]
     length, unit = column_unit("m", found.bottom, system)
     for number, (name, mode) in enumerate(zip(names_of(modes), modes, strict=True)):
-        ink = _lighter(INKS[kind], LIGHTEST * number / (MOST_SHAPES - 1))
+        ink = lighter(INKS[kind], LIGHTEST * number / (MOST_SHAPES - 1))
         plot.plot(mode.depth / length, _seen(mode), color=ink, ls=PLANES.get(mode.plane, "-"), label=_named(mode, name))
     plot.axhline(0.0, color="black", lw=0.8)
     if kind == "lateral":
@@ -134,12 +144,6 @@ def _shapes(plot: Axes, found: Campbell, kind: str, system: str) -> None:
     plot.set_yticks([])
     plot.locator_params(axis="x", nbins=5)
     plot.legend(loc="upper left", bbox_to_anchor=(0.0, -0.28), ncols=2, fontsize=8, borderaxespad=0.0)
-
-
-def _lighter(ink: str, white: float) -> tuple[float, float, float]:
-    """A colour mixed with some part of white."""
-    red, green, blue = ((1.0 - white) * part + white for part in to_rgb(ink))
-    return red, green, blue
 
 
 def _seen(mode: Mode) -> np.ndarray:

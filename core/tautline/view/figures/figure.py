@@ -21,7 +21,7 @@ from matplotlib.axes import Axes as Axes
 from matplotlib.axis import Axis
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize
+from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure as Page
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -320,6 +320,12 @@ def sample_line(text: str, **look: Any) -> Line2D:
 def outline(text: Text, width: float = 2.0) -> None:
     """Set letters off from the curves below them by a white edge."""
     text.set_path_effects([withStroke(linewidth=width, foreground="white")])
+
+
+def lighter(ink: str, white: float) -> tuple[float, float, float]:
+    """A colour mixed with some part of white, 0 to 1: red, green and blue."""
+    red, green, blue = ((1.0 - white) * part + white for part in to_rgb(ink))
+    return red, green, blue
 
 
 def round_numbers(low: float, high: float, most: int) -> list[float]:
