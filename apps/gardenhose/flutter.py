@@ -15,15 +15,17 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, linear_sum_assignment
+from scipy.optimize import brentq
 
 from gardenhose.estimates import average, plain_onset
 from gardenhose.estimates import speeds as speeds_of
 from gardenhose.reduced import Reduced, peaks
 from gardenhose.scene import HoseScene, tied
 from gardenhose.static import Form, form
+from tautline.integrators.vibration.following import Paths, apart, follow
 from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
 from tautline.scene.errors import SceneError
+from tautline.scene.values.systems import in_system
 from tautline.threads import one_thread
 
 MODES = 8
@@ -54,6 +56,10 @@ ABOUT = 1.0e-6
 """How near the speed at which growth begins is to where it does in few shapes, relative."""
 NEWTON = 1.0e-4
 """Step from there, relative, whose square is no more than that of a speed which is only told."""
+BETWEEN = 64
+"""Speeds, at most, at which eigenvalues are computed beside those asked for to tell which is which."""
+ROUND = 8
+"""Intervals, at most, between round speeds of a range."""
 
 
 Plane = Literal["in", "out", "any"]
@@ -79,6 +85,26 @@ class Window(NamedTuple):
     end: float | None
 
 
+class Curves(NamedTuple):
+    """Modes along all speeds at which they were computed to be followed, those asked for among them.
+
+    ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, the columns those of `Stability`; ``out_of_plane`` (k, m);
+    ``sure`` (k - 1, m) whether a mode goes on from a speed to the next without doubt; ``marks`` the round ones among
+    the speeds, in the scene's units.
+    """
+
+    speed: np.ndarray
+    eigenvalues: np.ndarray
+    out_of_plane: np.ndarray
+    sure: np.ndarray
+    marks: Sequence[float]
+
+    def doubtful(self) -> list[tuple[int, float, float]]:
+        """Modes, from 0, and the two speeds between which it is not sure what they go on as."""
+        places = zip(*np.nonzero(~self.sure), strict=True)
+        return [(int(mode), float(self.speed[k]), float(self.speed[k + 1])) for k, mode in places]
+
+
 class Stability(NamedTuple):
     """Eigenvalues against speed.
 
@@ -91,6 +117,7 @@ class Stability(NamedTuple):
     where nothing does there or it never ceases. ``windows`` between which speeds the hose is unstable, whatever the
     plane, the slowest first. ``resolution`` m/s is how far apart the speeds are at which windows were looked for: a
     growth rate that rises above zero and falls again within less may be missed; None where one speed was looked at.
+    ``curves`` are the modes at more speeds than were asked for.
     """
 
     speed: np.ndarray
@@ -101,6 +128,7 @@ class Stability(NamedTuple):
     stable_from: float | None = None
     windows: Sequence[Window] = ()
     resolution: float | None = None
+    curves: Curves | None = None
 
     @property
     def unstable_at(self) -> Literal["none", "part", "all"]:
@@ -147,6 +175,21 @@ class _Linear:
         across = np.einsum("nck,c->nk", nodes, self.normal)
         whole = (np.abs(nodes) ** 2).sum(axis=(0, 1))
         return (np.abs(across) ** 2).sum(axis=0) / np.where(whole > 0.0, whole, 1.0)
+
+    def unlike(self, before: Vibrations, after: Vibrations) -> np.ndarray:
+        """How unlike motions (n,) are others (m,), by eigenvalue and by shape; (n, m)."""
+        one, other = before.shape, after.shape
+        if self.normal is None:
+            # A straight hose moves alike in all planes, and which one a shape lies in is chance.
+            count = len(self.known[next(iter(self.known))].position)
+            one, other = (
+                shape[: 7 * count].reshape(count, 7, -1)[:, :6].reshape(2 * count, 3, -1) for shape in (one, other)
+            )
+            both = np.einsum("sai,sbj->ijab", one.conj(), other, optimize=True)
+            alike, sizes = np.linalg.norm(both, axis=(2, 3)), [np.linalg.norm(x, axis=(0, 1)) for x in (one, other)]
+        else:
+            alike, sizes = np.abs(one.conj().T @ other), [np.linalg.norm(x, axis=0) for x in (one, other)]
+        return apart(before, after) + 1.0 - alike / np.maximum(np.outer(*sizes), 1e-300)
 
     def growth(self, speed: float, plane: Plane) -> tuple[float, complex]:
         """Largest growth rate of motions in a plane less what may be rounding, 1/s, and the eigenvalue that has it."""
@@ -212,11 +255,9 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     tried = {plane: _with_witnesses(linear, grid, plane, scan) for plane, scan in scans.items()}
     if speeds is None:
         grid = np.unique(np.concatenate(list(tried.values())))
-    rows = [linear.at(float(speed)) for speed in grid]
-    # Modes are told apart where the flow is slowest.
-    backwards = abs(grid[0]) > abs(grid[-1])
-    values, shares = _follow(rows[::-1] if backwards else rows, modes)
-    values, shares = (values[::-1], shares[::-1]) if backwards else (values, shares)
+    curves = _curves(linear, grid, modes)
+    asked = np.searchsorted(curves.speed, grid)
+    values, shares = curves.eigenvalues[asked], curves.out_of_plane[asked]
     begin = {plane: _passages(linear, tried[plane], plane, True, scans[plane]) for plane in planes}
     end = {plane: _passages(linear, tried[plane], plane, False, scans[plane]) for plane in planes}
     found = [_locate(linear, *one[:2], plane, scans[plane]) for plane in planes for one in begin[plane][:1]]
@@ -230,7 +271,8 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
         one for plane in planes for one in _windows(linear, tried[plane], plane, begin[plane], end[plane])
     )
     speeds_apart = _apart(scans)
-    return Stability(grid, values, shares, grows, critical, _stable_from(grid, windows), windows, speeds_apart)
+    stable_from = _stable_from(grid, windows)
+    return Stability(grid, values, shares, grows, critical, stable_from, windows, speeds_apart, curves)
 
 
 class _Scan(NamedTuple):
@@ -382,7 +424,12 @@ def _range(linear: _Linear) -> np.ndarray:
     finer = max(1, round(SPEEDS / (1.5 * tried)))
     count = int(np.ceil(1.5 * tried * finer))
     # A speed that was tried is found again to the bit: whole numbers are divided last.
-    return np.sort([guess * (i / finer) / TRIALS + 0.0 for i in range(count + 1)])
+    found = np.array([guess * (i / finer) / TRIALS + 0.0 for i in range(count + 1)])
+    # The round ones, which are written along the curves, stand for those between that they are next to.
+    for one in _round_between(float(found.min()), float(found.max()), linear.scene.units):
+        nearest = int(np.abs(found - one).argmin())
+        found[nearest] = one if nearest % finer and nearest != count else found[nearest]
+    return np.sort(found)
 
 
 def direction_of(scene: HoseScene) -> float:
@@ -488,67 +535,38 @@ def _kind(linear: _Linear, speed: float, plane: Plane) -> Critical:
     )
 
 
-_Row = tuple[Vibrations, np.ndarray]
-"""The motions at a speed, and the share of each that is out of the plane."""
+def _curves(linear: _Linear, grid: np.ndarray, modes: int) -> Curves:
+    """Modes followed from the slowest flow on, where they are told apart, over speeds that are near enough for it."""
+    marks = _round_between(float(grid[0]), float(grid[-1]), linear.scene.units)
+    # What has been computed already costs nothing.
+    inside = [speed for speed in linear.solved if grid[0] <= speed <= grid[-1]]
+    speeds = np.unique(np.concatenate([grid, marks, inside]))
+    backwards = abs(grid[0]) > abs(grid[-1])
+    paths = follow(
+        lambda speed: linear.at(float(speed))[0],
+        (speeds[::-1] if backwards else speeds).tolist(),
+        modes,
+        linear.unlike,
+        lambda motions: _growths(motions) > 0.0,
+        BETWEEN,
+    )
+    if backwards:
+        paths = Paths(*(part[::-1] for part in paths))
+    rows = [linear.at(float(speed)) for speed in paths.place]
+    values = np.full(paths.number.shape, complex(np.nan, np.nan))
+    shares = np.zeros(paths.number.shape)
+    for (motions, share), those, value, part in zip(rows, paths.number, values, shares, strict=True):
+        value[those >= 0], part[those >= 0] = motions.value[those[those >= 0]], share[those[those >= 0]]
+    return Curves(paths.place, values, shares, paths.sure, marks)
 
 
-def _follow(rows: Sequence[_Row], modes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Give each mode a column of its own over all speeds: the slowest at first, and beside them all that ever grow.
-
-    What grows at some speed need not be slow at the first one: with heavy damping it is none of the slowest there.
-    """
-    motions = [one for one, _ in rows]
-    # Two real ones may become a pair, of which one is listed: at other speeds there may be fewer.
-    modes = min(modes, *(one.value.size for one in motions))
-    chosen = np.array([_slowest(motions[0], modes), *_kept(motions, _slowest(motions[0], modes))])
-    for k, one in enumerate(motions):
-        for growing in np.flatnonzero(_growths(one) > 0.0):
-            if growing not in chosen[k]:
-                chosen = np.column_stack([chosen, _alone(motions, k, int(growing), chosen)])
-    return _columns(rows, chosen)
-
-
-def _slowest(motions: Vibrations, modes: int) -> np.ndarray:
-    """Numbers of the slowest motions. Real ones of heavy damping belong to no vibration: they come last."""
-    damped = (motions.value.imag == 0.0) & (motions.value.real <= 0.0)
-    return np.argsort(np.abs(motions.value) + np.where(damped, np.inf, 0.0), kind="stable")[:modes]
-
-
-def _kept(motions: Sequence[Vibrations], those: np.ndarray) -> list[np.ndarray]:
-    """Numbers of the motions at each further speed that go on with those of the first one."""
-    kept = []
-    for before, after in pairwise(motions):
-        those = _nearest(before, those, after, np.arange(after.value.size))
-        kept.append(those)
-    return kept
-
-
-def _alone(motions: Sequence[Vibrations], k: int, growing: int, chosen: np.ndarray) -> np.ndarray:
-    """Numbers (k,) of the motions that go on with one at the k-th speed to both sides, -1 where no other is left."""
-    numbers = np.full(len(motions), -1)
-    numbers[k] = growing
-    for way in (range(k + 1, len(motions)), range(k - 1, -1, -1)):
-        last = k
-        for i in way:
-            left = np.setdiff1d(np.arange(motions[i].value.size), chosen[i])
-            if not left.size:
-                break
-            numbers[i] = _nearest(motions[last], numbers[last : last + 1], motions[i], left)[0]
-            last = i
-    return numbers
-
-
-def _nearest(before: Vibrations, those: np.ndarray, after: Vibrations, left: np.ndarray) -> np.ndarray:
-    """Of what is left at the next speed, the motions nearest to those before by eigenvalue and shape together."""
-    value, shape = before.value[those], before.shape[:, those]
-    alike = np.abs(shape.conj().T @ after.shape[:, left])
-    alike /= np.linalg.norm(shape, axis=0)[:, None] * np.linalg.norm(after.shape[:, left], axis=0)
-    apart = np.abs(after.value[left] - value[:, None]) / (np.abs(value) + 1e-300)[:, None]
-    return left[linear_sum_assignment(apart + (1.0 - alike))[1]]
-
-
-def _columns(rows: Sequence[_Row], chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and shares of the motions that are chosen, not a number where none is."""
-    values = np.array([motions.value[those] for (motions, _), those in zip(rows, chosen, strict=True)])
-    shares = np.array([share[those] for (_, share), those in zip(rows, chosen, strict=True)])
-    return np.where(chosen < 0, complex(np.nan, np.nan), values), np.where(chosen < 0, 0.0, shares)
+def _round_between(low: float, high: float, system: str) -> list[float]:
+    """Speeds of a range, m/s, that are few digits in the units of a system."""
+    factor, _ = in_system(1.0, "m/s", system)
+    low, high = factor * low, factor * high
+    if high == low:
+        return []
+    power = 10.0 ** np.floor(np.log10((high - low) / ROUND))
+    step = next(size * power for size in (1.0, 2.0, 5.0, 10.0) if (high - low) / (size * power) <= ROUND)
+    numbers = step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1.0)
+    return [float(np.clip(number, low, high)) / factor + 0.0 for number in numbers]

@@ -100,7 +100,7 @@ def flutter(
     print_warnings(of_scene)
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found, hose.units)
-    told = [*_of_speeds(hose, found, speeds), *_between(found, speeds, hose.units)]
+    told = [*_of_speeds(hose, found, speeds), *_between(found, speeds, hose.units), *_doubts(found, hose.units)]
     print_warnings(told)
     _draw_stability(hose, found, figure)
     if as_json:
@@ -125,6 +125,7 @@ def flutter(
                 "speed": found.speed,
                 "eigenvalues": [[[x.real, x.imag] for x in row] for row in found.eigenvalues.tolist()],
                 "out_of_plane": found.out_of_plane,
+                "doubtful": [dict(zip(("mode", "from", "to"), one, strict=True)) for one in _doubtful(found)],
                 "unstable": found.grows.tolist(),
                 "unstable_at": found.unstable_at,
             }
@@ -367,14 +368,40 @@ def _between(found: Stability, speeds: list[float] | None, system: str) -> list[
     ]
 
 
+def _doubtful(found: Stability) -> list[tuple[int, float, float]]:
+    """Columns of the eigenvalues, from 0, and the speeds between which it is not sure that they are one mode."""
+    return found.curves.doubtful() if found.curves is not None else []
+
+
+def _doubts(found: Stability, system: str) -> list[SceneWarning]:
+    """Say between which speeds it is not sure how curves go on."""
+    from tautline.scene.errors import SceneWarning
+    from tautline.scene.values.printed import shown
+
+    doubtful = _doubtful(found)
+    if not doubtful:
+        return []
+    _, low, high = min(doubtful, key=lambda one: abs(one[1]))
+    where = f"between {shown(low, 'm/s', system)} and {shown(high, 'm/s', system)}"
+    if len(doubtful) > 1:
+        where += f", and at {len(doubtful) - 1} more places"
+    text = (
+        f"it is not sure which mode goes on as which {where}. The curves have gaps there. The eigenvalues at each "
+        "speed and the critical speed do not depend on it. Take a smaller step"
+    )
+    return [SceneWarning("--speed", text)]
+
+
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
     from gardenhose.view.figures import flutter_figure
 
     first = found.critical[0] if found.critical else None
     marked = (first.speed, first.frequency) if first else (None, None)
     title = f"{hose.title or path.stem}: stability"
+    drawn = found.curves or found
+    more = {} if found.curves is None else {"sure": found.curves.sure, "marks": found.curves.marks}
     figure = flutter_figure(
-        found.speed, found.eigenvalues, found.out_of_plane, *marked, title, hose.units, found.windows
+        drawn.speed, drawn.eigenvalues, drawn.out_of_plane, *marked, title, hose.units, found.windows, **more
     )
     write_figure(figure, path)
 

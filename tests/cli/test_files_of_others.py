@@ -221,3 +221,64 @@ def test_a_result_that_holds_no_number_somewhere_is_shown_without_it_or_refused_
 def test_a_result_that_holds_all_its_numbers_is_shown_without_a_word_of_that(here, lifted, tmp_path):
     code, _, err = here("plot", lifted, "-o", tmp_path / "out")
     assert code == 0 and "holds no number" not in err
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    path = tmp_path_factory.mktemp("result") / "hoist.nc"
+    tautline.simulate(SCENE, path=path, end=0.1)
+    return path
+
+
+@pytest.mark.parametrize("kind", ["link", "hard link", "text"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("plot", "RESULT", "-o"),
+        ("plot", "RESULT", "--what", "tip", "-o"),
+        ("render", "RESULT", "--image", "last", "-o"),
+    ],
+    ids=["plot", "plot one figure", "render"],
+)
+def test_a_figure_takes_the_place_of_no_file_that_is_none_and_of_no_result_behind_a_link(
+    here, result, tmp_path, kind, words
+):
+    own, picture = tmp_path / "own.nc", tmp_path / "picture.png"
+    own.write_bytes(result.read_bytes())
+    if kind == "text":
+        picture.write_text("my notes", encoding="utf8")
+    else:
+        (picture.symlink_to if kind == "link" else picture.hardlink_to)(own)
+    before, kept = picture.read_bytes(), sorted(tmp_path.iterdir())
+    code, _, err = here(*(str(own) if word == "RESULT" else word for word in words), str(picture))
+    assert code == 2 and "is no figure: it would be lost" in said(err)
+    assert picture.read_bytes() == before and own.read_bytes() == result.read_bytes()
+    assert sorted(tmp_path.iterdir()) == kept
+
+
+def test_no_figure_of_several_is_written_where_one_would_take_the_place_of_a_file_that_is_none(here, result, tmp_path):
+    folder = tmp_path / "plots"
+    folder.mkdir()
+    assert here("plot", str(result), "-o", str(folder))[0] == 0
+    drawn = sorted(folder.iterdir())
+    drawn[-1].unlink()
+    drawn[-1].symlink_to(result)
+    before = {file: file.stat().st_mtime_ns for file in drawn}
+    code, _, err = here("plot", str(result), "-o", str(folder))
+    assert code == 2 and "is a link to" in said(err)
+    assert {file: file.stat().st_mtime_ns for file in drawn} == before
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_a_figure_takes_the_place_of_an_earlier_one_of_any_format(here, result, tmp_path, ending):
+    picture = tmp_path / f"picture.{ending}"
+    assert [here("plot", str(result), "--what", "tension", "-o", str(picture))[0] for _ in range(2)] == [0, 0]
+
+
+@pytest.mark.parametrize("ending", ["nc", "png"])
+def test_a_study_replaces_no_result_with_its_tables_and_figure(here, result, tmp_path, ending):
+    (tmp_path / f"mine.{ending}").symlink_to(result)
+    before = result.read_bytes()
+    code, _, err = here("study", SCENE, "--quick", "-o", str(tmp_path / "mine"))
+    assert code == 2 and "would be lost" in said(err)
+    assert result.read_bytes() == before

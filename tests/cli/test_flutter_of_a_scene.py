@@ -143,3 +143,15 @@ def test_static_and_flutter_say_where_the_waters_momentum_takes_all_of_the_axial
 def test_static_says_where_elements_are_coarse_for_the_flows_waves(gardenhose):
     _, out, _ = gardenhose("static", "hose.yaml", "--set", "hose.elements=3", "--speed", "0,14", "--json")
     assert "coarse" in {one["where"]: one["text"] for one in only_object(out)["warnings"]}["hose.elements"]
+
+
+def test_flutter_says_where_it_is_not_sure_which_mode_goes_on_as_which(gardenhose, monkeypatch):
+    # as where no more speeds than those asked for are looked at
+    for name, value in {"BETWEEN": 0, "ROUND": 1, "MOST_BETWEEN": 1, "APART": 0.1}.items():
+        monkeypatch.setattr(f"gardenhose.flutter.{name}", value)
+    code, out, err = gardenhose("flutter", "hose.yaml", "--speed", "0,20,40", "--json")
+    report = only_object(out)
+    assert code == 0 and report["doubtful"]
+    assert {"mode", "from", "to"} == report["doubtful"][0].keys()
+    assert any("not sure which mode goes on as which" in one["text"] for one in report["warnings"])
+    assert "The curves have gaps there" in " ".join(err.split())

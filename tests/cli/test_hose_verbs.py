@@ -119,6 +119,7 @@ FLUTTER_KEYS |= {
     "windows",
     "resolution",
     "unstable_at",
+    "doubtful",
 }
 
 

@@ -361,7 +361,8 @@ def test_what_is_on_the_wall_is_told_from_what_is_off_it_and_stands_before_it(bo
 
 def test_a_figure_on_a_full_disk_is_a_failed_writing_as_a_table_is_and_leaves_the_earlier_one(tmp_path):
     """A limit on the size of files stands in for the disk."""
-    (tmp_path / "a.svg").write_text("earlier")
+    earlier = "<svg>earlier</svg>"
+    (tmp_path / "a.svg").write_text(earlier)
     figure, _ = axes(1, 1, 3.0, 3.0, "full")
     limit = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limit[1]))
@@ -370,7 +371,7 @@ def test_a_figure_on_a_full_disk_is_a_failed_writing_as_a_table_is_and_leaves_th
             save(figure, tmp_path / "a.svg")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limit)
-    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("a.svg", "earlier")]
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("a.svg", earlier)]
 
 
 def test_a_figure_in_a_folder_that_is_not_there_is_bad_input(tmp_path):

@@ -125,6 +125,9 @@ def test_a_spectrum_has_its_line_at_the_frequency():
     assert text == "6.3 Hz, amplitude 0.208 m" and plot.get_yscale() == "log"
     assert frequency[amplitude.argmax()] == pytest.approx(6.3, abs=0.1)
     assert amplitude.max() == pytest.approx(0.208, rel=0.02)
+    time = result().time
+    heading = plot.get_title(loc="left")
+    assert heading.startswith("spectrum of ") and heading.endswith(f" to {time[-1]:.4g} s")
 
 
 def test_a_waterfall_is_over_the_length_from_the_root():
@@ -234,6 +237,57 @@ def test_windows_of_instability_are_shaded_however_narrow(tmp_path):
     pixels = np.asarray(Image.open(tmp_path / "flutter.png").convert("L"))
     assert (pixels[pixels.shape[0] - at[1], at[0] - 3 : at[0] + 4] < 250).any()
     check({"flutter": figure}, tmp_path, pixels=False)
+
+
+def dots_and_words(figure):
+    argand = figure.axes[0]
+    dots = [line for line in argand.get_lines() if line.get_marker() == "o" and line.get_markersize() == 3]
+    places = [(float(dot.get_xdata()[0]), float(dot.get_ydata()[0])) for dot in dots]
+    return places, {text.get_text() for text in argand.texts}
+
+
+def test_dots_of_an_argand_diagram_are_at_speeds_that_were_computed():
+    speed, values, outside = modes()
+    share = np.broadcast_to(outside, values.shape)
+    computed = {(abs(v.imag), -v.real) for v in values[::17].ravel()}
+    coarse = flutter_figure(speed[::17], values[::17], share[::17])
+    dots, words = dots_and_words(coarse)
+    assert dots and set(dots) <= computed, "0, 3.4, 6.8 and 10.2 m/s"
+    assert words <= {"unstable", "0", "3.4", "6.8", "10.2"}
+    dots, words = dots_and_words(flutter_figure(speed, values, share, marks=[3.0, 9.0]))
+    assert len(dots) == 2 * values.shape[1] and words == {"unstable", "3", "9"}
+
+
+def test_an_argand_diagram_of_one_speed_writes_that_speed():
+    speed, values, outside = modes()
+    for at in (0, 25):
+        figure = flutter_figure(speed[at : at + 1], values[at : at + 1], outside[None])
+        assert dots_and_words(figure)[1] == {"unstable", f"{speed[at]:g}"}
+
+
+def test_a_mode_has_one_number_in_and_out_of_the_plane_and_what_has_no_like_its_own():
+    # at first, a real one that decays stands before all others by frequency; one along the hose is in the plane alone
+    speed, values, outside = modes()
+    real = np.linspace(-300.0, -310.0, speed.size) + 0j
+    along = -0.1 + 1j * np.linspace(80.0, 70.0, speed.size)
+    values = np.column_stack([values, real, along])
+    figure = flutter_figure(speed, values, np.broadcast_to([*outside, True, False], values.shape))
+    curves = [line for line in figure.axes[0].get_lines() if len(line.get_xdata()) == len(speed)]
+    colours = [line.get_color() for line in curves]
+    assert colours[0] == colours[2] != colours[1] == colours[3]
+    assert len(set(colours)) == 4
+    assert sum(text.get_text().startswith("mode ") for text in figure.legends[0].get_texts()) == 4
+
+
+def test_a_curve_has_a_gap_where_it_is_not_sure_what_it_goes_on_as():
+    speed, values, outside = modes()
+    sure = np.full((speed.size - 1, 4), True)
+    sure[30, 1] = False
+    figure = flutter_figure(speed, values, np.broadcast_to(outside, values.shape), sure=sure)
+    curves = [line for line in figure.axes[1].get_lines() if len(line.get_xdata()) == len(speed) + 1]
+    broken = [np.isnan(line.get_ydata()) for line in curves]
+    assert [gaps.sum() for gaps in broken] == [0, 1, 0, 0]
+    assert broken[1][31]
 
 
 def test_a_flutter_figure_is_drawn_of_little_too():

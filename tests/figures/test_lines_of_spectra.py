@@ -95,3 +95,11 @@ def test_what_stands_still_beside_what_swings_is_said_to_stand_still():
     panels = {("height", "m"): [("load", made["height"]), ("anchor", np.full(len(made.time), 3.0))]}
     figure = spectrum_figure([made, made], panels)
     assert figure.axes[0].get_lines()[-1].get_label().endswith("anchor: does not swing")
+
+
+def test_a_spectrum_says_which_part_of_the_run_it_is_of():
+    made, longer = run(12.0), run(80.0)
+    figures = [spectrum_figure(runs, {("height", "m"): [("load", one["height"]) for one in runs]})
+               for runs in ([made], [made, longer])]  # fmt: skip
+    assert figures[0]._suptitle.get_text() == "made up: spectrum of the second half, 6 to 12 s"
+    assert "spectrum of the second half of each" in figures[1]._suptitle.get_text()

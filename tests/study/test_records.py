@@ -12,6 +12,7 @@ from figures.pages import FEW_DOTS, lay_out
 from matplotlib.figure import Figure
 from study.oscillators import OMEGA, oscillator, rk4, subject
 
+from tautline.cli.commands.study import _table as study_table
 from tautline.cli.output.console import finite
 from tautline.results.errors import ResultError
 from tautline.scene.methods import RK4
@@ -204,6 +205,45 @@ def test_a_study_of_runs_that_all_failed_is_drawn_and_says_so(drawn, recwarn):
     lay_out(bare)
     assert "real time" in texts(bare)
     assert [str(warning.message) for warning in recwarn] == []
+
+
+def test_runs_that_came_to_their_end_without_a_reference_are_not_said_to_have_failed(found, drawn):
+    rows = tuple(replace(row, errors=None) for row in found.rows)
+    figure = drawn(figures.work_precision, replace(found, rows=rows, reference=None, interrupted=True), saved=True)
+    (plot,) = figure.axes
+    said = " ".join(text.get_text() for text in plot.texts)
+    done = sum(row.trial.done for row in rows)
+    assert done and f"came to their end: {done} of {len(rows)}" in said and "no reference to judge them by" in said
+    assert not figure.legends
+
+
+@pytest.mark.parametrize("letters", [10, 60, 120])
+def test_the_legend_of_a_studys_figure_is_not_cut(found, drawn, letters):
+    rows = tuple(
+        replace(row, trial=replace(row.trial, setting=replace(row.trial.setting, constraint=str(k % 5) * letters)))
+        for k, row in enumerate(found.rows)
+    )
+    figure = drawn(figures.work_precision, replace(found, rows=rows))
+    lay_out(figure)
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert letters > 60 or (box.x0 >= 0.0 and box.x1 <= figure.bbox.width)
+    assert letters < 60 or legend._ncols < 4
+
+
+def test_a_run_that_took_shorter_steps_than_asked_for_is_marked_in_table_and_figure(found, drawn):
+    row = next(row for row in found.rows if row.errors is not None and row.trial.setting.step_error is None)
+    assert row.trial.setting.step and not row.shortened
+    longer = replace(row, trial=replace(row.trial, setting=replace(row.trial.setting, step=2.0 * row.step_taken)))
+    assert longer.shortened
+    told = run_record(longer)
+    assert told["step_taken"] == pytest.approx(told["steps"] and float(row.trial.result.time[-1]) / told["steps"])
+    figure = drawn(figures.work_precision, replace(found, rows=(longer,)))
+    assert "took shorter steps than asked for" in texts(figure)
+    rings = [line for line in figure.axes[0].lines if line.get_markersize() == 10.0 and line.get_xdata().size]
+    assert [line.get_xydata().tolist() for line in rings] == [[[row.factor, row.errors.position]]]
+    cells = [cell for column in study_table((longer, row)).columns for cell in column.cells]
+    assert f"{told['steps']}*" in cells and str(told["steps"]) in cells
 
 
 def test_a_run_without_any_error_is_drawn_where_a_logarithm_can(drawn):

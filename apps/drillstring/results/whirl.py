@@ -18,6 +18,8 @@ TURNS = 1.0
 """Turns of the pipe over which a whirl rate is averaged."""
 STILL = 1.0e-9
 """Offset, m, below which a lump is on the axis and goes around nothing."""
+CLEAR = 0.25
+"""Least distance from the axis over the largest, above which an orbit goes around it."""
 SLOWEST = 1.0e-3
 """Rotary speed, rad/s, below which a string does not turn."""
 
@@ -63,12 +65,24 @@ class Whirl:
         return np.where(square > STILL**2 * (last - first), area / np.maximum(square, STILL**2), np.nan)
 
     def ratio(self, share: float = LATE) -> float:
-        """Whirl ratio of the last part of the run, NaN where the string does not turn or the lump is on the axis."""
+        """Whirl ratio, mean of the end of the run; NaN where the string does not turn, or the lump is on the axis.
+
+        It is the mean speed of the angle about the axis, so that of a whirl with the rotary is 1 whatever the orbit's
+        form. Where the orbit comes near the axis, or crosses it, the angle leaps: there it is the area swept over r^2.
+        """
         late = self.time >= self.time[-1] - share * (self.time[-1] - self.time[0])
         square, spin = float((np.abs(self.offset[late]) ** 2).sum()), float(self.spin[late].mean())
         if square <= STILL**2 * late.sum() or abs(spin) < SLOWEST:
             return float("nan")
-        return float(np.imag(np.conj(self.offset[late]) * self.velocity[late]).sum()) / square / spin
+        swept = np.imag(np.conj(self.offset[late]) * self.velocity[late])
+        size = np.abs(self.offset[late]) ** 2
+        if size.min() > CLEAR**2 * size.max():
+            # Over whole turns: within one the angle is faster and slower.
+            turn, span = 2.0 * np.pi / abs(spin), self.time[-1] - self.time[late][0]
+            whole = turn * np.floor(span / turn) if span >= turn else span
+            some = self.time[late] > self.time[-1] - whole
+            return float((swept / size)[some].mean()) / spin
+        return float(swept.sum()) / square / spin
 
 
 def whirl_of(result: Any, lump: int) -> Whirl:
@@ -130,7 +144,7 @@ def whirl_figures(result: Any) -> dict[str, tuple[float, str, str]]:
     figures["lateral_offset_depth"] = (one.depth, "m", "measured depth of the largest lateral displacement")
     ratio = one.ratio()
     if np.isfinite(ratio):
-        figures["whirl_ratio"] = (ratio, "", "whirl speed over rotary speed at the end")
+        figures["whirl_ratio"] = (ratio, "", "mean whirl speed over rotary speed, last fifth of the run")
     gained = np.diff(lateral_velocity(result), axis=0) / np.diff(result.time)[:, None, None]
     largest = float(np.linalg.norm(gained, axis=-1).max())
     figures["lateral_acceleration_max"] = (largest, "m/s^2", "largest lateral acceleration")

@@ -11,13 +11,32 @@ from drillstring.modes.natural_modes import KINDS, Mode
 from drillstring.view.campbell_summary import model_of, name_of, names_of
 from drillstring.view.torque_summary import column_unit
 from tautline.scene.values.units import RPM
-from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, colour, label, outline, sample_line, styled
+from tautline.view.figures.figure import (
+    COLOURS,
+    QUIET,
+    Axes,
+    Figure,
+    axes,
+    label,
+    lighter,
+    outline,
+    sample_line,
+    styled,
+)
 
 INKS = dict(zip(KINDS, (COLOURS[0], COLOURS[1], COLOURS[2]), strict=True))
 PLANES: dict[str, str] = {"sideways": "--", "east-west": "--", "in space": ":", "oblique": "-."}
 """Lines of lateral modes in other planes than up and down, or any."""
-MOST_SHAPES, MOST_MARKED = 4, 12
-"""Shapes of a kind, and crossings that are given their speed."""
+MOST_SHAPES = 4
+"""Shapes of a kind."""
+ROOM = 0.06
+"""Of the width and the height: speeds of crossings are written no closer than that."""
+EDGE = 0.97
+"""Part of the width up to which they are: beyond are the names of modes."""
+COLUMN = 26.0
+"""Width of a column of names, points."""
+LIGHTEST = 0.7
+"""Part of white in the last of several shapes of a kind."""
 FEW = 24
 """Modes up to which those that are lateral are drawn thicker."""
 APART = 0.028
@@ -51,7 +70,7 @@ def campbell_figure(found: Campbell, title: str = "Campbell diagram", system: st
         if any(mode.plane == plane for mode in found.modes)
     ]
     handles += [sample_line("multiple of the rotary speed", color=QUIET)]
-    handles += [sample_line("critical speed", color="black", ls="", marker="o", ms=5)]
+    handles += [sample_line("critical speed, rpm", color="black", ls="", marker="o", ms=5)]
     figure.legend(handles=handles, loc="outside lower center", ncols=min(6, len(handles)))
     return figure
 
@@ -68,17 +87,19 @@ def _diagram(plot: Axes, found: Campbell) -> None:
             name_of(order), (0.96 * at, 0.96 * at * rate), ha="center", va="center", color="#606060", fontsize=9,
             bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none"}, zorder=5,
         )  # fmt: skip
-    taken: list[float] = []
+    # Names stand to the right, those of a kind in one column.
+    taken: dict[str, list[float]] = {kind: [] for kind in INKS if any(mode.kind == kind for mode in found.modes)}
     for name, mode in zip(names_of(found.modes), found.modes, strict=True):
         if mode.frequency <= 0.0:
             continue
         thick = 1.4 if mode.kind == "lateral" and len(found.modes) <= FEW else 0.8
         look: dict[str, Any] = {"color": INKS[mode.kind], "ls": PLANES.get(mode.plane, "-"), "lw": thick}
         plot.plot([low, high], [mode.frequency, mode.frequency], zorder=2, **look)
-        if all(abs(f - mode.frequency) > APART * found.up_to for f in taken):
-            taken.append(mode.frequency)
+        if all(abs(f - mode.frequency) > APART * found.up_to for f in taken[mode.kind]):
+            taken[mode.kind].append(mode.frequency)
+            away = 4.0 + COLUMN * list(taken).index(mode.kind)
             plot.annotate(
-                name, (high, mode.frequency), (4, 0), textcoords="offset points", va="center", fontsize=8,
+                name, (high, mode.frequency), (away, 0), textcoords="offset points", va="center", fontsize=8,
                 color=INKS[mode.kind], annotation_clip=False,
             )  # fmt: skip
     _crossings(plot, found)
@@ -88,15 +109,14 @@ def _diagram(plot: Axes, found: Campbell) -> None:
 
 
 def _crossings(plot: Axes, found: Campbell) -> None:
-    """Mark all crossings, and write the speed at the first few that leave room for it, lateral modes first."""
+    """Mark all crossings, and write the speed at those that leave room for it, lateral modes first."""
     width, height = found.speeds[1] / RPM, found.up_to
     written: list[tuple[float, float]] = []
     for one in sorted(found.critical, key=lambda one: found.modes[one.mode].kind != "lateral"):
         mode = found.modes[one.mode]
         x, y = one.speed / RPM, mode.frequency
         plot.plot(x, y, marker="o", ms=4.5, color=INKS[mode.kind], mec="black", mew=0.6, ls="", zorder=4)
-        free = all(abs(x - a) > 0.06 * width or abs(y - b) > APART * height for a, b in written)
-        if len(written) < MOST_MARKED and free:
+        if x < EDGE * width and all(abs(x - a) > ROOM * width or abs(y - b) > ROOM * height for a, b in written):
             text = plot.annotate(
                 f"{x:.0f}", (x, y), (3, 3), textcoords="offset points", fontsize=8, color="black", zorder=5
             )
@@ -109,7 +129,7 @@ def _shapes(plot: Axes, found: Campbell, kind: str, system: str) -> None:
     modes = [mode for mode in found.modes if mode.kind == kind][:MOST_SHAPES]
     length, unit = column_unit("m", found.bottom, system)
     for number, (name, mode) in enumerate(zip(names_of(modes), modes, strict=True)):
-        ink = colour(number, len(modes))
+        ink = lighter(INKS[kind], LIGHTEST * number / (MOST_SHAPES - 1))
         plot.plot(mode.depth / length, _seen(mode), color=ink, ls=PLANES.get(mode.plane, "-"), label=_named(mode, name))
     plot.axhline(0.0, color="black", lw=0.8)
     if kind == "lateral":

@@ -198,11 +198,12 @@ def spectra(runs: Sequence[Run]) -> Figure:
     """Amplitude spectrum of the tip in its direction of largest motion, over the last cycles, or the second half."""
     figure, plots = axes(1, 1, 8.0, 4.4, title_of_runs(runs))
     plot = plots[0, 0]
-    highest, widest = 0.0, 0.0
+    highest, widest, parts = 0.0, 0.0, set[str]()
     for number, run in enumerate(runs):
         cycle = run.cycle
         start = min(cycle.start, run.time[-1] - 0.5 * (run.time[-1] - run.time[0]))
         late = run.time >= start
+        parts.add(f"{run.time[late][0]:.4g} to {run.time[-1]:.4g} s")
         frequency, amplitude = spectrum(run.time[late], run.tip[late] @ cycle.direction)
         if not np.any(amplitude > FLAT * run.length):
             continue
@@ -220,6 +221,7 @@ def spectra(runs: Sequence[Run]) -> Figure:
         plot.legend(loc="upper right", ncols=1, frameon=True, framealpha=0.9, edgecolor="none")
     else:
         plot.text(0.5, 0.5, "no motion", transform=plot.transAxes, ha="center", color=QUIET)
+    plot.set_title(f"spectrum of {parts.pop() if len(parts) == 1 else 'the end of each run'}", fontsize=10)
     plot.set_xlabel(label("frequency", "Hz"))
     plot.set_ylabel(label("amplitude of the tip", "m"))
     return figure

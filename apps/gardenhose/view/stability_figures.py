@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from gardenhose.motion.curves import Plane, name_of, plane_of
 from tautline.scene.values.printed import shown
@@ -34,6 +35,10 @@ NOTHING = 1.0e-6
 """Damping over the largest frequency that is none: axes show no more of it."""
 STYLES = {"-": "in the plane", "--": "out of the plane"}
 """Lines of modes."""
+LIKE = 0.2
+"""Relative distance of the eigenvalues of a mode in the plane and of its like out of it, at most."""
+MOST_MARKED = 8
+"""Speeds along a curve that are written, about."""
 MOST_NAMED = 8
 """Static shapes up to which each is named; of more, a bar tells the speed."""
 
@@ -105,6 +110,8 @@ def flutter_figure(
     title: str = "Stability",
     system: str = "si",
     windows: Sequence[tuple[float, float | None]] = (),
+    sure: np.ndarray | None = None,
+    marks: Sequence[float] | None = None,
 ) -> Figure:
     """Argand diagram and growth rates of a hose's modes against flow speed.
 
@@ -130,20 +137,27 @@ def flutter_figure(
     windows : list of (begin, end)
         Speeds between which the hose is unstable, m/s, no end where it is at the fastest: shaded, for a growth rate
         above zero by little cannot be seen.
+    sure : (k - 1, modes) array of bool, optional
+        Whether a mode goes on from a speed to the next; where not, its curve has a gap.
+    marks : list of float, optional
+        Speeds among those given that are written along the curves, m/s; without them those that are round, or some.
     """
     modes = _modes_of(speed, eigenvalues, out_of_plane)
+    numbers = _numbers(modes)
+    marked = _marked(modes.speed, in_system(1.0, "m/s", system)[0]) if marks is None or not len(marks) else marks
+    at = [int(np.abs(modes.speed - mark).argmin()) for mark in marked]
+    modes, at = modes if sure is None else _with_gaps(modes, np.asarray(sure)), modes.speed[at]
     figure, plots = axes(1, 2, 11.0, 5.4, title, width_ratios=(1.15, 1.0))
     argand, growth = plots[0]
     wide, low, high = _limits_of(modes)
     _shade_unstable(argand, wide, low, high)
     for plot in (argand, growth):
         plot.axhline(0.0, color="black", lw=0.8)
-    numbers = _numbers(modes.frequency, modes.outside)
     colours = [COLOURS[i % len(COLOURS)] for i in numbers]
     for mode, colour in enumerate(colours):
         _draw_mode(argand, growth, modes, mode, colour)
     per_speed, rate = in_system(1.0, "m/s", system)
-    _label_speeds(argand, modes.speed, per_speed, modes.frequency, modes.damping, colours)
+    _label_speeds(argand, modes, at, per_speed, colours)
     if critical_speed is not None:
         _mark_critical(argand, growth, critical_speed, critical_frequency, system)
     argand.set_xlabel("Re ω, frequency")
@@ -238,33 +252,66 @@ def _handles(growth: Axes, modes: _Modes, numbers: np.ndarray) -> list[Any]:
     return [*named, *present, *marked]
 
 
-def _numbers(frequency: np.ndarray, outside: np.ndarray) -> np.ndarray:
-    """Number of each mode (k, modes), from 0, by frequency at the first speed among those in or out of the plane.
+def _with_gaps(modes: _Modes, sure: np.ndarray) -> _Modes:
+    """The same with each speed before a gap twice, the second time without the modes that do not go on."""
+    after = np.flatnonzero(~sure.all(axis=1)) + 1
+    parts = [np.insert(values, after, values[after - 1], axis=0) for values in modes]
+    for number, k in enumerate(after):
+        parts[-1][k + number] &= sure[k - 1]
+    return _Modes(*parts)
 
-    A mode in the plane and its like out of it so have one colour.
+
+def _numbers(modes: _Modes) -> np.ndarray:
+    """Number of each mode (m,), from 0, by frequency at the first speed at which it is known.
+
+    A mode in the plane and its like out of it, which it is near at most speeds, have one number, and so one colour.
     """
-    first = np.where(np.isfinite(frequency[0]), frequency[0], np.inf)
-    order = np.argsort(first, kind="stable")
-    numbers = np.zeros(len(first), int)
-    for kind in (False, True):
-        alike = order[outside[0, order] == kind]
-        numbers[alike] = np.arange(len(alike))
+    first = modes.known.argmax(axis=0)
+    columns = np.arange(first.size)
+    frequency, damping = (np.where(modes.known, part, 0.0) for part in (modes.frequency, modes.damping))
+    # A real one that decays belongs to no vibration.
+    idle = (frequency[first, columns] == 0.0) & (damping[first, columns] >= 0.0)
+    order = np.argsort(np.where(idle, np.inf, frequency[first, columns]), kind="stable")
+    outside = modes.outside[first, columns]
+    inner, outer = order[~outside[order]], order[outside[order]]
+    value = damping + 1j * frequency
+    apart = np.ones((inner.size, outer.size))
+    for i, a in enumerate(inner):
+        for j, b in enumerate(outer):
+            both = modes.known[:, a] & modes.known[:, b]
+            size = np.maximum(np.abs(value[both, a]), np.abs(value[both, b]))
+            if both.any():
+                apart[i, j] = np.median(np.abs(value[both, a] - value[both, b]) / np.where(size > 0.0, size, 1.0))
+    like = {outer[j]: inner[i] for i, j in zip(*linear_sum_assignment(apart), strict=True) if apart[i, j] < LIKE}
+    numbers = np.zeros(first.size, int)
+    own = [mode for mode in order if mode not in like]
+    numbers[own] = np.arange(len(own))
+    for mode, its in like.items():
+        numbers[mode] = numbers[its]
     return numbers
 
 
-def _label_speeds(
-    plot: Axes, speed: np.ndarray, factor: float, right: np.ndarray, up: np.ndarray, colours: Sequence[str]
-) -> None:
-    """Mark round speeds along the curves (k, modes), and write those that find room.
+def _marked(speed: np.ndarray, factor: float) -> np.ndarray:
+    """Speeds (k,), some of those given: the round ones in the unit of which ``factor`` make one m/s, if there are."""
+    low, high = factor * float(speed.min()), factor * float(speed.max())
+    wanted = np.asarray(round_numbers(low, high, MOST_MARKED)) / factor if high > low else speed[:1]
+    near = [one for one in wanted if np.abs(speed - one).min() <= 1e-9 * np.abs(speed).max()]
+    if len(near) > 1 or len(near) == len(speed):
+        return np.array(near)
+    return speed[np.unique(np.linspace(0, len(speed) - 1, min(len(speed), MOST_MARKED)).round().astype(int))]
 
-    They are round in the unit of which ``factor`` make one m/s.
+
+def _label_speeds(plot: Axes, modes: _Modes, marks: np.ndarray, factor: float, colours: Sequence[str]) -> None:
+    """Mark speeds that were looked at along the curves, and write those that find room.
+
+    They are in the unit of which ``factor`` make one m/s.
     """
-    numbers = round_numbers(factor * float(speed.min()), factor * float(speed.max()), 8)
-    marks = np.asarray(numbers) / factor
+    at = [int(np.abs(modes.speed - mark).argmin()) for mark in marks]
+    numbers = [float(f"{factor * mark:.4g}") for mark in marks]
     plot.figure.draw_without_rendering()
     (left, end), (low, high) = plot.get_xlim(), plot.get_ylim()
     box = plot.get_window_extent()
-    x, y = (np.array([np.interp(marks, speed, curve) for curve in values.T]) for values in (right, up))
+    x, y = (np.where(modes.known, values, np.nan)[at].T for values in (modes.frequency, modes.damping))
     inside = np.isfinite(x) & np.isfinite(y) & (left <= x) & (x <= end) & (low <= y) & (y <= high)
     # Places in points, in which sizes of letters are told too.
     point = plot.figure.dpi / 72.0
@@ -272,7 +319,7 @@ def _label_speeds(
     dots = np.column_stack([across[inside], height[inside]])
     taken: list[np.ndarray] = []
     named: list[tuple[int, np.ndarray]] = []
-    for mode in np.argsort(np.where(np.isfinite(right[0]), right[0], np.inf), kind="stable"):
+    for mode in np.argsort(np.where(modes.known[0], modes.frequency[0], np.inf), kind="stable"):
         for i in np.flatnonzero(inside[mode]):
             plot.plot(x[mode, i], y[mode, i], color=colours[mode], marker="o", ms=3, ls="")
             dot, words = np.array([across[mode, i], height[mode, i]]), f"{numbers[i]:g}"

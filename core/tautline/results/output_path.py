@@ -18,6 +18,8 @@ OURS = "tautline"
 """How the attribute ``format`` of our files begins."""
 FIGURES = (".png", ".svg", ".pdf")
 """Endings of figures."""
+DRAWN = (b"\x89PNG\r\n", b"%PDF", b"GIF8", b"\xff\xd8\xff", b"BM", b"II*\0", b"MM\0*", b"RIFF", b"\x1aE\xdf\xa3")
+"""How files of figures, pictures and films begin, but for svg and mp4."""
 RECORD = b"time [s]"
 """How records of sensors begin that `record` has written."""
 TWIN = "twin"
@@ -254,13 +256,43 @@ def check_figure(path: Path) -> Path:
     Raises
     ------
     ResultError
-        For another ending than that of a format of figures, and for a folder that is not there.
+        For another ending than that of a format of figures, for a folder that is not there, and for a file that is no
+        figure: it would be lost.
     """
     if path.suffix not in FIGURES:
         cure = f"name it {', '.join(FIGURES[:-1])} or {FIGURES[-1]}"
         raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", cure)
     check_folder(path)
+    return check_drawn(path)
+
+
+def check_drawn(path: Path) -> Path:
+    """Check that a figure, a picture or a film may take the place of what is at a path, and return it.
+
+    A name may be a link to what is no figure, such as the result that is drawn.
+
+    Raises
+    ------
+    ResultError
+        Where a file is there that is none of these: it would be lost.
+    """
+    try:
+        if path.is_file() and not os.path.realpath(path).startswith(("/dev/", "/proc/")):
+            with path.open("rb") as file:
+                start = file.read(1024)
+            if start and not _is_drawn(start):
+                what = f"is a link to {os.path.realpath(path)}, which" if path.is_symlink() else "exists and"
+                raise ResultError(path, f"{what} is no figure: it would be lost", "name another file with -o")
+    except OSError as error:
+        raise ResultError(path, f"cannot be read: {error.strerror}", "name another file with -o") from None
     return path
+
+
+def _is_drawn(start: bytes) -> bool:
+    """Whether a file that begins so is a figure, a picture or a film."""
+    words = start.lstrip(b"\xef\xbb\xbf \r\n\t").lower()
+    svg = words.startswith(b"<") and (b"<svg" in words or b"<!doctype svg" in words)
+    return svg or start.startswith(DRAWN) or start[4:8] == b"ftyp"
 
 
 def check_page(path: Path) -> Path:

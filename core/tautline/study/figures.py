@@ -11,7 +11,7 @@ from numpy.polynomial import polynomial
 
 from tautline.scene.methods import method_of
 from tautline.study.robustness.penalties import Stiffness
-from tautline.view.figures.figure import COLOURS, QUIET, Axes, axes, label, save, styled
+from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, label, save, styled
 
 if TYPE_CHECKING:
     from tautline.study.accuracy.precision import Row, Study
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 MARKS = "osD^vP*X"
 LINES = ("-", "--", ":", "-.")
+SHORTENED: dict[str, Any] = {"ls": "", "marker": "o", "ms": 10.0, "mfc": "none", "mec": "black", "mew": 1.0}
+"""A ring about a run that took shorter steps than asked for."""
 LEAST = 1.0e-16
 """Error that is drawn for none: a logarithm needs one."""
 PANELS = (("position", "position error", ""), ("force", "force amplitude error", ""), ("phase", "phase error", "rad"))
@@ -33,6 +35,8 @@ def work_precision(study: Study, title: str, path: Path) -> Path:
     ResultError
         If it cannot be written.
     """
+    if any(row.trial.done for row in study.rows) and not any(row.errors is not None for row in study.rows):
+        return save(_nothing_to_draw(study, title), path)
     kinds = [panel for panel in PANELS if any(_error(row, panel[0]) is not None for row in study.rows)]
     kinds = kinds or [PANELS[0]]
     figure, plots = axes(1, len(kinds), 0.8 + 3.9 * len(kinds), 4.4, title, sharex=True)
@@ -46,9 +50,29 @@ def work_precision(study: Study, title: str, path: Path) -> Path:
         _frame(plot, study, kind)
         plot.set_xlabel("real-time factor")
         plot.set_ylabel(label(text, unit))
-    handles, labels = plots[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=min(4, max(1, len(labels))))
+    if any(row.shortened for row in study.rows if row.errors is not None):
+        plots[0, 0].plot([], [], label="took shorter steps than asked for", **SHORTENED)
+    _legend_below(figure, *plots[0, 0].get_legend_handles_labels())
     return save(figure, path)
+
+
+def _nothing_to_draw(study: Study, title: str) -> Figure:
+    """A figure with a sentence: why there is no error."""
+    figure, plots = axes(1, 1, 4.7, 4.4, title)
+    done = sum(row.trial.done for row in study.rows)
+    text = f"Runs that came to their end: {done} of {len(study.rows)}.\nThere is no reference to judge them by."
+    plots[0, 0].text(0.5, 0.5, text, ha="center", va="center", transform=plots[0, 0].transAxes, color=QUIET)
+    plots[0, 0].set_axis_off()
+    return figure
+
+
+def _legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
+    """A legend below all plots, of as many columns as the figure is wide, four at most."""
+    for columns in range(min(4, max(1, len(labels))), 0, -1):
+        legend = figure.legend(handles, labels, loc="outside lower center", ncols=columns)
+        if columns == 1 or legend.get_window_extent().width < 0.97 * figure.bbox.width:
+            return
+        legend.remove()
 
 
 def _error(row: Row, kind: str) -> float | None:
@@ -97,13 +121,16 @@ def _method(row: Row) -> tuple[str | None, str | None, bool]:
 def _curve(plot: Axes, rows: Sequence[Row], kind: str, name: str, look: dict[str, Any]) -> None:
     # Joined from step to step: two runs whose times are the same but for noise would else change places.
     ordered = sorted(rows, key=_fineness, reverse=True)
-    shown = [
-        (row.factor, max(error, LEAST)) for row in ordered if row.factor and (error := _error(row, kind)) is not None
-    ]
+    judged = [row for row in ordered if row.factor and _error(row, kind) is not None]
+    shown = [(row.factor, max(_error(row, kind) or 0.0, LEAST)) for row in judged]
     if shown:
         plot.loglog(*np.array(shown).T, label=name, **look)
+        short = [place for place, row in zip(shown, judged, strict=True) if row.shortened]
+        if short:
+            plot.plot(*np.array(short).T, **SHORTENED)
     else:
-        plot.loglog([], [], label=f"{name}: none came to its end", **look)
+        why = "no error was found" if any(row.trial.done for row in rows) else "none came to its end"
+        plot.loglog([], [], label=f"{name}: {why}", **look)
 
 
 def _fineness(row: Row) -> float:

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from tautline.study.robustness.variants import Variant
 
 UNITS = {
-    "step": "s", "step_error": "m", "rmse": "m", "cpu_time": "s", "wall_time": "s", "wall_time_spread": "s",
-    "phase_error": "rad", "phase_lag": "rad",
+    "step": "s", "step_error": "m", "step_taken": "s", "rmse": "m",
+    "cpu_time": "s", "wall_time": "s", "wall_time_spread": "s", "phase_error": "rad", "phase_lag": "rad",
 }  # fmt: skip
 """Units of the columns that have one; the other errors are relative."""
 
@@ -29,6 +29,7 @@ def run_record(row: Row) -> dict[str, Any]:
         "method": setting.method or trial.attribute("method"),
         "step": trial.attribute("step") if trial.result is not None else setting.step,
         "step_error": setting.step_error,
+        "step_taken": row.step_taken,
         "elements": setting.elements,
         "constraint": setting.constraint,
         "newton": setting.newton,

@@ -6,8 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli.in_process import commands_of, files, leave_out_pixels, only_object
+from matplotlib.colors import to_rgb
 
 from drillstring.application import Drillstring
+from drillstring.modes.campbell import campbell
+from drillstring.modes.natural_modes import KINDS
+from drillstring.scene.scene import read
+from drillstring.view.campbell_figures import INKS, campbell_figure
+from tautline.scene.values.units import RPM
 
 DATA = Path(__file__).parents[3] / "data"
 KEYS = {
@@ -156,3 +162,18 @@ def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(drillstring, 
     assert (code, out) == (2, "")
     assert said in " ".join(err.split()) and "Traceback" not in err
     assert files(folder) == before
+
+
+def test_a_campbell_diagram_writes_speeds_up_to_the_fastest_and_names_modes_of_all_kinds(folder):
+    made = campbell(read(Path("field_well.yaml")), (0.0, 200.0 * RPM), kinds=KINDS)
+    figure = campbell_figure(made)
+    diagram, *shapes = figure.axes
+    words = [text.get_text() for text in diagram.texts]
+    speeds = [float(word) for word in words if word.isdigit()]
+    assert max(speeds) > 150.0 and len(speeds) > 20
+    assert {
+        kind: any(word.startswith(letter) for word in words) for kind, letter in zip(KINDS, "LTA", strict=True)
+    } == (dict.fromkeys(KINDS, True))
+    assert "critical speed, rpm" in [text.get_text() for text in figure.legends[0].get_texts()]
+    inks = [to_rgb(plot.get_lines()[0].get_color()) for plot in shapes]
+    assert inks == [to_rgb(INKS[kind]) for kind in KINDS], "the darkest is the colour of the kind above"

@@ -334,6 +334,35 @@ def test_a_mode_that_grows_at_some_speed_is_followed_from_the_slowest_to_the_fas
     assert np.isfinite(fluttering).all() and (np.diff(fluttering.real, axis=0) > 0.0).all()
 
 
+@pytest.mark.parametrize("speeds", [[30.0, 10.0, 20.0], [0.0, 10.0, 20.0, 30.0, 40.0]])
+def test_the_mode_that_flutters_is_one_column_however_coarse_the_speeds_as_galerkins_in_small_steps(speeds):
+    # of the reference the fluttering pair, and its neighbour that is to cross zero later, by steps of 0.05 m/s
+    model = reference.Hose(reference.Parameters(), 16)
+    found = stability(scene({"elements": 12}), speeds)
+    assert found.curves is not None and found.curves.doubtful() == []
+    assert not np.isnan(found.eigenvalues).any() and found.eigenvalues.shape[1] == 8
+    flutters, at = -8.37 + 33.2j, np.arange(10.0, 30.01, 0.05)
+    followed = {}
+    for speed in at:
+        values = model.eigenvalues(speed)
+        flutters = values[np.abs(values - flutters).argmin()]
+        followed[round(float(speed), 2)] = flutters
+    inside = found.out_of_plane[0] < 0.5
+    first = int(np.flatnonzero(found.speed == 10.0)[0])
+    (column,) = np.flatnonzero(inside & (np.abs(found.eigenvalues[first] - followed[10.0]) < 1e-2 * 34.0))
+    for speed, value in zip(found.speed, found.eigenvalues[:, column], strict=True):
+        if 10.0 <= speed <= 30.0:
+            assert value == pytest.approx(followed[speed], abs=5e-3 * abs(value))
+            assert (value.real > 0.0) == (speed > 14.0)
+
+
+def test_a_straight_hose_is_followed_whichever_plane_its_shapes_lie_in():
+    fine, coarse = (stability(pipe(0.3, 10), np.arange(0.0, 16.1, step)) for step in (0.25, 4.0))
+    assert coarse.curves is not None and coarse.curves.doubtful() == []
+    some = np.searchsorted(fine.speed, coarse.speed)
+    np.testing.assert_allclose(coarse.eigenvalues, fine.eigenvalues[some], rtol=1e-6, atol=1e-6)
+
+
 def test_a_hose_of_sixty_elements_tied_by_multipliers_flutters_where_one_of_ten_does():
     (few, many) = (
         crossings(scene({"elements": n}, coupling="lagrange"), [13.5, 14.2], "in")[0].speed for n in (10, 60)

@@ -20,7 +20,7 @@ from physics.wells.strings import COLLAR, area, mass_per_length, run, straight_h
 from physics.wells.strings import E as YOUNG
 from scipy.optimize import brentq
 
-from drillstring.results.whirl import busiest, whirl_of
+from drillstring.results.whirl import Whirl, busiest, whirl_of
 
 MUD, HOLE, LENGTH, OFF, ZETA = 1200.0, 0.2032, 10.0, 2e-3, 0.1
 LINK, RADIUS, CLEARANCE = LENGTH / 2, COLLAR[0] / 2, (HOLE - COLLAR[0]) / 2
@@ -250,6 +250,19 @@ def test_the_whirl_ratio_of_a_run_is_that_of_its_circle_and_frames_far_apart_do_
     assert one.lump == 1 and one.rolling == pytest.approx(-COLLAR[0] / (HOLE - COLLAR[0]))
     assert one.ratio() == pytest.approx(-RADIUS / rolling(4 * pi), rel=2e-3)
     assert one.rate()[-1] == pytest.approx(one.ratio() * 4 * pi, rel=2e-2)
+
+
+@pytest.mark.parametrize("narrow", [0.9, 0.5])
+def test_the_whirl_ratio_of_a_whirl_with_the_rotary_is_one_whatever_the_form_of_its_orbit(narrow):
+    # an ellipse: the angle about its middle goes round once a turn; area over r^2 has 2 a b / (a^2 + b^2) of that
+    time, rate = np.linspace(0.0, 50.0, 5001), 9.0
+    offset = np.cos(rate * time) + 1j * narrow * np.sin(rate * time)
+    velocity = rate * (-np.sin(rate * time) + 1j * narrow * np.cos(rate * time))
+    ellipse = Whirl(0, time, 1e-3 * offset, 1e-3 * velocity, np.full(time.size, rate), 10.0, None, None)
+    assert ellipse.ratio() == pytest.approx(1.0, abs=6e-3)
+    line = ellipse.offset.real + 1e-3j * ellipse.offset.imag
+    across = Whirl(0, time, line, velocity.real * 1e-3 + 0j, ellipse.spin, 10.0, None, None)
+    assert abs(across.ratio()) < 2e-3, "what swings through the axis goes around nothing"
 
 
 def test_headline_figures_of_an_unbalanced_string_tell_offset_whirl_ratio_and_acceleration():

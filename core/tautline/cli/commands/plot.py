@@ -43,6 +43,7 @@ def plot(
         If a result cannot be read, they are of several applications, a figure is unknown or a file cannot be written.
     """
     from tautline.results.errors import ResultError
+    from tautline.results.output_path import check_drawn
     from tautline.results.result import Result
     from tautline.statistics.store import check_whole
     from tautline.view.figures.comparison import listed
@@ -56,6 +57,8 @@ def plot(
     folder, stem, ending = _place(output)
     if ending and form and ending != form:
         raise ResultError(output or "", f"ends in .{ending}, but --format says {form}", "leave one of them out")
+    if ending and output is not None:
+        check_drawn(output)
     made = _make(folder)
     against = {} if vs is None else {"vs": vs}
     try:

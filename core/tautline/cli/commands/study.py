@@ -157,9 +157,26 @@ def stem_of(path: Path, output: Path | None, word: str) -> Path:
         if file.is_dir() or (file.exists() and not os.access(file, os.W_OK)):
             cause = "is a folder" if file.is_dir() else "is write-protected"
             raise ResultError(file, cause, "name others with -o")
+        if file.is_file():
+            _check_replaceable(file, ending)
         if not file.exists() and not os.access(file.parent, os.W_OK):
             raise ResultError(file, "cannot be written: permission denied", "name another folder with -o")
     return stem
+
+
+def _check_replaceable(file: Path, ending: str) -> None:
+    """Raise ResultError where a file is no figure, or no table of a study but a result: it would be lost."""
+    from tautline.results.errors import ResultError
+    from tautline.results.output_path import SIGNATURE, check_drawn, check_found
+
+    if ending == ".png":
+        check_drawn(file)
+    elif ending == ".nc":
+        with file.open("rb") as table:
+            start = table.read(len(SIGNATURE))
+        if start not in (b"", SIGNATURE):
+            raise ResultError(file, "exists and is no NetCDF file: it would be lost", "name others with -o")
+        check_found(file)
 
 
 def named(stem: Path, ending: str) -> Path:
@@ -240,6 +257,8 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool, warnings: Seque
 
     records, whole = [run_record(row) for row in found.rows], study_record(found)
     show(_table(found.rows))
+    if any(row.shortened for row in found.rows):
+        say("* the run took shorter steps than asked for, by itself; step_taken in the tables is their mean")
     if found.reference is not None:
         say(_of_reference(found))
     if found.left_out:
@@ -301,7 +320,9 @@ def _table(rows: Sequence[Row]) -> Table:
     columns += ["position", "force", "phase, rad", "RMSE, m", "CPU, s", "wall, s", "spread", "real time", "steps"]
     for name in [*columns, "iterations", "status"]:
         table.add_column(name, justify="left" if name in ("method", "status", "constraint", "newton") else "right")
-    for r in records:
+    for row, r in zip(rows, records, strict=True):
+        # A mark tells that the run is not of the step that it stands with.
+        r |= {"steps": f"{r['steps']}*"} if row.shortened else {}
         table.add_row(
             str(r["method"] or "–"), _number(r["step"], 4), *(_number(r[key]) for key in further),
             *(_number(r[key]) for key in ("position_error", "force_error", "phase_error", "rmse")),

@@ -10,6 +10,8 @@ from tautline.study.trials.errors import Errors
 from tautline.study.trials.history import Watched
 from tautline.study.trials.trial import Trial
 
+SHORTER = 0.95
+"""Mean step over the one asked for below which a run took shorter steps by itself."""
 STALLED = 0.8
 """Share of the error with the next larger step above which an error has stopped falling."""
 
@@ -26,6 +28,23 @@ class Row:
         """Real-time factor."""
         reached = None if self.trial.result is None else float(self.trial.result.time[-1])
         return None if not reached or self.trial.wall_time is None else self.trial.wall_time / reached
+
+    @property
+    def step_taken(self) -> float | None:
+        """Mean step, s; None without a run."""
+        if self.trial.result is None or not self.trial.attribute("steps"):
+            return None
+        time = self.trial.result.time
+        return float(time[-1] - time[0]) / int(self.trial.attribute("steps"))
+
+    @property
+    def shortened(self) -> bool:
+        """Whether a run took shorter steps than the fixed one that it was asked for, as where iterations failed."""
+        asked, taken = self.trial.setting.step, self.step_taken
+        if self.trial.setting.step_error is not None or asked is None or taken is None:
+            return False
+        # The last step before a frame may be cut.
+        return taken < SHORTER * asked
 
 
 @dataclass(frozen=True)

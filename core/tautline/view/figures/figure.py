@@ -10,6 +10,7 @@ import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from matplotlib.axes import Axes as Axes
 from matplotlib.axis import Axis
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize
+from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure as Page
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -35,6 +36,7 @@ from matplotlib.ticker import (
 )
 
 from tautline.results.errors import ResultError, unwritten
+from tautline.results.output_path import check_drawn
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.whole_file import whole_file
 
@@ -320,6 +322,12 @@ def outline(text: Text, width: float = 2.0) -> None:
     text.set_path_effects([withStroke(linewidth=width, foreground="white")])
 
 
+def lighter(ink: str, white: float) -> tuple[float, float, float]:
+    """A colour mixed with some part of white, 0 to 1: red, green and blue."""
+    red, green, blue = ((1.0 - white) * part + white for part in to_rgb(ink))
+    return red, green, blue
+
+
 def round_numbers(low: float, high: float, most: int) -> list[float]:
     """About so many round numbers from low to high, both included where they are round."""
     found = MaxNLocator(most, steps=[1, 2, 5, 10]).tick_values(low, high)
@@ -408,9 +416,10 @@ def save(figure: Figure, path: str | Path) -> Path:
     Raises
     ------
     ResultError
-        If the file cannot be written, or the format is unknown; WriteError where the disk is full.
+        If the file cannot be written or is there and no figure, or the format is unknown; WriteError where the disk is
+        full.
     """
-    path = Path(path)
+    path = check_drawn(Path(path))
     try:
         thin_logarithms(figure)
         with powers_in_labels(figure), whole_file(path) as waiting:
@@ -424,8 +433,8 @@ def save(figure: Figure, path: str | Path) -> Path:
 
 def save_all(figures: Mapping[str, Figure], folder: Path, stem: str, formats: Sequence[str], whole: bool) -> list[Path]:
     """Write figures as ``stem_name.format``, or as ``stem.format`` if there is one figure and `whole` says so."""
-    written = []
-    for name, figure in figures.items():
-        base = stem if whole and len(figures) == 1 else f"{stem}_{name}"
-        written += [save(figure, folder / f"{base}.{ending}") for ending in formats]
-    return written
+    bases = {name: stem if whole and len(figures) == 1 else f"{stem}_{name}" for name in figures}
+    places = {name: [folder / f"{base}.{ending}" for ending in formats] for name, base in bases.items()}
+    for place in chain.from_iterable(places.values()):
+        check_drawn(place)
+    return [save(figures[name], place) for name, of_it in places.items() for place in of_it]

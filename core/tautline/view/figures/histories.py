@@ -93,6 +93,8 @@ def energy_figure(results: Sequence[Result], words: str) -> Figure:
 def spectrum_figure(results: Sequence[Result], panels: Panels) -> Figure:
     """Amplitude spectra of the second half of runs, about a straight line; the largest line is named.
 
+    The window is that of Blackman and Harris: it makes a line four times as wide as one over the time looked at.
+
     Parameters
     ----------
     panels : Panels
@@ -121,7 +123,8 @@ def spectrum_figure(results: Sequence[Result], panels: Panels) -> Figure:
     ]
     if not shown:
         raise NothingToShow(results[0], "nothing that swings")
-    figure, plots = axes(len(shown), 1, 8.0, 3.2 * len(shown) + 0.9, title(results), sharex=True)
+    heading = title(results, f"spectrum of {_half_of(results)}")
+    figure, plots = axes(len(shown), 1, 8.0, 3.2 * len(shown) + 0.9, heading, sharex=True)
     widest = 0.0
     for plot, ((text, unit), lines) in zip(plots[:, 0], shown, strict=True):
         factor, unit = scale([size for *_, size in lines], unit)
@@ -145,6 +148,15 @@ def spectrum_figure(results: Sequence[Result], panels: Panels) -> Figure:
     plots[-1, 0].set_xlim(0.0, widest)
     figure.align_ylabels(plots[:, 0])
     return figure
+
+
+def _half_of(results: Sequence[Result]) -> str:
+    """Which part of runs a spectrum is of, in words."""
+    parts = {
+        f"{result.time[-1] - SHARE * (result.time[-1] - result.time[0]):.4g} to {result.time[-1]:.4g} s"
+        for result in results
+    }
+    return f"the second half, {parts.pop()}" if len(parts) == 1 else "the second half of each"
 
 
 def _named(frequency: np.ndarray, size: np.ndarray, unit: str, largest: int | None) -> str:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tautline.results.errors import ResultError, unwritten
-from tautline.results.output_path import check_folder
+from tautline.results.output_path import check_drawn, check_folder
 from tautline.view.space.stage import Stage
 from tautline.whole_file import whole_file
 
@@ -127,11 +127,12 @@ def film(
 
 
 def check_name(path: Path) -> str:
-    """Ending of a film's name; raises ResultError if it is none that can be written, or its folder is not there."""
+    """Ending of a film's name; raises ResultError if none can be written there."""
     ending = path.suffix[1:].lower()
     if ending not in FORMATS:
         raise ResultError(path, f"is no film that can be written: '{ending}'", f"use .{' or .'.join(FORMATS)}")
     check_folder(path)
+    check_drawn(path)
     return ending
 
 

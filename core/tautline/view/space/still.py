@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from tautline.results.errors import ResultError, unwritten
-from tautline.results.output_path import check_folder
+from tautline.results.output_path import check_drawn, check_folder
 from tautline.view.space.stage import Stage
 
 FORMATS = ("png", "jpg")
@@ -73,8 +73,8 @@ def places(output: Path | None, result: Path, time: np.ndarray, frames: list[int
         if not path.suffix:
             cure = f"make it, mkdir {path}, or name a picture, {path}.png"
             raise ResultError(path, "there is no folder of this name, and a picture's name has an ending", cure)
-        return [path]
-    return [path.with_name(f"{path.stem}_{time[frame]:g}s{path.suffix or '.png'}") for frame in frames]
+        return [check_drawn(path)]
+    return [check_drawn(path.with_name(f"{path.stem}_{time[frame]:g}s{path.suffix or '.png'}")) for frame in frames]
 
 
 def still(stage: Stage, frame: int, path: Path) -> Path:
