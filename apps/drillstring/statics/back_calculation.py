@@ -11,7 +11,6 @@ from scipy.optimize import least_squares
 
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.helix import LockedUp
-from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import links, own_friction, require_wall
 from drillstring.string.factors import Factors
@@ -268,10 +267,7 @@ def _model_error(
 
 def _soft_hook_load(string: Statics, way: str, factors: Factors) -> float:
     """Hook load of the soft string, N."""
-    found = soft_string(
-        string.well, string.tubes, string.weight, factors, way, string.bit_force, string.diameter, crosses=True
-    )
-    return found.hook_load
+    return string.soft.solved(factors, way, string.bit_force, crosses=True).hook_load
 
 
 @one_thread()

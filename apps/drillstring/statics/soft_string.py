@@ -18,9 +18,8 @@ N = |q|/sqrt(1 + (b mu)^2), and the torque grows by |b| mu N times the pipe's ra
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
-from math import ceil, sqrt
-from typing import NamedTuple
+from math import sqrt
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +33,8 @@ from drillstring.well.wellbore import Wellbore
 STEP = 5.0
 """Longest step of the integration, m. It is of fourth order, but for the step in which the string passes from one side
 of the hole to the other and |q| has a kink: that leaves an error of a millionth of the hook load."""
+KEPT = 4
+"""Solutions, and courses of other shoes, that a string in a hole keeps: three motions, and that without friction."""
 
 
 class SoftString(NamedTuple):
@@ -60,20 +61,37 @@ class SoftString(NamedTuple):
         return float(self.torque[0])
 
 
-class _Hole(NamedTuple):
-    """A step's hole, at its lower end, middle and upper end (3,): t_z, t'_z; and k^2 of its arc."""
+class _Course(NamedTuple):
+    """A string along its hole in n steps, as no friction and no motion changes it.
 
-    down: np.ndarray
+    ``depth`` (n + 1,) m. Of the steps (n,): length m, section, k^2 1/m^2, weight and twice the weight N/m, the pipe's
+    radius m and the tension N at which it has locked up. Of their lower ends, middles and upper ends (3, n): ``turn``
+    t'_z 1/m, ``along`` w t_z N/m and ``across`` w^2 (1 - t_z^2) N^2/m^2.
+    """
+
+    depth: np.ndarray
+    length: np.ndarray
+    section: np.ndarray
+    square: np.ndarray
+    weight: np.ndarray
+    double: np.ndarray
+    radius: np.ndarray
+    locking: np.ndarray
     turn: np.ndarray
-    square: float
+    along: np.ndarray
+    across: np.ndarray
+
+    @property
+    def middle(self) -> np.ndarray:
+        """Middles of the steps (n,), m."""
+        return 0.5 * (self.depth[1:] + self.depth[:-1])
 
 
-class _Pipe(NamedTuple):
-    """A step's pipe: weight N/m; compression N from which it is a helix, and that helix's N/m over F^2, 1/N/m."""
+class _Helices(NamedTuple):
+    """Of each step: tension N up to which the pipe is a helix (n,), and that helix's N/m over F^2, 1/N/m (n,)."""
 
-    weight: float
-    helical: float
-    helix: float
+    tension: np.ndarray
+    force: np.ndarray
 
 
 class _Slide(NamedTuple):
@@ -82,6 +100,97 @@ class _Slide(NamedTuple):
     along: np.ndarray
     around: np.ndarray
     lifted: np.ndarray
+
+
+class StringInHole:
+    """A string in its hole, to be integrated for frictions, motions and forces at the bit.
+
+    What none of these changes is computed once. So are the last solutions, and that without friction, which is the same
+    for all motions: their arrays are shared, and cannot be written to.
+
+    Parameters
+    ----------
+    well : Wellbore
+    tubes : sequence of Tube
+        From the rotary table down; the bit is at the end of the last.
+    weight : sequence of float
+        Buoyed weight of each per length, N/m.
+    hole : float, optional
+        Diameter of the hole, m; without it the string does not buckle.
+    step : float
+        Longest step of the integration, m.
+    """
+
+    def __init__(
+        self,
+        well: Wellbore,
+        tubes: Sequence[Tube],
+        weight: Sequence[float] | np.ndarray,
+        hole: float | None = None,
+        step: float = STEP,
+    ) -> None:
+        self.well, self.tubes, self.hole, self.step = well, tuple(tubes), hole, step
+        self.weight = np.array(weight, float)
+        self._courses: dict[float, tuple[_Course, np.ndarray]] = {}
+        self._solved: dict[tuple[Factors, Motion | None, float, bool], SoftString] = {}
+
+    def solved(
+        self, friction: float | Factors, motion: str | Motion, bit_force: float = 0.0, crosses: bool = False
+    ) -> SoftString:
+        """Integrate tension and torque, or find them among the last solutions; for parameters see `soft_string`."""
+        factors = same(friction)
+        moved = MOTIONS[motion] if isinstance(motion, str) else motion
+        # Without friction no motion tells.
+        key = factors, None if factors.largest == 0.0 else moved, bit_force, crosses
+        found = self._solved.pop(key, None) or self._integrated(factors, moved, bit_force, crosses)
+        _keep(self._solved, key, found)
+        return found
+
+    def _integrated(self, factors: Factors, moved: Motion, bit_force: float, crosses: bool) -> SoftString:
+        if factors.shoe not in self._courses:
+            made = _course(self.well, self.tubes, self.weight, factors.shoe, self.step)
+            _keep(self._courses, factors.shoe, (made, np.full(made.length.size, np.nan)))
+        course, helical = self._courses[factors.shoe]
+        down, around = moved.friction(course.radius)
+        mu = factors.over(course.depth[:-1], course.depth[1:])
+        slide = _Slide(down * mu, around * mu, np.sqrt(1.0 + (around * mu) ** 2))
+        found = _integrate(course, slide, None, bit_force)
+        if self.hole is None:
+            return found
+        helices, pushed = None, np.maximum(0.0, -np.minimum(found.tension[1:], found.tension[:-1]))
+        # The limits take time, and most strings are nowhere near them.
+        near = pushed > 0.0
+        self._limit(course, helical, near)
+        if not (pushed[near] < helical[near]).all():
+            helices = self._helices(course, helical)
+            found = _integrate(course, slide, helices, bit_force)
+        if crosses and found.locked is None:
+            lost = _lost(self.well, course, found, self._clearance(course.section)) / slide.lifted
+            found = _integrate(course, slide, helices, bit_force, lost)
+        return found
+
+    def _clearance(self, section: np.ndarray) -> np.ndarray:
+        """Radial clearance of steps of sections (n,), m; below zero where the pipe does not fit."""
+        assert self.hole is not None
+        return np.array([0.5 * (self.hole - tube.contact_od) for tube in self.tubes])[section]
+
+    def _rigidity(self, section: np.ndarray) -> np.ndarray:
+        return np.array([tube.youngs_modulus * tube.second_moment for tube in self.tubes])[section]
+
+    def _limit(self, course: _Course, helical: np.ndarray, some: np.ndarray) -> None:
+        """Find the compression (n,), N, from which some of the steps are helices, where it is not known yet."""
+        places = np.flatnonzero(some & np.isnan(helical))
+        if places.size:
+            section = course.section[places]
+            helical[places] = limit_at(
+                "helical", self.well, course.middle[places], self._rigidity(section), course.weight[places],
+                self._clearance(section),
+            )  # fmt: skip
+
+    def _helices(self, course: _Course, helical: np.ndarray) -> _Helices:
+        self._limit(course, helical, np.ones(helical.size, bool))
+        force = helix_force(1.0, self._clearance(course.section), self._rigidity(course.section))
+        return _Helices(-helical, force)
 
 
 def soft_string(
@@ -121,136 +230,143 @@ def soft_string(
     -------
     SoftString
     """
-    factors = same(friction)
-    s, tube = _mesh(well, tubes, factors.shoe, step)
-    each = [tubes[k] for k in tube]
-    moved = MOTIONS[motion] if isinstance(motion, str) else motion
-    down, around = moved.friction(np.array([0.5 * one.contact_od for one in each]))
-    mu = factors.over(s[:-1], s[1:])
-    slide = _Slide(down * mu, around * mu, np.sqrt(1.0 + (around * mu) ** 2))
-    holes, weights = _holes(well, s), np.asarray(weight, float)[tube]
-    lying = [_Pipe(float(w), np.inf, 0.0) for w in weights]
-    found = _integrate(s, each, holes, slide, lying, bit_force)
-    if hole is None:
-        return found
-    pushed = np.maximum(0.0, -np.minimum(found.tension[1:], found.tension[:-1]))
-    # The limits take time, and most strings are nowhere near them.
-    near, middle = pushed > 0.0, 0.5 * (s[1:] + s[:-1])
-    buckles = near.any() and not (pushed[near] < _helical(well, each, weights, middle, hole, near)).all()
-    if buckles:
-        lying = _buckling(well, each, weights, middle, hole)
-        found = _integrate(s, each, holes, slide, lying, bit_force)
-    if crosses and found.locked is None:
-        lost = _lost(well, found, each, weights, hole) / slide.lifted
-        found = _integrate(s, each, holes, slide, lying, bit_force, lost)
-    return found
+    return StringInHole(well, tubes, weight, hole, step).solved(friction, motion, bit_force, crosses)
 
 
-def _lost(well: Wellbore, found: SoftString, each: list[Tube], weights: np.ndarray, hole: float) -> np.ndarray:
+def _keep(kept: dict[Any, Any], key: Any, found: Any) -> None:
+    """Keep it, and let go of what has not been asked for the longest."""
+    kept[key] = found
+    if len(kept) > KEPT:
+        del kept[next(iter(kept))]
+
+
+def _lost(well: Wellbore, course: _Course, found: SoftString, clearance: np.ndarray) -> np.ndarray:
     """Wall force that each step lacks where the string crosses the hole (n,), N."""
-    s, tension = found.measured_depth, found.tension
-    k1, k2 = well.curvature(0.5 * (s[1:] + s[:-1]))
-    m1, m2, t = well.frame(s)
+    tension, (k1, k2), (m1, m2, t) = found.tension, well.curvature(course.middle), well.frame(course.depth)
     across = np.array([0.0, 0.0, 1.0]) - t[:, 2:] * t
     # Of each step, as its curvature and weight are, at its upper and at its lower end.
     upper, lower = (
-        tension[at, None] * (k1[:, None] * m1[at] + k2[:, None] * m2[at]) + weights[:, None] * across[at]
+        tension[at, None] * (k1[:, None] * m1[at] + k2[:, None] * m2[at]) + course.weight[:, None] * across[at]
         for at in (slice(None, -1), slice(1, None))
     )
-    clearance = np.array([max(0.0, 0.5 * (hole - tube.contact_od)) for tube in each])
+    clearance = np.maximum(0.0, clearance)
     above, below = lost_at_turns(tension[1:-1], 0.5 * (clearance[1:] + clearance[:-1]), lower[:-1], upper[1:])
     lost = np.append(above, 0.0) + np.append(0.0, below)
     zero = (upper * lower).sum(axis=1) < 0.0
-    growth = np.linalg.norm(lower - upper, axis=1)[zero] / np.diff(s)[zero]
+    growth = np.linalg.norm(lower - upper, axis=1)[zero] / course.length[zero]
     lost[zero] += 2.0 * lost_at_zero(0.5 * (tension[1:] + tension[:-1])[zero], clearance[zero], growth)
     return lost
 
 
 def _integrate(
-    s: np.ndarray,
-    each: list[Tube],
-    holes: list[_Hole],
-    slide: _Slide,
-    pipes: list[_Pipe],
-    bit_force: float,
-    lost: np.ndarray | None = None,
+    course: _Course, slide: _Slide, helices: _Helices | None, bit_force: float, lost: np.ndarray | None = None
 ) -> SoftString:
     """From the bit up, by Runge and Kutta's steps of fourth order; without wall force that each step lacks, (n,) N."""
-    lacking = np.zeros(s.size - 1) if lost is None else lost
-    tension, torque, side = (np.full(s.size, np.nan) for _ in range(3))
-    tension[-1], torque[-1] = bit_force, 0.0
-    for i in range(s.size - 2, -1, -1):
-        arc, pipe, h, up = holes[i], pipes[i], float(s[i + 1] - s[i]), float(slide.lifted[i])
-        along, low = float(slide.along[i]), float(tension[i + 1])
-        a = _growth(low, pipe, arc, 0, along, up)
-        b = _growth(low + 0.5 * h * a, pipe, arc, 1, along, up)
-        middle = low + 0.5 * h * b
-        c = _growth(middle, pipe, arc, 1, along, up)
-        high = low + h / 6.0 * (a + 2.0 * b + 2.0 * c + _growth(low + h * c, pipe, arc, 2, along, up))
-        high -= along * float(lacking[i])
-        if high < -LOCKED_STRAIN * each[i].youngs_modulus * each[i].area:
-            return SoftString(s, tension, torque, side, float(s[i]))
-        tension[i] = high
-        loads = [_load(x, pipe, arc, j, up) for j, x in enumerate((low, middle, high))]
-        arm = -0.5 * each[i].contact_od * slide.around[i]
-        torque[i] = torque[i + 1] + arm * (h / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2]) - float(lacking[i]))
-        side[i] = loads[2]
-        if i == s.size - 2:
-            side[-1] = loads[0]
-    return SoftString(s, tension, torque, side)
+    lacking = np.zeros(course.length.size) if lost is None else lost
+    slides = bool(slide.along.any())
+    tension = _slid(course, slide, helices, bit_force, lacking) if slides else _turned(course, bit_force)
+    locked = np.flatnonzero(np.isnan(tension))
+    low, high = tension[1:], tension[:-1]
+    first = _load(low, course, helices, 0, slide.lifted)
+    half = 0.5 * course.length
+    second = _load(low + half * (course.along[0] + slide.along * first), course, helices, 1, slide.lifted)
+    middle = low + half * (course.along[1] + slide.along * second)
+    loads = first, _load(middle, course, helices, 1, slide.lifted), _load(high, course, helices, 2, slide.lifted)
+    force = course.length / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2]) - lacking
+    torque = _summed(0.0, -course.radius * slide.around * force)
+    side = np.append(loads[2], np.nan if np.isnan(high[-1]) else loads[0][-1])
+    for values in (tension, torque, side):
+        values.flags.writeable = False
+    return SoftString(course.depth, tension, torque, side, float(course.depth[locked[-1]]) if locked.size else None)
 
 
-def _helical(
-    well: Wellbore, each: list[Tube], weights: np.ndarray, middle: np.ndarray, hole: float, some: np.ndarray
+def _turned(course: _Course, bit_force: float) -> np.ndarray:
+    """Tension (n + 1,), N, of a string without friction along the hole; NaN from where it has locked up."""
+    along = course.along
+    tension = _summed(bit_force, course.length / 6.0 * (along[0] + 2.0 * along[1] + 2.0 * along[1] + along[2]))
+    locked = np.flatnonzero(tension[:-1] < course.locking)
+    if locked.size:
+        tension[: locked[-1] + 1] = np.nan
+    return tension
+
+
+def _slid(
+    course: _Course, slide: _Slide, helices: _Helices | None, bit_force: float, lacking: np.ndarray
 ) -> np.ndarray:
-    """Compression of some of the steps (m,) from which the string is a helix there, N."""
-    places = np.flatnonzero(some)
-    tubes = [each[k] for k in places]
-    clearance = np.array([0.5 * (hole - tube.contact_od) for tube in tubes])
-    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])
-    return limit_at("helical", well, middle[places], rigidity, weights[places], clearance)
+    """Tension (n + 1,), N, of a string with friction along the hole; NaN from where it has locked up.
+
+    Each step needs the one below, so this is a loop. It runs over plain numbers, with the load on the wall written out
+    at each stage: NumPy would take ten times as long, and calls as long as what they do.
+    """
+    none = np.zeros(course.length.size)
+    up_to, helix = (none - np.inf, none) if helices is None else helices
+    columns = (
+        course.length, 0.5 * course.length, course.length / 6.0, course.square, course.double, course.locking,
+        slide.along, slide.lifted, slide.along * lacking, up_to, helix,
+        *(values[place] for place in range(3) for values in (course.along, course.turn, course.across)),
+    )  # fmt: skip
+    low, found = float(bit_force), [float(bit_force)]
+    for (
+        length, half, sixth, k, w, locking, mu, up, lost, helical, force, down0, turn0, flat0, down1, turn1, flat1,
+        down2, turn2, flat2,
+    ) in zip(*(values[::-1].tolist() for values in columns), strict=True):  # fmt: skip
+        square = low * low * k + low * w * turn0 + flat0
+        load = sqrt(square) / up if square > 0.0 else 0.0
+        a = down0 + mu * (load if low > helical else max(load, force * low * low))
+        x = low + half * a
+        square = x * x * k + x * w * turn1 + flat1
+        load = sqrt(square) / up if square > 0.0 else 0.0
+        b = down1 + mu * (load if x > helical else max(load, force * x * x))
+        x = low + half * b
+        square = x * x * k + x * w * turn1 + flat1
+        load = sqrt(square) / up if square > 0.0 else 0.0
+        c = down1 + mu * (load if x > helical else max(load, force * x * x))
+        x = low + length * c
+        square = x * x * k + x * w * turn2 + flat2
+        load = sqrt(square) / up if square > 0.0 else 0.0
+        d = down2 + mu * (load if x > helical else max(load, force * x * x))
+        low += sixth * (a + 2.0 * b + 2.0 * c + d)
+        low -= lost
+        if low < locking:
+            break
+        found.append(low)
+    tension = np.full(course.depth.size, np.nan)
+    tension[tension.size - len(found) :] = found[::-1]
+    return tension
 
 
-def _buckling(well: Wellbore, each: list[Tube], weights: np.ndarray, middle: np.ndarray, hole: float) -> list[_Pipe]:
-    """The pipe of each step with its limit and its helix."""
-    helical = _helical(well, each, weights, middle, hole, np.ones(middle.size, bool))
-    clearance = np.array([0.5 * (hole - tube.contact_od) for tube in each])
-    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in each])
-    rows = zip(weights.tolist(), helical.tolist(), helix_force(1.0, clearance, rigidity).tolist(), strict=True)
-    return [_Pipe(*row) for row in rows]
+def _load(tension: np.ndarray, course: _Course, helices: _Helices | None, place: int, lifted: np.ndarray) -> np.ndarray:
+    """Force on the wall per length (n,), N/m: |q|, less where friction carries a part of it, or that of a helix."""
+    square = tension * tension * course.square + tension * course.double * course.turn[place] + course.across[place]
+    lying: np.ndarray = np.sqrt(np.maximum(0.0, square)) / lifted
+    if helices is None:
+        return lying
+    return np.where(tension > helices.tension, lying, np.maximum(lying, helices.force * tension * tension))
 
 
-def _load(tension: float, pipe: _Pipe, arc: _Hole, place: int, lifted: float) -> float:
-    """Force on the wall per length, N/m: |q|, less where friction carries a part of it, or that of a helix."""
-    w, down, turn = pipe.weight, arc.down[place], arc.turn[place]
-    square = tension * tension * arc.square + 2.0 * tension * w * turn + w * w * (1.0 - down * down)
-    lying = sqrt(max(0.0, square)) / lifted
-    return max(lying, pipe.helix * tension * tension) if -tension >= pipe.helical else lying
+def _summed(bit: float, growth: np.ndarray) -> np.ndarray:
+    """From the bit up (n + 1,), of what each step adds (n,)."""
+    return np.cumsum(np.append(growth, bit)[::-1])[::-1]
 
 
-def _growth(tension: float, pipe: _Pipe, arc: _Hole, place: int, along: float, lifted: float) -> float:
-    """Growth of the tension per metre up the hole, N/m."""
-    return float(pipe.weight * arc.down[place]) + along * _load(tension, pipe, arc, place, lifted)
-
-
-def _mesh(well: Wellbore, tubes: Sequence[Tube], shoe: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Depths with every joint of arcs and of sections among them (n + 1,), and the section of each step (n,)."""
+def _course(well: Wellbore, tubes: Sequence[Tube], weights: np.ndarray, shoe: float, step: float) -> _Course:
+    """With every joint of arcs and of sections, and the shoe, among its depths."""
     ends = np.cumsum([tube.length for tube in tubes])
     joints = np.concatenate([[0.0], ends, well.md[well.md < ends[-1]], [min(shoe, ends[-1])]])
     joints = np.unique(joints)
     joints = joints[np.append(True, np.diff(joints) > 1e-9)]
-    parts = [np.linspace(a, b, ceil((b - a) / step) + 1)[:-1] for a, b in pairwise(joints)]
-    s = np.append(np.concatenate(parts), joints[-1])
-    return s, np.minimum(np.searchsorted(ends, 0.5 * (s[:-1] + s[1:])), len(tubes) - 1)
-
-
-def _holes(well: Wellbore, s: np.ndarray) -> list[_Hole]:
+    parts = np.ceil(np.diff(joints) / step).astype(int)
+    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    s = np.append(number * np.repeat(np.diff(joints) / parts, parts) + np.repeat(joints[:-1], parts), joints[-1])
+    s.flags.writeable = False
     middle = 0.5 * (s[:-1] + s[1:])
+    section = np.minimum(np.searchsorted(ends, middle), len(tubes) - 1)
     k1, k2 = well.curvature(middle)
-    down, turn = [], []
-    for at in (s[1:], middle, s[:-1]):
-        m1, m2, t = well.frame(at)
-        down.append(t[:, 2])
-        turn.append(k1 * m1[:, 2] + k2 * m2[:, 2])
-    rows = zip(np.transpose(down), np.transpose(turn), k1**2 + k2**2, strict=True)
-    return [_Hole(a, b, float(c)) for a, b, c in rows]
+    w, frame, between = weights[section], well.frame(s), well.frame(middle)
+    m1, m2, t = (np.array([end[1:, 2], inner[:, 2], end[:-1, 2]]) for end, inner in zip(frame, between, strict=True))
+    radius = np.array([0.5 * tube.contact_od for tube in tubes])
+    locking = np.array([-LOCKED_STRAIN * tube.youngs_modulus * tube.area for tube in tubes])
+    return _Course(
+        s, s[1:] - s[:-1], section, k1**2 + k2**2, w, 2.0 * w, radius[section], locking[section],
+        k1 * m1 + k2 * m2, w * t, w * w * (1.0 - t * t),
+    )  # fmt: skip

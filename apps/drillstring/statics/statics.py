@@ -24,7 +24,7 @@ from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.statics.helix import LOCKED_STRAIN, LockedUp, helix_force, limits_at
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.statics.sliding_lumps import SlidingLumps
-from drillstring.statics.soft_string import soft_string
+from drillstring.statics.soft_string import StringInHole
 from drillstring.string.factors import Factors, same
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube, cut
@@ -188,6 +188,7 @@ class Statics:
         self.rows = records(contact.springs.size, SLIDING)
         self._slide()
         self.bit_force, self.diameter = scene.bit.load, scene.well.diameter
+        self.soft = StringInHole(self.well, self.tubes, self.weight, self.diameter)
         self.block = int(np.flatnonzero(self.system.dofs.motion == BLOCK)[0])
         self.shoe = 0.0 if scene.well.wall is None or scene.well.wall.casing is None else scene.well.wall.casing.shoe
         self.free: tuple[np.ndarray, float] | None = None
@@ -251,7 +252,7 @@ class Statics:
 
     def _pushed(self, factors: Factors, motion: Motion) -> np.ndarray:
         """Largest compression of the soft string in each link (n,), N; raises LockedUp where it is endless."""
-        soft = soft_string(self.well, self.tubes, self.weight, factors, motion, self.bit_force, self.diameter)
+        soft = self.soft.solved(factors, motion, self.bit_force)
         if soft.locked is not None:
             raise LockedUp(soft.locked)
         pushed = np.maximum(0.0, -soft.tension)

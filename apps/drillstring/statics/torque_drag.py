@@ -17,7 +17,7 @@ from drillstring.statics.buckled import Stations, stations_of
 from drillstring.statics.buckling import Limits
 from drillstring.statics.helix import LockedUp
 from drillstring.statics.motion import MOTIONS, Motion
-from drillstring.statics.soft_string import SoftString, soft_string
+from drillstring.statics.soft_string import SoftString
 from drillstring.statics.statics import Profile, Statics, shortened
 from drillstring.statics.strokes import BreakAway, break_away
 from drillstring.string.factors import Factors, factors_of, same
@@ -252,8 +252,7 @@ def _point(
 ) -> Point:
     profiles, failures, soft, locks = {}, {}, {}, {}
     for direction, motion in motions.items():
-        string = (statics.well, statics.tubes, statics.weight)
-        soft[direction] = soft_string(*string, friction, motion, scene.bit.load, scene.well.diameter)
+        soft[direction] = statics.soft.solved(friction, motion, statics.bit_force)
         try:
             profiles[direction] = statics.solve(friction, direction if direction in MOTIONS else motion)
         except LockedUp as lock:

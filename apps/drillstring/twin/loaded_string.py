@@ -17,7 +17,7 @@ from scipy.interpolate import PchipInterpolator
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.motion import Motion
-from drillstring.statics.soft_string import SoftString, soft_string
+from drillstring.statics.soft_string import SoftString, StringInHole
 from drillstring.statics.statics import weight_per_length
 from drillstring.string.factors import Factors
 
@@ -111,6 +111,7 @@ class LoadedString:
         self.tubes = tubes_of(scene, self.well.length)
         self.weight = weight_per_length(scene, self.tubes)
         self.hole = scene.well.diameter
+        self._in_hole = StringInHole(self.well, self.tubes, self.weight, self.hole, STEP)
         self._stiffness = np.array([tube.youngs_modulus * tube.area for tube in self.tubes])
         self._ends = np.cumsum([tube.length for tube in self.tubes])
         self._made: tuple[Factors, float, Tables] | None = None
@@ -148,7 +149,7 @@ class LoadedString:
         return made
 
     def _soft(self, factors: Factors, motion: Motion, weight: float) -> SoftString:
-        return soft_string(self.well, self.tubes, self.weight, factors, motion, -weight, self.hole, STEP)
+        return self._in_hole.solved(factors, motion, -weight)
 
     def _table(self, factors: Factors, motion: Motion, reach: float) -> Table | None:
         """Up to a weight, N, or to where it locks up; None where it does so without any."""

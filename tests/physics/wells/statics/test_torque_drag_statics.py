@@ -22,10 +22,13 @@ from physics.wells.strings import DATA, GRAVITY, JWELL, mass_per_length, shipped
 from references import soft_string as reference
 
 from drillstring.scene.scene import DrillstringScene
+from drillstring.statics import soft_string as integral
 from drillstring.statics.buckling import limits
-from drillstring.statics.soft_string import soft_string
+from drillstring.statics.motion import Motion
+from drillstring.statics.soft_string import KEPT, StringInHole, soft_string
 from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import torque_drag
+from drillstring.string.factors import Factors
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state
 from tautline.kernels.matrix import new_matrix, sparse
@@ -305,3 +308,52 @@ def test_scene_without_a_wall_and_depths_without_room_are_refused():
 def free_space() -> DrillstringScene:
     """A string without a wall."""
     return straight_hole(0.0, well__wall="none")
+
+
+# what a string in its hole keeps
+def test_what_is_kept_is_not_taken_for_another_friction_motion_force_casing_or_well(jwell):
+    arc = Statics(build_section(), DEPTH, 2)
+    strings = {one: StringInHole(one.well, one.tubes, one.weight, 0.25) for one in (jwell, arc)}
+    first = {"friction": Factors(0.3, 0.2, 900.0), "motion": "slack_off", "bit_force": -3e5, "crosses": True}
+    others = {
+        "friction": (0.2, 0.3, 0.0, Factors(0.2, 0.2, 900.0), Factors(0.3, 0.1, 900.0), Factors(0.3, 0.2, 400.0)),
+        "motion": ("pick_up", "rotating", Motion(-0.2, 8.0), Motion(0.2, 8.0)),
+        "bit_force": (0.0, -4e5),
+        "crosses": (False,),
+    }
+    for name, value in ((name, value) for name, values in others.items() for value in values):
+        # the other one right behind the first, of one well behind the other
+        for asked in (first, first | {name: value}):
+            for one, string in strings.items():
+                ours = string.solved(**asked)
+                anew = soft_string(one.well, one.tubes, one.weight, hole=0.25, **asked)
+                for field in ("measured_depth", "tension", "torque", "side_force"):
+                    np.testing.assert_array_equal(getattr(ours, field), getattr(anew, field), f"{name} {value}")
+                assert ours.locked == anew.locked
+                assert ours.measured_depth[-1] == pytest.approx(one.depth), "its own well"
+
+
+def test_a_string_that_is_solved_for_another_friction_integrates_once_and_for_the_same_not_at_all(monkeypatch):
+    done, whole = [], integral._integrate
+    monkeypatch.setattr(integral, "_integrate", lambda *given: done.append(given) or whole(*given))
+    statics = Statics(build_section(), DEPTH, 10)
+    statics.solve(0.2, "pick_up")
+    # with friction, and without, where every search starts
+    assert len(done) == 2
+    statics.solve(0.3, "slack_off")
+    assert len(done) == 3
+    statics.solve(0.3, "slack_off")
+    statics.solve(0.0, "rotating")
+    assert len(done) == 3
+
+
+def test_what_is_kept_cannot_be_written_to_and_is_a_few_solutions_at_most(jwell):
+    string = StringInHole(jwell.well, jwell.tubes, jwell.weight, 0.25)
+    first = string.solved(0.2, "pick_up")
+    assert string.solved(0.2, "pick_up") is first
+    for values in first[:4]:
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 0.0
+    for k in range(KEPT):
+        string.solved(0.21 + 0.01 * k, "pick_up")
+    assert string.solved(0.2, "pick_up") is not first
