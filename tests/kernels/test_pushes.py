@@ -70,3 +70,10 @@ def test_what_is_smooth_is_left_as_it_is_to_the_bit(steps):
     found, true, bends = pushed(FunctionRequest(Harmonic(amplitude=0.3, period=steps * STEP)), 0.4)
     assert not bends.any()
     assert found == pytest.approx(true, abs=0.06 * np.ptp(true))
+
+
+def test_a_smooth_ramp_bends_nowhere_though_its_first_and_last_accelerations_are_next_to_nothing():
+    ramp = Ramp(**{"from": 25.0}, to=4.0, at=0.0203, over=0.05)
+    found, true, bends = pushed(FunctionRequest(ramp, True, 1.0), 0.09)
+    assert not bends.any()
+    assert found == pytest.approx(true, abs=0.02)

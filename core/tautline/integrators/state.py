@@ -293,6 +293,7 @@ def book_push(groups, dofs, functions, state, t, h, impulse, power):
     times the mean of the speeds at both ends. The rest is the force of before.
     """
     ways = state.middle[0]
+    ways.fill(0.0)  # what is fixed goes no way
     work = 0.0
     for k in dofs.driven:
         i = dofs.held[k]

@@ -118,7 +118,9 @@ def prescribe_end(dofs, functions, t, h, gamma, q, v, a):
         i = dofs.held[k]
         value, rate, second = evaluate(functions, dofs.motion[k], t)
         changed = rate - v[i]
-        if _is_unseen(changed, h, a[i], second, v[i], rate):
+        if _is_unseen(changed, h, a[i], second, v[i], rate) and _matters(
+            functions, dofs.motion[k], t, h, changed, a[i], second
+        ):
             bends = True
             second = (changed / h - (1.0 - gamma) * a[i]) / gamma
         q[i] = dofs.offset[k] + value
@@ -142,6 +144,16 @@ def prescribe_lasting(dofs, functions, t, h, a):
         if not within and (_is_unseen(v1 - v0, h, a0, a1, v0, v1) or _is_unseen(after * h, h, a1, 0.0, v1, v1)):
             a1 = 0.0 if before * after <= 0.0 else before if abs(before) < abs(after) else after
         a[i] = a1
+
+
+@kernel
+def _matters(functions, motion, t, h, changed, a0, a1):
+    """Whether a change of speed that the ends of a step before t do not show counts beside what is nearby.
+
+    Where a smooth motion begins or ends its accelerations are next to nothing, and any part of them is a large one.
+    """
+    nearby = max(abs(evaluate(functions, motion, t - 3.0 * h)[2]), abs(evaluate(functions, motion, t + 2.0 * h)[2]))
+    return abs(changed - 0.5 * h * (a0 + a1)) > BENT * h * nearby
 
 
 @kernel(forceinline=True)
