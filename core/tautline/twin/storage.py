@@ -18,6 +18,7 @@ from tautline.live.memory import State
 from tautline.results.disk import cure_of
 from tautline.results.errors import ResultError
 from tautline.twin.estimation.horizon import Sample
+from tautline.twin.memory import Memory, memory_of
 from tautline.whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -59,6 +60,8 @@ def save(twin: Twin, path: Path) -> None:
     }  # fmt: skip
     for name, waves in readings.waves.items():
         arrays[f"waves {name}"] = waves.memory()
+    # What stands above is what programs of the same format have always read; this is all.
+    arrays["held"], arrays["held_data"] = memory_of(twin)
     try:
         with whole_file(path) as waiting, waiting.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
@@ -81,9 +84,10 @@ def load(twin: Twin, path: Path) -> float:
             arrays = {name: file[name] for name in file.files}
         words = json.loads(arrays["words"].tobytes())
         blocks = arrays["blocks"]
+        memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
     except FileNotFoundError:
         raise ResultError(path, "there is no such file", cure) from None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+    except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, zipfile.BadZipFile):
         raise ResultError(path, "is no state of a twin", cure) from None
     unknowns = twin.estimate.horizon.unknowns
     own = words.get("operation")
@@ -109,6 +113,8 @@ def load(twin: Twin, path: Path) -> float:
         for time, block in zip(words["times"], blocks, strict=True)
     ])  # fmt: skip
     _recall(twin, words, arrays)
+    if memory is not None:
+        memory.put(twin)
     return float(words["now"])
 
 

@@ -95,8 +95,7 @@ class Twin:
         if self.estimate.blows and self.plan.inputs:
             self.readings.rows.fewest = NOISE_SHOWN
         self.watch = Watch(self.plan, self.readings.health, self.operation, getattr(self.scene, "units", "si"))
-        estimated = self.estimate
-        self.outlook = Outlook(self.plan, self.readings.waves, lambda: (*estimated.state(), estimated.converged))
+        self.outlook = Outlook(self.plan, self.readings.waves, self.estimate.departing)
         self._begin_anew()
         self._read = list(dict.fromkeys([
             *(one.name for one in self.plan.measured),

@@ -128,6 +128,11 @@ class Horizon:
         Time from which samples count, as what was before it was forgotten, and when that was; minus infinity.
     """
 
+    MADE_ANEW = (
+        "late", "unknowns", "channels", "window", "free", "start", "first_sd", "low", "high", "walk", "sd", "relative",
+    )  # fmt: skip
+    """What another process has of the map, and need not keep."""
+
     def __init__(
         self, unknowns: Sequence[Unknown], channels: Sequence[Channel], window: float, free: int = 0, late: int = 0
     ) -> None:

@@ -76,6 +76,8 @@ class InputTrack:
         The step in which its sensor tells it.
     """
 
+    MADE_ANEW = ("channel", "number")
+
     def __init__(self, channel: Channel, number: int) -> None:
         self.channel, self.number = channel, number
         self.state = self.shown = np.full(3, np.nan)
