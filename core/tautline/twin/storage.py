@@ -84,10 +84,9 @@ def load(twin: Twin, path: Path) -> float:
             arrays = {name: file[name] for name in file.files}
         words = json.loads(arrays["words"].tobytes())
         blocks = arrays["blocks"]
-        memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
     except FileNotFoundError:
         raise ResultError(path, "there is no such file", cure) from None
-    except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, zipfile.BadZipFile):
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         raise ResultError(path, "is no state of a twin", cure) from None
     unknowns = twin.estimate.horizon.unknowns
     own = words.get("operation")
@@ -108,6 +107,10 @@ def load(twin: Twin, path: Path) -> float:
         )
     if not same:
         raise ResultError(path, "belongs to another scene or another map", cure)
+    try:
+        memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
+    except (ValueError, TypeError, KeyError, IndexError):
+        raise ResultError(path, "is no state of a twin", cure) from None
     twin.estimate.family.restore([
         State(time, words["scene"], words["layout"], block, 0)
         for time, block in zip(words["times"], blocks, strict=True)
