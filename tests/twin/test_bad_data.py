@@ -144,6 +144,8 @@ def test_rows_behind_an_hour_without_any_are_answered_at_once_from_rest_with_the
     twin, rows = settled(14.0)
     known = twin.estimate.horizon.mean[0]
     lines = lines_of(twin, [(stamp + 3600.0, readings) for stamp, readings in rows])
+    # Rows that waited when the state was saved are answered first.
+    lines = [line for line in lines if line["time"] > 3600.0]
     # The simulations did not go through the hour: that held a twin up for half a minute.
     assert twin.estimate.family.time < 60.0
     assert twin.restarts == 1

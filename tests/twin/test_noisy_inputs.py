@@ -234,11 +234,11 @@ def test_what_rows_missed_of_a_simulation_that_was_given_up_is_forgotten_when_it
 def test_a_replay_that_cannot_go_on_is_not_told_as_an_accident(monkeypatch):
     twin = Twin(HOIST, MAP)
 
-    def stops():
+    def stops(passage):
         raise StoppedEarly(Status.TWO_BLOCKED, 13.685, "two blocks together")
-        yield
 
-    monkeypatch.setattr(twin.estimate, "_job", stops())
+    monkeypatch.setattr(twin.estimate, "_passage", object())
+    monkeypatch.setattr(twin.estimate, "_go_through", stops)
     twin.estimate.relinearise()
     assert not twin.notes
     assert not twin.estimate.relinearising

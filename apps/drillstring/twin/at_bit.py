@@ -110,6 +110,8 @@ class AtBit:
         By how much the weight shortens the string, m, and its standard deviation; NaN where that is not known.
     """
 
+    MADE_ANEW = ("_wall", "mean_over", "torsional", "axial")
+
     def __init__(self, scene: DrillstringScene, mean_over: float) -> None:
         self._wall, self.mean_over = scene.well.wall, mean_over
         self._string = LoadedString(scene)

@@ -106,6 +106,8 @@ class LoadedString:
         Off bottom.
     """
 
+    MADE_ANEW = ("well", "tubes", "weight", "hole", "_stiffness", "_ends", "_made")
+
     def __init__(self, scene: DrillstringScene) -> None:
         self.well = well_of(scene)
         self.tubes = tubes_of(scene, self.well.length)
@@ -115,6 +117,8 @@ class LoadedString:
         self._stiffness = np.array([tube.youngs_modulus * tube.area for tube in self.tubes])
         self._ends = np.cumsum([tube.length for tube in self.tubes])
         self._made: tuple[Factors, float, Tables] | None = None
+        # From what they were made, so that a later process has the same.
+        self._made_of: tuple[Factors, dict[str, float], Motion, float] | None = None
 
     def tables(self, factors: Factors, apart: dict[str, float], motion: Motion, lacking: float) -> Tables | None:
         """Tables for a friction and a motion that reach at least as far as what the hook lacks, N, if they can.
@@ -122,20 +126,26 @@ class LoadedString:
         ``apart`` are standard deviations of the factors by their names in `Factors`. None where the string locks up off
         bottom.
         """
-        slip = atan2(motion.speed, ARM * abs(motion.rotary)) * (1.0 if motion.rotary >= 0.0 else -1.0)
+        if self._made is None and self._made_of is not None:
+            self._make(*self._made_of)
+        slip = _slip_of(motion)
         if self._made is not None:
             old, at, made = self._made
             close = all(abs(a - b) <= MOVED * abs(b) for a, b in zip(factors, old, strict=True))
             close = close and abs(slip - at) <= TURNED and set(apart) == set(made.apart)
             if close and (made.middle.locks or lacking <= made.middle.most):
                 return made
+        return self._make(factors, apart, motion, lacking)
+
+    def _make(self, factors: Factors, apart: dict[str, float], motion: Motion, lacking: float) -> Tables | None:
+        """Make tables anew; None where the string locks up off bottom."""
         reach = max(LEAST_REACH, SPARE * lacking)
         middle = self._table(factors, motion, reach)
         while middle is not None and not middle.locks and middle.most < lacking and reach < LARGEST_REACH:
             reach *= 2.0
             middle = self._table(factors, motion, reach)
         if middle is None:
-            self._made = None
+            self._made = self._made_of = None
             return None
         others = {}
         for name, sd in apart.items():
@@ -145,7 +155,7 @@ class LoadedString:
                 others[name] = more, off
         free = self._soft(Factors(0.0, 0.0), motion, 0.0).hook_load
         made = Tables(middle, others, free)
-        self._made = factors, slip, made
+        self._made, self._made_of = (factors, _slip_of(motion), made), (factors, apart, motion, lacking)
         return made
 
     def _soft(self, factors: Factors, motion: Motion, weight: float) -> SoftString:
@@ -186,3 +196,8 @@ class LoadedString:
         stiffness = self._stiffness[np.minimum(np.searchsorted(self._ends, middle), self._stiffness.size - 1)]
         lower = first.tension - one.tension
         return float(np.sum(0.5 * (lower[1:] + lower[:-1]) * np.diff(s) / stiffness))
+
+
+def _slip_of(motion: Motion) -> float:
+    """Direction in which the string slides on its wall, rad."""
+    return atan2(motion.speed, ARM * abs(motion.rotary)) * (1.0 if motion.rotary >= 0.0 else -1.0)

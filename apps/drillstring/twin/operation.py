@@ -15,13 +15,15 @@ import numpy as np
 
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
+from drillstring.statics.motion import Motion
 from drillstring.statics.soft_string import SoftString, soft_string
 from drillstring.statics.statics import weight_per_length
-from drillstring.string.factors import factors_of
+from drillstring.string.factors import Factors, factors_of
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
+from drillstring.twin.connections import Connection, Plateau, Sample
 from drillstring.twin.row_rate import Needed, Remarks, RowInterval
 from drillstring.twin.severity import Settings as SeveritySettings
-from drillstring.twin.severity import Severity
+from drillstring.twin.severity import Severity, StickSlip
 from drillstring.twin.stands import with_stand
 from drillstring.twin.states import IN_THE_SLIPS, RigState, RigStates, Settings
 from drillstring.twin.sticking_limit import sticking_limit
@@ -73,6 +75,10 @@ SEVERITY_EVERY = 1.0
 """How often stick-slip is looked for, s."""
 
 
+RECORDS = (AtSurface, Connection, Factors, Motion, Plateau, RigState, Sample, StickSlip)
+"""Classes of records that are kept over a restart."""
+
+
 class RigOperation(Operation):
     """What a twin asks of a rig.
 
@@ -96,6 +102,7 @@ class RigOperation(Operation):
     outputs = FOUND
     signals = ASKED
     window, mean, anywhere = WINDOW, 4.0, True
+    records = RECORDS
     reads = ("top.block", "top.hook_load", "surface_torque", "bit.depth", "axial_velocity", "rotation_rate")
 
     def __init__(self, scene: DrillstringScene) -> None:
@@ -103,6 +110,7 @@ class RigOperation(Operation):
         self.weight = float(scene.top.weight or 0.0)
         self.rig = RigStates(Settings(block_weight=self.weight))
         self.added = 0.0
+        self._stands: list[float] = []
         self._connections, self._before = 0, 0
         self._hook_load = nan
         self._of_drive = True
@@ -222,6 +230,7 @@ class RigOperation(Operation):
 
     def _grown(self, added: float) -> DrillstringScene:
         self.added += added
+        self._stands.append(added)
         self.scene = with_stand(self.scene, added)
         self._lay_out()
         return self.scene
@@ -329,10 +338,17 @@ class RigOperation(Operation):
 
     # -- to be kept over a restart -------------------------------------------------------------------------------------
 
+    MADE_ANEW = ("scene", "_first", "weight", "_needed")
+
+    def kept(self) -> dict[str, Any]:
+        """Itself, with all that rows have shown."""
+        return {"rig": self}
+
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
         return {
-            "added": self.added, "connections": self._before + self._connections, "rig": self.rig.memory(),
+            "added": self.added, "stands": self._stands, "of_drive": self._of_drive,
+            "connections": self._before + self._connections, "rig": self.rig.memory(),
             "interval": self._interval.memory(), "said": self._remarks.memory(),
         }  # fmt: skip
 
@@ -344,4 +360,10 @@ class RigOperation(Operation):
         if "interval" in memory:
             self._interval.recall(memory["interval"])
             self._remarks.recall(memory["said"])
-        return self._grown(float(memory["added"])) if memory["added"] else None
+        if memory.get("of_drive", True) is not self._of_drive:
+            self._of_drive, self._severity = not self._of_drive, None
+            self._lay_out()
+        # Lengths are added one after the other, as they were: their sum would be another number in its last digit.
+        for added in memory.get("stands", [memory["added"]] if memory["added"] else []):
+            self._grown(float(added))
+        return self.scene if self._stands else None

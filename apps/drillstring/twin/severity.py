@@ -83,6 +83,8 @@ class Severity:
     settings : Settings
     """
 
+    MADE_ANEW = ("settings", "_line", "_first")
+
     def __init__(self, line: TorsionalLine, settings: Settings | None = None) -> None:
         self.settings = settings or Settings()
         self._samples: deque[tuple[float, float, float]] = deque()

@@ -143,6 +143,8 @@ class Hook:
     ``on_the_wall`` is the share of the weight that friction carries while the string is lowered.
     """
 
+    MADE_ANEW = ("settings",)
+
     settings: Settings
     without: float = nan
     with_string: float = nan
@@ -248,6 +250,8 @@ class Level:
 class Bottom:
     """Whether the bit is on the bottom, by its depth and the hole's, or by a hole that deepens."""
 
+    MADE_ANEW = ("settings",)
+
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.hole = nan
@@ -308,6 +312,8 @@ class RigStates:
     in_the_hole : float
         Bit depth, m; where it is not measured, the way that the block has moved the string since the record began.
     """
+
+    MADE_ANEW = ("settings",)
 
     def __init__(self, settings: Settings | None = None) -> None:
         self.settings = settings or Settings()

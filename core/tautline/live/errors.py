@@ -47,6 +47,8 @@ def real(value: Any, what: str, cure: str) -> float:
     SimulationError
         For what is no number, or several. True and False are none: they are slips, not 1 and 0.
     """
+    if type(value) is float:  # as a twin or a control gives it, thousands of times a second
+        return value
     if not isinstance(value, (str, bytes, bool, np.bool_)) and np.ndim(value) == 0 and _is_countable(value):
         with suppress(TypeError, ValueError):
             return float(value)

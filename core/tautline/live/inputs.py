@@ -11,6 +11,7 @@ gone on with; by an advance that goes beyond its end what was given is come to r
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,9 @@ advance (NaN: none was given yet), and one of the following."""
 AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
 """As the scene has it; at its value, at rest; at its value, moving; given anew, to be reached in the next advance."""
 PIECES = 3
+POWERS = np.arange(DEGREES)
+SECOND_POWERS = POWERS[2:] * POWERS[1:-1]
+"""Powers of a way's terms, and the factors of their second derivatives."""
 ROUNDING = 1e-14
 """Share of a time within which an advance ends where a way does."""
 
@@ -167,7 +171,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
                 given = tuple(real(x, "number", "") for x in (value if _is_row(value) else (value,)))
         except (SimulationError, ValueError):  # of lists of several lengths numpy knows no dimension
             given = ()
-        if not 1 <= len(given) <= 3 or not np.isfinite(sum(given)):
+        if not 1 <= len(given) <= 3 or not isfinite(sum(given)):
             unit = self._list[k].steering.unit
             cause = f"{name} = {value!r} is neither a finite number nor two or three of them"
             raise SimulationError(cause, f"give a value in {unit or 'SI'}, or (value, rate) or (value, rate, second)")
@@ -284,18 +288,20 @@ class Inputs(Unpickled, Mapping[str, Any]):
         h, members = end - begin, self._list[k].members
         steering, function = members[0]
         now = self._now(function)
-        slope = (row[TARGET] - now[steering.order] / steering.factor) / h
-        # What the scene itself has moved goes on from its rate.
-        before = row[SLOPE] if np.isfinite(row[SLOPE]) else now[steering.order + 1] / steering.factor
-        rate = row[RATE] if np.isfinite(row[RATE]) else _between(before, slope)
-        at_end = row[TARGET], rate, row[SECOND]
-        for steering, function in members:
-            f, g = self._now(function), [steering.factor * x for x in at_end]
+        target, rate, second, last, _ = row.tolist()  # plain floats take a third of the time of an array's
+        slope = (target - now[steering.order] / steering.factor) / h
+        if not isfinite(rate):
+            # What the scene itself has moved goes on from its rate.
+            rate = _between(last if isfinite(last) else now[steering.order + 1] / steering.factor, slope)
+        at_end = target, rate, second
+        for i, (steering, function) in enumerate(members):
+            f = self._now(function) if i else now
+            g = [steering.factor * x for x in at_end]
             # A rate that is integrated has one order less to be smooth in.
             way = _quintic(h, f, g) if steering.order == 0 else _integrated_cubic(h, f, g)
             self._lay(function, begin, end, way)
         row[SLOPE] = slope
-        moving = rate != 0.0 or row[SECOND] != 0.0
+        moving = rate != 0.0 or second != 0.0
         row[STATE] = MOVING if moving else AT_REST
         if not moving:
             self._active.discard(k)
@@ -312,11 +318,10 @@ class Inputs(Unpickled, Mapping[str, Any]):
         rows[:] = 0.0
         rows[0, 0], rows[1] = way[0], way
         # The rate at the end goes on, so that what looks beyond it by rounding sees no jump.
-        h, k = end - begin, np.arange(DEGREES)
-        powers = h**k
+        powers = (end - begin) ** POWERS
         rows[2, 0] = way @ powers
-        rows[2, 1] = way[1:] @ (k[1:] * powers[:-1])
-        rows[2, 2] = 0.5 * (way[2:] @ (k[2:] * k[1:-1] * powers[:-2]))
+        rows[2, 1] = way[1:] @ (POWERS[1:] * powers[:-1])
+        rows[2, 2] = 0.5 * (way[2:] @ (SECOND_POWERS * powers[:-2]))
         f.track_from[function], f.track_to[function] = track, track + 1
         f.wave_to[function] = f.wave_from[function]
 

@@ -57,6 +57,8 @@ class Operation(Protocol):
         Whether positions with ``zero: first`` count from where the machine stands whenever it begins anew.
     pulled : collection of str
         Outputs that are never negative: tensions of what cannot push.
+    records : collection of type
+        Classes of records that are in what `kept` gives (`tautline.twin.packing`).
     """
 
     outputs: Mapping[str, str] = MappingProxyType({})
@@ -66,6 +68,7 @@ class Operation(Protocol):
     mean: float = 0.0
     anywhere: bool = False
     pulled: Collection[str] = ()
+    records: Collection[type] = ()
 
     def built(self, sim: Any) -> None:
         """Take notice of the simulation that stands for the machine from now on, at its start."""
@@ -131,3 +134,7 @@ class Operation(Protocol):
     def recall(self, memory: Mapping[str, Any]) -> Any:
         """Go on from what an earlier process kept; gives the scene that the machine had become, or None."""
         return None
+
+    def kept(self) -> dict[str, Any]:
+        """Things, by name, of which a later process needs all that they hold, to go on to the bit."""
+        return {}

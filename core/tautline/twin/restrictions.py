@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +31,33 @@ the largest speed at which it does, SI."""
 
 Estimated = Callable[[], "tuple[State, dict[str, float], bool]"]
 """The state and the parameters of the estimate, and whether it is known, when they are asked for."""
+
+
+@dataclass
+class Departure:
+    """Where a run ahead begins.
+
+    Attributes
+    ----------
+    time : float
+        Of the data, s.
+    inputs : mapping
+        Input -> value, rate and second rate (3,).
+    state, parameters, known
+        Of the estimate, and whether it is known.
+    paths : mapping
+        Input -> value, rate and second rate (n, 3) ahead.
+    restricts : bool
+        Whether it has come to look for restrictions.
+    """
+
+    time: float
+    inputs: Mapping[str, np.ndarray]
+    state: State
+    parameters: Mapping[str, float]
+    known: bool
+    paths: Mapping[str, np.ndarray]
+    restricts: bool = False
 
 
 class Outlook:
@@ -61,6 +88,7 @@ class Outlook:
         self.found: Found | None = None
         self.restricted: list[dict[str, Any]] = []
         self._job: Iterator[None] | None = None
+        self._under_way: Departure | None = None
         self._due: tuple[float, Mapping[str, np.ndarray]] | None = None
         self._shown: Mapping[str, np.ndarray] = {}
         self._next_forecast = self._next_restrict = -np.inf
@@ -76,7 +104,7 @@ class Outlook:
         shown : mapping, optional
             Inputs that the simulation is behind with -> the states (3,) that their sensors show.
         """
-        if self.forecast is None or self._job is not None:
+        if self.forecast is None or self._under_way is not None:
             return
         if self._due is None:
             if time < self._next_forecast - 1e-9:
@@ -91,19 +119,21 @@ class Outlook:
         """Look ahead for at most so many seconds, or to the end; whether something is left."""
         self._begun = True
         end = np.inf if seconds is None else clock.perf_counter() + seconds
-        while (self._job is not None or self._due is not None) and clock.perf_counter() < end:
-            if self._job is None and self._due is not None and self.forecast is not None:
-                self._job, self._due = self._run(self.forecast, *self._due, self._shown), None
+        while (self._under_way is not None or self._due is not None) and clock.perf_counter() < end:
+            if self._under_way is None and self._due is not None and self.forecast is not None:
+                self._under_way, self._due = self._departure(self.forecast, *self._due, self._shown), None
+            if self._job is None and self._under_way is not None and self.forecast is not None:
+                self._job = self._run(self.forecast, self._under_way)
             try:
                 next(self._job or iter(()))
             except StopIteration:
-                self._job, self._waiting = None, np.inf
-        return self._job is not None or self._due is not None
+                self._job, self._under_way, self._waiting = None, None, np.inf
+        return self._under_way is not None or self._due is not None
 
     def drop(self, found: Found | None = None) -> None:
         """Leave what is under way: the machine is not where it was. What is known of the time ahead is `found`."""
-        self._job, self._due, self.found = None, None, found
-        self._waiting = np.inf
+        self._job = self._under_way = self._due = None
+        self.found, self._waiting = found, np.inf
 
     @property
     def _good_for(self) -> float:
@@ -122,19 +152,29 @@ class Outlook:
         found = self.found
         return found if found is not None and time - found.begun <= self._good_for else None
 
-    def _run(
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy has: a run ahead that is under way begins once more there, from where it began."""
+        return vars(self) | {"_job": None}
+
+    def _departure(
         self, forecast: Forecast, time: float, inputs: Mapping[str, np.ndarray], shown: Mapping[str, np.ndarray]
-    ) -> Iterator[None]:
+    ) -> Departure:
+        """Where a run ahead begins now."""
         state, parameters, known = self.estimated()
         paths = self._paths(forecast, inputs)
         # Where the machine is, and how fast, is known before the simulation stands there.
         for name in shown.keys() - self.waves.keys():
             paths[name] = caught_up(inputs[name], shown[name], forecast.times)
-        yield from forecast.run(time, state, parameters, paths)
-        self.found = replace(forecast.found, known=known)
-        if forecast.bounds and self.plan.restrict and time >= self._next_restrict - 1e-9:
+        return Departure(time, inputs, state, parameters, known, paths)
+
+    def _run(self, forecast: Forecast, begin: Departure) -> Iterator[None]:
+        time, state, parameters = begin.time, begin.state, begin.parameters
+        yield from forecast.run(time, state, parameters, begin.paths)
+        self.found = replace(forecast.found, known=begin.known)
+        if begin.restricts or (forecast.bounds and self.plan.restrict and time >= self._next_restrict - 1e-9):
+            begin.restricts = True  # also where it is begun once more
             self._next_restrict = time + RESTRICT_EVERY
-            yield from self._restrictions(forecast, time, state, parameters, inputs)
+            yield from self._restrictions(forecast, time, state, parameters, begin.inputs)
 
     def _paths(
         self, forecast: Forecast, inputs: Mapping[str, np.ndarray], winch: float | None = None

@@ -18,6 +18,7 @@ from tautline.live.memory import State
 from tautline.results.disk import cure_of
 from tautline.results.errors import ResultError
 from tautline.twin.estimation.horizon import Sample
+from tautline.twin.memory import Memory, memory_of
 from tautline.whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -59,6 +60,8 @@ def save(twin: Twin, path: Path) -> None:
     }  # fmt: skip
     for name, waves in readings.waves.items():
         arrays[f"waves {name}"] = waves.memory()
+    # What stands above is what programs of the same format have always read; this is all.
+    arrays["held"], arrays["held_data"] = memory_of(twin)
     try:
         with whole_file(path) as waiting, waiting.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
@@ -104,11 +107,17 @@ def load(twin: Twin, path: Path) -> float:
         )
     if not same:
         raise ResultError(path, "belongs to another scene or another map", cure)
+    try:
+        memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
+    except (ValueError, TypeError, KeyError, IndexError):
+        raise ResultError(path, "is no state of a twin", cure) from None
     twin.estimate.family.restore([
         State(time, words["scene"], words["layout"], block, 0)
         for time, block in zip(words["times"], blocks, strict=True)
     ])  # fmt: skip
     _recall(twin, words, arrays)
+    if memory is not None:
+        memory.put(twin)
     return float(words["now"])
 
 

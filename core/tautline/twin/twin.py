@@ -98,8 +98,7 @@ class Twin:
         self.watch = Watch(self.plan, self.readings.health, self.operation, getattr(self.scene, "units", "si"))
         aheads = [one.ahead for one in self.plan.alarms if one.ahead > 0.0]
         self.backlog = Backlog(min(aheads, default=LIMIT)) if live else None
-        estimated = self.estimate
-        self.outlook = Outlook(self.plan, self.readings.waves, lambda: (*estimated.state(), estimated.converged))
+        self.outlook = Outlook(self.plan, self.readings.waves, self.estimate.departing)
         self._begin_anew()
         self._read = list(dict.fromkeys([
             *(one.name for one in self.plan.measured),
@@ -284,8 +283,9 @@ class Twin:
             self.estimate.advance(row.time, inputs)
         except StoppedEarly as error:
             self._restart(row, inputs, error)
-        self.readings.take_back(row.time, self._computed())
-        line = self._compare(row, inputs, values, self._used(row, values) & use, use)
+        read = dict(zip(self._read, self.estimate.family.read(self._read), strict=True))
+        self.readings.take_back(row.time, {one.name: float(read[one.name][0]) for one in self.plan.measured})
+        line = self._compare(row, inputs, values, read, self._used(row, values) & use, use)
         self.now = row.time
         self.outlook.foresee(row.time, dict(inputs), self.readings.shown)
         return line
@@ -404,11 +404,14 @@ class Twin:
         return self.readings.believed(values) & (row.time >= self.unsettled)
 
     def _compare(
-        self, row: Row, inputs: list[tuple[str, np.ndarray]], values: np.ndarray, use: np.ndarray, says: bool
-    ) -> dict[str, Any]:
-        """Compare, estimate, watch; the line of a row, which ``says`` something of what is estimated, or does not."""
+        self, row: Row, inputs: list[tuple[str, np.ndarray]], values: np.ndarray, read: dict[str, np.ndarray],
+        use: np.ndarray, says: bool,
+    ) -> dict[str, Any]:  # fmt: skip
+        """Compare with what is ``read`` of the simulations, estimate, watch.
+
+        Gives the line of a row, which ``says`` something of what is estimated, or does not.
+        """
         estimate, horizon = self.estimate, self.estimate.horizon
-        read = dict(zip(self._read, estimate.family.read(self._read), strict=True))
         y = self.readings.measured(values)
         horizon.shaken = self.readings.shaken
         y0, J = estimate.compared(read)
@@ -497,11 +500,6 @@ class Twin:
                     "ask for a value far beyond. Check units and zero of the sensors, or make `range` wider in the map"
                 )
         return lasts
-
-    def _computed(self) -> dict[str, float]:
-        """What is computed of the measured outputs now, SI by name."""
-        first = self.estimate.family.simulations[0]
-        return {one.name: float(first.outputs[one.name]) for one in self.plan.measured}
 
     def _health_of_outputs(self) -> list[tuple[str, Health]]:
         """Names and health of the measured outputs (m,)."""

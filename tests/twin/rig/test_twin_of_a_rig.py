@@ -1,6 +1,7 @@
 """A rig's twin: friction from connections, weight and torque at the bit, stands, slips, a kill on the way."""
 
 import functools
+import json
 
 import numpy as np
 import pytest
@@ -149,6 +150,9 @@ def test_a_twin_that_was_killed_goes_on_with_the_string_as_it_has_grown(two_and_
     for name in RIGHT:
         one, other = lines[-1]["estimates"][name], two[-1]["estimates"][name]
         assert one["value"] == pytest.approx(other["value"], abs=1.5 * other["sd"])
+    # To the bit: what the rig does, and the window that was half gone through, are in the state.
+    texts = [[json.dumps(line | {"lag": 0.0}) for line in some] for some in (lines, two[-len(lines) :])]
+    assert texts[0] == texts[1]
 
 
 # -- on bottom ---------------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ place of the first if it explains the data about as well.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,7 +18,8 @@ from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.twin.estimation.family import Blow, Family, steps_to
 from tautline.twin.estimation.horizon import BENT, Horizon, Sample, mean_of
-from tautline.twin.estimation.log import CHECKPOINT, Checkpoint, Log, Logged
+from tautline.twin.estimation.log import Checkpoint, Log, Logged
+from tautline.twin.estimation.passage import Passage
 from tautline.twin.map import Plan, Unknown
 from tautline.twin.operation import Operation
 from tautline.twin.signals.rows import Rows
@@ -118,6 +119,8 @@ class Estimate:
         What the simulations were given.
     notes : list of str
         What could not be done.
+    begin : Family
+        What the simulations differed in where they began; it has no simulations.
     from_rest : bool
         Whether the window could not be gone through from where it began: it has to be begun again from rest.
     """
@@ -129,7 +132,7 @@ class Estimate:
         self.log = Log(plan.window)
         self.notes: list[str] = []
         self.from_rest = self._plain = False
-        self._job: Iterator[None] | None = None
+        self._passage: Passage | None = None
         self._pending: list[Sample] = []
         self._gathered: list[Sample] = []
         self._slopes: list[deque[np.ndarray]] = []
@@ -170,8 +173,8 @@ class Estimate:
         self._seen = [*self._parameters, *range(len(plan.unknowns), len(plan.unknowns) + len(self.blows))]
         self.spare = Family([sim.copy() for sim in made] if len(made) > 1 else [], names, self.blows)
         self._begin = self.family.save()
-        self._begin_of = Family([], names, self.blows)
-        self._begin_of.at, self._begin_of.apart = start.copy(), self.family.apart.copy()
+        self.begin = Family([], names, self.blows)
+        self.begin.at, self.begin.apart = start.copy(), self.family.apart.copy()
         self.family.strike(0.0)
 
     def _apart(self, i: int, value: float, width: float) -> float:
@@ -206,10 +209,10 @@ class Estimate:
         h = self.horizon
         at = np.clip(h.mean, h.low, h.high)[self._parameters]
         self.family.stand(
-            self._begin, self._begin_of, np.append(at - self._begin_of.at, np.zeros(len(self.blows))),
-            self._begin_of.apart[: len(at)], self._quarter, np.zeros(len(at), bool),
+            self._begin, self.begin, np.append(at - self.begin.at, np.zeros(len(self.blows))),
+            self.begin.apart[: len(at)], self._quarter, np.zeros(len(at), bool),
         )  # fmt: skip
-        self._job = None
+        self._passage = None
         self._pending, self._plain, self.from_rest = [], False, False
         self.log.clear()
         h.drop_before(np.inf)
@@ -229,6 +232,10 @@ class Estimate:
         memory = self.family.simulations[0].parts.memory
         block = memory.combine(states[0].block, [s.block for s in states[1:]], weights)
         return replace(states[0], block=block), dict(zip(self.family.names, at.tolist(), strict=True))
+
+    def departing(self) -> tuple[State, dict[str, float], bool]:
+        """The same, and whether the estimate is known: where a run ahead begins."""
+        return (*self.state(), self.converged)
 
     # -- what is compared ----------------------------------------------------------------------------------------------
 
@@ -409,23 +416,21 @@ class Estimate:
         """Go through the window anew where the estimate has left where it was linearised, a few rows at a time."""
         if not self._seen:
             return
-        if self._job is None and len(self.log.rows) >= FEWEST and (self.blows or self._has_moved()):
-            self._job = self._anew()
-        if self._job is not None:
-            try:
-                for _ in range(CAUGHT_UP_FROM_REST if self._mean else CAUGHT_UP):
-                    next(self._job)
-            except StopIteration:
-                self._job = None
-            except StoppedEarly:
-                # Only from where the estimate would put it the simulation cannot go on: no accident of the machine,
-                # and nothing that anybody could do. What was found before stays.
-                self._job = None
+        try:
+            if self._passage is None and len(self.log.rows) >= FEWEST and (self.blows or self._has_moved()):
+                self._passage = self._begun_anew()
+            for _ in range(CAUGHT_UP_FROM_REST if self._mean else CAUGHT_UP):
+                if self._passage is not None and not self._go_through(self._passage):
+                    self._passage = None
+        except StoppedEarly:
+            # Only from where the estimate would put it the simulation cannot go on: no accident of the machine, and
+            # nothing that anybody could do. What was found before stays.
+            self._passage = None
 
     @property
     def relinearising(self) -> bool:
         """Whether a window is being gone through anew."""
-        return self._job is not None
+        return self._passage is not None
 
     @property
     def astray(self) -> bool:
@@ -460,8 +465,8 @@ class Estimate:
         moved = np.abs(h.mean - h.theta0)[p]
         return bool(np.any(moved > np.maximum(MOVED * h.linear_deviation[p], MOVED_FROM_START * h.first_sd[p])))
 
-    def _anew(self) -> Iterator[None]:
-        """The spare family goes through the window from a state that is extrapolated to the estimate."""
+    def _begun_anew(self) -> Passage:
+        """Let the spare family stand at the begin of the window, in a state that is extrapolated to the estimate."""
         h, p, spare = self.horizon, self._parameters, self.spare
         if self.blows:
             widths = [SWINGING * max(abs(h.mean[i]), h.first_sd[i]) for i in p]
@@ -474,27 +479,33 @@ class Estimate:
         late = self._quarter if self.blows else 0.0
         shift, fresh = (h.mean - h.theta0)[self._seen], self._wild()
         spare.stand(first.states, self.family, shift, apart, late, fresh | self._plain, self._plain)
-        kept = deque([Checkpoint(first.time, spare.save())])
-        samples: list[Sample] = []
-        rows: list[Logged] = []
-        frames: list[np.ndarray] = []
-        reached = first.time
-        while (row := self.log.after(reached)) is not None:
-            spare.advance(row.time - self.log.origin, row.inputs)
-            rows.append(row)
-            frames.append(spare.frames())
-            if row.time - kept[-1].time >= CHECKPOINT - 1e-9:
-                kept.append(Checkpoint(row.time, spare.save()))
-            reached = row.time
-            if len(rows) == OBSERVED:
-                samples += self._samples_of(rows, frames)
-                rows, frames = [], []
-            yield
-        samples = self._means(samples + self._samples_of(rows, frames))
+        return Passage(first.time, first.time, late, deque([Checkpoint(first.time, spare.save())]))
+
+    def _go_through(self, passage: Passage) -> bool:
+        """Go on to the next row of the window; at its end take what was found, and give False."""
+        spare, row = self.spare, self.log.after(passage.reached)
+        if row is None:
+            self._take_over(passage)
+            return False
+        spare.advance(row.time - self.log.origin, row.inputs)
+        passage.rows.append(row)
+        passage.frames.append(spare.frames())
+        if row.time - passage.kept[-1].time >= self.log.every - 1e-9:
+            passage.kept.append(Checkpoint(row.time, spare.save()))
+        passage.reached = row.time
+        if len(passage.rows) == OBSERVED:
+            passage.samples += self._samples_of(passage.rows, passage.frames)
+            passage.rows, passage.frames = [], []
+        return True
+
+    def _take_over(self, passage: Passage) -> None:
+        """Let the spare family take the place of the first, if it explains the window about as well."""
+        h, p, spare = self.horizon, self._parameters, self.spare
+        samples = self._means(passage.samples + self._samples_of(passage.rows, passage.frames))
         theta0 = h.theta0.copy()
         theta0[p] = spare.at
         # Before the last blow the free motions cannot have any phase.
-        begin = max(first.time + late + 1e-6, reached - h.window - 1e-9, h.since)
+        begin = max(passage.begin + passage.late + 1e-6, passage.reached - h.window - 1e-9, h.since)
         samples = self._unmixed([one for one in samples if one.time >= begin])
         before = [one for one in h.samples if one.time >= begin]
         if not samples or not self._better(samples, theta0, before):
@@ -503,13 +514,13 @@ class Estimate:
             self._plain = not self._plain
             return
         self._plain = False
-        h.drop_before(first.time)
+        h.drop_before(passage.begin)
         if spare.trust is not None:
             h.rough[:, p] = spare.rough
         self._pending = self._gathered
         h.replaced(samples, theta0)
         self.family, self.spare = spare, self.family
-        self.log.checkpoints = kept
+        self.log.checkpoints = passage.kept
 
     def _samples_of(self, rows: Sequence[Logged], frames: Sequence[np.ndarray]) -> list[Sample]:
         """Samples of rows that the spare family has gone through, of the frames that it left there."""

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tautline.interruption import listening
 from tautline.live.readings import read_frames
 
 if TYPE_CHECKING:
@@ -89,10 +90,13 @@ class Family:
         while self.blows_due and self.blows_due[0][0] <= self.time + 1e-9:
             k = self.blows_due.pop(0)[1]
             self.simulations[1 + len(self.names) + k].displace(self.blows[k].output, self.blows[k].by)
-        for sim in self.simulations:
-            for name, state in inputs:
-                sim.inputs[name] = tuple(state.tolist())
-            sim.advance_to(time)
+        given = [(name, tuple(state.tolist())) for name, state in inputs]
+        with listening(patient=True) as ear:
+            for sim in self.simulations:
+                for name, state in given:
+                    sim.inputs[name] = state
+                sim.advance_heard(time, ear)
+            ear.check()
 
     def frames(self) -> np.ndarray:
         """Frames (1 + p + b, width) of all, as they stand."""
@@ -116,9 +120,11 @@ class Family:
         """(..., p + b) of what `read` gave."""
         if len(values) == 1:
             return np.zeros((*values.shape[1:], 0))
-        found = np.moveaxis((values[1:] - values[0]), 0, -1) / self.apart
-        p = len(self.names)
-        found[..., :p] -= found[..., p:] @ self.mixed
+        apart = values[1:] - values[0]
+        found = (apart.T if apart.ndim <= 2 else np.moveaxis(apart, 0, -1)) / self.apart
+        if self.blows:
+            p = len(self.names)
+            found[..., :p] -= found[..., p:] @ self.mixed
         return found
 
     def unmix(self, J: np.ndarray, sd: np.ndarray) -> np.ndarray:

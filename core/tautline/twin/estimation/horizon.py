@@ -57,6 +57,8 @@ sensor that one counts as at most."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
+Stacked = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
 
 @dataclass
 class Sample:
@@ -128,6 +130,12 @@ class Horizon:
         Time from which samples count, as what was before it was forgotten, and when that was; minus infinity.
     """
 
+    MADE_ANEW = (
+        "late", "unknowns", "channels", "window", "free", "start", "first_sd", "low", "high", "walk", "sd", "relative",
+        "bent",
+    )  # fmt: skip
+    """What another process has of the map, and need not keep."""
+
     def __init__(
         self, unknowns: Sequence[Unknown], channels: Sequence[Channel], window: float, free: int = 0, late: int = 0
     ) -> None:
@@ -135,6 +143,8 @@ class Horizon:
         self.unknowns, self.channels, self.window = list(unknowns), list(channels), window
         k, m = len(self.unknowns), len(self.channels)
         self.free = np.arange(k) >= k - free
+        # The offset of a sensor is added to what is computed, wherever that is.
+        self.bent = ~self.free & ~np.array([one.is_offset for one in self.unknowns], bool)
         self.start = np.array([one.start for one in unknowns])
         self.first_sd = np.array([one.sd for one in unknowns])
         self.low = np.array([one.low for one in unknowns])
@@ -204,8 +214,7 @@ class Horizon:
         anew : bool
             Whether free motions are unknown anew in these samples; else they are as far as they are known.
         """
-        y, y0, J, use = self._stacked(samples)
-        sd = self._noise(samples, y0)
+        y, y0, J, use, sd = self._stacked(samples)
         weight = np.where(use, 1.0 / sd**2, 0.0)
         lasting = ~self.free
         prior, mean = self.prior, self.prior_mean
@@ -253,25 +262,29 @@ class Horizon:
         """Standard deviations of samples (n, m): that of a mean is smaller."""
         return self.deviations(y0) / np.sqrt(np.array([s.rows for s in samples]))
 
-    def _stacked(self, samples: Sequence[Sample]) -> tuple[np.ndarray, ...]:
+    def _stacked(self, samples: Sequence[Sample]) -> Stacked:
+        """Samples as arrays: y, y0 (n, m), J (n, m, k), which count, and standard deviations (n, m)."""
         y = np.array([s.y for s in samples])
         y0 = np.array([s.y0 for s in samples])
         J = np.array([s.J for s in samples])
         use = np.array([s.use for s in samples]) & np.isfinite(y)
-        return y, y0, J, use
+        return y, y0, J, use, self._noise(samples, y0)
 
-    def _information(self, samples: Sequence[Sample], alone: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    def _information(self, samples: Sequence[Sample]) -> tuple[np.ndarray, np.ndarray]:
         """J' W J and J' W (y - y0 + J theta0) of samples, with the estimate's residuals for the weights."""
-        y, y0, J, use = self._stacked(samples)
+        return self._information_of(self._stacked(samples))
+
+    def _information_of(self, stacked: Stacked, alone: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """The same of samples that were stacked."""
+        y, y0, J, use, plain = stacked
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
-        plain = self._noise(samples, y0)
         # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
         sd = np.sqrt(plain**2 + np.sum((self.rough * self.linear_deviation) ** 2, axis=-1))
         # Residuals show what scattering derivatives make of them too: it does not count twice. Times each other the two
         # would let an estimate that is not known keep all samples from telling of it.
         spread = np.maximum(sd, plain * np.sqrt(np.maximum(1.0, self.spread)))
         scale = spread
-        if alone and len(samples) >= 8:
+        if alone and len(y) >= 8:
             # What all samples have in common is no outlier.
             residual = residual - np.median(residual, axis=0)
             scale = np.maximum(scale, np.median(np.abs(residual), axis=0) / 0.6745)
@@ -286,10 +299,10 @@ class Horizon:
         """Find the estimate of the window and its prior."""
         if not self.unknowns or not self.samples:
             return
-        samples = list(self.samples)
+        stacked = self._stacked(self.samples)
         self.mean = np.clip(self.mean, self.low, self.high)
         for _ in range(2):  # the weights of far residuals follow the estimate
-            info, pull = self._information(samples)
+            info, pull = self._information_of(stacked)
             total = self.prior + info
             self.mean = self._within(total, self.prior @ self.prior_mean + pull)
         self.covariance = np.linalg.inv(total)
@@ -298,11 +311,11 @@ class Horizon:
         self.beyond = away / np.sqrt(np.diag(self.covariance))
         # Whether it contradicts the prior is asked of the window by the sensor's own noise: what a changed load leaves
         # unexplained must not pass for noise.
-        info, pull = self._information(samples, alone=True)
-        self._judge(info, pull, samples[-1].time)
+        info, pull = self._information_of(stacked, alone=True)
+        self._judge(info, pull, self.samples[-1].time)
         # So must what a better estimate would explain: what is left is left by the best one that there is.
         best = np.linalg.solve(self.prior + info, self.prior @ self.prior_mean + pull)
-        self._learn(samples, np.clip(best, self.low, self.high))
+        self._learn(stacked, np.clip(best, self.low, self.high))
 
     def _within(self, total: np.ndarray, pull: np.ndarray) -> np.ndarray:
         """The minimum within the ranges: what would leave its range stands at the end of it."""
@@ -366,8 +379,8 @@ class Horizon:
         a sensor is explained by another friction as long as the string goes one way: samples of both ways have to be
         among them.
         """
-        y, y0, J, use = self._stacked(samples)
-        sd = self._noise(samples, y0) * np.sqrt(UNSURE * np.maximum(1.0, self.alike))
+        y, y0, J, use, noise = self._stacked(samples)
+        sd = noise * np.sqrt(UNSURE * np.maximum(1.0, self.alike))
         weight = np.where(use, 1.0 / sd**2, 0.0)
         r = np.where(use, y - y0, 0.0) - J @ (old - self.theta0)
         ways = np.minimum(np.sum(use[..., None] & (J > 0.0), axis=0), np.sum(use[..., None] & (J < 0.0), axis=0))
@@ -379,14 +392,13 @@ class Horizon:
         before, after = float(np.sum(weight * r**2)), float(np.sum(weight * own**2))
         return before - after if after <= EXPLAINED * before else 0.0
 
-    def _learn(self, samples: Sequence[Sample], best: np.ndarray) -> None:
+    def _learn(self, stacked: Stacked, best: np.ndarray) -> None:
         """Learn how residuals spread, and how many samples count as one."""
-        if len(samples) < 8:
+        y, y0, J, use, sd = stacked
+        if len(y) < 8:
             return
-        y, y0, J, use = self._stacked(samples)
-        sd = self._noise(samples, y0)
         e = np.where(use, y - y0 - J @ (best - self.theta0), 0.0)
-        share = 1.0 / (MEMORY * len(samples))
+        share = 1.0 / (MEMORY * len(y))
         for i in range(e.shape[1]):
             own = e[use[:, i], i]
             if own.size < 8:
@@ -411,8 +423,7 @@ class Horizon:
     @property
     def deviation(self) -> np.ndarray:
         """Standard deviations of the estimate (k,), with what it may be off because it was linearised elsewhere."""
-        # The offset of a sensor is added to what is computed, wherever that is.
-        bent = ~self.free & ~np.array([one.is_offset for one in self.unknowns], bool)
+        bent = self.bent
         moved = np.abs(self.mean - self.theta0)[bent] / self.first_sd[bent]
         off = np.where(bent, BENT * moved.max(initial=0.0) * self.first_sd, 0.0)
         return np.sqrt(np.diag(self.covariance) + off**2)

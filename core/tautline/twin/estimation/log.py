@@ -14,8 +14,9 @@ from tautline.twin.signals.smoothing import coming_to_rest
 if TYPE_CHECKING:
     from tautline.live.memory import State
 
-CHECKPOINT = 0.5
-"""How often states are kept, to begin again from, s."""
+CHECKPOINT, MOST = 0.5, 30
+"""How often states are kept, to begin again from, s; and how many of them in a window: of one that lasts minutes they
+come less often, or they would be a hundred megabytes in memory and in every saved state."""
 
 
 @dataclass
@@ -56,12 +57,16 @@ class Log:
 
     Attributes
     ----------
+    every : float
+        How often states are kept, s.
     origin : float
         Time of the data at which the simulations' own time is zero, s; NaN before they have begun.
     """
 
+    MADE_ANEW = ("window", "every")
+
     def __init__(self, window: float) -> None:
-        self.window = window
+        self.window, self.every = window, max(CHECKPOINT, window / MOST)
         self.rows: deque[Logged] = deque()
         self.checkpoints: deque[Checkpoint] = deque()
         self.origin = np.nan
@@ -73,7 +78,7 @@ class Log:
 
     def is_due(self, time: float) -> bool:
         """Whether states should be kept at a time."""
-        return not self.checkpoints or time - self.checkpoints[-1].time >= CHECKPOINT - 1e-9
+        return not self.checkpoints or time - self.checkpoints[-1].time >= self.every - 1e-9
 
     def keep(self, time: float, states: list[State]) -> None:
         """Keep states at a row."""
@@ -86,7 +91,7 @@ class Log:
         while len(self.checkpoints) > 1 and self.checkpoints[1].time <= oldest:
             self.checkpoints.popleft()
         # Rows are kept longer than checkpoints: those of the spare family may lie further back.
-        while self.rows and self.rows[0].time <= oldest - 4.0 * CHECKPOINT:
+        while self.rows and self.rows[0].time <= oldest - 4.0 * self.every:
             self.rows.popleft()
 
     def after(self, time: float) -> Logged | None:

@@ -7,7 +7,7 @@ the difference is made up for by a quintic: the simulation never jumps, and stan
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -76,6 +76,8 @@ class InputTrack:
         The step in which its sensor tells it.
     """
 
+    MADE_ANEW = ("channel", "number")
+
     def __init__(self, channel: Channel, number: int) -> None:
         self.channel, self.number = channel, number
         self.state = self.shown = np.full(3, np.nan)
@@ -112,7 +114,7 @@ class InputTrack:
         if not self._noises:  # a noise that the map states, before any has been seen
             return False
         # A motion changes less from the third difference to the fifth; noise is the same in all of them.
-        return bool(np.median(self._noises) > LIKE_NOISE * np.median(self._thirds))
+        return _median(self._noises) > LIKE_NOISE * _median(self._thirds)
 
     @property
     def stepped(self) -> bool:
@@ -222,7 +224,7 @@ class InputTrack:
         for end in range(values.size if self._bends else min(values.size, 3), values.size + 1):
             self._bends.append(bend_of(values[:end]))
         unknown = UNKNOWN * [0.0] if len(self._bends) < ENOUGH else []
-        found = float(min(np.median(self._noises), np.median([*self._bends, *unknown]))) / 0.6745
+        found = min(_median(self._noises), _median([*self._bends, *unknown])) / 0.6745
         return found if not np.isfinite(self.channel.sd) else max(found, self.channel.sd)
 
     def hold(self, time: float) -> np.ndarray:
@@ -264,6 +266,12 @@ class InputTrack:
                 setattr(self, name, deque(value, maxlen=NOISES))
                 continue
             setattr(self, name, np.array(value, float) if isinstance(value, list) else value)
+
+
+def _median(values: Collection[float]) -> float:
+    """The median of some finite numbers; of so few plain floats are four times as quick as an array."""
+    ordered, half = sorted(values), len(values) // 2
+    return ordered[half] if len(values) % 2 else 0.5 * (ordered[half - 1] + ordered[half])
 
 
 def _without_dropouts(times: np.ndarray, values: np.ndarray) -> np.ndarray:

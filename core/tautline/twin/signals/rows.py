@@ -148,6 +148,12 @@ class Rows:
         Place of the next record among all that the source gives, from zero.
     """
 
+    MADE_ANEW = (
+        "columns", "delay", "live", "notes", "bounds", "scales", "factors", "fewest", "clock_rate", "_clock",
+        "_came_first",
+    )  # fmt: skip
+    """What another process has by itself: times of arrival are of one computer's clock."""
+
     columns: Sequence[str]
     delay: float | None = None
     live: bool = False
@@ -183,6 +189,7 @@ class Rows:
         self.clock_rate = 0.0
         self.known_interval = np.nan
         self.wanted, self.fewest = 0.0, 1
+        self._kept: list[tuple[Row, np.ndarray]] = []
 
     @property
     def interval(self) -> float:
@@ -206,13 +213,14 @@ class Rows:
             return
         read = np.array([values.get(c, np.nan) for c in self.columns], float)
         absurd = np.abs(read) * np.maximum(self.scales, 1.0) >= ABSURD
-        if absurd.any():
-            self.counts["with an absurd reading"] += 1
-            read[absurd] = np.nan
+        read[absurd] = np.nan
         null = self._nulls(read)
-        if null.any():
-            self.counts["with a reading that stands for none (-999.25)"] += 1
-            read[null] = np.nan
+        read[null] = np.nan
+        if self._kept and self._is_kept(time, read, place):
+            return
+        for kind, some in (("an absurd reading", absurd), ("a reading that stands for none (-999.25)", null)):
+            if some.any():
+                self.counts[f"with {kind}"] += 1
         row = Row(time, read, arrived, places=[place], repeated=np.array([one in repeated for one in self.columns]))
         if self.live:
             self._compare_clocks(time, arrived)
@@ -220,6 +228,41 @@ class Rows:
             self._taken_back.append(row)  # those before it are not put in their place yet
         else:
             self._take(row)
+
+    def _is_kept(self, time: float, read: np.ndarray, place: int) -> bool:
+        """Whether a record was taken by an earlier process already, which kept it with the state.
+
+        A file gives it once more, with its place, and so does a stream that repeats its last rows.
+        """
+        shown = np.isfinite(read)
+        for row, values in self._kept:
+            within = JOINED * self.interval if row.joined else 0.0
+            if abs(time - row.stamp) > within + 1e-9:
+                continue
+            if place in row.places or np.array_equal(read[shown], values[shown]):
+                if self._running_up:
+                    self._running_up = False
+                    self._leave_out()
+                return True
+        if time + self.shift > self.reached + KEPT:
+            self._kept.clear()
+        return False
+
+    def gone_on(self, arrived: float) -> None:
+        """Take notice that what is here was taken by an earlier process: a source may give it once more.
+
+        Parameters
+        ----------
+        arrived : float
+            This computer's clock now, s.
+        """
+        rows = [*self.waiting, *self._late, *self._aside, *self._taken_back]
+        rows += [self._suspect] if self._suspect is not None else []
+        self._kept = [(row, row.values.copy()) for row in rows]
+        if self.live:
+            for row in rows:
+                row.arrived = arrived
+        self._running_up = self.live
 
     def _take(self, row: Row) -> None:
         """Put a row in its place, or keep it until it is known what it is."""

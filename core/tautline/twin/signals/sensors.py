@@ -88,6 +88,8 @@ class Health:
         The last reading, SI, where it was one of them; else NaN.
     """
 
+    MADE_ANEW = ("channel",)
+
     def __init__(self, channel: Channel) -> None:
         self.channel = channel
         self.fault, self.text = "", ""

@@ -108,9 +108,11 @@ def step_of(changes: np.ndarray, alike: float) -> float:
         return 0.0
     gaps = np.unique(np.diff(sizes))[::-1]
     for gap in gaps[gaps > alike][:GAPS].tolist():
+        if not sizes[-1] < (LARGEST + 1.0) * gap:  # most gaps are so small: no more is asked of them
+            continue
         counts = np.round(changes / gap)
         largest = float(np.abs(counts).max())
-        if not 0.0 < largest <= LARGEST or _off(changes, gap) > OFF * gap * (1.0 + largest):
+        if not 0.0 < largest <= LARGEST or float(np.abs(changes - gap * counts).max()) > OFF * gap * (1.0 + largest):
             continue
         # What was rounded when it was written is met best by the mean of all multiples.
         step = float(changes @ counts) / float(counts @ counts)
