@@ -109,8 +109,9 @@ def speeds(scene: HoseScene, count: int = SAMPLES) -> np.ndarray:
     if scene.water is None:
         return np.zeros(1)
     end = scene.solver.end
-    functions = compile_functions([FunctionRequest(scene.water.speed, end=end, key="water.speed")])
-    sampled = sample(functions, 0, np.linspace(0.0, end, count))[:, 0]
+    functions = compile_functions([FunctionRequest(scene.water.speed, integrate=True, end=end, key="water.speed")])
+    # As in the run, which integrates the rate: a table of it is made of straight lines.
+    sampled = sample(functions, 0, np.linspace(0.0, end, count))[:, 1]
     return np.clip(np.nan_to_num(sampled), -FASTEST, FASTEST)
 
 

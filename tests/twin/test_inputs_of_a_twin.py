@@ -227,6 +227,16 @@ def test_one_row_of_a_speed_that_drops_out_is_left_out_and_a_stop_is_none():
     assert [state[0] for _, state, _ in states] == pytest.approx(true[: len(states)], abs=0.05)
 
 
+@pytest.mark.parametrize("interval", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_a_glitch_far_faster_than_a_drive_turns_is_left_out_however_slow_rows_are(count, interval):
+    times = interval * np.arange(60)
+    values = np.full(60, 12.0)
+    values[20 : 20 + count] = 1000.0
+    _, states = rotary(times, values)
+    assert [state[0] for _, state, _ in states] == pytest.approx(np.full(len(states), 12.0), abs=0.05)
+
+
 def test_a_sea_that_is_dead_calm_has_a_motion_ahead():
     waves = Waves()
     for k in range(1, 700):

@@ -106,7 +106,7 @@ class LoadedString:
         Off bottom.
     """
 
-    MADE_ANEW = ("well", "tubes", "weight", "hole", "_stiffness", "_ends", "_made")
+    MADE_ANEW = ("well", "tubes", "weight", "hole", "_in_hole", "_stiffness", "_ends", "_made")
 
     def __init__(self, scene: DrillstringScene) -> None:
         self.well = well_of(scene)

@@ -226,14 +226,16 @@ def _keep_start(q, v, a, auxiliary, keep):
         keep[0, i], keep[1, i], keep[2, i], keep[3, i] = q[i], v[i], a[i], auxiliary[i]
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
-def _take_settled(q, v, a, auxiliary, keep):
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, VECTOR, float, late=True)
+def _take_settled(q, v, a, auxiliary, keep, before, lead):
     """Begin the step with the accelerations that were found, as a run begins.
 
-    Position and velocity, which the corrector has moved by next to nothing, are what they were.
+    Position and velocity, which the corrector has moved by next to nothing, are what they were. The auxiliary
+    acceleration is that at another time, by the part ``lead`` of a step: so much of its change since ``before``, a step
+    ago, is ahead. Without it each bend of many would take a share of the motion.
     """
     for i in range(q.size):
-        q[i], v[i], auxiliary[i] = keep[0, i], keep[1, i], a[i]
+        q[i], v[i], auxiliary[i] = keep[0, i], keep[1, i], a[i] + lead * (a[i] - before[i])
 
 
 @separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
@@ -271,7 +273,9 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         status = correct(m.corrector, groups, dofs, state, end, by_a, by_v)
         if settling == 0 or status != DONE:
             break
-        _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep)
+        lead = m.alpha_m - m.alpha_f if m.bent[0] > 0 else 0.0
+        before = m.history[(m.newest[0] + 2) % DEPTH]
+        _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, before, lead)
         m.order[0] = 0  # accelerations of before tell nothing of those to come
         settling -= 1
         if settling == 0:

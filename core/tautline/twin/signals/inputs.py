@@ -53,6 +53,8 @@ LASTING, ALIKE = 4, 1.5
 DROPPED, ALIKE_SPEEDS = 2.0, 0.1
 """Time within which no drive goes to another speed and back, s, and the difference of the speeds before and after that,
 over the way there, up to which it is back."""
+GLITCH = 3
+"""Samples that a sensor may be wrong by in a row, and how many times as far away as they are fast they are then."""
 NOISE_APART = 8.0
 """Standard deviations of the noise that two samples may be apart by."""
 
@@ -275,14 +277,22 @@ def _median(values: Collection[float]) -> float:
 
 
 def _without_dropouts(times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Which samples (n,) of a speed count: all but one by itself that is away from both neighbours, which are alike."""
+    """Which samples (n,) of a speed count: all but those that are away from both neighbours, which are alike.
+
+    One by itself may be anything; a few are left out only where they are far faster than both.
+    """
     keep = np.ones(len(values), bool)
     finite = np.flatnonzero(np.isfinite(values))
     x, t = values[finite], times[finite]
-    if x.size >= 3:
-        away = np.minimum(np.abs(x[1:-1] - x[:-2]), np.abs(x[1:-1] - x[2:]))
-        single = (np.abs(x[2:] - x[:-2]) < ALIKE_SPEEDS * away) & (t[2:] - t[:-2] <= DROPPED + 1e-9)
-        keep[finite[1:-1][single]] = False
+    for count in range(1, GLITCH + 1):
+        for first in range(1, x.size - count):
+            one, other, between = x[first - 1], x[first + count], x[first : first + count]
+            away = min(float(np.min(np.abs(between - one))), float(np.min(np.abs(between - other))))
+            if not abs(one - other) < ALIKE_SPEEDS * away:
+                continue
+            single = count == 1 and t[first + 1] - t[first - 1] <= DROPPED + 1e-9
+            if single or away > GLITCH * max(abs(one), abs(other)) > 0.0:
+                keep[finite[first : first + count]] = False
     return keep
 
 
