@@ -98,6 +98,7 @@ HEADS = {
     "time_days": 86400.0, "days": 86400.0, "TIME_MIN": 60.0, "TimeInMs": 1e-3, "time, ms": 1e-3, "sim_time_ms": 1e-3,
     "Uhrzeit_min": 60.0, "t-us": 1e-6, "Time [minutes]": 60.0, "Time [days]": 86400.0, "time (hrs)": 3600.0,
     "seconds": 1.0, "time utc": 1.0, "depth": 1.0, "x_s": 1.0, "T": 1.0,
+    "time*ms": 1e-3, "time|ms": 1e-3, "Time (rel) [ms]": 1e-3,
 }  # fmt: skip
 
 
@@ -111,8 +112,8 @@ def test_units_of_time_are_read_however_they_are_written(head, factor, tmp_path)
 
 
 DOUBTFUL = (
-    "h", "d", "time_m", "time_wk", "time_start", "Time-xyz", "timestamp_iso", "t_min", "t_h", "T_min", "T_h",
-    "surge_min", "x_h", "seconds_h",
+    "h", "d", "time_m", "time_wk", "time_start", "Time-xyz", "timestamp_iso", "time [ms]_x", "t_min", "t_h", "T_min",
+    "T_h", "surge_min", "x_h", "seconds_h",
 )  # fmt: skip
 
 

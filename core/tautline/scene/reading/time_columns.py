@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tautline.scene.reading.columns import LETTER_UNITS, Columns, is_unit
+from tautline.scene.reading.columns import HEADER, LETTER_UNITS, Columns, is_unit
 
 TIMES = "time", "t"
 """Names of the column of times, the likelier first."""
@@ -41,7 +41,7 @@ OTHERWISE = ("s", "h", "d", "min")
 """Words that are units of time and more often something else: an arc length, a height, a depth, a least value."""
 EXTREMES = frozenset("max mean avg average".split())
 """Words of other columns, beside which `min` is a least value."""
-APART = re.compile(r"(?<=[a-z])(?=[A-Z])|[\s_.,:/-]+")
+APART = re.compile(r"(?<=[a-z])(?=[A-Z])|[\W_]+")
 RUN_TOGETHER = re.compile(
     rf"\b(time|timestamp|elapsed)({'|'.join(sorted(UNITS_OF_NAMES.keys() - {'s', 'd'}, key=len, reverse=True))})$"
 )
@@ -73,8 +73,9 @@ class TimeHead:
 
 
 def time_head(title: str) -> TimeHead:
-    """Read the title of a column, without what it has in brackets."""
-    bare = re.split(r"[\[(]", title)[0].strip()
+    """Read the title of a column, without its unit in brackets; brackets in its middle are words of the name."""
+    match = HEADER.fullmatch(title)
+    bare = match["name"].strip() if match else title.strip()
     text = " ".join(part for part in APART.sub(" ", bare).lower().split() if part != "in")
     words = tuple(RUN_TOGETHER.sub(r"\1 \2", text).split())
     if len(words) < 2:
