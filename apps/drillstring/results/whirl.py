@@ -18,8 +18,10 @@ TURNS = 1.0
 """Turns of the pipe over which a whirl rate is averaged."""
 STILL = 1.0e-9
 """Offset, m, below which a lump is on the axis and goes around nothing."""
-CLEAR = 0.25
-"""Least distance from the axis over the largest, above which an orbit goes around it."""
+COUNTED = 0.5 * np.pi
+"""Angle about the axis between two frames, rad, above which turns cannot be counted from frames."""
+BY_AREA = "by the area swept, because turns cannot be counted: the way meets the axis, or the frames are too far apart"
+"""What the summary says of a whirl ratio that is no count of turns."""
 SLOWEST = 1.0e-3
 """Rotary speed, rad/s, below which a string does not turn."""
 
@@ -68,21 +70,39 @@ class Whirl:
         """Whirl ratio, mean of the end of the run; NaN where the string does not turn, or the lump is on the axis.
 
         It is the mean speed of the angle about the axis, so that of a whirl with the rotary is 1 whatever the orbit's
-        form. Where the orbit comes near the axis, or crosses it, the angle leaps: there it is the area swept over r^2.
+        form. Where turns cannot be counted (`counts`) it is the area swept over r^2: 0 of what swings through the axis.
         """
-        late = self.time >= self.time[-1] - share * (self.time[-1] - self.time[0])
+        late = self._late(share)
         square, spin = float((np.abs(self.offset[late]) ** 2).sum()), float(self.spin[late].mean())
         if square <= STILL**2 * late.sum() or abs(spin) < SLOWEST:
             return float("nan")
-        swept = np.imag(np.conj(self.offset[late]) * self.velocity[late])
-        size = np.abs(self.offset[late]) ** 2
-        if size.min() > CLEAR**2 * size.max():
+        if self.counts(share):
             # Over whole turns: within one the angle is faster and slower.
-            turn, span = 2.0 * np.pi / abs(spin), self.time[-1] - self.time[late][0]
+            time, angle = self.time[late], np.unwrap(np.angle(self.offset[late]))
+            turn, span = 2.0 * np.pi / abs(spin), time[-1] - time[0]
             whole = turn * np.floor(span / turn) if span >= turn else span
-            some = self.time[late] > self.time[-1] - whole
-            return float((swept / size)[some].mean()) / spin
+            return float(angle[-1] - np.interp(time[-1] - whole, time, angle)) / whole / spin
+        swept = np.imag(np.conj(self.offset[late]) * self.velocity[late])
         return float(swept.sum()) / square / spin
+
+    def counts(self, share: float = LATE) -> bool:
+        """Whether the turns about the axis can be counted at the end of the run.
+
+        The lump stays away from the axis, and its angle goes less than a quarter of a turn from frame to frame: by
+        place, and by speed, which tells of the whole turns that places leave out.
+        """
+        late = self._late(share)
+        time, offset = self.time[late], self.offset[late]
+        if time.size < 2 or np.abs(offset).min() <= STILL:
+            return False
+        step = np.abs(np.angle(offset[1:] * np.conj(offset[:-1])))
+        speed = np.abs(np.imag(np.conj(offset) * self.velocity[late])) / np.abs(offset) ** 2
+        expected = np.maximum(speed[1:], speed[:-1]) * np.diff(time)
+        return bool(max(step.max(), expected.max()) <= COUNTED)
+
+    def _late(self, share: float) -> np.ndarray:
+        """Frames (m,) at the end of the run."""
+        return np.asarray(self.time >= self.time[-1] - share * (self.time[-1] - self.time[0]))
 
 
 def whirl_of(result: Any, lump: int) -> Whirl:
@@ -144,7 +164,8 @@ def whirl_figures(result: Any) -> dict[str, tuple[float, str, str]]:
     figures["lateral_offset_depth"] = (one.depth, "m", "measured depth of the largest lateral displacement")
     ratio = one.ratio()
     if np.isfinite(ratio):
-        figures["whirl_ratio"] = (ratio, "", "mean whirl speed over rotary speed, last fifth of the run")
+        words = "mean whirl speed over rotary speed, last fifth of the run"
+        figures["whirl_ratio"] = (ratio, "", words if one.counts() else f"{words}; {BY_AREA}")
     gained = np.diff(lateral_velocity(result), axis=0) / np.diff(result.time)[:, None, None]
     largest = float(np.linalg.norm(gained, axis=-1).max())
     figures["lateral_acceleration_max"] = (largest, "m/s^2", "largest lateral acceleration")

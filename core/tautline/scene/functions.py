@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NoReturn
@@ -29,8 +28,9 @@ from pydantic_core import CoreSchema, core_schema
 from tautline.scene.curves import beyond
 from tautline.scene.errors import SceneError
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
-from tautline.scene.reading.columns import Columns, is_unit
+from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.files import FileName
+from tautline.scene.reading.time_columns import TIMES, UNITS_OF_NAMES, time_columns, time_head
 from tautline.scene.refusal import fault, refusal
 from tautline.scene.values.magnitude import SMALLEST
 from tautline.scene.values.quantity import quantity
@@ -53,24 +53,6 @@ FELT = 0.01
 """Share of the spread of all rows beyond two of them that a curve may go in a gap."""
 OFFERED = 4
 """Columns that are offered by name where it is not clear which one is meant."""
-TIMES = "time", "t"
-"""Names of the column of times."""
-ALSO_TIMES = "time s", "times", "time sec", "seconds", "sec", "timestamp"
-"""What else other programs call it, words joined by a space; the likeliest first."""
-UNITS_OF_NAMES = {
-    word: unit
-    for unit, words in {
-        "ns": "ns nsec nanos nanosecond nanoseconds",
-        "us": "us \u00b5s \u03bcs usec micros microsecond microseconds",
-        "ms": "ms msec millis millisecond milliseconds",
-        "min": "min mins minute minutes",
-        "hour": "h hr hrs hour hours",
-    }.items()
-    for word in words.split()
-}
-"""Units of time by the words that a name ends with: ``time_ms``, ``TimeMs``, ``t ms``."""
-RUN_TOGETHER = re.compile(r"\b(time|timestamp)(ms|msec|us|usec|ns)$")
-"""Names of times with their unit in one word: ``timems``."""
 RATES = ("m/s", "rad/s")
 """Units of values between which a table goes straight unless told otherwise."""
 
@@ -238,6 +220,7 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
     """Where time and value stand in the file of a table, whose column of values may be asked for by name.
 
     A time is in the unit that its header has in brackets or at its end, ``time_ms``, and in s where it has none.
+    `tautline.scene.reading.time_columns` says by which names it is found.
     Without a name the value is the only column beside time, or the one that is called `value`. Columns without a name
     below a header, such as the numbers of rows that other programs write, are none where two others have names and one
     of those is the time. Else they count: programs write the times without a name, too, or give units only.
@@ -248,7 +231,12 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
         If there is no such column, or if it is not clear which one is the time or the value.
     """
     named = [i for i, name in enumerate(columns.names) if name]
-    known = _time(columns)
+    may_be = time_columns(columns)
+    if len(may_be) > 1 and not all(columns.names[i] == columns.names[may_be[0]] for i in may_be):
+        called = " or ".join(columns.titles[i] for i in may_be[:OFFERED])
+        cause = f"it is not clear which column is the time: {called}"
+        columns.stop(columns.header_line, "", None, cause, "call the column of times `time` in the header")
+    known = may_be[0] if may_be else None
     shown = named if len(named) > 1 and known in named else columns.filled()
     wanted = asked.lower() if isinstance(asked, str) else "value"
     meant = isinstance(asked, str) or wanted in columns.names
@@ -257,16 +245,15 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
     if len(shown) > 2 and (known is None or (not meant and columns.names[known] not in TIMES)):
         _unclear(columns, shown, "and none is called time", "call the column of times `time` in the header")
     time = known if known is not None else shown[0] if shown else 0
-    if not columns.units[time]:
-        columns.units[time] = _name_and_unit(columns.titles[time])[1]
+    if known is None and meant and len(shown) == 2 and columns.names[time] == wanted:
+        time = shown[1]
+    _take_unit(columns, time, known is not None)
     for name in (columns.names[time], wanted):
         if name and (twice := columns.names.count(name)) > 1:
             cause = f"{twice} columns are called '{name}'"
             columns.stop(columns.header_line, name, None, cause, "give the ones that are not meant another name")
     beside = [i for i in shown if i != time]
     if meant:
-        if known is None and len(shown) == 2 and columns.names[time] == wanted:
-            return beside[0], time
         return time, columns.index((wanted,))
     if len(beside) > 1:
         names = [columns.names[i] for i in beside[:OFFERED]]
@@ -275,31 +262,35 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
     return time, beside[0] if beside else columns.index(("value",))
 
 
-def _time(columns: Columns) -> int | None:
-    """The column that is called time, or else in another way that means it, or the only one with a unit of time."""
-    names = [re.sub(r"[\s_.]+", " ", name).strip() for name in columns.names]
-    found = next((names.index(name) for name in (*TIMES, *ALSO_TIMES) if name in names), None)
-    if found is not None:
-        return found
-    heads = [_name_and_unit(title) for title in columns.titles]
-    ended = [i for i, (name, unit) in enumerate(heads) if unit and name in (*TIMES, *ALSO_TIMES)]
-    if len(ended) == 1:
-        return ended[0]
-    lasting = [i for i, unit in enumerate(columns.units) if unit and is_unit(unit, "s")]
-    return lasting[0] if len(lasting) == 1 else None
+def _take_unit(columns: Columns, time: int, named: bool) -> None:
+    """Give the column of times the unit that its name ends with, where it has none in brackets; s where it has none.
 
+    `named` is whether the column is the time by its header, and not only by its place.
 
-def _name_and_unit(title: str) -> tuple[str, str]:
-    """Name of a column in small letters, and the unit of time that it ends with: ``time_ms`` is in ms; else empty."""
-    apart = re.sub(r"(?<=[a-z])(?=[A-Z])|[\s_.]+", " ", title).lower()
-    name, _, last = " ".join(RUN_TOGETHER.sub(r"\1 \2", apart).split()).rpartition(" ")
-    return (name, UNITS_OF_NAMES.get(last, "")) if name else (last, "")
+    Raises
+    ------
+    SceneError
+        If the name ends with what may be a unit of time and may be something else, or is not understood.
+    """
+    title, unit = columns.titles[time], columns.units[time]
+    if unit or not title:
+        columns.units[time] = UNITS_OF_NAMES.get(unit, unit)
+        return
+    head = time_head(title)
+    if head.doubtful or (head.kind == "min" and not named):
+        cause = f"'{title}' is taken for the times, and it is not clear in which unit they are"
+        cure = "write the unit of the times in brackets, such as time [s], time [min] or time [hour]"
+        columns.stop(columns.header_line, title, None, cause, cure)
+    columns.units[time] = head.unit
 
 
 def _growing(columns: Columns, listed: Sequence[int]) -> int | None:
-    """The first of some columns, if its numbers grow from row to row, and those of no other do."""
+    """The first of some columns, if it has no name, and its numbers grow from row to row, and those of no other do.
+
+    Numbers of rows and depths grow as times do: a column whose name is none of the time's is not taken for it.
+    """
     growing = [i for i in listed if columns.grows(i)]
-    return growing[0] if growing == listed[:1] else None
+    return growing[0] if growing == listed[:1] and not columns.names[growing[0]] else None
 
 
 def _unclear(columns: Columns, listed: Sequence[int], which: str, cure: str) -> NoReturn:

@@ -59,6 +59,7 @@ def test_a_record_is_its_natural_spline_in_si(tmp_path):
         ("t_s;surge_m;sway_m;heave_m;roll_deg;pitch deg;YawDeg", {}),
         ("t;surge;sway;heave;roll;pitch;yaw", {"roll": "deg", "pitch": "deg", "yaw": "deg"}),
         ("time [ms];surge;sway;heave;roll [deg];pitch [deg];yaw [deg]", {}),
+        ("t_ms;surge;sway;heave;roll [deg];pitch [deg];yaw [deg]", {}),
     ],
 )
 def test_units_stand_in_the_header_or_in_the_scene(tmp_path, header, units):
@@ -68,6 +69,20 @@ def test_units_stand_in_the_header_or_in_the_scene(tmp_path, header, units):
         cells = row.split(", ")
         rows.append(";".join([f"{factor * float(cells[0]):.15g}", *cells[1:]]).replace(".", ","))
     got = evaluated(read_motions(record(tmp_path, rows, header), 20.0, units), np.array([7.3]))
+    assert np.allclose(got[:, 0, 0], [spline(i, 7.3) for i in range(6)], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["T_min", "T_h", "t_min", "T_s", "time-ms", "Time/ms", "timems"])
+def test_a_least_tension_is_no_time_of_a_record_and_a_time_that_is_not_understood_is_refused(name, tmp_path):
+    with pytest.raises(SceneError) as error:
+        read_motions(record(tmp_path, header=HEADER.replace("t [s]", name)), 20.0)
+    (problem,) = error.value.problems
+    assert problem.key == "t" and "no such column" in problem.cause and "t [s]" in problem.cure
+
+
+def test_a_record_with_a_least_tension_beside_its_time_is_read_by_its_time(tmp_path):
+    rows = [f"{row}, 1.0" for row in rows_of(TIMES)]
+    got = evaluated(read_motions(record(tmp_path, rows, HEADER + ", T_min"), 20.0), np.array([7.3]))
     assert np.allclose(got[:, 0, 0], [spline(i, 7.3) for i in range(6)], atol=1e-12)
 
 

@@ -88,3 +88,96 @@ def test_times_are_in_the_unit_at_the_end_of_their_name(head, factor, tmp_path):
 def test_a_time_with_its_unit_in_its_name_is_found_among_others(tmp_path):
     assert found(tmp_path, "index,time_ms,speed\n0,0,1\n", "speed") == (1, 2)
     assert found(tmp_path, "time_ms,time,speed\n0,0,1\n", "speed") == (1, 2)
+
+
+# -- what a header means, and what it does not
+
+HEADS = {
+    "time-min": 60.0, "Time/ms": 1e-3, "time/min": 60.0, "time-ms": 1e-3, "minutes": 60.0, "hours": 3600.0, "min": 60.0,
+    "ms": 1e-3, "milliseconds": 1e-3, "t ms": 1e-3, "time in ms": 1e-3, "timemin": 60.0, "time_d": 86400.0,
+    "time_days": 86400.0, "days": 86400.0, "TIME_MIN": 60.0, "TimeInMs": 1e-3, "time, ms": 1e-3, "sim_time_ms": 1e-3,
+    "Uhrzeit_min": 60.0, "t-us": 1e-6, "Time [minutes]": 60.0, "Time [days]": 86400.0, "time (hrs)": 3600.0,
+    "seconds": 1.0, "time utc": 1.0, "depth": 1.0, "x_s": 1.0, "T": 1.0,
+    "time*ms": 1e-3, "time|ms": 1e-3, "Time (rel) [ms]": 1e-3,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("head", "factor"), HEADS.items(), ids=HEADS)
+def test_units_of_time_are_read_however_they_are_written(head, factor, tmp_path):
+    """Seconds were read of all of these, silently, and a hoist of minutes was made in as many seconds."""
+    (tmp_path / "record.csv").write_text(f"{head};value\n0;1\n40;2\n", encoding="utf8")
+    read = TypeAdapter(time_function("m", of="length"))
+    made = read.validate_python({"table": {"file": "record.csv"}}, context={"folder": tmp_path})
+    assert made.time == pytest.approx((0.0, 40.0 * factor), rel=1e-12) and made.value == (1.0, 2.0)
+
+
+DOUBTFUL = (
+    "h", "d", "time_m", "time_wk", "time_start", "Time-xyz", "timestamp_iso", "time [ms]_x", "t_min", "t_h", "T_min",
+    "T_h", "surge_min", "x_h", "seconds_h",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("head", DOUBTFUL)
+def test_a_time_whose_unit_is_not_understood_is_refused_and_never_taken_for_seconds(head, tmp_path):
+    with pytest.raises(SceneError, match="not clear in which unit") as error:
+        found(tmp_path, f"{head},speed\n0,1\n1,2\n")
+    assert "time [min]" in error.value.problems[0].cure
+
+
+@pytest.mark.parametrize("other", ["max", "p_max", "mean"])
+def test_min_beside_max_is_a_least_value_and_no_time_in_minutes(other, tmp_path):
+    with pytest.raises(SceneError, match="not clear in which unit"):
+        found(tmp_path, f"min,{other}\n0,1\n1,2\n")
+
+
+FIRST = (
+    "elapsed,T_min", "elapsed,T_h", "elapsed,T", "Zeit,T_min", "clock,T_h", "t,T_min", "t_s,T_h", "time,t", "time,T_ms",
+    "elapsed [s],T_min [kN]", "Elapsed time,t_min", "Zeit,period [h]", "time,days", "depth,T_min", "depth,min",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("header", FIRST)
+def test_a_tension_or_a_temperature_is_not_taken_for_the_time_where_the_first_column_may_be_it(header, tmp_path):
+    """`elapsed,T_min` was read with the tensions as minutes and the times as tensions."""
+    assert found(tmp_path, f"{header}\n0,1\n1,2\n") == (0, 1)
+
+
+@pytest.mark.parametrize("header", ["speed,t_ms", "speed,time/min", "value,elapsed", "Weg,Zeit", "speed,minutes"])
+def test_a_later_column_is_the_time_where_only_it_is_called_so(header, tmp_path):
+    assert found(tmp_path, f"{header}\n0,1\n1,2\n") == (1, 0)
+
+
+BRACKETS = {
+    "timestamp,elapsed [s],value": 1, "elapsed,time_ms [ms],value": 1, "seconds,Elapsed time (min),value": 1,
+    "t [mm],elapsed [s],value": 1, "elapsed,t [kN],value": 0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("header", "place"), BRACKETS.items(), ids=BRACKETS)
+def test_of_two_times_by_name_the_one_with_its_unit_in_brackets_is_meant(header, place, tmp_path):
+    assert found(tmp_path, f"{header}\n0,1,2\n1,2,3\n") == (place, 2)
+
+
+TWO = "time_s,time_min,value", "hour,min,value", "hour,sec,value", "elapsed,time_ms,value", "timestamp,seconds,value"
+
+
+@pytest.mark.parametrize("header", TWO)
+def test_two_columns_that_may_be_the_time_are_refused_with_the_cure(header, tmp_path):
+    with pytest.raises(SceneError, match="not clear which column is the time") as error:
+        found(tmp_path, f"{header}\n0,1,2\n1,2,3\n")
+    assert "call the column of times `time`" in error.value.problems[0].cure
+
+
+GROWING = "index,value,temp", "sample,value,quality", "depth,value,load", "run,value,load"
+
+
+@pytest.mark.parametrize("header", GROWING)
+def test_numbers_that_grow_and_are_not_called_a_time_are_not_taken_for_it(header, tmp_path):
+    """Numbers of rows were taken for seconds, and a hoist was made in ten times its time."""
+    with pytest.raises(SceneError, match="none is called time") as error:
+        found(tmp_path, f"{header}\n0,3,2\n1,3,1\n2,2,1\n")
+    assert "call the column of times `time`" in error.value.problems[0].cure
+
+
+def test_a_table_asked_for_by_a_name_of_the_first_column_takes_the_second_for_the_time(tmp_path):
+    assert found(tmp_path, "h,x\n0,1\n1,2\n", "h") == (1, 0)

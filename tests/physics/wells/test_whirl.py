@@ -265,6 +265,50 @@ def test_the_whirl_ratio_of_a_whirl_with_the_rotary_is_one_whatever_the_form_of_
     assert abs(across.ratio()) < 2e-3, "what swings through the axis goes around nothing"
 
 
+def orbit(offset, velocity, time, rotary):
+    return Whirl(0, time, 1e-3 * offset, 1e-3 * velocity, np.full(time.size, rotary), 10.0, None, None)
+
+
+@pytest.mark.parametrize("narrow", [0.26, 0.24, 0.05])
+def test_the_whirl_ratio_does_not_leap_where_an_orbit_becomes_narrow(narrow):
+    """It was 0.998 of the axes 1 and 0.26, and 0.444 of 1 and 0.24."""
+    time, rate = np.arange(0.0, 20.0, 0.01), 6.0
+    one = orbit(
+        np.cos(rate * time) + 1j * narrow * np.sin(rate * time),
+        rate * (-np.sin(rate * time) + 1j * narrow * np.cos(rate * time)), time, rate,
+    )  # fmt: skip
+    assert one.counts() and one.ratio() == pytest.approx(1.0, abs=1e-2)
+
+
+def test_the_whirl_ratio_of_a_line_through_the_axis_is_none_and_comes_from_the_area():
+    time, rate = np.arange(0.0, 20.0, 0.01), 6.0
+    line = orbit(np.cos(rate * time) + 0j, -rate * np.sin(rate * time) + 0j, time, rate)
+    assert not line.counts() and line.ratio() == 0.0
+
+
+@pytest.mark.parametrize("ratio", [-3.3, -0.4, 0.1, 0.5])
+def test_the_whirl_ratio_of_circles_is_their_speed_forward_and_backward(ratio):
+    time, rate = np.arange(0.0, 20.0, 0.01), 6.0
+    circle = np.exp(1j * ratio * rate * time)
+    assert orbit(circle, 1j * ratio * rate * circle, time, rate).ratio() == pytest.approx(ratio, rel=1e-9)
+
+
+def test_turns_that_frames_leave_out_are_not_counted_and_the_ratio_is_still_that_of_the_circle():
+    time, rate = np.arange(0.0, 50.0, 0.1), 6.0
+    fast = -0.9 * 2.0 * pi / 0.1  # in each interval nine tenths of a turn backward, seen as one tenth forward
+    circle = np.exp(1j * fast * time)
+    one = orbit(circle, 1j * fast * circle, time, rate)
+    assert not one.counts() and one.ratio() == pytest.approx(fast / rate, rel=1e-9)
+
+
+def test_the_summary_says_where_a_whirl_ratio_is_no_count_of_turns():
+    interval = 0.3 * 2.0 * pi / (2.0 * CRITICAL)  # three frames to a turn
+    coarse, fine = (
+        run(span(2.0 * CRITICAL, **more)).headline["whirl_ratio"] for more in ({"output__interval": interval}, {})
+    )
+    assert "by the area swept" in coarse["text"] and "by the area swept" not in fine["text"]
+
+
 def test_headline_figures_of_an_unbalanced_string_tell_offset_whirl_ratio_and_acceleration():
     result = run(span(2.0 * CRITICAL))
     told = result.headline

@@ -46,6 +46,9 @@ WORDS = {
 }  # fmt: skip
 """Ways to write units in headers, in small letters; `ftKB` and `mKB` count from the kelly bushing."""
 
+LETTER_UNITS = ("ns", "us", "ms", "s")
+"""Units that may follow the bare letter `t`: t_min is a least value, t_h and t_d are other things' indices."""
+
 
 class Columns:
     """A CSV file as columns.
@@ -191,7 +194,7 @@ class Columns:
         found: dict[tuple[str, ...], tuple[int, str]] = {}
         for place, (title, bracketed) in enumerate(zip(self.names, self.units, strict=True)):
             name, unit = _name_and_unit(title, bracketed, names)
-            if name is None:
+            if name is None or (name == "t" and unit and not bracketed and not _after_t(self.titles[place], unit)):
                 continue
             if names[name] in found:
                 cause = f"columns {found[names[name]][0] + 1} and {place + 1} are both this"
@@ -328,6 +331,11 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _after_t(title: str, unit: str) -> bool:
+    """Whether `t` with a unit behind it is a time: T_min is a least tension, T_h a horizontal one, T_s a period."""
+    return title.startswith("t") and unit in LETTER_UNITS
 
 
 def _name_and_unit(title: str, bracketed: str, names: Mapping[str, object]) -> tuple[str | None, str]:
