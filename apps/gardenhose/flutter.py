@@ -153,6 +153,8 @@ class _Linear:
         self.count = max(SLOWEST, 3 * modes)
         self.known: dict[float, Form] = {}
         self.solved: dict[float, tuple[Vibrations, np.ndarray]] = {}
+        self.slow = 0.0
+        """Size, 1/s, of an eigenvalue that is slow; differences of smaller ones are measured by it."""
 
     def at(self, speed: float) -> tuple[Vibrations, np.ndarray]:
         """The motions that grow fastest or are slowest, and which share of each is out of the plane."""
@@ -189,7 +191,7 @@ class _Linear:
             alike, sizes = np.linalg.norm(both, axis=(2, 3)), [np.linalg.norm(x, axis=(0, 1)) for x in (one, other)]
         else:
             alike, sizes = np.abs(one.conj().T @ other), [np.linalg.norm(x, axis=0) for x in (one, other)]
-        return apart(before, after) + 1.0 - alike / np.maximum(np.outer(*sizes), 1e-300)
+        return apart(before, after, self.slow) + 1.0 - alike / np.maximum(np.outer(*sizes), 1e-300)
 
     def growth(self, speed: float, plane: Plane) -> tuple[float, complex]:
         """Largest growth rate of motions in a plane less what may be rounding, 1/s, and the eigenvalue that has it."""
@@ -542,6 +544,7 @@ def _curves(linear: _Linear, grid: np.ndarray, modes: int) -> Curves:
     inside = [speed for speed in linear.solved if grid[0] <= speed <= grid[-1]]
     speeds = np.unique(np.concatenate([grid, marks, inside]))
     backwards = abs(grid[0]) > abs(grid[-1])
+    linear.slow = float(np.abs(linear.at(float(grid[-1] if backwards else grid[0]))[0].value).min(initial=np.inf))
     paths = follow(
         lambda speed: linear.at(float(speed))[0],
         (speeds[::-1] if backwards else speeds).tolist(),

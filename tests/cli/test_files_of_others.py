@@ -1,5 +1,6 @@
 """Files of others are never lost, and standard output that cannot be written is told in one sentence."""
 
+import gzip
 import subprocess
 import sys
 import zipfile
@@ -8,9 +9,12 @@ from pathlib import Path
 import h5py
 import pytest
 from cli.in_process import commands_of
+from matplotlib.figure import Figure
 
 import tautline
 from crane.application import Crane
+from tautline.results.errors import ResultError
+from tautline.results.output_path import check_drawn
 from tautline.simulation import simulate
 
 SCENE = "data/hoist.yaml"
@@ -282,3 +286,49 @@ def test_a_study_replaces_no_result_with_its_tables_and_figure(here, result, tmp
     code, _, err = here("study", SCENE, "--quick", "-o", str(tmp_path / "mine"))
     assert code == 2 and "would be lost" in said(err)
     assert result.read_bytes() == before
+
+
+SVG = b"<svg xmlns='http://www.w3.org/2000/svg'></svg>"
+PROLOGS = {
+    "licence": b"<?xml version='1.0'?>\n<!-- " + 3000 * b"a licence " + b"-->\n",
+    "entities": b"<!DOCTYPE svg [" + 200 * b"<!ENTITY ns 'http://www.w3.org/2000/svg'>" + b"]>",
+}
+
+
+@pytest.mark.parametrize("ending", ["eps", "ps", "svgz", "svg", "pdf", "png", "tif", "jpg"])
+def test_an_earlier_figure_of_any_format_that_is_drawn_may_be_replaced(tmp_path, ending):
+    path = tmp_path / f"figure.{ending}"
+    Figure().savefig(path)
+    assert check_drawn(path) == path
+
+
+@pytest.mark.parametrize("prolog", PROLOGS)
+def test_an_svg_with_much_before_its_first_element_may_be_replaced(tmp_path, prolog):
+    for name, wrapped in (("figure.svg", bytes), ("figure.svgz", gzip.compress)):
+        path = tmp_path / name
+        path.write_bytes(wrapped(PROLOGS[prolog] + SVG))
+        assert check_drawn(path) == path
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"<!doctype html><html><body>" + SVG + b"</body></html>",
+        b"<!-- <svg> --><html>" + SVG + b"</html>",
+        gzip.compress(b"my notes"),
+        b"\x1f\x8bno gzip",
+        b"% my paper\n\\documentclass{article}",
+    ],
+    ids=["page", "page with a remark", "gzip of notes", "damaged gzip", "tex"],
+)
+def test_a_page_with_a_figure_in_it_an_archive_and_a_text_are_no_figures(tmp_path, content):
+    path = tmp_path / "figure.svg"
+    path.write_bytes(content)
+    with pytest.raises(ResultError, match="is no figure: it would be lost"):
+        check_drawn(path)
+
+
+def test_a_figure_for_tex_may_be_replaced(tmp_path):
+    path = tmp_path / "figure.pgf"
+    path.write_bytes(b"%% Creator: Matplotlib, PGF backend\n%%\n")
+    assert check_drawn(path) == path

@@ -2,11 +2,14 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
 
 import tautline
 from gardenhose.application import Gardenhose
+from gardenhose.flutter import Curves, Stability
+from gardenhose.verbs import _doubts
 
 SCENE = """\
 hose: {length: 1, elements: 12, axial_stiffness: 1.0e6, bending_stiffness: 1, mass_per_length: 0.2, damping: 0.02}
@@ -143,6 +146,17 @@ def test_static_and_flutter_say_where_the_waters_momentum_takes_all_of_the_axial
 def test_static_says_where_elements_are_coarse_for_the_flows_waves(gardenhose):
     _, out, _ = gardenhose("static", "hose.yaml", "--set", "hose.elements=3", "--speed", "0,14", "--json")
     assert "coarse" in {one["where"]: one["text"] for one in only_object(out)["warnings"]}["hose.elements"]
+
+
+def test_flutter_advises_no_smaller_step_where_modes_are_not_told_apart_however_near_the_speeds():
+    def text(low, high):
+        curves = Curves(np.array([0.0, low, high]), *(np.zeros((3, 1)),) * 2, np.array([[True], [False]]), ())
+        made = Stability(np.array([0.0, 50.0]), *(np.zeros((2, 1)),) * 2, np.zeros(2, bool), [], curves=curves)
+        (warning,) = _doubts(made, "si")
+        return warning.text
+
+    assert "Take a smaller step" in text(40.0, 41.0)
+    assert "Take a smaller step" not in text(40.0, 40.04) and "a smaller step tells no more" in text(40.0, 40.04)
 
 
 def test_flutter_says_where_it_is_not_sure_which_mode_goes_on_as_which(gardenhose, monkeypatch):

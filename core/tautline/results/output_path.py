@@ -5,7 +5,9 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import zipfile
+import zlib
 from pathlib import Path
 from shlex import quote
 from uuid import uuid4
@@ -18,8 +20,18 @@ OURS = "tautline"
 """How the attribute ``format`` of our files begins."""
 FIGURES = (".png", ".svg", ".pdf")
 """Endings of figures."""
-DRAWN = (b"\x89PNG\r\n", b"%PDF", b"GIF8", b"\xff\xd8\xff", b"BM", b"II*\0", b"MM\0*", b"RIFF", b"\x1aE\xdf\xa3")
-"""How files of figures, pictures and films begin, but for svg and mp4."""
+PIXELS = (b"\x89PNG\r\n", b"%PDF", b"GIF8", b"\xff\xd8\xff", b"BM", b"II*\0", b"MM\0*", b"RIFF", b"\x1aE\xdf\xa3")
+"""How files of pictures and films begin, and of PDF, but for svg and mp4."""
+DRAWN = (*PIXELS, b"%!PS", b"\xc5\xd0\xd3\xc6", b"%% Creator: Matplotlib, PGF backend")
+"""How files of figures begin, those of pictures and films among them, but for svg and mp4."""
+ZIPPED = b"\x1f\x8b"
+"""How files begin that gzip has made, such as svgz."""
+LOOKED_AT = 65536
+"""Bytes of a file in which its `<svg` is looked for: a licence, or a DOCTYPE with entities, may stand before it."""
+SVG = re.compile(
+    rb"(?is)(?>\s|<\?.*?\?>|<!--.*?-->|<!doctype\s+(?:\w+:)?svg\b[^\[>]*(?:\[.*?\]\s*)?>)*+<(?:\w+:)?svg[\s>]"
+)
+"""How a file of svg begins: its first element is svg, where that of a web page with a figure in it is not."""
 RECORD = b"time [s]"
 """How records of sensors begin that `record` has written."""
 TWIN = "twin"
@@ -279,7 +291,7 @@ def check_drawn(path: Path) -> Path:
     try:
         if path.is_file() and not os.path.realpath(path).startswith(("/dev/", "/proc/")):
             with path.open("rb") as file:
-                start = file.read(1024)
+                start = file.read(LOOKED_AT)
             if start and not _is_drawn(start):
                 what = f"is a link to {os.path.realpath(path)}, which" if path.is_symlink() else "exists and"
                 raise ResultError(path, f"{what} is no figure: it would be lost", "name another file with -o")
@@ -290,9 +302,16 @@ def check_drawn(path: Path) -> Path:
 
 def _is_drawn(start: bytes) -> bool:
     """Whether a file that begins so is a figure, a picture or a film."""
-    words = start.lstrip(b"\xef\xbb\xbf \r\n\t").lower()
-    svg = words.startswith(b"<") and (b"<svg" in words or b"<!doctype svg" in words)
-    return svg or start.startswith(DRAWN) or start[4:8] == b"ftyp"
+    if start.startswith(ZIPPED):
+        try:
+            return _is_svg(zlib.decompressobj(zlib.MAX_WBITS | 16).decompress(start, LOOKED_AT))
+        except zlib.error:
+            return False
+    return _is_svg(start) or start.startswith(DRAWN) or start[4:8] == b"ftyp"
+
+
+def _is_svg(start: bytes) -> bool:
+    return SVG.match(start.removeprefix(b"\xef\xbb\xbf")) is not None
 
 
 def check_page(path: Path) -> Path:

@@ -262,6 +262,43 @@ def test_undamped_supported_pipe_diverges_and_does_not_flutter(supports):
     assert speed == pytest.approx(u, rel=COARSE[supports])
 
 
+@pytest.mark.parametrize("supports", SUPPORTED)
+@pytest.mark.parametrize("to", ["1.5", "past"])
+def test_the_mode_that_diverges_is_one_column_from_its_frequency_without_flow_to_its_growth(supports, to):
+    # the speeds of a range that is not told, and three of which the last is past buckling
+    (at_rest_, *_), buckles = SUPPORTED[supports]
+    speeds = None if to == "1.5" else np.array([0.0, 0.7, 1.1]) * buckles / np.sqrt(0.2)
+    found = stability(supported(supports, 8), speeds)
+    first, u = found.eigenvalues[:, 0], found.speed * np.sqrt(0.2)
+    assert first[0].imag == pytest.approx(at_rest_, rel=4e-4)
+    before, after = u < buckles * 0.999, (u > buckles * 1.001) & (u < 1.2 * buckles)
+    assert np.abs(first[before].real).max() < 1e-6 and (np.diff(first[before].imag) < 0.0).all()
+    assert (np.abs(first[after].imag) < 1e-6).all() and (first[after].real > 0.0).all() and after.any()
+    # one mode alone grows there, and what is left of the others ring for ever
+    assert np.abs(found.eigenvalues[after][:, 1:].real).max() < 1e-6
+    assert found.eigenvalues.shape[1] == 8
+    assert found.curves is not None
+    assert not [one for one in found.curves.doubtful() if one[1] * np.sqrt(0.2) < 1.2 * buckles]
+
+
+def test_growth_of_a_pinned_pipe_past_pi_is_as_galerkins_with_twelve_sines():
+    beta, n = 0.2, np.arange(1, 13)
+    wave = n * np.pi
+    r, s = np.meshgrid(n, n, indexing="ij")
+    odd = (r + s) % 2 == 1
+    # of sqrt(2) sin(r pi x) and d/dx sqrt(2) sin(s pi x)
+    gyro = np.where(odd, 4.0 * r * s / np.where(odd, r**2 - s**2, 1), 0.0)
+    found = stability(supported(("pinned", "pinned"), 16), np.linspace(0.0, 4.0, 9) / np.sqrt(beta))
+    for speed, value in zip(found.speed, found.eigenvalues[:, 0], strict=True):
+        u = speed * np.sqrt(beta)
+        stiff = np.diag(wave**4 - u**2 * wave**2)
+        flow = 2.0 * np.sqrt(beta) * u * gyro
+        values = np.linalg.eigvals(np.block([[np.zeros((12, 12)), np.eye(12)], [-stiff, -flow]]))
+        slowest = values[np.argsort(np.abs(values))[:2]]
+        assert np.abs(slowest - value).min() < 2e-3 * abs(value)
+        assert (value.real > 1e-6) == (u > np.pi)
+
+
 @pytest.mark.parametrize("speeds", [[0.0], [0.0, 2.0, 4.0], [2.0, 4.0]])
 def test_nothing_grows_in_a_stable_hose_by_rounding(speeds):
     assert not stability(pipe(0.2, 10), speeds).grows.any()

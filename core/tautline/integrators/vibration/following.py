@@ -26,6 +26,8 @@ REAL, IDLE = 1.0e-6, 0.1
 """Frequency over the size of an eigenvalue up to which it is real, and up to which one that decays is no vibration."""
 CLOSE = 0.02
 """Relative distance of eigenvalues that decay alike, at most."""
+FOREIGN = 1.0
+"""Unlikeness from which a motion that may be another one is: its eigenvalue, its shape, or much of both is another."""
 FINEST = 1.0e-3
 """Distance of two places over the larger one below which none is looked for between them."""
 
@@ -38,7 +40,8 @@ class Paths(NamedTuple):
 
     ``place`` (k,) are its values, among them those between that had to be looked at; ``number`` (k, m) that of each
     motion at a place, -1 where it is not found; ``sure`` (k - 1, m) whether a motion goes on from a place to the next
-    without doubt, or ends there without doubt: one of two real ones that become a pair does.
+    without doubt, or ends there without doubt: one of two real ones that become a pair does. Where all that is left is
+    much unlike a motion it is not found from there on, and that is not sure.
     """
 
     place: np.ndarray
@@ -97,9 +100,13 @@ def follow(
         places = sorted([*places, *new], reverse=falling)
 
 
-def apart(before: Vibrations, after: Vibrations) -> np.ndarray:
-    """Distances (n, m) of eigenvalues (n,) and (m,) over the larger; those of what is nothing but rounding are none."""
-    size = np.maximum(np.abs(before.value)[:, None], np.abs(after.value))
+def apart(before: Vibrations, after: Vibrations, least: float = 0.0) -> np.ndarray:
+    """Distances (n, m) of eigenvalues (n,) and (m,) over the larger; those of what is nothing but rounding are none.
+
+    ``least``, 1/s, is the least that they are over: where a motion diverges its eigenvalue passes zero, and how far one
+    there is from the next, over themselves, gets no less with nearer places.
+    """
+    size = np.maximum(np.maximum(np.abs(before.value)[:, None], np.abs(after.value)), least)
     rounding = ROUNDING * np.maximum(before.rounding[:, None], after.rounding)
     return np.abs(before.value[:, None] - after.value) / np.maximum(np.maximum(size, rounding), 1e-300)
 
@@ -173,11 +180,25 @@ def _next(
             joins = real_before[i] and not real_after[nearest] and costs[i, nearest] < MEETING
             sure[m] = joins or (idle_before[i] and bool((idle_after & close).any()))
             continue
+        if not real_before[i] and real_after[j]:
+            j = found[m] = _growing_half(costs[i], after, j, np.setdiff1d(free[real_after[free]], found))
         beside, above = np.delete(costs[i], j), np.delete(costs[:, j], i)
         if costs[i, j] < MEETING and real_before[i] != real_after[j]:
             # Of two real ones that a pair becomes, or that become one, either goes on.
             beside = beside[~np.delete(real_after, j)] if real_after[j] else beside
             above = above[~np.delete(real_before, i)] if real_before[i] else above
+        elif costs[i, j] < MEETING and real_before[i] and real_after[j]:
+            # Two that a pair became just before are alike in shape. One that grows and one that decays change no place.
+            beside = beside[~np.delete(real_after & (after.real * after[j].real < 0.0), j)]
+            above = above[~np.delete(real_before & (before.real * before[i].real < 0.0), i)]
         others = min(beside.min(initial=np.inf), above.min(initial=np.inf))
         sure[m] = costs[i, j] < LARGEST and costs[i, j] <= MUCH * others
+        if costs[i, j] >= FOREIGN:
+            found[m] = -1
     return found, sure
+
+
+def _growing_half(costs: np.ndarray, after: np.ndarray, one: int, others: np.ndarray) -> int:
+    """Of two real motions that a pair has become the one that grows, or decays slower: it is the one that diverges."""
+    halves = [one, *others[costs[others] < MEETING]] if costs[one] < MEETING else [one]
+    return int(max(halves, key=lambda k: after[k].real))
