@@ -46,6 +46,29 @@ def test_a_stamp_is_found_under_its_usual_names(mqtt, key):
     assert take(mqtt, {key: 1.7e9, "a": 1}).time == 1.7e9 and not told(mqtt, "time of arrival")
 
 
+@pytest.mark.parametrize("key", ["ts", "t", "time"])
+def test_a_column_of_the_map_is_no_stamp_unless_the_map_says_so(key):
+    text = json.dumps({key: 5.0, "timestamp": 1.0, "a": 2}) + "\n"
+    (row,) = all_of(Stream(io.StringIO(text), [key, "a"]))
+    assert row.time == 1.0 and row.values == {key: 5.0, "a": 2.0}
+    (row,) = all_of(Stream(io.StringIO(text), [key, "a"], key))
+    assert row.time == 5.0
+    (row,) = all_of(Stream(io.StringIO(f"{key},timestamp,a\n5,1,2\n"), [key, "a"]))
+    assert row.time == 1.0 and row.values == {key: 5.0, "a": 2.0}
+
+
+def test_a_key_that_may_be_something_else_is_told_once_when_it_is_taken_as_the_time(mqtt):
+    for k in range(3):
+        assert take(mqtt, {"ts": 1.7e9 + k, "a": 1}).time == 1.7e9 + k
+    assert len(told(mqtt, "`ts` is taken as the time")) == 1
+
+
+def test_milliseconds_since_1970_in_a_key_of_the_usual_names_are_told_with_a_cure(mqtt):
+    take(mqtt, {"ts": 1.7e12, "a": 1})
+    (note,) = told(mqtt, "are no seconds")
+    assert 'time: "ts [ms]"' in note
+
+
 def test_a_message_without_a_time_says_once_which_keys_are_no_columns_and_what_to_write(mqtt):
     for _ in range(3):
         assert take(mqtt, {"zeit": 5.0, "n": 1, "a": 1, "quality": "good"}) is not None
