@@ -86,6 +86,70 @@ def test_a_twin_that_was_late_at_its_start_is_behind_until_it_has_caught_up_and_
     assert behind.index(False, behind.index(True)) < 70
 
 
+def judged(cost, arrivals, begin=0.0):
+    """Seconds behind, whether behind, held up, and told, of rows that arrive at times, s; the clock is simulated."""
+    now = [1000.0 + begin]
+    backlog, found = Backlog(now=lambda: now[0]), []
+    for k, at in enumerate(arrivals):
+        now[0] = max(now[0], 1000.0 + at)
+        backlog.take(STEP * k, 1000.0 + at)
+        now[0] += cost
+        seconds, tell = backlog.judge()
+        found.append((seconds, backlog.behind, backlog.held_up, tell))
+    return found
+
+
+def in_bursts(every, count=800):
+    """When rows arrive that a gateway sends together every so many seconds, s."""
+    rows = round(every / STEP)
+    return [every * (k // rows + 1) + 1e-4 * (k % rows) for k in range(count)]
+
+
+@pytest.mark.parametrize("every", [5.0, 20.0])
+def test_rows_that_are_sent_together_are_not_behind_while_they_are_answered_faster_than_their_stamps_go_by(every):
+    assert not any(behind or tell for _, behind, _, tell in judged(0.09, in_bursts(every)))
+
+
+def test_rows_that_are_sent_together_and_answered_slower_than_their_stamps_go_by_are_behind_within_two_bursts():
+    found = judged(0.13, in_bursts(20.0))
+    # The first burst may have been written before. 0.03 s a row add up to the 6 s that each burst is answered late.
+    assert next(k for k, one in enumerate(found) if one[1]) <= 2 * 200 and found[-1][0] == pytest.approx(24.0, abs=1.0)
+    assert sum(one[3] for one in found) == 1
+
+
+def test_rows_that_come_in_pairs_do_not_hide_an_overload():
+    found = judged(0.12, [2 * STEP * (k // 2 + 1) for k in range(200)])
+    assert next(k for k, one in enumerate(found) if one[1]) == pytest.approx(LIMIT / 0.02, abs=20)
+
+
+def test_a_twin_that_begins_late_is_behind_from_its_second_row_on_and_is_not_said_not_to_keep_up():
+    found = judged(0.02, [STEP * k for k in range(400)], begin=30.0)
+    assert all(one[1] and one[2] for one in found[1:50]) and not any(one[3] for one in found)
+    assert not found[-1][1] and not found[-1][2]
+    # One that begins late and does not keep up either is said so after a while.
+    found = judged(0.12, [STEP * k for k in range(400)], begin=30.0)
+    assert found[1][2] and not found[-1][2] and sum(one[3] for one in found) == 1
+
+
+def test_the_alarm_of_a_twin_that_catches_up_says_so():
+    made, now = Twin(SCENE, MAP, live=True), [1030.0]
+    made.backlog = Backlog(now=lambda: now[0])
+    lines = []
+    for k in range(60):
+        now[0] += 0.02
+        lines += made.add(STEP * k, [0.0], 1000.0 + STEP * k)
+    assert {line["health"] for line in lines} == {"degraded"}
+    texts = [one["text"] for line in lines for one in line["alarms"] if one["name"] == "behind the machine"]
+    assert len(texts) == len(lines) and all("has begun late, or was held up, and catches up" in one for one in texts)
+
+
+def test_the_alarm_ends_where_a_state_goes_on_with_a_source_that_is_not_live():
+    made = Twin(SCENE, MAP)
+    made.watch.judge_backlog(0.0, 4.0, True)
+    lines = [line for k in range(60) for line in made.add(STEP * k, [0.0])]
+    assert lines[0]["alarms"] and not lines[-1]["alarms"]
+
+
 def answered(late):
     """Lines of a twin whose rows are each taken so long after their arrival, s; the clock is simulated."""
     made, now = Twin(SCENE, MAP, live=True), [0.0]

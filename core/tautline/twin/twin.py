@@ -578,9 +578,10 @@ class Twin:
     def _judge_backlog(self, time: float) -> None:
         """Warn where rows wait longer for their answers than what is foreseen is of use."""
         if self.backlog is None:
+            self.watch.judge_backlog(time, 0.0, False)  # a state may have brought that alarm of a live source
             return
         seconds, tell = self.backlog.judge()
-        self.watch.judge_backlog(time, seconds, self.backlog.behind)
+        self.watch.judge_backlog(time, seconds, self.backlog.behind, self.backlog.held_up)
         if tell:
             self.notes.append(
                 f"the twin is {seconds:.1f} s behind the machine, as this computer does not keep up with the rows. "

@@ -236,9 +236,14 @@ class Watch:
                 text = f"{column} stays dozens of standard deviations {side} what is expected: {WHY_OFF}"
                 self.alarms.judge(f"{column} far off", health.contradicts, time, text)
 
-    def judge_backlog(self, time: float, seconds: float, behind: bool) -> None:
+    def judge_backlog(self, time: float, seconds: float, behind: bool, held_up: bool = False) -> None:
         """Judge whether rows wait so long for their answers that these are of a time gone by."""
-        text = f"what is shown is {seconds:.1f} s behind the machine: rows wait, as this computer does not keep up"
+        why = (
+            "the twin has begun late, or was held up, and catches up"
+            if held_up
+            else "rows wait, as this computer does not keep up"
+        )
+        text = f"what is shown is {seconds:.1f} s behind the machine: {why}"
         self.alarms.judge(BEHIND, behind, time, text)
 
     def judge_operation(self, time: float) -> None:

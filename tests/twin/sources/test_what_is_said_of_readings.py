@@ -11,7 +11,7 @@ from twin.sources.test_sources_of_data import all_of, free_port
 from tautline.twin.sources.connection import Connection
 from tautline.twin.sources.holding import Change
 from tautline.twin.sources.nodes import units_of
-from tautline.twin.sources.objects import is_good
+from tautline.twin.sources.objects import Remarks, factor_told, is_good
 from tautline.twin.sources.opcua import Lost, OpcUa
 from tautline.twin.sources.opening import open_source
 from tautline.twin.sources.reading_units import unit_of_code
@@ -46,6 +46,29 @@ def test_a_stamp_is_found_under_its_usual_names(mqtt, key):
     assert take(mqtt, {key: 1.7e9, "a": 1}).time == 1.7e9 and not told(mqtt, "time of arrival")
 
 
+@pytest.mark.parametrize("key", ["ts", "t", "time"])
+def test_a_column_of_the_map_is_no_stamp_unless_the_map_says_so(key):
+    text = json.dumps({key: 5.0, "timestamp": 1.0, "a": 2}) + "\n"
+    (row,) = all_of(Stream(io.StringIO(text), [key, "a"]))
+    assert row.time == 1.0 and row.values == {key: 5.0, "a": 2.0}
+    (row,) = all_of(Stream(io.StringIO(text), [key, "a"], key))
+    assert row.time == 5.0
+    (row,) = all_of(Stream(io.StringIO(f"{key},timestamp,a\n5,1,2\n"), [key, "a"]))
+    assert row.time == 1.0 and row.values == {key: 5.0, "a": 2.0}
+
+
+def test_a_key_that_may_be_something_else_is_told_once_when_it_is_taken_as_the_time(mqtt):
+    for k in range(3):
+        assert take(mqtt, {"ts": 1.7e9 + k, "a": 1}).time == 1.7e9 + k
+    assert len(told(mqtt, "`ts` is taken as the time")) == 1
+
+
+def test_milliseconds_since_1970_in_a_key_of_the_usual_names_are_told_with_a_cure(mqtt):
+    take(mqtt, {"ts": 1.7e12, "a": 1})
+    (note,) = told(mqtt, "are no seconds")
+    assert 'time: "ts [ms]"' in note
+
+
 def test_a_message_without_a_time_says_once_which_keys_are_no_columns_and_what_to_write(mqtt):
     for _ in range(3):
         assert take(mqtt, {"zeit": 5.0, "n": 1, "a": 1, "quality": "good"}) is not None
@@ -75,7 +98,9 @@ def test_a_message_in_a_unit_of_another_quantity_is_no_reading_and_this_is_told_
     assert len(told(mqtt, "'m' is a unit of another quantity")) == 1
 
 
-@pytest.mark.parametrize("quality", ["Bad", "BadNoCommunication", "uncertain", 0, 24, 64, False, "", {"code": 1}])
+@pytest.mark.parametrize(
+    "quality", ["Bad", "BadNoCommunication", "uncertain", 0, False, "0x80000000", "OPC_QUALITY_BAD"]
+)
 def test_a_reading_whose_quality_is_not_good_is_missing_and_this_is_told(mqtt, quality):
     assert take(mqtt, {"time": 1, "value": 0, "quality": quality}, "crane/a") is None
     assert len(told(mqtt, "is not good. Readings with it count as missing")) == 1
@@ -85,8 +110,29 @@ def test_a_reading_whose_quality_is_not_good_is_missing_and_this_is_told(mqtt, q
 def test_qualities_of_opc_and_a_status_of_the_machine_are_told_from_each_other():
     good = [("quality", 192), ("quality", "Good (192)"), ("quality", True), ("status", 0), ("status", "ok")]
     assert all(is_good(*one) is True for one in good)
-    assert [is_good("status", one) for one in (0x80000000, "Bad", "error 5")] == [False, False, False]
+    assert [is_good("status", one) for one in (0x80000000, "Bad", "BadTimeout")] == [False, False, False]
     assert [is_good("status", one) for one in ("running", 7, None)] == [None, None, None]
+
+
+@pytest.mark.parametrize(
+    "quality", [2, 3, 24, 99, 0.98, "OPC_QUALITY_GOOD", "Q_GOOD", "0xC0", "high", "A", "G", "badge", "", {"code": 1}]
+)
+def test_a_reading_whose_quality_is_not_known_to_be_bad_is_used(mqtt, quality):
+    for k in range(2):
+        assert take(mqtt, {"time": k, "value": 3, "quality": quality}, "crane/a").values["a"] == 3.0
+    assert len(told(mqtt, "is not known. Readings with it are used")) == (is_good("quality", quality) is None)
+
+
+def test_small_qualities_are_bad_where_others_of_the_key_are_numbers_of_opc(mqtt):
+    assert take(mqtt, {"time": 1, "value": 3, "quality": 24}, "crane/a") is not None
+    assert take(mqtt, {"time": 2, "value": 3, "quality": 192}, "crane/a") is not None
+    assert take(mqtt, {"time": 3, "value": 3, "quality": 24}, "crane/a") is None
+    assert take(mqtt, {"time": 4, "value": 3, "quality": 64}, "crane/b") is None
+
+
+@pytest.mark.parametrize("status", ["fault", "error 5", "error-free", "failover", "Offline", "invalid", False, 5])
+def test_no_status_of_the_machine_drops_its_readings(mqtt, status):
+    assert take(mqtt, {"time": 1, "a": 4, "status": status}).values["a"] == 4.0
 
 
 def test_a_status_of_the_machine_leaves_its_readings_in_and_this_is_told(mqtt):
@@ -139,6 +185,42 @@ def test_a_server_with_another_quantity_gives_no_reading_and_an_unknown_unit_is_
     opcua._scale({"a": ["m"], "b": ["quux"]})
     assert math.isnan(opcua.read("a", 5.0)) and opcua.read("b", 5.0) == 5.0
     assert len(told(opcua, "the map says kN")) == 1 and len(told(opcua, "quux, which is no known unit")) == 1
+
+
+@pytest.mark.parametrize(
+    ("stated", "asked", "factor"),
+    [
+        # Standard gravity 9.80665 m/s^2 and the pound of 0.45359237 kg are exact by definition.
+        ("t", "tf", 1.0), ("t", "kN", 9.80665), ("kg", "kgf", 1.0), ("lb", "lbf", 1.0), ("lbs", "lbf", 1.0),
+        ("klb", "klbf", 1.0), ("klb", "kN", 4.4482216152605), ("Nm", "N m", 1.0), ("Nm", "kN m", 1e-3), ("M", "m", 1.0),
+        ("M", "mm", 1000.0), ("1/min", "rpm", 1.0), ("min-1", "rpm", 1.0), ("U/min", "rpm", 1.0),
+        ("rev/min", "rpm", 1.0), ("Hz", "rpm", 60.0), ("1/min", "rad/s", 0.10471975511965977), ("°C", "degC", 1.0),
+        ("KN", "kN", 1.0), ("kn", "kN", 1.0),
+    ],
+)  # fmt: skip
+def test_units_in_free_text_are_understood_or_no_known_unit_and_never_make_right_readings_missing(
+    stated, asked, factor
+):
+    notes = []
+    assert factor_told("a", [stated], asked, "the server says that", Remarks(notes)) == pytest.approx(factor, rel=1e-12)
+    assert "leave it out" not in "".join(notes)
+
+
+def test_a_mass_beside_a_force_is_told_as_its_weight_once(mqtt):
+    for k in range(2):
+        assert take(mqtt, {"time": k, "value": 2.0, "unit": "t"}, "crane/a").values["a"] == pytest.approx(19.6133)
+    assert len(told(mqtt, "converted to kN, as the weight of that mass")) == 1
+
+
+def test_the_common_code_counts_where_the_text_is_of_another_quantity(opcua):
+    opcua._scale({"a": ["m", "N"]})
+    assert opcua.read("a", 49000) == pytest.approx(49.0)
+
+
+@pytest.mark.parametrize("stated", ["m", "bar", "mA", "tons"])
+def test_a_unit_that_is_surely_another_or_may_be_two_gives_no_reading_and_a_cure_that_holds(opcua, stated):
+    opcua._scale({"a": [stated]})
+    assert math.isnan(opcua.read("a", 5.0)) and "leave it out" not in opcua.notes[0]
 
 
 def test_common_codes_are_read_by_their_letters():

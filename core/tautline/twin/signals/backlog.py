@@ -16,10 +16,17 @@ CAUGHT_UP = 0.5
 """Part of that limit below which it is so no more."""
 FALLS_BACK = 3.0
 """After how long it is told what helps, where the twin has not come nearer to the machine meanwhile, s."""
+AT_A_TIME = 0.25
+"""Rows that come within this part of the time between their stamps were sent together."""
+DRIFT = 0.01
+"""By how much the clocks of sender and receiver may differ, as a share."""
 
 
 class Backlog:
     """Follows how long rows wait between their arrival and their answer.
+
+    Rows that a gateway sends together are due one after another, as their stamps go by: a twin that answers them as
+    fast has answered them all when the next ones come.
 
     Rows that were written before, such as those of a file that is piped in, come many times as fast as they were
     measured: no machine waits for their answers, and they do not count.
@@ -35,23 +42,34 @@ class Backlog:
     ----------
     behind : bool
         Whether the twin is behind the machine.
+    held_up : bool
+        Whether it is so by one long wait, such as that for a compiler at the start, and not as rows add up.
     """
 
     def __init__(self, limit: float = LIMIT, now: Callable[[], float] = clock.monotonic) -> None:
-        self.limit, self.behind = min(limit, LIMIT), False
+        self.limit, self.behind, self.held_up = min(limit, LIMIT), False, False
         self._now = now
         self._came: deque[tuple[float, float]] = deque()
         self._last: float | None = None
+        self._spare, self._waited = 0.0, 0.0
         self._begun = (np.nan, np.nan)
         self._told = False
 
     def take(self, stamp: float, arrived: float) -> None:
         """Take notice of the newest stamp, and of when the last record arrived, s."""
-        self._last = arrived
         if np.isfinite(stamp):
+            if self._came:
+                self._spread(stamp - self._came[-1][0], arrived - self._came[-1][1])
             self._came.append((stamp, arrived))
         while len(self._came) > 1 and self._came[1][1] <= arrived - TOLD_BY:
             self._came.popleft()
+        self._last = arrived + self._spare
+
+    def _spread(self, stamps: float, arrivals: float) -> None:
+        """Follow how long after its arrival a record is due, by what lies between it and the one before, s."""
+        together = arrivals < AT_A_TIME * stamps
+        more = (1.0 - DRIFT) * stamps - arrivals
+        self._spare = max(0.0, self._spare + (more if together else min(0.0, more)))
 
     def none_waits(self) -> None:
         """Take notice that all that came is taken."""
@@ -59,16 +77,16 @@ class Backlog:
 
     @property
     def seconds(self) -> float:
-        """For how long the last record that was taken had waited until now, s; 0 for what was written before."""
-        return max(0.0, self._now() - self._last) if self._last is not None and self._is_measured else 0.0
+        """For how long the last record that was taken has been due, s; 0 for what was written before."""
+        waited = max(0.0, self._now() - self._last) if self._last is not None else 0.0
+        return waited if self._is_measured(waited > self.limit) else 0.0
 
-    @property
-    def _is_measured(self) -> bool:
-        """Whether rows come as they are measured."""
+    def _is_measured(self, soon: bool) -> bool:
+        """Whether rows come as they are measured; `soon` to say so of the first ones, which nothing else shows yet."""
         if len(self._came) < 2:
             return False
         (stamp, arrived), (last, then) = self._came[0], self._came[-1]
-        return then - arrived >= TOLD_BY and last - stamp <= AT_ONCE * (then - arrived)
+        return then - arrived >= (0.0 if soon else TOLD_BY) and last - stamp <= AT_ONCE * (then - arrived)
 
     def judge(self) -> tuple[float, bool]:
         """By how much the twin is behind, s, and whether it is to be told now what helps: once, where it falls back."""
@@ -76,6 +94,9 @@ class Backlog:
         before, self.behind = self.behind, seconds > (CAUGHT_UP if self.behind else 1.0) * self.limit
         if self.behind and not before:
             self._begun = self._now(), seconds
+            self.held_up = seconds - self._waited >= CAUGHT_UP * self.limit
+        self._waited = seconds
         lasts = self.behind and self._now() - self._begun[0] >= FALLS_BACK and seconds >= self._begun[1]
+        self.held_up &= self.behind and not lasts
         tell, self._told = lasts and not self._told, self._told or lasts
         return seconds, tell

@@ -74,7 +74,7 @@ class Mqtt:
         self.notes: list[str] = []
         self._connection = Connection(address, self.notes)
         self._columns, self._topic = list(columns), topic
-        self._stamps = Stamps(time, self.notes)
+        self._stamps = Stamps(time, self.notes, columns)
         self._topics: dict[str, str] = {}
         self._remarks = Remarks(self.notes)
         self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors)

@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tautline.scene.errors import shorten
 from tautline.scene.reading.columns import NO_UNIT
-from tautline.twin.sources.reading_units import OtherQuantity, factor_between
+from tautline.twin.sources.reading_units import OtherQuantity, factor_stated
 from tautline.twin.sources.stamps import Stamps, number_of
 
 QUALITY, STATUS, UNIT, VALUE = "quality", "status", ("unit", "units"), "value"
 SAID_OF = (QUALITY, STATUS)
 """Keys of what is said of readings, and of the reading itself where the topic names the column."""
 GOOD = ("good", "ok", "valid", "normal", "true")
-BAD = ("bad", "uncertain", "invalid", "err", "fault", "fail", "stale", "offline", "disconnected", "false")
-"""How words begin that call a reading good, and not good. Another status may be one of the machine."""
+BAD, NOT_OF_OPC = ("bad", "uncertain"), ("invalid", "stale", "false")
+"""Words that call a reading good, and not good: those of OPC, and others that are the whole quality."""
+NO = ("not", "no", "non")
+"""Words that turn the next one round."""
 GOOD_NUMBERS = (1.0, 100.0)
 GOOD_FROM, GOOD_TO = 192.0, 256.0
 """Numbers that call a reading good: a flag, per cent, and those of OPC DA (data access 3.0, 6.8: 11xxxxxx is good)."""
-UNCERTAIN = float(0x40000000)
+UNCERTAIN = 0x40000000
 """The first status code of OPC UA that is not good (part 4, 7.39)."""
+CODE = re.compile(r"0[xX][0-9a-fA-F]{1,8}")
+LONG = 6
+"""Characters from which on a code is one of OPC UA, ``0x80000000``, and none of OPC DA, ``0xC0``."""
 
 
 class Remarks:
@@ -62,6 +68,7 @@ class ObjectReadings:
     ) -> None:
         self._columns, self._units, self.factors = frozenset(columns), units, factors
         self._remarks = Remarks(notes)
+        self._of_data_access: set[str] = set()  # keys whose numbers are those of OPC DA
 
     def number(self, column: str, value: Any) -> float:
         """A reading; NaN for what is no number, and for a text with a comma: that may be a mark of thousands."""
@@ -94,7 +101,9 @@ class ObjectReadings:
         for key, value in found.items():
             if key in self._columns or key.lower() not in SAID_OF:
                 continue
-            good = is_good(key.lower(), value)
+            good = is_good(key.lower(), value, key in self._of_data_access)
+            if key.lower() == QUALITY and GOOD_FROM <= _code_of(value) < GOOD_TO:
+                self._of_data_access.add(key)
             said = f"{where} the {key} {shorten(str(value)) or '(empty)'}"
             if good is None:
                 self._remarks.tell(f"{where} {key}", f"{said} is not known. Readings with it are used")
@@ -104,26 +113,51 @@ class ObjectReadings:
         return True
 
 
-def is_good(key: str, value: Any) -> bool | None:
+def is_good(key: str, value: Any, of_data_access: bool = False) -> bool | None:
     """Whether a ``quality`` or a ``status`` calls readings good; None where that is not known.
 
-    A quality is good or it is not. A status may be one of the machine, such as `running`. As a status, 0 is good (OPC
-    UA); as a quality it is bad (OPC DA).
+    A status may be one of the machine, such as `running` or `fault`: only words and codes of OPC call readings bad
+    there. As a status, 0 is good (OPC UA); as a quality it is bad (OPC DA). Other small numbers may count anything,
+    such as a fix of satellites or a share.
+
+    Parameters
+    ----------
+    of_data_access : bool
+        Whether the numbers of this key are known to be those of OPC DA, of which those below 192 are not good.
     """
-    if value is None:
-        return None
     if isinstance(value, bool):
-        return value
-    number = number_of(value)
+        return True if value else (False if key == QUALITY else None)
+    number = _code_of(value)
     if math.isfinite(number):
-        good = number in GOOD_NUMBERS or GOOD_FROM <= number < GOOD_TO
-        if key == QUALITY:
-            return good
-        return True if good or number == 0.0 else (False if number >= UNCERTAIN else None)
-    word = str(value).strip().lower()
-    if word.startswith(GOOD):
-        return True
-    return False if key == QUALITY or word.startswith(BAD) else None
+        if UNCERTAIN <= number < 2**32 or -(2**31) <= number < -UNCERTAIN:  # unsigned, or signed
+            return False
+        if number == 0.0:
+            return key != QUALITY or (isinstance(value, str) and len(value.strip()) >= LONG)
+        if key == QUALITY and of_data_access and 0.0 < number < GOOD_FROM:
+            return False
+        return True if number in GOOD_NUMBERS or GOOD_FROM <= number < GOOD_TO else None
+    return _is_good_word(key, value) if isinstance(value, str) else None
+
+
+def _code_of(value: Any) -> float:
+    """A quality as a number; NaN for words."""
+    if isinstance(value, str) and CODE.fullmatch(value.strip()):
+        return float(int(value.strip(), 16))
+    return number_of(value)
+
+
+def _is_good_word(key: str, text: str) -> bool | None:
+    """The same of words: ``OPC_QUALITY_GOOD``, ``Good (192)``, ``BadNoCommunication``."""
+    words = [one.lower() for one in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text)]
+    if key != QUALITY and len(text.split("(")[0].split()) != 1:  # a sentence of the machine
+        return None
+    bad = BAD if key != QUALITY or len(words) > 1 else BAD + NOT_OF_OPC
+    for before, word in zip(["", *words], words, strict=False):
+        if word in bad and before not in NO:
+            return False
+        if word in GOOD:
+            return True if before not in NO else (False if key == QUALITY else None)
+    return None
 
 
 def factor_told(column: str, units: Sequence[str], asked: str | None, where: str, remarks: Remarks) -> float:
@@ -148,25 +182,36 @@ def factor_told(column: str, units: Sequence[str], asked: str | None, where: str
         return 1.0
     what = f"{where} the unit of {column} is {shorten(given[0])}"
     try:
-        factor = next(_factors(given, asked), None)
+        found = _first_factor(given, asked)
     except OtherQuantity as error:
-        cure = "So there is no reading of it. Correct `unit` of this column in the map, or leave it out"
+        cure = "So there is no reading of it. Correct `unit` of this column in the map, or the unit at its source"
         remarks.tell(f"unit of {column} {given[0]}", f"{what}, and the map says {asked}. '{given[0]}' {error}. {cure}")
         return math.nan
-    if factor is None:
+    if found is None:
         why = "which is no known unit" if asked else "and the map gives no unit"
         taken = asked or "SI units"
         remarks.tell(f"unit of {column} {given[0]}", f"{what}, {why}: its readings are taken in {taken}")
         return 1.0
-    if factor != 1.0:
-        remarks.tell(f"unit of {column} {given[0]}", f"{what}: its readings are converted to {asked}")
+    factor, meant = found
+    if factor != 1.0 or meant:
+        remarks.tell(f"unit of {column} {given[0]}", f"{what}: its readings are converted to {asked}{meant}")
     return factor
 
 
-def _factors(units: Sequence[str], asked: str) -> Iterator[float]:
+def _first_factor(units: Sequence[str], asked: str) -> tuple[float, str] | None:
+    """The factor of the first name that is a unit of what is asked for, with what is to be said of it."""
+    other: OtherQuantity | None = None
     for one in units:
-        if (factor := factor_between(one, asked)) is not None:
-            yield factor
+        try:
+            found = factor_stated(one, asked)
+        except OtherQuantity as error:
+            other = other or error
+            continue
+        if found is not None:
+            return found
+    if other is not None:
+        raise other
+    return None
 
 
 def what_is(value: Any) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 
 from tautline.errors import TautlineError
 from tautline.scene.reading.columns import NO_UNIT, unit_named
-from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
+from tautline.scene.values.units import TABLE, Uncounted, Unit, UnknownUnit, converted, read_unit
 
 CODES = {
     "MTR": "m", "KMT": "km", "CMT": "cm", "MMT": "mm", "INH": "in", "FOT": "ft", "NEW": "N", "B47": "kN", "B75": "MN",
@@ -16,6 +17,16 @@ CODES = {
     "MIN": "min", "HTZ": "Hz", "WTT": "W", "KWT": "kW",
 }  # fmt: skip
 """Units by their common codes (UNECE recommendation 20)."""
+
+WRITTEN = {"Nm": "N m", "kNm": "kN m", "MNm": "MN m", "M": "m", "Hz": "rev/s"} | dict.fromkeys(
+    ("1/min", "/min", "min-1", "min^-1", "min⁻¹", "U/min", "u/min", "rev/min", "r/min", "RPM", "Rpm"), "rpm"
+)
+"""Units as machines state them in free text, by what is meant; turns only where a rotary speed is asked for."""
+COUNTED = ("rpm", "rev/s")
+OF_CURRENT = ("A", "mA", "V", "mV")
+"""Units of another quantity for sure, of sensors whose signal is not scaled."""
+GRAVITY = 9.80665
+"""Standard gravity, m/s^2: what makes a kilogram a kilogram-force."""
 
 
 def unit_of_code(number: int) -> str:
@@ -54,3 +65,53 @@ def factor_between(header: str, asked: str) -> float | None:
     except Uncounted as error:
         raise OtherQuantity(str(error)) from None
     return float(read.factor / wanted.factor) * math.pi ** (read.turns - wanted.turns)
+
+
+def factor_stated(stated: str, asked: str) -> tuple[float, str] | None:
+    """The same for a unit that a server or a message states in free text, with what is to be said of it.
+
+    Such a text is no unit for sure, so only units of the table are of another quantity: pint has a name for nearly
+    every letter, and reads `Nm` as a number of textiles and `°C` as degrees times coulombs.
+
+    Raises
+    ------
+    OtherQuantity
+        For a unit of the table that is of another quantity.
+    """
+    stated, asked = unit_named(stated), unit_named(asked)
+    try:
+        wanted = read_unit(asked)
+    except UnknownUnit:
+        found = factor_between(stated, asked)
+        return None if found is None else (found, "")
+    if stated.lower() in ("ton", "tons") and stated != asked and wanted.mass == 1:
+        raise OtherQuantity("may be the tonne of 1000 kg, or a ton of 2000 lb or 2240 lb")
+    if stated in OF_CURRENT and stated != asked:
+        raise OtherQuantity("is a unit of another quantity")
+    plain = WRITTEN.get(stated, stated)
+    is_speed = wanted.is_rate and wanted.angle == 1 and wanted.time == -1
+    if plain in COUNTED and not is_speed:
+        plain = stated
+    try:
+        written = read_unit(plain)
+    except UnknownUnit:
+        return None
+    if plain in COUNTED and plain != stated and plain.lower() != stated.lower():
+        return _ratio(written, wanted), ", and turns are counted"
+    if written.dimension == read_unit("kg").dimension and wanted.dimension == read_unit("N").dimension:
+        return _ratio(written, wanted) * GRAVITY, ", as the weight of that mass"
+    if stated == "g" and wanted.dimension == read_unit("m/s^2").dimension:
+        return _ratio(TABLE["m"] * TABLE["s"] ** -2, wanted) * GRAVITY, ", as multiples of gravity"
+    try:
+        found = factor_between(plain, asked)
+    except OtherQuantity:
+        is_uncounted = written.dimension == wanted.dimension
+        names = re.findall(r"[A-Za-zµμ°%]+", plain)
+        if is_uncounted or not all(name in TABLE for name in names):
+            return None
+        raise
+    return None if found is None else (found, "")
+
+
+def _ratio(written: Unit, wanted: Unit) -> float:
+    return float(written.factor / wanted.factor) * math.pi ** (written.turns - wanted.turns)

@@ -13,6 +13,8 @@ from tautline.scene.values.units import Unit, UnknownUnit, read_unit
 
 NAMES = ("time", "t", "timestamp", "stamp", "ts", "datetime")
 """Columns of the stamp, where none is named."""
+DOUBTFUL = ("ts",)
+"""Those of them that may be something else, such as a temperature or a torque."""
 FINER = ((1e14, "ms", "milliseconds"), (1e17, "us", "microseconds"), (math.inf, "ns", "nanoseconds"))
 """Units of stamps since 1970 that are no seconds: below which number a stamp is likely in each."""
 
@@ -42,19 +44,28 @@ class Stamps:
         The column of the stamp in the map, with its unit where it has one, ``time [ms]``; empty for the usual names.
     notes : list of str
         Where the sentence goes.
+    columns : sequence of str, optional
+        Columns of the map: none of them is the stamp, unless the map says so.
     """
 
-    def __init__(self, asked: str, notes: list[str]) -> None:
+    def __init__(self, asked: str, notes: list[str], columns: Sequence[str] = ()) -> None:
         names, units = heads([asked])
         self.asked, self.unit, self._bare, self._notes, self._told = asked, units[0], names[0], notes, False
+        self._columns = frozenset([*columns, *heads(columns)[0]])
+        self._named = ""
 
     def column(self, names: Sequence[str]) -> str | None:
         """The name of the stamp among names; None where it is not there."""
-        return stamp_column(names, self.asked) or (stamp_column(names, self._bare) if self._bare else None)
+        if self.asked:
+            return stamp_column(names, self.asked) or (stamp_column(names, self._bare) if self._bare else None)
+        return stamp_column([name for name in names if name not in self._columns], "")
 
     def read(self, name: str, value: Any, factor: float | None = None) -> float:
         """A stamp, s; NaN for what is none. `factor` is that of a header's unit."""
         factor = seconds_in(self.unit) if factor is None else factor
+        if not self.asked and name.lower() in DOUBTFUL and self._named != name:
+            self._named = name
+            self._notes.append(f"`{name}` is taken as the time. If it is none, write `time:` in the map with what is")
         found = stamp_of(value, factor)
         number = number_of(value)
         if math.isnan(found) and not self._told and factor == 1.0 and UNIX[1] <= number < math.inf:

@@ -45,7 +45,7 @@ class Stream:
         self._queue: queue.Queue[Record | Header | SceneError | SourceStopped | None] = queue.Queue(MOST)
         self._header: Header | None = None
         self._objects = False
-        self._stamps = Stamps(time, self.notes)
+        self._stamps = Stamps(time, self.notes, columns)
         self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors)
         threading.Thread(target=self._listen, daemon=True, name="tautline source").start()
 

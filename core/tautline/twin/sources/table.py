@@ -143,7 +143,7 @@ class Header:
         self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
         self._begun = False  # whether any row was read, also one in doubt
         self._comma_told = False
-        self._stamps = Stamps(time, self.notes)
+        self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles)
         problems = []
         if stamp is None:
