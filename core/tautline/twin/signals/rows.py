@@ -31,6 +31,8 @@ import numpy as np
 
 from tautline.scene.values.moments import duration_said, stamp_said
 
+REGULAR_GAPS, EQUAL = 5, 1.5
+"""Gaps in a row that are the sample interval, as the longest of them is no more than so many times the shortest."""
 FAR = 4.0
 """Stamps further ahead than so many sample intervals wait for the next."""
 BACK = 5
@@ -51,6 +53,8 @@ OFTEN = 0.4
 """Share of the last rows of a column that are late, from which on this is told."""
 AHEAD = 10
 """Rows of a column in a row from far ahead, after which this is told."""
+BEHIND_FOR = 5.0
+"""Time between late rows of a column, without one in time between, after which this is told, s."""
 LONGEST_DELAY = 10.0
 """Longest delay that is of use to a twin, s."""
 SPARE = 1.5
@@ -150,7 +154,7 @@ class Rows:
 
     MADE_ANEW = (
         "columns", "delay", "live", "notes", "bounds", "scales", "factors", "fewest", "clock_rate", "_clock",
-        "_came_first",
+        "_came_first", "_first_left_out",
     )  # fmt: skip
     """What another process has by itself: times of arrival are of one computer's clock."""
 
@@ -184,7 +188,12 @@ class Rows:
         self._ahead: list[list[float]] = [[] for _ in self.columns]
         self._in_time = np.zeros(len(self.columns), int)  # rows of each column in time, without a late one
         self._behind_told = self._ahead_told = False
+        self._behind_since = np.full(len(self.columns), np.nan)  # first of the late rows of each column in a row
         self._intervals: deque[float] = deque(maxlen=INTERVALS)
+        # Those of rows with repeated readings only: they serve until others are known.
+        self._repeats: deque[float] = deque(maxlen=INTERVALS)
+        self._gaps: deque[float] = deque(maxlen=REGULAR_GAPS)
+        self._first_left_out = False
         self._clock: deque[tuple[float, float]] = deque(maxlen=600)
         self.clock_rate = 0.0
         self.known_interval = np.nan
@@ -222,7 +231,8 @@ class Rows:
             if some.any():
                 self.counts[f"with {kind}"] += 1
         row = Row(time, read, arrived, places=[place], repeated=np.array([one in repeated for one in self.columns]))
-        if self.live:
+        # What is behind others came later than they did, and what is repeated was never sent.
+        if self.live and row.measured.any() and time + self.shift > self.newest:
             self._compare_clocks(time, arrived)
         if self._taken_back:
             self._taken_back.append(row)  # those before it are not put in their place yet
@@ -283,6 +293,9 @@ class Rows:
         self._late.clear()
         measured = row.measured
         self._in_time[measured] += 1
+        self._behind_since[measured] = np.nan
+        if measured.any():
+            self._gaps.clear()
         for i in np.flatnonzero(measured).tolist():
             self._behind[i].append(0.0)
             self._ahead[i].clear()
@@ -292,17 +305,20 @@ class Rows:
         """Tell once where rows of some columns are late and those of others are not, and what helps."""
         measured = row.measured
         self._in_time[measured] = 0
+        self._behind_since[measured] = np.fmin(self._behind_since[measured], row.time)
         for i in np.flatnonzero(measured).tolist():
             self._behind[i].append(self.newest - row.time)
         if self._behind_told:
             return
         often = [sum(by > 0.0 for by in one) for one in self._behind]
         late = [i for i, n in enumerate(often) if n >= BEHIND and n >= OFTEN * len(self._behind[i])]
+        late = late or np.flatnonzero(measured & (row.time - self._behind_since >= BEHIND_FOR)).tolist()
         others = np.flatnonzero(self._in_time >= BEHIND).tolist()
         if not late or not others:
             return
         self._behind_told = True
-        late = [i for i, n in enumerate(often) if n >= BEHIND - 1 and n >= OFTEN * len(self._behind[i])]
+        often_late = [i for i, n in enumerate(often) if n >= BEHIND - 1 and n >= OFTEN * len(self._behind[i])]
+        late = sorted({*late, *often_late})
         behind = [by for i in late for by in self._behind[i] if by > 0.0]
         longer = max(behind) + SPARE * (self.interval if np.isfinite(self.interval) else 0.0)
         names, beside = (", ".join(self.columns[i] for i in some) for some in (late, others))
@@ -348,7 +364,8 @@ class Rows:
     @property
     def _far(self) -> float:
         interval = self.interval
-        return FAR * interval if np.isfinite(interval) else np.inf
+        # What is repeated until something is measured does not tell how far apart measurements are.
+        return FAR * interval if np.isfinite(interval) and not self._repeats else np.inf
 
     def _resolve(self, row: Row) -> None:
         """A row that came from far ahead: there was a gap if the next goes on from it."""
@@ -357,7 +374,14 @@ class Rows:
         if row.time >= suspect.time:
             suspect.after_gap = True
             self.counts["gaps"] += 1
+            self._gaps.append(suspect.time - self.newest)
             self._insert(suspect)
+            if len(self._gaps) == REGULAR_GAPS and max(self._gaps) <= EQUAL * min(self._gaps):
+                # No gaps: what is measured comes less often than before.
+                self._intervals.clear()
+                self._intervals.extend(self._gaps)
+                self.known_interval = float(np.median(self._gaps))
+                self._gaps.clear()
         else:
             self.counts["future"] += 1
             self._compare_ahead(suspect)
@@ -430,6 +454,9 @@ class Rows:
         if len(self._late) < BACK:
             return
         rows, self._late = self._late, []
+        if self._were_late(rows):
+            return
+        self._behind_since[:] = np.nan
         step = self.interval if np.isfinite(self.interval) else rows[-1].time - rows[-2].time
         back = max(self.newest, self.reached) + step - rows[0].time
         self.shift += back
@@ -440,6 +467,12 @@ class Rows:
             one.time += back
             one.after_gap = one is rows[0]
             self._insert(one)
+
+    def _were_late(self, rows: Sequence[Row]) -> bool:
+        """Whether rows are of columns that came late before, as others were in time: no clock was set back then."""
+        columns = np.any([one.measured for one in rows], axis=0)
+        known = bool((self._behind_since[columns] < rows[0].time - 1e-9).all())
+        return known and self.newest - rows[0].time <= LONGEST_DELAY
 
     def _compare(self, known: np.ndarray, row: Row) -> None:
         """Tell once where rows of one stamp have different readings (c,): they are not one row that came twice."""
@@ -455,6 +488,7 @@ class Rows:
             )
 
     def _insert(self, row: Row) -> None:
+        self._correct(row)
         k = bisect_left(self.waiting, row.time - 1e-9, key=lambda one: one.time)
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
             known = self.waiting[k]
@@ -472,6 +506,19 @@ class Rows:
         self.waiting.insert(min(k, len(self.waiting)), row)
         self.newest = max(self.newest, row.time)
 
+    def _correct(self, row: Row) -> None:
+        """Repeat what is measured at a row in later ones that wait: they repeat what held before it was known."""
+        if not self.waiting or self.waiting[-1].time <= row.time + 1e-9:
+            return
+        columns = row.measured
+        for one in self.waiting[bisect_left(self.waiting, row.time + 1e-9, key=lambda one: one.time) :]:
+            columns = columns & ~one.measured
+            if not columns.any():
+                return
+            stale = columns & one.repeated & np.isfinite(one.values)
+            one.values[stale] = row.values[stale]
+            one.raw[stale] = row.raw[stale]
+
     def _learn_interval(self, row: Row) -> bool:
         """Learn the sample interval from a row that is the newest, and whether it is known by that for the first time.
 
@@ -480,13 +527,19 @@ class Rows:
         shown = np.isfinite(row.values)
         unknown = not np.isfinite(self.interval)
         if np.isfinite(self.newest) and not row.after_gap:
-            if (shown & self._last_shown).any() or not shown.any() or not self._last_shown.any():
+            if shown.any() and not row.measured.any():
+                if len(self._intervals) < TYPICAL - 1:
+                    self._repeats.append(row.time - self.newest)
+            elif (shown & self._last_shown).any() or not shown.any() or not self._last_shown.any():
                 self._intervals.append(row.time - self.newest)
             else:
                 steps = row.time - self._seen[shown]
                 self._intervals.extend(steps[np.isfinite(steps)].tolist())
             if len(self._intervals) >= TYPICAL - 1:
+                self._repeats.clear()
                 self.known_interval = float(np.median(self._intervals))
+            elif len(self._repeats) >= TYPICAL - 1:
+                self.known_interval = float(np.median(self._repeats))
         self._seen[shown], self._last_shown = row.time, shown
         found = unknown and bool(np.isfinite(self.interval))
         if found:
@@ -519,6 +572,9 @@ class Rows:
 
     def _compare_clocks(self, stamp: float, arrived: float) -> None:
         """Find how fast the source's clock runs beside ours."""
+        if not self._first_left_out:
+            self._first_left_out = True  # what holds when it is first asked for is older than what follows
+            return
         if self._clock and arrived - self._clock[-1][1] < 0.1:
             return
         self._clock.append((stamp, arrived))

@@ -30,7 +30,8 @@ ENOUGH = 4
 REGULAR = 1.5
 """Upper over lower quartile of intervals that are those of a clock; changes of a lever are not."""
 LONGEST = 2.0
-"""Longest interval that is taken for one of measurement, s."""
+"""Longest interval that is taken for one of measurement, s. Where none is known, readings are not repeated before a
+silence of so long: rows that come sooner than what is measured would tell a wrong sample interval."""
 SILENT, AGAIN = 1.5, 0.75
 """Intervals after which a reading is repeated: after one that was sent, and after one that was repeated."""
 
@@ -43,12 +44,11 @@ MOSTLY = 0.9
 """Share of the changes of a variable that come no later than what counts as its lag."""
 IN_STEP = 0.5
 """Part of the interval up to which a variable that comes behind others is no later than they are."""
-APART = 2.0
-"""Difference from which on the stamps of a variable are of another clock than those of most others, s."""
-AT_ONCE = 0.5
-"""Time between changes from which on they are no measurements of a clock for sure, as long as none is known, s."""
-TOLD_AT = 10
-"""Changes of another clock of a variable after which this is told."""
+AHEAD, BEHIND = 2.0, 10.0
+"""By how much the stamps of a variable are ahead of those of most others, or behind them, where they are of another
+clock, s: for those that are less behind, the map may give a delay that waits for them."""
+TOLD_AT, TOLD_AFTER = 3, 5.0
+"""Changes of another clock of a variable after which this is told; and time after the first of them, s."""
 SKIPPED = 1000
 """Stamps at which a silent variable may have to be repeated yet."""
 
@@ -75,6 +75,16 @@ class Change:
     value: float
     arrived: float
     first: bool = False
+
+
+@dataclass
+class _Stray:
+    """A variable of another clock: how many changes in a row were so, since when, and by how much, s."""
+
+    since: float
+    by: float = 0.0
+    count: int = 0
+    told: bool = False
 
 
 class Holding:
@@ -104,7 +114,9 @@ class Holding:
         self._skipped: dict[str, deque[float]] = {name: deque(maxlen=SKIPPED) for name in columns}
         self._offsets: dict[str, tuple[float, float]] = {}
         self._common = self._newest = math.nan
-        self._apart = dict.fromkeys(columns, 0)
+        self._strays: dict[str, _Stray] = {}
+        self._told: set[str] = set()
+        self._rests = False
         self.notes: list[str] = [] if notes is None else notes
         self._clock: tuple[float, float] | None = None
         self._reached = -math.inf
@@ -141,9 +153,8 @@ class Holding:
             # What stood still while the connection was lost has the stamp of long ago, and holds now.
             time = max(time, self._clock[0] + changes[0].arrived - self._clock[1])
         elif self._clock is not None and time < self._clock[0] + changes[0].arrived - self._clock[1] + SET:
-            # All held until this change; but those that follow at once may be how it is measured, until that is known.
-            known = any(self._usual(name) is not None for name in self._held)
-            found += self._still(time - 0.5 * self.interval) if known or time - self._newest > AT_ONCE else []
+            # All held until this change.
+            found += self._still(time - 0.5 * self.interval)
         return [*found, *self._recorded(time, changes)]
 
     def _shown_clock(self) -> list[Record]:
@@ -164,30 +175,49 @@ class Holding:
         arrived = changes[0].arrived
         self._offsets |= {one.column: (time - arrived, arrived) for one in changes}
         recent = sorted(offset for offset, then in self._offsets.values() if arrived - then <= LONGEST)
-        # Of two the one behind: rows of a stamp far ahead are of no use to anyone.
-        before, self._common = self._common, recent[(len(recent) - 1) // 2]
+        # Of two the one behind, as rows of a stamp far ahead are of no use to anyone; unless it may only come later.
+        before, low, high = self._common, recent[(len(recent) - 1) // 2], recent[len(recent) // 2]
+        self._common = high if high - low <= BEHIND else low
         if abs(self._common - before) > SET:
             self._newest, self._reached, self._clock = math.nan, -math.inf, None
             for lags in self._lags.values():
                 lags.clear()
-        return abs(time - arrived - self._common) > APART
+        apart = not -BEHIND <= time - arrived - self._common <= AHEAD
+        if not apart:
+            for one in changes:
+                self._strays.pop(one.column, None)
+        return apart
 
     def _tell_apart(self, time: float, changes: Sequence[Change]) -> None:
-        """Leave out changes of another clock, and tell once of each variable that does not come to its senses."""
-        by = time - changes[0].arrived - self._common
+        """Leave out stamps of another clock; the newest readings hold until it is told that they are left out."""
+        arrived = changes[0].arrived
         for one in changes:
-            self._held.pop(one.column, None)
-            self._apart[one.column] += 1
-            if self._apart[one.column] == TOLD_AT:
-                where = f"{duration_said(abs(by))} {'ahead of' if by > 0.0 else 'behind'}"
-                self.notes.append(
-                    f"the stamps of {one.column} are {where} those of the other variables: its readings "
-                    "are left out. Let one clock give the stamps of all variables"
-                )
+            stray = self._strays.setdefault(one.column, _Stray(arrived))
+            stray.by, stray.count = time - arrived - self._common, stray.count + 1
+            if one.column in self._held and not stray.told:
+                self._held[one.column] = one.value
+        self._tell_strays(arrived)
+
+    def _tell_strays(self, now: float) -> None:
+        """Tell of each variable of another clock that does not come to its senses, and hold it no more."""
+        for column, stray in self._strays.items():
+            if stray.told or (stray.count < TOLD_AT and now - stray.since < TOLD_AFTER):
+                continue
+            stray.told = True
+            self._held.pop(column, None)
+            if column in self._told:
+                continue
+            self._told.add(column)
+            where = f"{duration_said(abs(stray.by))} {'ahead of' if stray.by > 0.0 else 'behind'}"
+            self.notes.append(
+                f"the stamps of {column} are {where} those of the other variables: its readings "
+                "are left out. Let one clock give the stamps of all variables"
+            )
 
     def _recorded(self, time: float, changes: Sequence[Change]) -> list[Record]:
         """The record of changes, behind those of stamps at which they are known by now to have held."""
         found, arrived = [], changes[0].arrived
+        self._rests = self._rests and changes[0].first
         values = dict.fromkeys(self._columns, math.nan)
         for one in changes:
             if one.column in self._held:
@@ -220,6 +250,8 @@ class Holding:
             # Nothing moves: a stamp tells when it stopped, and it stands there now.
             stamp, now = max(one.time for one in self._first), self._now() - clock.monotonic() + self._first[0].arrived
             begun = self._begin(now if 0.0 < now - stamp < DAY else stamp)
+            self._rests = True
+        self._tell_strays(alive)
         if self._clock is None or not self._held:
             return begun
         # What was measured a little before may be on its way.
@@ -229,6 +261,9 @@ class Holding:
     def _still(self, last: float) -> list[Record]:
         """Records of what is held, at the sampling interval up to a stamp."""
         assert self._clock is not None
+        known = self._rests or any(self._usual(name) is not None for name in self._held)
+        if not known and last - self._newest < LONGEST:
+            return []
         (time, arrived), step = self._clock, self.interval
         found = []
         while self._reached + step <= last:
