@@ -44,7 +44,10 @@ def late_start(result: Any) -> str:
     Its `at_start` is then the values of that time.
     """
     start = getattr(result, "start", {})
-    time = float((start if "time" in start else result)["time"][0])
+    begins = start if "time" in start else result
+    if "time" not in begins:
+        return ""
+    time = float(begins["time"][0])
     return f"{time:.4g} s, where the result begins" if time > 0.0 else ""
 
 
