@@ -734,7 +734,7 @@ WARNINGS = {
     ),
     "a penalty that rounding spoils": (
         TEXT,
-        *added("Penalty7: {id: 1, nodes7: [2, 3], constr: 0, p_spring: 1.0e12}"),
+        *added("Penalty7: {id: 1, nodes7: [2, 3], constr: 0, p_spring: 1.0e16}"),
         "p_spring",
         "rounding eats",
     ),

@@ -112,7 +112,8 @@ def test_a_gif_holds_its_pictures(stage, tmp_path):
 
 def test_an_interrupted_film_leaves_the_earlier_one_and_nothing_else(stage, tmp_path):
     path = tmp_path / "a.mp4"
-    path.write_bytes(b"the earlier one")
+    earlier = b"\0\0\0\x18ftypmp42 the earlier one"
+    path.write_bytes(earlier)
 
     def interrupt(done: int, total: int) -> None:
         if done == 3:
@@ -120,7 +121,7 @@ def test_an_interrupted_film_leaves_the_earlier_one_and_nothing_else(stage, tmp_
 
     with pytest.raises(KeyboardInterrupt):
         film(stage, path, cut(TIME), interrupt)
-    assert path.read_bytes() == b"the earlier one"
+    assert path.read_bytes() == earlier
     assert list(tmp_path.iterdir()) == [path]
 
 
