@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.newton import DONE, SINGULAR
-from tautline.integrators.state import WORST, book_losses, book_work, restore, watch
+from tautline.integrators.state import WORST, book_losses, book_work, restore, watch, work_of_means
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add, turned_by
 from tautline.kernels import groups as over
@@ -247,7 +247,7 @@ def account(method, groups, dofs, t, state):
     """
     if method.coupled:
         _react(groups, dofs, t, state)
-    book_work(groups, dofs, state, t, method.power)
+    book_work(groups, dofs, state, t, method.power, work_of_means(dofs, state))
 
 
 @kernel

@@ -8,7 +8,18 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.newton import DONE, SAME_STEP, Corrector, correct, corrector
-from tautline.integrators.state import WORST, book_losses, book_motion, book_push, book_work, keep_ends, stand_at, watch
+from tautline.integrators.state import (
+    STATES,
+    WORST,
+    book_losses,
+    book_motion,
+    book_work,
+    keep_ends,
+    stand_at,
+    watch,
+    work_of_means,
+    work_of_push,
+)
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
@@ -30,7 +41,7 @@ AT_ONCE = 1.0e-9
 """Length of a step, over that of the step under way, in which nothing but accelerations changes."""
 STILL = -1
 """Order of the prediction that nothing moves."""
-VECTOR, STATES = form_of(np.zeros(0)), form_of(np.zeros((0, 0)))
+VECTOR = form_of(np.zeros(0))
 
 
 class GeneralizedAlpha(NamedTuple):
@@ -307,10 +318,15 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         _forget_what_is_held(dofs, state)
     book_losses(groups, state, t, h, m.power)
     if bends:
-        book_push(groups, dofs, functions, state, t + h, h, h * counted, m.power)
-        _go_on_from_bend(dofs, functions, state, t + h, h)
+        work = work_of_push(
+            dofs, functions, state.full_q, state.full_v, state.residual, state.entered, state.middle[0], t + h, h,
+            h * counted,
+        )  # fmt: skip
     else:
-        book_work(groups, dofs, state, t + h, m.power)
+        work = work_of_means(dofs, state)
+    book_work(groups, dofs, state, t + h, m.power, work)
+    if bends:
+        _go_on_from_bend(dofs, functions, state, t + h, h)
     m.bent[0] = 1 if bends else 0
     return DONE
 

@@ -8,10 +8,12 @@ import numpy as np
 
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, prescribe
+from tautline.kernels.dofs import DOFS, VECTOR, expand, prescribe
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, lane, larger, largest, spread, total, where, within
-from tautline.kernels.time_function import evaluate
+from tautline.kernels.memory import form_of
+from tautline.kernels.separate import separate
+from tautline.kernels.time_function import FUNCTIONS, evaluate
 from tautline.system.system import System
 
 STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST, ROWS = range(6)
@@ -29,6 +31,7 @@ and where that was looked at last the kinetic energy (J) that there would not be
 the work since then (J), and in how many steps."""
 TOGETHER = 8
 """Steps of a steady flow whose work is booked together: its energy takes two evaluations of all energies."""
+STATES = form_of(np.zeros((0, 0)))
 SAME_RATE = 1.0e-12
 """Change of a flow's rate over it that is rounding."""
 
@@ -266,12 +269,24 @@ def _less_what_flows(groups, dofs, state, t, work):
 
 
 @kernel
-def book_work(groups, dofs, state, t, power):
+def book_work(groups, dofs, state, t, power, work):
     """Book the work done on the system since the last entry, up to time t.
 
-    Held degrees of freedom: the mean of the force at both ends times the displacement. Other drives and what flows in:
-    the mean of the powers at both ends.
+    ``work``, J, is that of held degrees of freedom: of `work_of_means`, or where one was pushed `work_of_push`. Of
+    other drives and of what flows in it is the mean of the powers at both ends.
     """
+    keep_ends(dofs, state)
+    power.fill(0.0)
+    over.supply(groups, t, state.full_q, state.full_v, power)
+    work += 0.5 * (t - state.ledger[TIME]) * (power[0] + state.ledger[POWER])
+    state.ledger[TIME], state.ledger[POWER] = t, power[0] + power[1]
+    state.ledger[WORK] += work
+    state.ledger[THROUGHPUT] += abs(_less_what_flows(groups, dofs, state, t, work) if dofs.flowing.size > 0 else work)
+
+
+@kernel(forceinline=True)
+def work_of_means(dofs, state):
+    """Work of held degrees of freedom since the last entry: the mean of the force at both ends times the way."""
     work = 0.0
     for k in dofs.driven:
         i = dofs.held[k]
@@ -281,48 +296,31 @@ def book_work(groups, dofs, state, t, power):
             if dofs.unknown[k] < 0:
                 j = -1 - dofs.unknown[k]
                 work += dofs.factor[k] * _mean_force(state, i) * (state.full_q[j] - state.entered[0, j])
-    keep_ends(dofs, state)
-    _book_all_work(groups, dofs, state, t, power, work)
+    return work
 
 
-@kernel
-def book_push(groups, dofs, functions, state, t, h, impulse, power):
-    """Book the work of a step of length h up to t in which a function bends, as `book_work` does that of others.
+@separate(float, DOFS, FUNCTIONS, VECTOR, VECTOR, VECTOR, STATES, VECTOR, float, float, float, late=True)
+def work_of_push(dofs, functions, full_q, full_v, residual, entered, ways, t, h, impulse):
+    """Work of what is held in a step of length h up to t in which a function bends, for `book_work`.
 
     The force at its end is that of a push, of which ``impulse``, s, times the force is the impulse. Its work is that
-    times the mean of the speeds at both ends. The rest is the force of before.
+    times the mean of the speeds at both ends. The rest is the force of before. ``ways`` (n_full,) is scratch.
     """
-    ways = state.middle[0]
-    ways.fill(0.0)  # what is fixed goes no way
+    for i in range(ways.size):
+        ways[i] = 0.0  # what is fixed goes no way
     work = 0.0
     for k in dofs.driven:
         i = dofs.held[k]
-        ways[i] = 0.5 * impulse * (evaluate(functions, dofs.motion[k], t - h)[1] + state.full_v[i])
-        work += _pushed(state, ways, i, i)
+        ways[i] = 0.5 * impulse * (evaluate(functions, dofs.motion[k], t - h)[1] + full_v[i])
+        force = entered[1, i]
+        work += force * (full_q[i] - entered[0, i]) + (residual[i] - force) * ways[i]
     for i in dofs.carried:
+        force = entered[1, i]
         for k in range(dofs.start[i], dofs.start[i + 1]):
             if dofs.unknown[k] < 0:
-                work += dofs.factor[k] * _pushed(state, ways, i, -1 - dofs.unknown[k])
-    keep_ends(dofs, state)
-    _book_all_work(groups, dofs, state, t, power, work)
-
-
-@kernel(forceinline=True)
-def _pushed(state, ways, i, j):
-    """Work of what holds degree of freedom i, which moves with j: of the force of before, and of a push over a way."""
-    force = state.entered[1, i]
-    return force * (state.full_q[j] - state.entered[0, j]) + (state.residual[i] - force) * ways[j]
-
-
-@kernel
-def _book_all_work(groups, dofs, state, t, power, work):
-    """Book the work of what is held up to time t, with that of other drives and of what flows in."""
-    power.fill(0.0)
-    over.supply(groups, t, state.full_q, state.full_v, power)
-    work += 0.5 * (t - state.ledger[TIME]) * (power[0] + state.ledger[POWER])
-    state.ledger[TIME], state.ledger[POWER] = t, power[0] + power[1]
-    state.ledger[WORK] += work
-    state.ledger[THROUGHPUT] += abs(_less_what_flows(groups, dofs, state, t, work) if dofs.flowing.size > 0 else work)
+                j = -1 - dofs.unknown[k]
+                work += dofs.factor[k] * (force * (full_q[j] - entered[0, j]) + (residual[i] - force) * ways[j])
+    return work
 
 
 @kernel(forceinline=True)

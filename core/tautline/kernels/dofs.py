@@ -17,7 +17,8 @@ from tautline.kernels.lanes import load, store
 from tautline.kernels.matrix import add_at, have_cleared
 from tautline.kernels.memory import form_of
 from tautline.kernels.numba_registration import is_array
-from tautline.kernels.time_function import evaluate
+from tautline.kernels.separate import separate
+from tautline.kernels.time_function import FUNCTIONS, evaluate
 
 HELD, TIED = -1, -2
 """Marks in ``Dofs.number`` of degrees of freedom that are not simply one unknown."""
@@ -83,6 +84,7 @@ def runs_of(free: np.ndarray) -> np.ndarray:
 
 DOFS = form_of(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
 """The type of :class:`Dofs` in compiled code."""
+VECTOR = form_of(np.zeros(0))
 
 
 @kernel(forceinline=True)
@@ -129,7 +131,7 @@ def prescribe_end(dofs, functions, t, h, gamma, q, v, a):
     return bends
 
 
-@kernel
+@separate(type(None), DOFS, FUNCTIONS, float, float, VECTOR, late=True)
 def prescribe_lasting(dofs, functions, t, h, a):
     """Set the accelerations of what follows a function that has bent in the step of length h before t, to go on with.
 
@@ -146,7 +148,7 @@ def prescribe_lasting(dofs, functions, t, h, a):
         a[i] = a1
 
 
-@kernel
+@separate(bool, FUNCTIONS, int, float, float, float, float, float, late=True)
 def _matters(functions, motion, t, h, changed, a0, a1):
     """Whether a change of speed that the ends of a step before t do not show counts beside what is nearby.
 
