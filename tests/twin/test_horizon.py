@@ -141,3 +141,21 @@ def test_one_wild_sample_does_not_move_the_estimate():
     y[40] = 300.0
     horizon = fed(Horizon([unknown("a", 3.0, 1.0)], [channel(0.05)], 3.0), 0.1 * np.arange(60), y, np.ones((60, 1)))
     assert abs(horizon.mean[0] - 3.0) < 0.06
+
+
+@pytest.mark.parametrize(("left_before", "remembered"), [(60.0, 0.6), (1.2, 1.2)])
+def test_what_a_first_guess_left_unexplained_is_forgotten_and_noise_of_inputs_is_not(left_before, remembered):
+    rng = np.random.default_rng(4)
+    noise = {k: rng.standard_normal(1) for k in range(40)}
+
+    def rows(size):
+        row = np.array([[1.0, 0.0]])
+        return [Sample(0.1 * k, 3.0 + size * noise[k], np.zeros(1), row, np.ones(1, bool)) for k in range(40)]
+
+    horizon = Horizon([unknown("a", 3.0, 5.0), unknown("swing", 0.0, 1.0)], [channel(1.0)], 5.0, free=1)
+    for one in rows(left_before):
+        horizon.add(one)
+    # The same readings beside simulations that were begun anew with what was found: their own noise alone is left.
+    horizon.replaced(rows(remembered), np.zeros(2))
+    assert np.sqrt(horizon.spread[0]) == pytest.approx(remembered, rel=0.3)
+    assert horizon.learned[0] == (1.0 if left_before > 2.0 * remembered else 34.0)

@@ -49,11 +49,15 @@ UNSURE = 1.25
 """By how much the autocorrelation time of so few residuals may be too short."""
 SHORT = 1.6
 """By how much the sum of autocorrelations of a window is too small."""
+FULL = 0.95
+"""Share of a window over which samples go that fill it: the next one may be late."""
 BENT = 0.5
 """Share of the way from where it was linearised by which an estimate may be wrong."""
 MISSED, MOST_MISSED = 2.0, 100.0
 """Time over which it is averaged by how much rows miss what is expected of them, s; and standard deviations of the
 sensor that one counts as at most."""
+FAR_LESS = 4.0
+"""How many times less a window leaves unexplained, linearised anew, where what was left before was no noise."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
@@ -168,6 +172,7 @@ class Horizon:
         self.missed, self.told, self.missed_at = np.zeros(m), np.zeros(m), np.nan
         self.variance = np.zeros(m)
         self.alike, self.learned = np.ones(m), np.zeros(m)
+        self._anew = False
 
     # -- samples -------------------------------------------------------------------------------------------------------
 
@@ -192,10 +197,12 @@ class Horizon:
             self.prior[np.ix_(lasting, lasting)] = known
             self.prior_mean = np.where(self.free, 0.0, self.prior_mean)
             self.mean = np.where(self.free, 0.0, self.mean)
+            self._anew = True
         else:
             # What was left unexplained was left by a linearisation elsewhere.
             self.learned[:] = 0.0
         self.solve()
+        self._anew = False
 
     def begin_again(self) -> None:
         """Forget all samples, and how well the estimate is known; the estimate is the start of a new one."""
@@ -205,6 +212,11 @@ class Horizon:
         self.prior_time = np.nan
         self.learned[:] = 0.0
         self.mean, self.covariance = self.prior_mean.copy(), np.diag(self.first_sd**2)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether the samples go over the window."""
+        return bool(self.samples) and self.samples[-1].time - self.samples[0].time >= FULL * self.window
 
     def cost(self, samples: Sequence[Sample], theta0: np.ndarray, anew: bool) -> float:
         """Mean square of what a window leaves unexplained, in standard deviations, at its own best estimate.
@@ -407,6 +419,9 @@ class Horizon:
             part = (own - np.median(own)) / sd[use[:, i], i]
             power = float(np.median(np.abs(part)) / 0.6745) ** 2
             part = np.clip(part, -LARGEST_RESIDUAL * power**0.5, LARGEST_RESIDUAL * power**0.5)
+            if self._anew and FAR_LESS * power < self.spread[i]:
+                # A first guess far away has left it. Noise of inputs is left by every linearisation.
+                self.learned[i] = 0.0
             self.learned[i] += 1.0
             keep = max(3.0 * share, 1.0 / self.learned[i])
             self.spread[i] += keep * (power - self.spread[i])
