@@ -14,17 +14,15 @@ from tautline.integrators.state import (
     book_losses,
     book_motion,
     book_work,
-    keep_ends,
     stand_at,
     watch,
     work_of_means,
-    work_of_push,
 )
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
 from tautline.kernels.changes import COUNT
-from tautline.kernels.dofs import expand, prescribe_end, prescribe_lasting
+from tautline.kernels.dofs import DOFS, JUMPING, LASTING, prescribe_bends, prescribe_end, push, time_of_bends
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.memory import form_of
@@ -39,6 +37,9 @@ DEPTH = 3
 """Steps whose accelerations are kept: a parabola goes through that of the state and two before it."""
 AT_ONCE = 1.0e-9
 """Length of a step, over that of the step under way, in which nothing but accelerations changes."""
+BEND, MEAN, LAST = 6, 4, 2
+"""Solutions for accelerations alone that are to come where a function bends: with those that last, with the jump in
+them, and behind the push. Each is made twice: the force that holds what is driven is then that of what was found."""
 STILL = -1
 """Order of the prediction that nothing moves."""
 VECTOR = form_of(np.zeros(0))
@@ -52,8 +53,9 @@ class GeneralizedAlpha(NamedTuple):
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
-    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``bent`` (1,) is 1 where a
-    function of time bent in the last step: what it pushed has got all of that, and accelerations are found anew.
+    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``unpushed`` (n,) are the
+    velocities at the start of the step under way before a function that bends in it pushed, and ``driven`` the
+    accelerations there of what follows functions.
     """
 
     alpha_m: float
@@ -71,7 +73,8 @@ class GeneralizedAlpha(NamedTuple):
     history: np.ndarray
     newest: np.ndarray
     order: np.ndarray
-    bent: np.ndarray
+    unpushed: np.ndarray
+    driven: np.ndarray
 
 
 def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
@@ -230,30 +233,62 @@ def _forget_what_is_held(dofs, state):
             state.auxiliary[i] = 0.0
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
-def _keep_start(q, v, a, auxiliary, keep):
-    """Remember the start of a step at which a mass or a speed jumps: ``keep`` (4, n), as `restore` puts it back."""
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, VECTOR, late=True)
+def _keep_start(q, v, a, auxiliary, keep, unpushed):
+    """Remember the start of a step at which a mass or a speed jumps, as `_take_start` puts it back."""
     for i in range(q.size):
-        keep[0, i], keep[1, i], keep[2, i], keep[3, i] = q[i], v[i], a[i], auxiliary[i]
+        keep[0, i], keep[1, i], keep[2, i], keep[3, i], unpushed[i] = q[i], v[i], a[i], auxiliary[i], v[i]
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, VECTOR, float, late=True)
-def _take_settled(q, v, a, auxiliary, keep, before, lead):
-    """Begin the step with the accelerations that were found, as a run begins.
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, float, late=True)
+def _take_settled(q, v, a, auxiliary, keep, ahead):
+    """Begin the step with the accelerations that were found.
 
     Position and velocity, which the corrector has moved by next to nothing, are what they were. The auxiliary
-    acceleration is that at another time, by the part ``lead`` of a step: so much of its change since ``before``, a step
-    ago, is ahead. Without it each bend of many would take a share of the motion.
+    acceleration is that at another time: by the part ``ahead`` it stays as far away as it was before, or each bend of
+    many would take a share of the motion.
     """
     for i in range(q.size):
-        q[i], v[i], auxiliary[i] = keep[0, i], keep[1, i], a[i] + lead * (a[i] - before[i])
+        q[i], v[i], auxiliary[i] = keep[0, i], keep[1, i], a[i] + ahead * (keep[3, i] - keep[2, i])
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
-def _take_start(q, v, a, auxiliary, keep):
+@separate(type(None), VECTOR, VECTOR, VECTOR, STATES, float, late=True)
+def _push_free(v, a, lasting, keep, h):
+    """Give what is free the speeds of a push: by h times what the means of a step make of accelerations."""
+    for i in range(v.size):
+        keep[1, i] += h * (a[i] - lasting[i])
+        v[i] = keep[1, i]
+
+
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, VECTOR, late=True)
+def _take_start(q, v, a, auxiliary, keep, unpushed):
     """Go back to the start that was remembered."""
     for i in range(q.size):
-        q[i], v[i], a[i], auxiliary[i] = keep[0, i], keep[1, i], keep[2, i], keep[3, i]
+        q[i], v[i], a[i], auxiliary[i] = keep[0, i], unpushed[i], keep[2, i], keep[3, i]
+
+
+@separate(float, VECTOR, VECTOR, STATES, float, late=True)
+def _misplaced(length, unpushed, keep, late):
+    """How far what was pushed at the start of a step, and in truth up to ``late``, s, later, is away by that, m."""
+    most = 0.0
+    for i in range(unpushed.size):
+        most = max(most, length[i] * abs(keep[1, i] - unpushed[i]))
+    return late * most
+
+
+@separate(type(None), DOFS, VECTOR, STATES, late=True)
+def _enter_pushed(dofs, forces, entered):
+    """Let the work of a step begin with the full forces (n_full,) behind its push."""
+    for k in dofs.driven:
+        entered[1, dofs.held[k]] = forces[dofs.held[k]]
+    for i in dofs.carried:
+        entered[1, i] = forces[i]
+
+
+@separate(type(None), VECTOR, VECTOR, late=True)
+def _copy(source, target):
+    for i in range(source.size):
+        target[i] = source[i]
 
 
 @kernel(forceinline=True)
@@ -269,73 +304,81 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     m.corrector.changed[COUNT] = 0
     over.jump(groups, m.corrector.changed)
     # Once through, but where a mass or a speed has jumped: then accelerations are found first, by the same corrector.
-    # Where a speed has, once more: the force that holds what is driven is that of the accelerations which were found.
-    settling = 2 if m.bent[0] > 0 else 1 if m.corrector.changed[COUNT] > 0 else 0
-    jump, bends = settling > 0, False
+    settling = 1 if m.corrector.changed[COUNT] > 0 else 0
+    jump, pushed, ahead, work = settling > 0, False, 0.0, 0.0
+    if jump:
+        _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
+    for k in range(m.driven.size):
+        m.driven[k] = state.full_a[dofs.held[dofs.driven[k]]]
     while True:
         if settling > 0:
-            _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+            if pushed:
+                which = JUMPING if LAST < settling <= MEAN else LASTING
+                prescribe_bends(dofs, functions, t, h, which, state.full_a)
             end, by_a, by_v = t, beta / (AT_ONCE * AT_ONCE), gamma / AT_ONCE
         else:
             _predict(m, state, h, ratio)
-            counted = m.gamma * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
-            bends = prescribe_end(dofs, functions, t + h, h, counted, state.full_q, state.full_v, state.full_a)
+            equal = m.tolerance == 0.0
+            bends = prescribe_end(dofs, functions, t + h, h, equal, state.full_q, state.full_v, state.full_a)
+            if bends and not pushed:
+                _go_back(m, state)
+                stand_at(dofs, functions, state, t)
+                if not jump:
+                    _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
+                    ahead = 1.0
+                jump, pushed, settling = True, True, BEND
+                continue
+            if pushed:
+                prescribe_bends(dofs, functions, t, h, LASTING, state.full_a)
             end, by_a, by_v = t + h, beta, gamma
         status = correct(m.corrector, groups, dofs, state, end, by_a, by_v)
         if settling == 0 or status != DONE:
             break
-        lead = m.alpha_m - m.alpha_f if m.bent[0] > 0 else 0.0
-        before = m.history[(m.newest[0] + 2) % DEPTH]
-        _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, before, lead)
+        _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, ahead)
         m.order[0] = 0  # accelerations of before tell nothing of those to come
         settling -= 1
-        if settling == 0:
-            if m.bent[0] > 0:
-                keep_ends(dofs, state)
+        if settling == MEAN:
+            _copy(state.a, state.middle[0])
+            _copy(state.residual, state.middle[1])
+        elif settling == LAST:
+            _push_free(state.v, state.a, state.middle[0], state.keep, h)
+            work = push(
+                dofs, functions, t, h, state.full_v, state.residual, state.middle[1], state.middle[0]
+            )  # fmt: skip
+        elif settling == 0:
+            _copy(state.residual, state.middle[1])
             over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
-    jumped = bends or m.corrector.changed[1] > 0
     if status == DONE and m.tolerance > 0.0:
         m.control[0] = _local_error(m, state, h)
+        if pushed:
+            late = time_of_bends(dofs, functions, t, h)
+            m.control[0] = max(m.control[0], _misplaced(m.length, m.unpushed, state.keep, late))
         if m.control[0] > m.tolerance:
             status = INACCURATE
     if status == DONE:
         status = watch(groups, dofs, state, t + h, m.corrector.changed)
     if status != DONE:
         if jump:
-            _take_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+            _take_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
         else:
             _go_back(m, state)
         stand_at(dofs, functions, state, t)
-        if m.bent[0] > 0:
-            _go_on_from_bend(dofs, functions, state, t, m.last_step[0])
+        for k in range(m.driven.size):
+            # What was found with what lasts behind a bend is in balance with that alone.
+            state.full_a[dofs.held[dofs.driven[k]]] = m.driven[k]
         return status
     for i in m.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0
-    _accept(m, state, h, ratio, jumped)
+    if pushed:
+        _enter_pushed(dofs, state.middle[1], state.entered)
+    _accept(m, state, h, ratio, pushed or m.corrector.changed[1] > 0)
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     if over.may_switch(groups):
         _forget_what_is_held(dofs, state)
     book_losses(groups, state, t, h, m.power)
-    if bends:
-        work = work_of_push(
-            dofs, functions, state.full_q, state.full_v, state.residual, state.entered, state.middle[0], t + h, h,
-            h * counted,
-        )  # fmt: skip
-    else:
-        work = work_of_means(dofs, state)
-    book_work(groups, dofs, state, t + h, m.power, work)
-    if bends:
-        _go_on_from_bend(dofs, functions, state, t + h, h)
-    m.bent[0] = 1 if bends else 0
+    book_work(groups, dofs, state, t + h, m.power, work + work_of_means(dofs, state))
     return DONE
-
-
-@kernel
-def _go_on_from_bend(dofs, functions, state, t, h):
-    """Give what follows functions the accelerations to go on with at t, behind a step of length h in which one bent."""
-    prescribe_lasting(dofs, functions, t, h, state.full_a)
-    expand(dofs, state.a, state.full_a)
 
 
 def amplification(m: GeneralizedAlpha, turn: float) -> complex:
@@ -381,8 +424,8 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
     return GeneralizedAlpha(
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
-        np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros(1, np.int64),
+        np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(system.size),
+        np.zeros(system.dofs.driven.size),
     )  # fmt: skip
 
 

@@ -8,12 +8,10 @@ import numpy as np
 
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import DOFS, VECTOR, expand, prescribe
+from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, lane, larger, largest, spread, total, where, within
 from tautline.kernels.memory import form_of
-from tautline.kernels.separate import separate
-from tautline.kernels.time_function import FUNCTIONS, evaluate
 from tautline.system.system import System
 
 STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST, ROWS = range(6)
@@ -154,7 +152,7 @@ def open_ledger(groups, dofs, state, t, power):
         state.passed[i] = state.entered[0, i] = state.full_q[i]
     if dofs.flowing.size > 0:
         state.ledger[FLOW], state.ledger[RATE] = _energy_of_flow(groups, dofs, state, t), _rate_of_flow(dofs, state)
-    keep_ends(dofs, state)
+    _keep_ends(dofs, state)
     power.fill(0.0)
     over.supply(groups, t, state.full_q, state.full_v, power)
     state.ledger[POWER] = power[0] + power[1]
@@ -217,7 +215,7 @@ def _energy_of_flow(groups, dofs, state, t):
 
 
 @kernel(forceinline=True)
-def keep_ends(dofs, state):
+def _keep_ends(dofs, state):
     """Keep what the next step's work is a mean and a difference of; a rope has far more than is held of it."""
     for k in dofs.driven:
         i = dofs.held[k]
@@ -272,10 +270,10 @@ def _less_what_flows(groups, dofs, state, t, work):
 def book_work(groups, dofs, state, t, power, work):
     """Book the work done on the system since the last entry, up to time t.
 
-    ``work``, J, is that of held degrees of freedom: of `work_of_means`, or where one was pushed `work_of_push`. Of
-    other drives and of what flows in it is the mean of the powers at both ends.
+    ``work``, J, is that of held degrees of freedom, see `work_of_means`. Of other drives and of what flows in it is the
+    mean of the powers at both ends.
     """
-    keep_ends(dofs, state)
+    _keep_ends(dofs, state)
     power.fill(0.0)
     over.supply(groups, t, state.full_q, state.full_v, power)
     work += 0.5 * (t - state.ledger[TIME]) * (power[0] + state.ledger[POWER])
@@ -296,30 +294,6 @@ def work_of_means(dofs, state):
             if dofs.unknown[k] < 0:
                 j = -1 - dofs.unknown[k]
                 work += dofs.factor[k] * _mean_force(state, i) * (state.full_q[j] - state.entered[0, j])
-    return work
-
-
-@separate(float, DOFS, FUNCTIONS, VECTOR, VECTOR, VECTOR, STATES, VECTOR, float, float, float, late=True)
-def work_of_push(dofs, functions, full_q, full_v, residual, entered, ways, t, h, impulse):
-    """Work of what is held in a step of length h up to t in which a function bends, for `book_work`.
-
-    The force at its end is that of a push, of which ``impulse``, s, times the force is the impulse. Its work is that
-    times the mean of the speeds at both ends. The rest is the force of before. ``ways`` (n_full,) is scratch.
-    """
-    for i in range(ways.size):
-        ways[i] = 0.0  # what is fixed goes no way
-    work = 0.0
-    for k in dofs.driven:
-        i = dofs.held[k]
-        ways[i] = 0.5 * impulse * (evaluate(functions, dofs.motion[k], t - h)[1] + full_v[i])
-        force = entered[1, i]
-        work += force * (full_q[i] - entered[0, i]) + (residual[i] - force) * ways[i]
-    for i in dofs.carried:
-        force = entered[1, i]
-        for k in range(dofs.start[i], dofs.start[i + 1]):
-            if dofs.unknown[k] < 0:
-                j = -1 - dofs.unknown[k]
-                work += dofs.factor[k] * (force * (full_q[j] - entered[0, j]) + (residual[i] - force) * ways[j])
     return work
 
 

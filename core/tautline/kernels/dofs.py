@@ -98,71 +98,141 @@ def prescribe(dofs, functions, t, q, v, a):
         a[i] = second
 
 
-BENT, ROUNDED = 0.04, 1e-6
-"""What a step loses of a change of speed, over the step and the larger of the accelerations at its ends, from which on
-a function bends within it; and over the speeds, below which that is rounding.
+BENT, STRICT, ROUNDED = 0.055, 0.005, 1e-6
+"""What accelerations at the ends of steps may leave of a change of speed, over the step and the accelerations nearby,
+before a function bends; the same where steps differ, of which one does not make up for another; and over the speeds,
+below which that is rounding.
 
-A sine that takes ten steps in a period loses 0.033.
+The mean of both ends leaves 0.033 of a sine that takes ten steps in a period, a cubic 0.05 of one that takes five.
 """
+LASTING, JUMPING = range(2)
+"""Accelerations where a function bends in a step: those to go on with, and with the jump spread over the step."""
+BESIDE = 1e-6
+"""How far beside an instant, over a step, both sides of a corner are seen."""
 
 
 @kernel(forceinline=True)
-def prescribe_end(dofs, functions, t, h, gamma, q, v, a):
+def prescribe_end(dofs, functions, t, h, equal, q, v, a):
     """Set what follows a function of time to where it is at t, the end of a step of length h; whether any bends in it.
 
-    The vectors hold the start of the step. Between its ends a function may jump in speed, or change it within less
-    time than the step takes: a valve shuts, a table has a corner. The accelerations at the ends do not show that, and
-    what is carried along would never feel its push, or ten times of it. Where one bends, its acceleration at the end
-    is that with which a step that counts the part ``gamma`` of it makes all of the change of speed.
+    The vectors hold the start of the step; ``equal`` says whether steps are all as long as this one. Between its ends a
+    function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
+    The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
+    it.
     """
     bends = False
     for k in dofs.driven:
         i = dofs.held[k]
         value, rate, second = evaluate(functions, dofs.motion[k], t)
-        changed = rate - v[i]
-        if _is_unseen(changed, h, a[i], second, v[i], rate) and _matters(
-            functions, dofs.motion[k], t, h, changed, a[i], second
-        ):
-            bends = True
-            second = (changed / h - (1.0 - gamma) * a[i]) / gamma
+        lost = abs(rate - v[i] - 0.5 * h * (a[i] + second))
+        few = BENT if equal else STRICT
+        if lost > few * h * max(abs(a[i]), abs(second)) and lost > ROUNDED * max(abs(v[i]), abs(rate)):
+            bends = not equal or _bends(functions, dofs.motion[k], t, h, v[i], a[i]) or bends
         q[i] = dofs.offset[k] + value
         v[i] = rate
         a[i] = second
     return bends
 
 
-@separate(type(None), DOFS, FUNCTIONS, float, float, VECTOR, late=True)
-def prescribe_lasting(dofs, functions, t, h, a):
-    """Set the accelerations of what follows a function that has bent in the step of length h before t, to go on with.
+@separate(bool, FUNCTIONS, int, float, float, float, float, late=True)
+def _bends(functions, motion, t, h, v0, a0):
+    """Whether a function changes its speed in the step before t as accelerations at the ends of steps do not show.
 
-    What is to last for less than a step is no acceleration to go on with: that lies between the means of both steps.
+    Of a smooth motion one step makes too little of the change and another too much: nothing is lost of all of them. Its
+    change is that of a cubic through the accelerations at the ends of this step and of the steps beside it.
     """
-    for k in dofs.driven:
-        motion, i = dofs.motion[k], dofs.held[k]
-        _, v0, a0 = evaluate(functions, motion, t - h)
-        _, v1, a1 = evaluate(functions, motion, t)
-        before, after = (v1 - v0) / h, (evaluate(functions, motion, t + h)[1] - v1) / h
-        within = min(before, after) <= a1 <= max(before, after)
-        if not within and (_is_unseen(v1 - v0, h, a0, a1, v0, v1) or _is_unseen(after * h, h, a1, 0.0, v1, v1)):
-            a1 = 0.0 if before * after <= 0.0 else before if abs(before) < abs(after) else after
-        a[i] = a1
-
-
-@separate(bool, FUNCTIONS, int, float, float, float, float, float, late=True)
-def _matters(functions, motion, t, h, changed, a0, a1):
-    """Whether a change of speed that the ends of a step before t do not show counts beside what is nearby.
-
-    Where a smooth motion begins or ends its accelerations are next to nothing, and any part of them is a large one.
-    """
-    nearby = max(abs(evaluate(functions, motion, t - 3.0 * h)[2]), abs(evaluate(functions, motion, t + 2.0 * h)[2]))
-    return abs(changed - 0.5 * h * (a0 + a1)) > BENT * h * nearby
+    v1 = _speed(functions, motion, t)
+    inner = a0 + evaluate(functions, motion, t)[2]
+    outer = evaluate(functions, motion, t - 2.0 * h)[2] + evaluate(functions, motion, t + h)[2]
+    lost = abs(v1 - v0 - h * (13.0 * inner - outer) / 24.0)
+    # Where a smooth motion begins or ends its accelerations are next to nothing, and any part of them is a large one:
+    # what two steps nearby have in common counts. A jump nearby does not.
+    most = 0.0
+    before, last = _speed(functions, motion, t - 4.0 * h), 0.0
+    for k in range(-3, 4):
+        v = _speed(functions, motion, t + k * h)
+        change = abs(v - before)
+        most = max(most, min(change, last))
+        before, last = v, change
+    return lost > BENT * most and lost > ROUNDED * max(abs(v0), abs(v1))
 
 
 @kernel(forceinline=True)
-def _is_unseen(changed, h, a0, a1, v0, v1):
-    """Whether a change of speed in a step of length h is not that of the accelerations at its ends."""
-    lost = abs(changed - 0.5 * h * (a0 + a1))
-    return lost > BENT * h * max(abs(a0), abs(a1)) and lost > ROUNDED * max(abs(v0), abs(v1))
+def _speed(functions, motion, t):
+    return evaluate(functions, motion, t)[1]
+
+
+@kernel(forceinline=True)
+def _lasting(functions, motion, t, h):
+    """The acceleration with which a function goes on at t, over the next step of length h; 0 where it does not last.
+
+    It does where accelerations show how speed changes in that step, and no corner is at t.
+    """
+    _, v0, a0 = evaluate(functions, motion, t)
+    _, v1, a1 = evaluate(functions, motion, t + h)
+    left, right = evaluate(functions, motion, t - BESIDE * h)[2], evaluate(functions, motion, t + BESIDE * h)[2]
+    corner = abs(right - left) > BENT * max(abs(left), abs(right))
+    shown = abs(v1 - v0 - 0.5 * h * (a0 + a1)) <= BENT * h * max(abs(a0), abs(a1))
+    return a0 if shown and not corner else 0.0
+
+
+@kernel(forceinline=True)
+def _jump(functions, motion, t, h):
+    """The jump in speed of a function that bends in the step of length h from t, and the acceleration beside it.
+
+    That is the one to go on with, all over the step: a method that weighs accelerations of several steps would keep in
+    mind another at its begin, and bring it into steps of other lengths.
+    """
+    last = _lasting(functions, motion, t + h, h)
+    return _speed(functions, motion, t + h) - _speed(functions, motion, t) - h * last, last
+
+
+@separate(type(None), DOFS, FUNCTIONS, float, float, int, VECTOR, late=True)
+def prescribe_bends(dofs, functions, t, h, which, a):
+    """Set accelerations where a function bends in the step of length h from t: `LASTING`, or `JUMPING`.
+
+    What is smooth beside it jumps by what its acceleration at the end of the step lacks.
+    """
+    for k in dofs.driven:
+        jump, last = _jump(functions, dofs.motion[k], t, h)
+        a[dofs.held[k]] = last + jump / h if which == JUMPING else last
+
+
+@separate(float, DOFS, FUNCTIONS, float, float, VECTOR, VECTOR, VECTOR, VECTOR, late=True)
+def push(dofs, functions, t, h, v, residual, before, speeds):
+    """Let what bends in the step of length h from t jump in speed at t; returns the work that this takes, J.
+
+    The full residuals ``residual`` and ``before`` are those with the accelerations `JUMPING` and `LASTING`: h times
+    their difference is the impulse, and its work is that times the mean of the speeds before and after it. ``speeds``
+    is scratch.
+    """
+    for i in range(speeds.size):
+        speeds[i] = 0.0  # what is fixed goes no way
+    work = 0.0
+    for k in dofs.driven:
+        i = dofs.held[k]
+        jump, _ = _jump(functions, dofs.motion[k], t, h)
+        v[i] = _speed(functions, dofs.motion[k], t) + jump
+        speeds[i] = v[i] - 0.5 * jump
+        work += h * (residual[i] - before[i]) * speeds[i]
+    for i in dofs.carried:
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            if dofs.unknown[k] < 0:
+                work += dofs.factor[k] * h * (residual[i] - before[i]) * speeds[-1 - dofs.unknown[k]]
+    return work
+
+
+@separate(float, DOFS, FUNCTIONS, float, float, late=True)
+def time_of_bends(dofs, functions, t, h):
+    """How long after t a jump of `push` comes in truth, s: the most of all, by the way that is gone in the step."""
+    late = 0.0
+    for k in dofs.driven:
+        jump, last = _jump(functions, dofs.motion[k], t, h)
+        q0, v0, _ = evaluate(functions, dofs.motion[k], t)
+        q1, _, _ = evaluate(functions, dofs.motion[k], t + h)
+        if jump != 0.0:
+            late = max(late, min(h, abs((q1 - q0 - h * (v0 + jump + 0.5 * h * last)) / jump)))
+    return late
 
 
 SIX = 6
