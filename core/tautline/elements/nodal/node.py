@@ -77,7 +77,7 @@ class TimedForces(NamedTuple):
 
     An implicit step counts with half its length before its end and half that of the next one behind it, which is not
     known yet and taken for as long. ``settled`` (n, 4) is the share and the velocity, m/s, at the end of the last step,
-    and ``steps`` (3,) that step's length, that of the one under way, s, and 1 where this is implicit.
+    and ``steps`` (4,) that step's length, that of the one under way, s, 1 where this is implicit, and its start, s.
     """
 
     place: np.ndarray
@@ -92,7 +92,7 @@ class TimedForces(NamedTuple):
 def timed_forces(place: np.ndarray, value: np.ndarray, interval: np.ndarray) -> TimedForces:
     """A group of forces that have not acted yet."""
     n = len(place)
-    return TimedForces(place, value, interval, np.zeros(n), np.zeros(n), np.zeros((n, 4)), np.zeros(3))
+    return TimedForces(place, value, interval, np.zeros(n), np.zeros(n), np.zeros((n, 4)), np.zeros(4))
 
 
 @kernel
@@ -121,7 +121,7 @@ def _share_of_step(g, i, t, h):
 
 @kernel
 def _force_begin(g, t, h, beta, gamma, q, v, a):
-    g.steps[1], g.steps[2] = h, 1.0 if beta > 0.0 else 0.0
+    g.steps[1], g.steps[2], g.steps[3] = h, 1.0 if beta > 0.0 else 0.0, t
     # The acceleration that a run begins with counts for half a step of an implicit method.
     lasts = 0.5 * h if gamma < 0.0 else h
     for i in range(g.place.size):
@@ -136,9 +136,12 @@ def _force_begin(g, t, h, beta, gamma, q, v, a):
 
 @kernel
 def _force_residual(g, t, q, v, a, r):
+    # Accelerations that an implicit method finds anew at the start of a step are under the share of the one before.
+    anew = g.steps[2] > 0.0 and t == g.steps[3]
     for i in range(g.place.size):
+        acts = g.settled[i, 0] if anew else g.acts[i]
         for c in range(AXES):
-            r[g.place[i] + c] -= g.acts[i] * g.value[i, c]
+            r[g.place[i] + c] -= acts * g.value[i, c]
 
 
 @kernel
