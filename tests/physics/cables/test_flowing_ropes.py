@@ -10,13 +10,17 @@ from functools import cache
 import numpy as np
 import pytest
 from of_the_suite import studies
-from physics.cables.rope_text import GRAVITY, chain, element, model_of, node, straight
+from physics.cables.rope_text import GRAVITY, chain, element, model_of, node, scene, straight
 from scipy.optimize import brentq
 
+import tautline.cable.warnings  # noqa: F401  (its warnings are registered)
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.vibration.vibrations import vibrations
+from tautline.scene.warnings import warnings_of
 from tautline.simulation import simulate
 
 OVER = (1, 1, 1, 0, 0, 0, 0)
@@ -112,14 +116,15 @@ def test_the_energy_of_a_string_is_judged_alike_at_a_creeping_and_at_a_fast_flow
 
 
 # spans that are tied, each with one p for all of its nodes
-WAYS = {"multiplier": "LagMultipl", "augmented": "AugLagrange"}
+KEYS = {"multiplier": "LagMultipl", "augmented": "AugLagrange", "penalty": "Penalty"}
+WAYS = ("multiplier", "augmented")
 
 
-def spans(n, linear, way, first, inner=LOOSE, angle=0.0, stretch=1.0):
+def spans(n, linear, way, first, inner=LOOSE, angle=0.0, stretch=1.0, driven=False):
     """Items of two ropes of n elements each, in one line of 10 m, tied in the middle: r, r' and p.
 
     The p of all nodes of the first are those of node 0, of the second those of node n + 1. ``first`` is the BC of node
-    0, ``inner`` that of nodes within the line.
+    0, ``inner`` that of nodes within the line; ``driven`` lets function 1 drive p of node 0.
     """
     dof, along = (4 if linear else 7), np.array([np.cos(angle), 0.0, -np.sin(angle)])
     held = {0: first, 2 * n + 1: OVER}
@@ -128,14 +133,15 @@ def spans(n, linear, way, first, inner=LOOSE, angle=0.0, stretch=1.0):
         p = 5.0 * (i if i <= n else i - 1) / n / stretch
         bc = held.get(i, inner)
         bc = (*bc[:3], bc[6]) if linear else bc
-        items += node(i, stretch * p * along, None if linear else stretch * along, bc, p)
+        drive = (0,) * (dof - 1) + (1,) if driven and i == 0 else None
+        items += node(i, stretch * p * along, None if linear else stretch * along, bc, p, drive)
         if i not in (0, n + 1):
             master = 0 if i <= n else n + 1
             items += follows(i, master, 5.0 * (i - master) / n / stretch, dof)
         if i not in (n, 2 * n + 1):
             items += element(i, i, i + 1, linear=linear, EA=1.0e5)
     for what in (0, 1) if linear else (0, 1, 2):
-        items += f"  - {WAYS[way]}{dof}: {{id: {what}, nodes{dof}: [{n}, {n + 1}], constr: {what}}}\n"
+        items += f"  - {KEYS[way]}{dof}: {{id: {what}, nodes{dof}: [{n}, {n + 1}], constr: {what}}}\n"
     return items
 
 
@@ -181,3 +187,39 @@ def test_spans_whose_p_are_free_and_tied_begin_to_slide_together_with_g_sin_alph
     start_moving(model.system, state, 1e-3)
     sliding = state.full_a[: 7 * (2 * n + 2)].reshape(-1, 7)[:, 6]
     assert sliding == pytest.approx(-GRAVITY * np.sin(angle) / stretch, rel=1e-9)
+
+
+GROWING = "Function_VelocityDefined: {id: 1, pos0: 0, timeList: [0, 1], velocityList: [0, 3]}"
+RUNNING = "Function_VelocityDefined: {id: 1, pos0: 0, timeList: [-1, 1], velocityList: [1, 5]}"
+WAVING = "Function: {id: 1, value: {harmonic: {amplitude: 0.5, period: 2}}}"
+
+
+def flow_warnings(items, dof=7):
+    """What is said of ties of p of a scene, and with which rates of p nodes 4 and 5 begin to move."""
+    made = parse(scene(items, gravity=(0, 0, 0)))
+    told = [one.text for one in warnings_of("cable", made) if "on the other side of the tie" in one.text]
+    system = build(made).system
+    state = new_state(system)
+    start_moving(system, state, 1e-3)
+    return told, state.full_v[[5 * dof - 1, 6 * dof - 1]]
+
+
+@KINDS
+@pytest.mark.parametrize("way", [*WAYS, "penalty"])
+@pytest.mark.parametrize("drive", [GROWING, RUNNING, WAVING], ids=["growing", "running", "waving"])
+def test_a_tie_between_material_that_runs_and_material_that_stands_at_the_start_is_warned_of(drive, way, linear):
+    items = spans(4, linear, way, HELD, stretch=1.001, driven=True) + f"  - {drive}\n"
+    told, rates = flow_warnings(items, 4 if linear else 7)
+    assert rates[1] == 0.0
+    if rates[0] == 0.0:
+        assert told == []
+    else:
+        (text,) = told
+        assert f"at {rates[0]:.3g} m/s at node 4 " in text and "at 0 m/s at node 5," in text
+
+
+def test_material_that_runs_through_a_coupling_of_p_is_not_warned_of():
+    tied = spans(4, False, "multiplier", HELD, stretch=1.001, driven=True) + f"  - {RUNNING}\n"
+    (tie,) = [line for line in tied.splitlines() if "constr: 1" in line]
+    told, rates = flow_warnings(tied.replace(tie + "\n", follows(5, 4, 0.0)))
+    assert told == [] and rates == pytest.approx([3.0, 3.0])
