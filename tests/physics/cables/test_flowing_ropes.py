@@ -19,6 +19,7 @@ from tautline.cable.model.build import build
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.status import StoppedEarly
 from tautline.integrators.vibration.vibrations import vibrations
 from tautline.scene.warnings import warnings_of
 from tautline.simulation import simulate
@@ -97,6 +98,18 @@ def test_a_string_that_runs_at_v_between_eyelets_has_frequencies_n_c2_less_v2_ov
     # both planes alike; measured at most 1.1e-7 (cubic) and 1.3e-2 (linear, the second mode at 0.99 c)
     tolerance = 0.02 if linear else 1e-6
     assert found == pytest.approx(np.array([1, 1, 2, 2]) * first, rel=tolerance)
+
+
+@pytest.mark.parametrize(("part", "length"), [(1.02, LENGTH / STRETCH), (0.0, 1.01 * LENGTH)], ids=["fast", "pressed"])
+def test_a_string_that_is_refused_as_unstable_is_told_of_its_flow_where_it_has_one(part, length, monkeypatch):
+    monkeypatch.setattr("tautline.integrators.statics.stability.LEAVING", ())
+    monkeypatch.setattr("tautline.integrators.statics.stability.SHIFTS", ())
+    p = np.linspace(0.0, length, 9)
+    items = through(straight([0, 0, 0], [LENGTH, 0, 0], 8), p, part * WAVES / STRETCH, False, EA=EA)
+    with pytest.raises(StoppedEarly, match="is unstable") as stop:
+        simulate(model_of(items, gravity=(0, 0, 0), start="static"))
+    words = "faster than waves run along a rope" in stop.value.sentence, "more slowly" in stop.value.sentence
+    assert words == (part > 0.0, part > 0.0)
 
 
 # its energy
