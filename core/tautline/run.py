@@ -72,6 +72,8 @@ from tautline.system.model import Model
 
 BATCH = 0.25
 """Wall time, s, after which frames are stored, progress is shown and Ctrl-C is heard."""
+TOO_FAST = ", or where what flows is too fast: faster than waves run along a rope, or than a hose bears"
+"""A further cause of an unstable equilibrium, where anything flows."""
 PATIENCE = 2.0
 """Times that long, by the work of steps so far, after which Ctrl-C is heard in the middle of a frame that takes more
 work than those before."""
@@ -231,10 +233,13 @@ class Run:
         """Refuse an equilibrium that the least disturbance would leave, and keep how far it lies from the drawing."""
         names = self.model.system.names
         if negative > 0 and not self.model.confined:
+            dofs = self.model.system.dofs
+            flows = bool(np.any(self.state.full_v[dofs.flowing]))
             detail = (
                 f"the equilibrium that was found is unstable: the tangent has {pivots(negative)}, as where a rope "
                 "without bending stiffness is pressed, a column carries more than Euler's load, or a load stands on "
-                f"its head; give positions closer to those at rest, or take {self._other_start()}"
+                f"its head{TOO_FAST if flows else ''}; give positions closer to those at rest, "
+                f"{'let it flow more slowly, ' if flows else ''}or take {self._other_start()}"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
         self.began = static_start(names, self.state.q - drawn, self.model.system.places, self.model.system.q, negative)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.cable.input.couplings import APART, coupling_gap, value_of
+from tautline.cable.input.couplings import APART, coupling_gap, rates_at_start, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
 from tautline.cable.input.lines import TAUT, hanging
 from tautline.cable.input.material import element_lengths, material_coordinates, nodes_key
@@ -494,6 +494,28 @@ def _gaps(scene: CableScene) -> Sentences:
                     "put where the function begins; give the function that first value"
                 )
                 yield (*node.place, "BC_functions", i), text
+
+
+@warning("cable")
+def _flow_at_ties(scene: CableScene) -> Sentences:
+    """Ties of p through which material does not flow at one rate when a run begins: what is free begins at rest."""
+    ties = [tie for tie in scene.ties if tie.what == 1] if scene.motions else []
+    if not ties:
+        return
+    rate_of, kinds = rates_at_start(scene), {node.id: node.kind for node in scene.nodes}
+    for tie in ties:
+        rates = {node: rate_of(node, kinds[node]) for node in tie.nodes}
+        slow, fast = sorted(tie.nodes, key=lambda node: abs(rates[node][0]))
+        apart = abs(rates[fast][0] - rates[slow][0])
+        # Where both are held the tie does nothing.
+        if apart > APART * abs(rates[fast][0]) and not all(held for _, held in rates.values()):
+            text = (
+                f"material moves at {rates[fast][0]:.3g} m/s at node {fast} when the run begins, and at "
+                f"{rates[slow][0]:.3g} m/s at node {slow}, on the other side of the tie. The tie makes both equal at "
+                "once, and the forces of the first steps are those of this jump. Couple p of one node to p of the "
+                "other by LinearCoupl in place of this tie, or let the speed grow from 0"
+            )
+            yield tie.place, text
 
 
 def _apart(tie: Tie, first: Node, second: Node, p: dict[int, float]) -> float:

@@ -21,12 +21,18 @@ NEAR = 0.25
 """Share of the least possible width by which a band may be wider before a better order is looked for."""
 
 
-class Pattern:
-    """Entries of a symmetric (size, size) pattern: ``row`` and ``column`` (k,) of each, once."""
+NO_UNKNOWNS = np.zeros(0, np.int64)
 
-    def __init__(self, size: int, row: np.ndarray, column: np.ndarray) -> None:
+
+class Pattern:
+    """Entries of a symmetric (size, size) pattern: ``row`` and ``column`` (k,) of each, once.
+
+    ``bare`` lists the unknowns whose entry on the diagonal is zero: multipliers, which have no force of their own.
+    """
+
+    def __init__(self, size: int, row: np.ndarray, column: np.ndarray, bare: np.ndarray = NO_UNKNOWNS) -> None:
         self.size = size
-        self.row, self.column = row, column
+        self.row, self.column, self.bare = row, column, bare
 
     @functools.cached_property
     def degree(self) -> np.ndarray:
@@ -39,7 +45,8 @@ class Pattern:
             return self
         row, column = rank[self.row], rank[self.column]
         kept = (row >= 0) & (column >= 0)
-        return Pattern(np.count_nonzero(rank >= 0), row[kept], column[kept])
+        bare = rank[self.bare]
+        return Pattern(np.count_nonzero(rank >= 0), row[kept], column[kept], bare[bare >= 0])
 
     def width(self, border: int = 0) -> int:
         """Entries of a row on either side of the diagonal, at most, the last `border` rows and columns left out."""
@@ -66,9 +73,9 @@ class MarkedBand(Pattern):
     Many unknowns have dozens of entries each, of which nobody may ever ask where every single one is.
     """
 
-    def __init__(self, marks: np.ndarray) -> None:
+    def __init__(self, marks: np.ndarray, bare: np.ndarray = NO_UNKNOWNS) -> None:
         self.size = marks.shape[0]
-        self.marks = marks
+        self.marks, self.bare = marks, bare
 
     @functools.cached_property
     def row(self) -> np.ndarray:
@@ -101,7 +108,7 @@ class MarkedBand(Pattern):
         return int(np.abs(beside).max(initial=0))
 
 
-def pattern_of(masters: Masters, size: int, stencils: Sequence[np.ndarray]) -> Pattern:
+def pattern_of(masters: Masters, size: int, stencils: Sequence[np.ndarray], bare: np.ndarray = NO_UNKNOWNS) -> Pattern:
     """Pattern of a matrix whose groups couple the full degrees of freedom in each row of their stencils.
 
     Parameters
@@ -112,17 +119,19 @@ def pattern_of(masters: Masters, size: int, stencils: Sequence[np.ndarray]) -> P
         Number of unknowns.
     stencils : sequence of (m, k) int arrays
         Each row lists full degrees of freedom that are coupled.
+    bare : (m,) int array
+        Unknowns whose entry on the diagonal is zero.
     """
     # Ties bring a stencil of one row each, by the thousand: numpy is asked once for all rows that are as long.
     coupled = _stacked(unknowns for stencil in _stacked(stencils) for unknowns in _unknowns(masters, stencil))
     width = max((_spread(unknowns) for unknowns in coupled), default=0)
     if size * (2 * width + 1) <= MOST_MARKS:
-        return _marked(size, width, coupled)
+        return _marked(size, width, coupled, bare)
     places = [np.arange(size) * (size + 1)]
     for i, j in _pairs(coupled):
         places += [i * size + j, j * size + i]
     row, column = np.divmod(_distinct(np.concatenate(places)), max(size, 1))
-    return Pattern(size, row, column)
+    return Pattern(size, row, column, bare)
 
 
 def _unknowns(masters: Masters, stencil: np.ndarray) -> Iterator[np.ndarray]:
@@ -164,7 +173,7 @@ def _pairs(coupled: Sequence[np.ndarray]) -> Iterator[tuple[np.ndarray, np.ndarr
             yield i, j
 
 
-def _marked(size: int, width: int, coupled: Sequence[np.ndarray]) -> Pattern:
+def _marked(size: int, width: int, coupled: Sequence[np.ndarray], bare: np.ndarray) -> Pattern:
     """Pattern within a band, by a mark for each place of the band: nothing has to be sorted."""
     above = np.zeros(size * (width + 1), dtype=bool)
     for i, j in _pairs(coupled):
@@ -176,7 +185,7 @@ def _marked(size: int, width: int, coupled: Sequence[np.ndarray]) -> Pattern:
     band[:, width:] = upper
     for k in range(1, min(width + 1, size)):
         band[k:, width - k] = upper[: size - k, k]
-    return MarkedBand(band)
+    return MarkedBand(band, bare)
 
 
 def _distinct(places: np.ndarray) -> np.ndarray:
@@ -190,9 +199,10 @@ def _distinct(places: np.ndarray) -> np.ndarray:
 def narrow(pattern: Pattern) -> tuple[np.ndarray, int]:
     """Order of the unknowns, and how many of the last are to be a border; found once for scenes of one structure.
 
-    The border are those that many more others depend on than is usual; the rest is ordered as the scene was built or by
-    reverse Cuthill-McKee, whichever gives the narrower band. The latter is not asked where it cannot gain much: half of
-    a row's entries beside the diagonal lie on one side of it in any order.
+    The border are those that many more others depend on than is usual, and multipliers that are left with nothing to
+    hold where those are taken out; the rest is ordered as the scene was built or by reverse Cuthill-McKee, whichever
+    gives the narrower band. The latter is not asked where it cannot gain much: half of a row's entries beside the
+    diagonal lie on one side of it in any order.
     """
     order, border = pattern.narrowest
     return order.copy(), border
@@ -204,6 +214,8 @@ def _narrow(pattern: Pattern) -> tuple[np.ndarray, int]:
         return natural, 0
     degree = pattern.degree
     wide = degree > max(LOCAL, 4.0 * np.median(degree))
+    if pattern.bare.size and wide.any():
+        wide[_left_alone(pattern, wide)] = True
     rank = np.where(wide, -1, np.cumsum(~wide) - 1)
     inner, outer = natural[~wide], natural[wide]
     rest = pattern.renumbered(rank)
@@ -214,6 +226,51 @@ def _narrow(pattern: Pattern) -> tuple[np.ndarray, int]:
         if rest.renumbered(np.argsort(cuthill)).width() < rest.width():
             order = inner[cuthill]
     return np.concatenate((order, outer)), outer.size
+
+
+def _left_alone(pattern: Pattern, wide: np.ndarray) -> list[int]:
+    """Bare unknowns that have to follow the wide ones out of the band, for it to be factorised on its own.
+
+    The rows of m of them can be independent only where each has a neighbour of its own in the band. They are matched,
+    one after another, by augmenting paths; those that hang on nothing wide come first, for they may stay in any case.
+    """
+    bare = np.zeros(pattern.size, dtype=bool)
+    bare[pattern.bare] = True
+    entries = bare[pattern.row] & ~bare[pattern.column]
+    row, column = pattern.row[entries], pattern.column[entries]
+    beside: dict[int, list[int]] = {int(one): [] for one in pattern.bare if not wide[one]}
+    for one, other in zip(row[~wide[column]].tolist(), column[~wide[column]].tolist(), strict=True):
+        if one in beside:
+            beside[one].append(other)
+    hangs = set(row[wide[column]].tolist())
+    own: dict[int, int] = {}
+    owner: dict[int, int] = {}
+    return [one for one in sorted(beside, key=hangs.__contains__) if not _finds_own(one, beside, own, owner)]
+
+
+def _finds_own(first: int, beside: dict[int, list[int]], own: dict[int, int], owner: dict[int, int]) -> bool:
+    """Give an unknown one of its neighbours, others changing theirs where they can; whether there is one for it."""
+    seeker: dict[int, int] = {}
+    waiting = [first]
+    for one in waiting:
+        for place in beside[one]:
+            if place in seeker:
+                continue
+            seeker[place] = one
+            if place not in owner:
+                _hand_on(place, seeker, own, owner)
+                return True
+            waiting.append(owner[place])
+    return False
+
+
+def _hand_on(place: int, seeker: dict[int, int], own: dict[int, int], owner: dict[int, int]) -> None:
+    """Give a place that is free to who sought it, the one that it had to who sought that, and so on."""
+    taken: int | None = place
+    while taken is not None:
+        one = seeker[taken]
+        owner[taken] = one
+        own[one], taken = taken, own.get(one)
 
 
 def _cuthill_mckee(pattern: Pattern) -> np.ndarray:

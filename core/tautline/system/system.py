@@ -264,7 +264,7 @@ def assemble(
     -------
     System
     """
-    numbering = _numbering(Structure.of(degrees, stencils, mass_stencils, flowing))
+    numbering = _numbering(Structure.of(degrees, stencils, mass_stencils, algebraic, flowing))
     dofs, free, number, rank = numbering.dofs, numbering.free, numbering.number, numbering.rank
     border, mass_pattern = numbering.border, numbering.mass_pattern
     if not all(comes_with_us(type(group)) for group in groups):
@@ -303,6 +303,7 @@ class Structure(NamedTuple):
     masters: tuple[tuple[int, tuple[tuple[int, float], ...]], ...]
     stencils: tuple[tuple[tuple[int, ...], bytes], ...]
     mass_stencils: tuple[tuple[tuple[int, ...], bytes], ...]
+    algebraic: tuple[int, ...]
     flowing: tuple[int, ...]
 
     @classmethod
@@ -311,6 +312,7 @@ class Structure(NamedTuple):
         degrees: Degrees,
         stencils: Sequence[np.ndarray],
         mass_stencils: Sequence[np.ndarray],
+        algebraic: Sequence[int],
         flowing: Sequence[int],
     ) -> Structure:
         """The structure of degrees of freedom and what couples them."""
@@ -319,6 +321,7 @@ class Structure(NamedTuple):
             tuple(degrees.motion.items()),
             tuple((i, tuple(masters)) for i, masters in degrees.masters.items()),
             *(tuple((s.shape, s.astype(np.int64).tobytes()) for s in given) for given in (stencils, mass_stencils)),
+            tuple(algebraic),
             tuple(flowing),
         )
 
@@ -359,7 +362,8 @@ def _numbering(structure: Structure) -> Numbering:
     number = np.full(full, -1, dtype=np.int64)
     number[free] = np.arange(free.size)
     masters = Masters.of(number, degrees.motion, {i: _terms(i, number, degrees) for i in degrees.masters})
-    pattern, mass_pattern = (pattern_of(masters, free.size, s) for s in (stencils, mass_stencils))
+    bare = number[list(structure.algebraic)]
+    pattern, mass_pattern = (pattern_of(masters, free.size, s, bare) for s in (stencils, mass_stencils))
     order, border = narrow(pattern)
     rank = np.argsort(order)
     pattern, mass_pattern = pattern.renumbered(rank), mass_pattern.renumbered(rank)

@@ -308,3 +308,37 @@ def test_what_all_others_depend_on_becomes_the_border():
     order, border = narrow(pattern_of(Masters.of(np.arange(151), [], {}), 151, [spokes]))
     assert border == 1 and order[-1] == 77
     assert narrow(pattern_of(Masters.of(np.arange(0), [], {}), 0, []))[1] == 0
+
+
+def with_multipliers(rng):
+    """A pattern of a chain with hubs that all depend on, and multipliers of a few of either; entries (n, n) for it."""
+    chain, hubs, ties = 150, int(rng.integers(1, 4)), int(rng.integers(1, 7))
+    size = chain + hubs + ties
+    bare = np.arange(chain + hubs, size)
+    near = np.arange(chain - 1)[:, None] + np.arange(2)
+    spokes = [np.column_stack([np.full(chain, chain + hub), np.arange(chain)]) for hub in range(hubs)]
+    # Many take the same few: some of them are left without one of their own in the band.
+    ends = [rng.choice([*range(chain, chain + hubs), 3, 4, 90], int(rng.integers(1, 3)), replace=False) for _ in bare]
+    held = [np.append(places, one)[None, :] for places, one in zip(ends, bare, strict=True)]
+    number = rng.permutation(size)
+    stencils = [number[rows] for rows in (near, *spokes, *held)]
+    pattern = pattern_of(Masters.of(np.arange(size), [], {}), size, stencils, number[bare])
+    entries = pattern.toarray() * rng.normal(size=(size, size))
+    entries[np.ix_(number[bare], number[bare])] = 0.0
+    return pattern, entries
+
+
+def test_the_band_can_be_factorised_wherever_the_whole_matrix_can_and_no_multiplier_leaves_it_for_nothing():
+    moved = 0
+    for seed in range(20):
+        pattern, entries = with_multipliers(np.random.default_rng(seed))
+        if np.linalg.matrix_rank(entries) < pattern.size:
+            continue
+        order, border = narrow(pattern)
+        inner, outer = order[: pattern.size - border], order[pattern.size - border :]
+        assert np.linalg.matrix_rank(entries[np.ix_(inner, inner)]) == inner.size
+        for one in np.intersect1d(outer, pattern.bare):
+            more = np.append(inner, one)
+            assert np.linalg.matrix_rank(entries[np.ix_(more, more)]) < more.size
+            moved += 1
+    assert moved > 10

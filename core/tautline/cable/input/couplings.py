@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
+from tautline.cable.input.initial import initial_rate
 from tautline.cable.input.parts import CableScene, Coupling, Dof, Node, Tie
 from tautline.cable.input.register import Register
 from tautline.cable.input.syntax import models as w
@@ -104,6 +105,24 @@ def _ring(start: Dof, slaves: dict[Dof, Coupling]) -> list[Dof] | None:
 def value_of(node: Node, dof: int, p: Mapping[int, float]) -> float:
     """Value at the start of a degree of freedom, numbered from one, as the scene draws it; ``p`` by node id, m."""
     return (*node.position, *(node.slope or ()), p[node.id])[dof - 1]
+
+
+def rates_at_start(scene: CableScene) -> Callable[[int, int], tuple[float, bool]]:
+    """Of a node and a degree of freedom, numbered from one: its rate when a run begins, m/s, and whether it is held.
+
+    What is driven, and what follows it, begins at the speed of its drive; nothing else moves.
+    """
+    nodes = {node.id: node for node in scene.nodes}
+    masters = {coupling.slave: coupling.masters for coupling in scene.couplings}
+    begins = {motion.id: initial_rate(motion) for motion in scene.motions}
+
+    def of(node: int, dof: int) -> tuple[float, bool]:
+        if (node, dof) not in masters:
+            return begins.get(nodes[node].functions[dof - 1], 0.0), nodes[node].held[dof - 1]
+        parts = [(factor, *of(*master)) for *master, factor in masters[node, dof]]
+        return sum(factor * rate for factor, rate, _ in parts), all(held for *_, held in parts)
+
+    return of
 
 
 def coupling_gap(coupling: Coupling, nodes: Mapping[int, Node], p: Mapping[int, float]) -> tuple[float, str]:

@@ -1,9 +1,12 @@
-"""The value with which a function of time begins."""
+"""The value, and the rate, with which a function of time begins."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from tautline.cable.input.parts import Motion
 from tautline.scene.functions import Chirp, Constant, Ramp, Sum
 
 
@@ -17,9 +20,22 @@ def initial_value(function: Any) -> float:
         return 0.0
     if isinstance(function, Sum):
         return sum(initial_value(term) for term in function.terms)
-    import numpy as np
+    return _sampled(function)[0]
 
+
+def initial_rate(motion: Motion) -> float:
+    """Rate at t = 0 of what a held degree of freedom follows, m/s."""
+    if motion.function is not None:
+        return 0.0 if isinstance(motion.function, Constant) else _sampled(motion.function)[1]
+    if motion.rate is not None:
+        return motion.factor * initial_value(motion.rate)
+    return float(np.interp(0.0, motion.times, motion.velocities))
+
+
+def _sampled(function: Any) -> tuple[float, float]:
+    """Value and rate of a function at t = 0, as a run takes them."""
     from tautline.kernels.time_function import sample
     from tautline.system.time_functions import FunctionRequest, compile_functions
 
-    return float(sample(compile_functions([FunctionRequest(function)]), 0, np.zeros(1))[0, 0])
+    value, rate, _ = sample(compile_functions([FunctionRequest(function)]), 0, np.zeros(1))[0]
+    return float(value), float(rate)

@@ -40,8 +40,14 @@ def flow_of(layout: Layout, element: Element) -> str:
     """How material moves through an element, or may."""
     if layout.still_nodes.issuperset(element.nodes):
         return STILL
+    # Linear elements have one kind of flow inertia, which serves any rates.
+    return SHARED if element.kind == "cubic" and _keeps_length(layout, element) else MOVING
+
+
+def _keeps_length(layout: Layout, element: Element) -> bool:
+    """Whether the material of both nodes moves at one rate: none is gained or lost between them."""
     first, second = (layout.rate_of(layout.material(node)) for node in element.nodes)
-    return SHARED if element.kind == "cubic" and first == second else MOVING
+    return first == second
 
 
 def _all_still(layout: Layout) -> bool:
@@ -53,7 +59,7 @@ def steady_flow(layout: Layout) -> list[int]:
     """Places of the p of material that is driven through elements of constant length: it flows on while they rest."""
     places: set[int] = set()
     for element in () if _all_still(layout) else layout.scene.elements:
-        if flow_of(layout, element) == SHARED:
+        if flow_of(layout, element) != STILL and _keeps_length(layout, element):
             ends = [layout.material(node) for node in element.nodes]
             places.update(ends if all(layout.is_held(place) for place in ends) else ())
     return sorted({*places, *layout.flow.values()})
