@@ -76,7 +76,7 @@ class OpcUa:
         except ImportError:
             raise option_error("--source", address, "needs asyncua", "pip install tautline[live]") from None
         self.name, self.live, self.again, self.ended = address, True, False, False
-        self.refused = 0
+        self.refused = self.left_out = 0
         self.dropped, self.notes = 0, list[str]()
         self.factors: dict[str, float] = {}
         self.missing: list[str] = []
