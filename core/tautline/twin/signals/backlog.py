@@ -28,8 +28,8 @@ class Backlog:
     """Follows how long rows wait between their arrival and their answer.
 
     Rows that a gateway sends together are due one after another, as their stamps go by: a twin that answers them as
-    fast has answered them all when the next ones come. Rows that a link gives at once after it has stalled look the same,
-    and no pause follows them: where rows come one by one again, they are due when they come.
+    fast has answered them all when the next ones come. Rows that a link gives at once after it has stalled look the
+    same, and no pause follows them: where rows come one by one again, they are due when they come.
 
     Rows that were written before, such as those of a file that is piped in, come many times as fast as they were
     measured: no machine waits for their answers, and they do not count.
