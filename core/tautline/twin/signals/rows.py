@@ -101,6 +101,8 @@ class Row:
     new: bool = False
     begins: bool = False
     repeated: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+    raw: np.ndarray = field(init=False, compare=False)
+    stamp: float = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         self.raw, self.stamp = self.values.copy(), self.time
