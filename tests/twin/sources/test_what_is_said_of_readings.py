@@ -108,6 +108,10 @@ def test_a_reading_whose_quality_is_not_good_is_missing_and_this_is_told(mqtt, q
     assert take(mqtt, {"time": 2, "value": 3, "quality": "GOOD"}, "crane/a").values["a"] == 3.0
 
 
+def test_a_message_whose_quality_is_not_good_is_left_out_and_is_none_that_could_not_be_read(mqtt):
+    assert take(mqtt, {"time": 1, "a": 1, "quality": "Bad"}) is None and (mqtt.refused, mqtt.left_out) == (0, 1)
+
+
 def test_qualities_of_opc_and_a_status_of_the_machine_are_told_from_each_other():
     good = [("quality", 192), ("quality", "Good (192)"), ("quality", True), ("status", 0), ("status", "ok")]
     assert all(is_good(*one) is True for one in good)

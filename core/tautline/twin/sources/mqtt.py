@@ -141,8 +141,10 @@ class Mqtt:
         if isinstance(found, dict):
             key = self._stamps.column([str(name) for name in found])
             stamp = self._readings.stamp(self._stamps, key, found[key]) if key is not None else None
-            if self._readings.are_good(found, f"topic {topic}:"):
-                values |= self._values_of(found, topic, column)
+            if not self._readings.are_good(found, f"topic {topic}:"):
+                self.left_out += 1
+                return None
+            values |= self._values_of(found, topic, column)
         elif column in values:
             values[column] = self._readings.number(column, found)
         if why := why_no_reading(found, self._columns, column):
