@@ -131,6 +131,51 @@ def test_a_twin_that_begins_late_is_behind_from_its_second_row_on_and_is_not_sai
     assert found[1][2] and not found[-1][2] and sum(one[3] for one in found) == 1
 
 
+def after_a_stall(stall, pairs=False, steady=3.0, cost=0.15):
+    """What is judged of rows at 20 Hz that wait `stall` s in the link, go on for `steady` s, and then take `cost` each.
+
+    Gives (true wait, seconds behind, whether behind) of the last. In `pairs` every second row comes with the next.
+    """
+    now, found = [0.0], []
+    backlog, step, end = Backlog(now=lambda: now[0]), 0.05, 20.0 + stall
+    begin = round((end + steady) / step)
+    for k in range(begin + 600):
+        at = step * (k + 1 - k % 2 if pairs else k)
+        if 20.0 <= step * k < end:
+            at = end + 1e-5 * k
+        now[0] = max(now[0], at) + (cost if k >= begin else 0.0)
+        backlog.take(step * k, at)
+        seconds, _ = backlog.judge()
+        if k >= begin:
+            found.append((now[0] - at, seconds, backlog.behind))
+        elif now[0] <= at:
+            backlog.none_waits()
+    return found
+
+
+@pytest.mark.parametrize("stall", [2.0, 30.0, 300.0])
+def test_a_link_that_stalled_and_gave_its_rows_at_once_does_not_hide_that_the_twin_falls_behind_later(stall):
+    found = after_a_stall(stall)
+    wait = next(wait for wait, _, behind in found if behind)
+    assert LIMIT <= wait <= LIMIT + 0.2
+    assert [seconds for wait, seconds, _ in found] == pytest.approx([wait for wait, _, _ in found], abs=0.05)
+
+
+def test_rows_that_come_in_pairs_after_a_stall_hide_nothing_for_more_than_thrice_as_long_as_it_took():
+    wait = next(wait for wait, _, behind in after_a_stall(10.0, pairs=True, steady=30.0) if behind)
+    assert LIMIT <= wait <= LIMIT + 0.4
+
+
+def test_a_gap_of_the_stamps_hides_nothing():
+    now = [1000.0]
+    backlog = Backlog(now=lambda: now[0])
+    for k in range(20):
+        stamp = STEP * k + (86400.0 if k > 3 else 0.0)
+        backlog.take(stamp, 1000.0 + STEP * k)
+    now[0] = 1000.0 + STEP * k + 4.0
+    assert backlog.judge()[0] == pytest.approx(4.0) and backlog.behind
+
+
 def test_the_alarm_of_a_twin_that_catches_up_says_so():
     made, now = Twin(SCENE, MAP, live=True), [1030.0]
     made.backlog = Backlog(now=lambda: now[0])

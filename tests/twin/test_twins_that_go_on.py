@@ -132,6 +132,72 @@ def test_a_state_with_a_damaged_part_is_refused_and_changes_nothing(whole, tmp_p
     assert np.isnan(twin.now)
 
 
+def edited(path, to, edit):
+    """A state of which what is held was edited."""
+    with np.load(path) as file:
+        held = json.loads(file["held"].tobytes())
+        edit(dict(held["pairs"]))
+        np.savez(to, **{**file, "held": np.frombuffer(json.dumps(held).encode(), np.uint8)})
+
+
+def without(part, name):
+    """An edit that takes one of the pairs of a part away."""
+
+    def edit(held):
+        pairs = held[part]["pairs"]
+        pairs[:] = [one for one in pairs if one[0] != name]
+
+    return edit
+
+
+def record_of(held, name):
+    """The first record of a name."""
+    if isinstance(held, dict) and str(held.get("record", "")).endswith(name):
+        return held
+    parts = held.values() if isinstance(held, dict) else held if isinstance(held, list) else ()
+    return next((found for one in parts if (found := record_of(one, name)) is not None), None)
+
+
+EDITS = {
+    "no twin": without("some", "twin"), "no watch": without("some", "watch"),
+    "no states": lambda held: dict(held["families"]["pairs"])["family"]["pairs"].pop(0),
+    "a part that is none": lambda held: held["whole"]["pairs"].append(["rows", 3]),
+    "a record with less": lambda held: record_of(held, ":Row")["of"].pop("raw"),
+    "a record with more": lambda held: record_of(held, ":Row")["of"].update(torque=1.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_a_state_of_a_program_with_other_parts_is_refused_whole_and_changes_nothing(whole, tmp_path, name):
+    edited(whole[1]["a gap"][0], tmp_path / "other.npz", EDITS[name])
+    twin = made()
+    before = twin.estimate.horizon.mean.copy(), [state.block.tobytes() for state in twin.estimate.family.save()]
+    with pytest.raises(ResultError, match="another version of the program"):
+        load(twin, tmp_path / "other.npz")
+    assert np.isnan(twin.now) and np.array_equal(twin.estimate.horizon.mean, before[0])
+    assert [state.block.tobytes() for state in twin.estimate.family.save()] == before[1]
+
+
+def test_a_record_that_lacks_what_has_a_default_is_one_of_an_earlier_program_and_is_read(whole, tmp_path):
+    path, first, *_ = whole[1]["a gap"]
+    edited(path, tmp_path / "earlier.npz", lambda held: record_of(held, ":Row")["of"].pop("begins"))
+    twin = made()
+    assert load(twin, tmp_path / "earlier.npz") == first.now and not twin.readings.rows.past[0].begins
+
+
+@pytest.mark.parametrize("name", ["tracks", "scene", "sample_y"])
+def test_a_state_that_lacks_something_is_refused_and_changes_nothing(whole, tmp_path, name):
+    with np.load(whole[1]["a gap"][0]) as file:
+        words = json.loads(file["words"].tobytes())
+        arrays = {key: value for key, value in file.items() if key != name}
+        words.pop(name, None)
+        np.savez(tmp_path / "less.npz", **arrays | {"words": np.frombuffer(json.dumps(words).encode(), np.uint8)})
+    twin = made()
+    with pytest.raises(ResultError, match="is no state of a twin"):
+        load(twin, tmp_path / "less.npz")
+    assert np.isnan(twin.now)
+
+
 def differences(a, b, path="twin"):
     """Names of numbers that two things of a twin do not share."""
     if type(a) is not type(b):

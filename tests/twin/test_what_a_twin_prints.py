@@ -31,6 +31,7 @@ class Given:
 
     def __init__(self, rows, dropped=0, notes=()):
         self.name, self.live, self.again, self.ended, self.refused = "given", False, True, False, 0
+        self.left_out = 0
         self.dropped, self.notes, self._rows, self.factors = dropped, list(notes), list(rows), {}
         self.waiting = 0
 

@@ -53,17 +53,32 @@ def memory_of(twin: Twin) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Memory:
-    """What `memory_of` gave of another twin, read.
+    """What `memory_of` gave of another twin, read and found whole: nothing is missing when it is put into a twin.
 
     Raises
     ------
-    ValueError, TypeError, KeyError, IndexError
-        For anything else.
+    ValueError, TypeError, KeyError, IndexError, AttributeError
+        For anything else, such as that of another version of the program.
     """
 
     def __init__(self, twin: Twin, words: np.ndarray, data: np.ndarray) -> None:
         read = Unpacking(_records(twin), data).value(json.loads(words.tobytes()))
         self._families, self._some, self._whole = read["families"], read["some"], read["whole"]
+        self._check(twin)
+
+    def _check(self, twin: Twin) -> None:
+        """Find whether all is there that is put into a twin: it is refused before anything has been replaced."""
+        count = len(twin.estimate.family.simulations)
+        for one in self._families.values():
+            if len(one["states"]) != count or not all(isinstance(state, State) for state in one["states"]):
+                raise ValueError("there are other simulations")
+        # What an operation has is laid out by what it recalls, and that comes yet.
+        later = twin.operation.kept() if twin.operation is not None else {}
+        parts = [*(self._some[name] for name in _some(twin)), *(one["numbers"] for one in self._families.values())]
+        for held in (*parts, *(self._whole[name] for name in later if name in self._whole)):
+            held.keys()
+        for name in self._whole.keys() & (whole := _whole(twin)).keys() - later.keys():
+            self._whole[name].check(whole[name])
 
     def put(self, twin: Twin) -> None:
         """Let a twin of the same scene and map go on from it."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections import Counter, deque
 from collections.abc import Collection, Mapping
+from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
@@ -23,7 +24,8 @@ class Packing:
     Parameters
     ----------
     records : collection of type
-        Classes of records, such as rows: they are made anew with the values that they had. Of anything else that has
+        Dataclasses, named tuples and enumerations, such as rows: they are made anew with the values that they had, and
+        a dataclass has no other attributes than its fields. Of anything else that has
         attributes only the values are written, to be put into a thing that there is already.
 
     Attributes
@@ -148,6 +150,12 @@ class Unpacking:
             return self._keep(packed, made(self.value(packed["value"])))
         if issubclass(made, tuple):
             return self._keep(packed, made(**{key: self.value(one) for key, one in packed["of"].items()}))
+        if not is_dataclass(made):
+            raise TypeError(f"{packed['record']} has no fields")
+        known = {one.name for one in fields(made)}
+        needed = {name for name in known if not hasattr(made, name)}  # what has a plain default may be missing
+        if not needed <= packed["of"].keys() <= known:
+            raise ValueError(f"{packed['record']} has other fields")  # it is one of another version of the program
         record = self._keep(packed, made.__new__(made))
         for key, one in packed["of"].items():
             object.__setattr__(record, key, self.value(one))
@@ -165,6 +173,13 @@ class Unpacking:
 
 class Held(dict[str, Any]):
     """What a thing held, by name."""
+
+    def check(self, thing: Any) -> None:
+        """Raise TypeError where a thing cannot hold it."""
+        own = vars(thing)
+        for name, value in self.items():
+            if isinstance(value, Held) and name in own:
+                value.check(own[name])
 
     def put(self, thing: Any) -> None:
         """Let a thing hold it. What the thing does not know, as another version of it has written it, is left out."""

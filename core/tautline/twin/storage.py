@@ -25,6 +25,16 @@ if TYPE_CHECKING:
     from tautline.twin.twin import Twin
 
 FORMAT = 5
+WORDS = frozenset({
+    "format", "scene", "layout", "times", "unknowns", "channels", "origin", "now", "unsettled", "restarts", "zeros",
+    "rows", "tracks", "health", "alarms", "blows_due", "paused",
+})  # fmt: skip
+ARRAYS = frozenset({
+    "blocks", "at", "apart", "theta0", "mean", "prior", "prior_mean", "numbers", "spread", "correlation", "variance",
+    "alike", "learned", "covariance", "rough", "largest", "missed", "told", "missed_at", "sample_time", "sample_y",
+    "sample_y0", "sample_J", "sample_use", "sample_rows",
+})  # fmt: skip
+"""What every state of that format has."""
 
 
 def save(twin: Twin, path: Path) -> None:
@@ -79,38 +89,28 @@ def load(twin: Twin, path: Path) -> float:
         For what is no state of this scene and this map; the twin is as before then.
     """
     cure = "give the state that a twin of the same scene and map wrote, or remove the file to begin anew"
+    arrays, words = _read(path, cure)
+    mine, blocks, unknowns = twin.estimate.family.save(), arrays["blocks"], twin.estimate.horizon.unknowns
+    foreign = ResultError(path, "belongs to another scene or another map", cure)
+    if (
+        words["unknowns"] != [one.name for one in unknowns] or len(blocks) != len(mine)
+        or words["channels"] != [one.column for one in twin.plan.channels]
+    ):  # fmt: skip
+        raise foreign
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        words = json.loads(arrays["words"].tobytes())
-        blocks = arrays["blocks"]
-    except FileNotFoundError:
-        raise ResultError(path, "there is no such file", cure) from None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        raise ResultError(path, "is no state of a twin", cure) from None
-    unknowns = twin.estimate.horizon.unknowns
+        memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError):
+        why = "is no state of a twin, or was written by another version of the program"
+        raise ResultError(path, why, "begin the twin anew, without --resume") from None
     own = words.get("operation")
-    if twin.operation is not None and own and words.get("unknowns") == [one.name for one in unknowns]:
+    if twin.operation is not None and own:
         # What the machine has become meanwhile, such as a string with more stands, is another scene.
         grown = twin.operation.recall(own)
         if grown is not None:
             twin.become(grown)
-    mine = twin.estimate.family.save()
-    same = (
-        words["scene"] == mine[0].scene and words["layout"] == mine[0].layout
-        and words["unknowns"] == [one.name for one in unknowns]
-        and words["channels"] == [one.column for one in twin.plan.channels] and len(blocks) == len(mine)
-    )  # fmt: skip
-    if words["format"] != FORMAT:
-        raise ResultError(
-            path, "was written by another version of the program", "begin the twin anew, without --resume"
-        )
-    if not same:
-        raise ResultError(path, "belongs to another scene or another map", cure)
-    try:
-        memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
-    except (ValueError, TypeError, KeyError, IndexError):
-        raise ResultError(path, "is no state of a twin", cure) from None
+            mine = twin.estimate.family.save()
+    if words["scene"] != mine[0].scene or words["layout"] != mine[0].layout:
+        raise foreign
     twin.estimate.family.restore([
         State(time, words["scene"], words["layout"], block, 0)
         for time, block in zip(words["times"], blocks, strict=True)
@@ -119,6 +119,25 @@ def load(twin: Twin, path: Path) -> float:
     if memory is not None:
         memory.put(twin)
     return float(words["now"])
+
+
+def _read(path: Path, cure: str) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Arrays of a state, and its words; refuses what is none, or one that lacks something."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        words = dict(json.loads(arrays["words"].tobytes()))
+    except FileNotFoundError:
+        raise ResultError(path, "there is no such file", cure) from None
+    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile):
+        raise ResultError(path, "is no state of a twin", cure) from None
+    if words.get("format", FORMAT) != FORMAT:
+        raise ResultError(
+            path, "was written by another version of the program", "begin the twin anew, without --resume"
+        )
+    if not (words.keys() >= WORDS and arrays.keys() >= ARRAYS):
+        raise ResultError(path, "is no state of a twin", cure)
+    return arrays, words
 
 
 def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:

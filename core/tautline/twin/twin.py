@@ -29,7 +29,7 @@ from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling
 from tautline.twin.signals.backlog import LIMIT, Backlog
 from tautline.twin.signals.readings import Readings
-from tautline.twin.signals.rows import Row
+from tautline.twin.signals.rows import LONG_GAP, Row
 from tautline.twin.signals.sensors import Health
 from tautline.twin.watch import Compared, Watch, said
 
@@ -39,8 +39,6 @@ LONG_MISSED = 10.0
 """The same of what rows have missed in the last seconds, where inputs are noisy."""
 NOISE_SHOWN = 12
 """Rows that show how much noise inputs have before a load is moved by them."""
-LONG_GAP = 120.0
-"""Time without rows that is not simulated, s: the rows behind it would wait for that."""
 RESTED = 0.5
 """Time over which it is averaged by how much rows of a machine at rest miss what is computed, s: slips let go
 of a string within seconds."""
@@ -295,7 +293,7 @@ class Twin:
     def _begin_at(self, row: Row, inputs: list[tuple[str, np.ndarray]]) -> None:
         """Bring the simulations to where the sensors begin."""
         anywhere = self.operation is not None and self.operation.anywhere
-        run_in = self.readings.begin(row, inputs, anywhere, first=not np.isfinite(self.now))
+        run_in = self.readings.begin(row, inputs, anywhere, first=row.begins or not np.isfinite(self.now))
         self.notes += self.readings.remarks()
         family, log = self.estimate.family, self.estimate.log
         begin = family.time

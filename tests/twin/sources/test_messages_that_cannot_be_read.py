@@ -44,6 +44,11 @@ def mqtt():
     source.close()
 
 
+def of_messages(mqtt):
+    """What was told, but for that nobody answers at the port."""
+    return [note for note in mqtt.notes if "topic" in note]
+
+
 def test_a_message_with_an_endless_number_or_brackets_without_end_is_counted_and_the_next_is_read(mqtt):
     for payload in (HUGE, DEEP, '{"time": 1, "a": 2}'):
         mqtt._take(None, None, Message(payload))
@@ -55,6 +60,43 @@ def test_a_column_that_two_topics_bring_is_taken_from_the_first_and_this_is_told
         mqtt._take(None, None, Message(f'{{"time": {value}, "value": {value}}}', topic))
     assert [mqtt.poll(0.1).values["a"] for _ in range(2)] == [1.0, 3.0] and mqtt.poll(0.0) is None
     assert len([note for note in mqtt.notes if "column 'a' comes from two topics" in note]) == 1
+
+
+def test_what_the_broker_has_kept_of_a_topic_that_is_used_no_more_takes_no_column_from_the_one_that_is(mqtt):
+    mqtt._take(None, None, Message('{"time": 1, "value": 4}', "site/old/a", retain=True))
+    for value in (5, 6):
+        mqtt._take(None, None, Message(f'{{"time": {value}, "value": {value}}}', "site/a"))
+    mqtt._take(None, None, Message('{"time": 1, "value": 4}', "site/old/a", retain=True))  # connected again
+    assert [mqtt.poll(0.1).values["a"] for _ in range(3)] == [4.0, 5.0, 6.0] and mqtt.poll(0.0) is None
+    (note,) = of_messages(mqtt)
+    assert "two topics, site/a and site/old/a: readings of site/old/a are left out" in note
+    assert (mqtt.refused, mqtt.left_out) == (0, 1)
+
+
+LEFT_OUT = {
+    '[{"time": 1, "a": 1}, {"time": 2, "a": 2}]': "a list of 2 values is left out",
+    '{"time": 1, "values": {"a": 1}}': "'values' holds an object",
+    '{"time": 1, "a": {"value": 1, "unit": "kN"}}': "'a' holds an object",
+    '{"time": 1, "a": [1, 2]}': "'a' holds a list",
+}
+
+
+@pytest.mark.parametrize("payload", LEFT_OUT)
+def test_a_message_of_which_columns_stand_deeper_is_told_in_words_once(mqtt, payload):
+    for _ in range(2):
+        mqtt._take(None, None, Message(payload, "crane/row"))
+    (note,) = of_messages(mqtt)
+    assert mqtt.poll(0.0) is None and f"topic crane/row: {LEFT_OUT[payload]}" in note
+    assert mqtt.refused + mqtt.left_out == 2
+
+
+def test_a_message_of_a_column_without_its_value_tells_its_keys_and_one_of_other_things_tells_nothing(mqtt):
+    mqtt._take(None, None, Message('{"Value": 1, "Time": 2}', "crane/a"))
+    mqtt._take(None, None, Message('{"state": {"b": 1}}', "crane/lamps"))
+    mqtt._take(None, None, Message("[1, 2]", "crane/lamps"))
+    (note,) = of_messages(mqtt)
+    assert "without the key 'value'" in note and "Its keys: Value, Time" in note
+    assert (mqtt.refused, mqtt.left_out) == (1, 2)
 
 
 def test_a_topic_of_all_columns_may_come_beside_one_of_a_column_in_either_order(mqtt):

@@ -117,6 +117,22 @@ def test_two_cranes_by_the_node_ids_of_one_are_read_without_a_word():
     assert list(first.values()) == [3.0, 4.0, 5.0] and not notes
 
 
+def test_a_name_that_was_not_searched_for_everywhere_is_not_said_to_be_missing_at_the_server(monkeypatch):
+    monkeypatch.setattr("tautline.twin.sources.nodes.LARGEST", 1)
+    first, notes = heard(["winch", "heave", "ns=2;s=nowhere"], "crane/winch", "heave")
+    assert first["winch"] != first["winch"] and first["heave"] == 1.0
+    none, unseen, _ = notes
+    assert "the server has no variable ns=2;s=nowhere: " in none
+    assert "variable winch: not found among the nodes that were searched, and others were not searched" in unseen
+    assert "write its node id as `column`" in unseen
+
+
+def test_columns_in_many_folders_are_told_in_a_remark_that_names_a_few():
+    places = [f"folder{k}/y{k}" for k in range(60)]
+    (remark,) = chosen([f"y{k}" for k in range(60)], variables(*places)).remarks
+    assert "y3 is ns=2;s=folder3/y3 (folder3) and 56 more. " in remark and "y4" not in remark
+
+
 def variables(*places):
     found = []
     for place in places:

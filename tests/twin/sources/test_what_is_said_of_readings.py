@@ -81,7 +81,8 @@ def test_a_message_without_the_time_of_the_map_is_left_out_counted_and_told_once
     source = mqtt_of("zeit")
     try:
         assert take(source, {"ts": 5.0, "a": 1}) is None and take(source, {"ts": 6.0, "a": 1}) is None
-        assert source.refused == 2 and len(told(source, "messages without 'zeit' are left out")) == 1
+        assert (source.refused, source.left_out) == (0, 2)
+        assert len(told(source, "messages without 'zeit' are left out")) == 1
         assert take(source, {"zeit": 7.0, "a": 1}).time == 7.0
     finally:
         source.close()
@@ -105,6 +106,10 @@ def test_a_reading_whose_quality_is_not_good_is_missing_and_this_is_told(mqtt, q
     assert take(mqtt, {"time": 1, "value": 0, "quality": quality}, "crane/a") is None
     assert len(told(mqtt, "is not good. Readings with it count as missing")) == 1
     assert take(mqtt, {"time": 2, "value": 3, "quality": "GOOD"}, "crane/a").values["a"] == 3.0
+
+
+def test_a_message_whose_quality_is_not_good_is_left_out_and_is_none_that_could_not_be_read(mqtt):
+    assert take(mqtt, {"time": 1, "a": 1, "quality": "Bad"}) is None and (mqtt.refused, mqtt.left_out) == (0, 1)
 
 
 def test_qualities_of_opc_and_a_status_of_the_machine_are_told_from_each_other():

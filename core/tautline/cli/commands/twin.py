@@ -438,6 +438,8 @@ class _Loop:
         rows += [(f"rows {kind}", str(count)) for kind, count in counts if count]
         if self.source.refused:
             rows.append(("lines that could not be read", str(self.source.refused)))
+        if self.source.left_out:
+            rows.append(("messages left out", str(self.source.left_out)))
         if self.source.dropped:
             rows.append(("records dropped, as they came too fast", str(self.source.dropped)))
         if left := self.source.waiting + len(self.twin.readings.rows.waiting):
@@ -454,6 +456,9 @@ class _Loop:
         causes = [f"{_many(count, 'row')} {SAID.get(kind, kind)}" for kind, count in sorted(counted.items())]
         if self.source.refused:
             causes.append(f"{_many(self.source.refused, 'line')} could not be read")
+        if self.source.left_out:
+            count = self.source.left_out
+            causes.append(f"{_many(count, 'message')} {'was' if count == 1 else 'were'} left out")
         if self._before:
             old = f"{_many(self._before, 'row')} not after {stamp_said(self.begin)}, from where the twin goes on"
             say(f"nothing is new: {', '.join([old, *causes])}")

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tautline.twin.signals.rows import AT_ONCE, TOLD_BY
+from tautline.twin.signals.rows import AT_ONCE, LONG_GAP, TOLD_BY
 
 LIMIT = 1.5
 """Time from which on a twin is behind its machine, where no look ahead is shorter, s."""
@@ -20,13 +20,16 @@ AT_A_TIME = 0.25
 """Rows that come within this part of the time between their stamps were sent together."""
 DRIFT = 0.01
 """By how much the clocks of sender and receiver may differ, as a share."""
+PAUSES = 2.0
+"""Within so many times as long as rows that were sent together last, a sender of such rows has paused."""
 
 
 class Backlog:
     """Follows how long rows wait between their arrival and their answer.
 
     Rows that a gateway sends together are due one after another, as their stamps go by: a twin that answers them as
-    fast has answered them all when the next ones come.
+    fast has answered them all when the next ones come. Rows that a link gives at once after it has stalled look the
+    same, and no pause follows them: where rows come one by one again, they are due when they come.
 
     Rows that were written before, such as those of a file that is piped in, come many times as fast as they were
     measured: no machine waits for their answers, and they do not count.
@@ -51,15 +54,24 @@ class Backlog:
         self._now = now
         self._came: deque[tuple[float, float]] = deque()
         self._last: float | None = None
-        self._spare, self._waited = 0.0, 0.0
+        self._moved = (np.nan, np.nan)
+        self._spare, self._waited, self._paced = 0.0, 0.0, 0.0
+        self._largest, self._least, self._since = 0.0, 0.0, -np.inf
         self._begun = (np.nan, np.nan)
         self._told = False
 
     def take(self, stamp: float, arrived: float) -> None:
         """Take notice of the newest stamp, and of when the last record arrived, s."""
         if np.isfinite(stamp):
-            if self._came:
-                self._spread(stamp - self._came[-1][0], arrived - self._came[-1][1])
+            stamps = stamp - self._moved[0]
+            if stamps > LONG_GAP:
+                self._came.clear()  # it has not gone by while rows came
+                self._spare = 0.0
+            elif stamps > 0.0:
+                self._spread(stamps, arrived - self._moved[1])
+                self._call_due(arrived)
+            if not stamps <= 0.0:
+                self._moved = stamp, arrived
             self._came.append((stamp, arrived))
         while len(self._came) > 1 and self._came[1][1] <= arrived - TOLD_BY:
             self._came.popleft()
@@ -70,6 +82,20 @@ class Backlog:
         together = arrivals < AT_A_TIME * stamps
         more = (1.0 - DRIFT) * stamps - arrivals
         self._spare = max(0.0, self._spare + (more if together else min(0.0, more)))
+        one_by_one = stamps <= AT_ONCE * arrivals and arrivals <= AT_ONCE * stamps
+        self._paced = self._paced + arrivals if one_by_one else 0.0
+
+    def _call_due(self, arrived: float) -> None:
+        """Take back what no pause of the sender has used up: those rows came at once as the link had stalled."""
+        if self._paced >= TOLD_BY:
+            self._spare = 0.0
+        self._least = min(self._least, self._spare)
+        over = arrived - self._since > PAUSES * self._largest
+        if over:
+            self._spare -= self._least
+        if over or self._spare > self._largest:
+            self._largest = self._least = self._spare
+            self._since = arrived
 
     def none_waits(self) -> None:
         """Take notice that all that came is taken."""

@@ -64,6 +64,9 @@ class Readings:
 
     def checked(self, row: Row) -> np.ndarray:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
+        if row.begins:  # what was shown long ago is not where the machine stands
+            self.zeros.clear()
+            self.far.clear()
         values = np.full(len(self.channels), np.nan)
         coming = list(takewhile(lambda one: not one.after_gap, self.rows.waiting))
         stamps = [one.time for one in coming]

@@ -24,7 +24,7 @@ from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,8 @@ REGULAR_GAPS, EQUAL = 5, 1.5
 """Gaps in a row that are the sample interval, as the longest of them is no more than so many times the shortest."""
 FAR = 4.0
 """Stamps further ahead than so many sample intervals wait for the next."""
+LONG_GAP = 120.0
+"""Step of stamps that is a gap however little is known of the sample interval, s: it is not simulated."""
 BACK = 5
 """Rows in a row that are late and follow one another: the clock was set back."""
 INTERVALS = 51
@@ -87,6 +89,7 @@ class Row:
 
     ``places`` are those of its records among all that the source gives; one that is ``new`` is known to repeat none.
     ``repeated`` (c,) are columns whose readings are those of before, which held as nothing else was sent.
+    The data ``begin`` with one behind a long gap where too few came before to show how often rows come.
     """
 
     time: float
@@ -96,7 +99,10 @@ class Row:
     places: list[int] = field(default_factory=list)
     joined: bool = False
     new: bool = False
+    begins: bool = False
     repeated: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+    raw: np.ndarray = field(init=False, compare=False)
+    stamp: float = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         self.raw, self.stamp = self.values.copy(), self.time
@@ -365,15 +371,16 @@ class Rows:
     def _far(self) -> float:
         interval = self.interval
         # What is repeated until something is measured does not tell how far apart measurements are.
-        return FAR * interval if np.isfinite(interval) and not self._repeats else np.inf
+        if self._repeats or not np.isfinite(interval):
+            return LONG_GAP
+        return min(FAR * interval, max(LONG_GAP, EQUAL * interval))
 
     def _resolve(self, row: Row) -> None:
         """A row that came from far ahead: there was a gap if the next goes on from it."""
         suspect, self._suspect = self._suspect, None
         assert suspect is not None
         if row.time >= suspect.time:
-            suspect.after_gap = True
-            self.counts["gaps"] += 1
+            self._put_behind_gap(suspect)
             self._gaps.append(suspect.time - self.newest)
             self._insert(suspect)
             if len(self._gaps) == REGULAR_GAPS and max(self._gaps) <= EQUAL * min(self._gaps):
@@ -385,6 +392,11 @@ class Rows:
         else:
             self.counts["future"] += 1
             self._compare_ahead(suspect)
+
+    def _put_behind_gap(self, row: Row) -> None:
+        row.after_gap = True
+        row.begins = not np.isfinite(self.interval)
+        self.counts["gaps"] += 1
 
     def _is_repeated(self, row: Row) -> bool:
         """Whether a row of a stream that is gone on with is none to go on with now: one that it repeats is left out.
@@ -505,6 +517,9 @@ class Rows:
             return
         self.waiting.insert(min(k, len(self.waiting)), row)
         self.newest = max(self.newest, row.time)
+        for before, one in pairwise(self.waiting[max(k - 1, 0) : k + 2]):
+            if not one.after_gap and one.time - before.time > max(LONG_GAP, self._far):
+                self._put_behind_gap(one)  # it came before those of long ago
 
     def _correct(self, row: Row) -> None:
         """Repeat what is measured at a row in later ones that wait: they repeat what held before it was known."""
@@ -607,8 +622,7 @@ class Rows:
     def _next(self, at_once: bool) -> Row | None:
         """The next row in order; with `at_once` nothing more is waited for."""
         if at_once and self._suspect is not None:
-            self._suspect.after_gap = True
-            self.counts["gaps"] += 1
+            self._put_behind_gap(self._suspect)
             self._insert(self._suspect)
             self._suspect = None
         if not self.waiting:

@@ -43,7 +43,8 @@ class CsvFile:
         units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         self.name, self.live, self.again = str(path), speed == 1.0, True
-        self.ended, self.refused, self._number, self._whole = False, 0, 0, True
+        self.ended, self._number, self._whole = False, 0, True
+        self.refused = self.left_out = 0
         self.dropped, self.notes = 0, list[str]()
         self._speed, self._now, self._sleep = speed, now, sleep
         try:

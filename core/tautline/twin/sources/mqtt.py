@@ -14,7 +14,7 @@ from urllib.parse import unquote
 from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
 from tautline.twin.sources.connection import Connection, cause_of
-from tautline.twin.sources.objects import SAID_OF, UNIT, VALUE, ObjectReadings, Remarks
+from tautline.twin.sources.objects import SAID_OF, UNIT, VALUE, ObjectReadings, Remarks, why_no_reading
 from tautline.twin.sources.record import Record, SourceFault
 from tautline.twin.sources.stamps import Stamps
 
@@ -69,7 +69,7 @@ class Mqtt:
         except ImportError:
             raise option_error("--source", address, "needs paho-mqtt", "pip install tautline[live]") from None
         self.name, self.live, self.again, self.ended = address, True, False, False
-        self.refused = self.dropped = 0
+        self.refused = self.left_out = self.dropped = 0
         self.factors: dict[str, float] = {}
         self.notes: list[str] = []
         self._connection = Connection(address, self.notes)
@@ -116,7 +116,6 @@ class Mqtt:
             self._fault = fault
             return
         if record is None:
-            self.refused += 1
             return
         while True:
             try:
@@ -130,13 +129,11 @@ class Mqtt:
                     pass
 
     def _read(self, topic: str, payload: bytes, retained: bool = False) -> Record | None:
-        """A record out of a message; None for what is none.
-
-        What the broker has kept is none where it has no stamp: nothing shows how old it is.
-        """
+        """A record out of a message; None for what is none, which is counted."""
         try:
             found: Any = json.loads(payload)
         except (ValueError, RecursionError):  # the second for brackets in brackets without end
+            self.refused += 1
             return None
         column = topic.rpartition("/")[2]
         values = dict.fromkeys(self._columns, math.nan)
@@ -144,23 +141,32 @@ class Mqtt:
         if isinstance(found, dict):
             key = self._stamps.column([str(name) for name in found])
             stamp = self._readings.stamp(self._stamps, key, found[key]) if key is not None else None
-            if self._readings.are_good(found, f"topic {topic}:"):
-                values |= self._values_of(found, topic, column)
+            if not self._readings.are_good(found, f"topic {topic}:"):
+                self.left_out += 1
+                return None
+            values |= self._values_of(found, topic, column)
         elif column in values:
             values[column] = self._readings.number(column, found)
-        if all(math.isnan(value) for value in values.values()):
+        if why := why_no_reading(found, self._columns, column):
+            self._remarks.tell(f"no reading {topic}", f"topic {topic}: {why}")
+        if _are_none(values):
+            if column in values or (isinstance(found, dict) and values.keys() & found.keys()):
+                self.refused += 1
+            else:
+                self.left_out += 1  # it is of other things
             return None
-        if retained and stamp is None:
-            what = "a message" if isinstance(found, dict) else "a number"
-            self._remarks.tell(
-                f"retained {topic}",
-                f"topic {topic}: {what} without a stamp, which the broker has kept, is left out. Its age is not known",
-            )
+        if self._lacks_stamp(topic, found, stamp, retained) or _are_none(self._of_its_topic(topic, values, retained)):
+            self.left_out += 1
             return None
-        if isinstance(found, dict) and stamp is None and self._lacks_time(topic, found):
-            return None
-        for name, value in values.items():
-            first = self._topics.setdefault(name, topic) if not math.isnan(value) else topic
+        return Record(clock.time() if stamp is None else stamp, values, clock.monotonic())
+
+    def _of_its_topic(self, topic: str, values: dict[str, float], retained: bool) -> dict[str, float]:
+        """Take out readings of columns that come from another topic: from the first that sends them now.
+
+        What the broker has kept always comes first, and it may be of a topic that nobody sends any more.
+        """
+        for name in [name for name, value in values.items() if not math.isnan(value)]:
+            first = self._topics.get(name, topic) if retained else self._topics.setdefault(name, topic)
             if are_of_two(first, topic, name):
                 self._remarks.tell(
                     f"topics of {name}",
@@ -168,9 +174,18 @@ class Mqtt:
                     "Name a topic in --source that leads to one machine",
                 )
                 values[name] = math.nan
-        if all(math.isnan(value) for value in values.values()):
-            return None
-        return Record(clock.time() if stamp is None else stamp, values, clock.monotonic())
+        return values
+
+    def _lacks_stamp(self, topic: str, found: Any, stamp: float | None, retained: bool) -> bool:
+        """Whether a message is left out as it has no stamp: nothing shows how old is what the broker has kept."""
+        if retained and stamp is None:
+            what = "a message" if isinstance(found, dict) else "a number"
+            self._remarks.tell(
+                f"retained {topic}",
+                f"topic {topic}: {what} without a stamp, which the broker has kept, is left out. Its age is not known",
+            )
+            return True
+        return isinstance(found, dict) and stamp is None and self._lacks_time(topic, found)
 
     def _values_of(self, found: Mapping[str, Any], topic: str, column: str) -> dict[str, float]:
         """Readings of an object by column; `column` is the one that the topic names."""
@@ -223,6 +238,10 @@ class Mqtt:
         self.ended = True
         self._client.disconnect()
         self._client.loop_stop()
+
+
+def _are_none(values: Mapping[str, float]) -> bool:
+    return all(math.isnan(value) for value in values.values())
 
 
 def are_of_two(first: str, topic: str, column: str) -> bool:

@@ -14,7 +14,7 @@ DEEPEST, LARGEST = 8, 5000
 TOGETHER = 8
 """Nodes that the server is asked about at a time."""
 LISTED = 4
-"""Node ids that a message names."""
+"""Node ids that a message names at most."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def chosen(columns: Sequence[str], variables: Sequence[Variable]) -> Choice:
                 others += [(a, known[column]) for a in named[known[column].name] if a.id not in meant]
         elif len(same := named.get(column, [])) > 1:
             others += [(a, b) for a in same for b in same if a is not b]
-            which = f"{', '.join(str(one) for one in same[:LISTED])}{', ...' if len(same) > LISTED else ''}"
+            which = listed([str(one) for one in same])
             found.doubted[column] = (
                 f"the server has {len(same)} variables {column}: {which}. Nothing shows which one is meant"
             )
@@ -105,12 +105,18 @@ def chosen(columns: Sequence[str], variables: Sequence[Variable]) -> Choice:
             )
     taken = {column: known[one] for column, one in found.ids.items() if one in known}
     if single.keys() & taken and len({one.path for one in taken.values()}) > 1:
-        places = ", ".join(f"{column} is {one}" for column, one in taken.items())
+        places = listed([f"{column} is {one}" for column, one in taken.items()])
         found.remarks.append(
             f"the columns are variables of several folders: {places}. "
             "If these belong to several machines, write the right node ids as `column` in the map"
         )
     return found
+
+
+def listed(names: Sequence[str], most: int = LISTED) -> str:
+    """Names for a message, with how many more there are."""
+    more = len(names) - most
+    return ", ".join(names) if more <= 0 else f"{', '.join(names[:most])} and {more} more"
 
 
 def _is_beside(one: Variable, other: Variable, meant: Variable) -> bool:

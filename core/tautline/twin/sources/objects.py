@@ -26,6 +26,8 @@ GOOD_FROM, GOOD_TO = 192.0, 256.0
 UNCERTAIN = 0x40000000
 """The first status code of OPC UA that is not good (part 4, 7.39)."""
 CODE = re.compile(r"0[xX][0-9a-fA-F]{1,8}")
+KEYS = 6
+"""Keys of a message that are named."""
 LONG = 6
 """Characters from which on a code is one of OPC UA, ``0x80000000``, and none of OPC DA, ``0xC0``."""
 
@@ -225,3 +227,30 @@ def what_is(value: Any) -> str:
     if isinstance(value, str):
         return f'as the text "{shorten(value)}"'
     return f"as a value of type {type(value).__name__}"
+
+
+def why_no_reading(found: Any, columns: Sequence[str], column: str) -> str:
+    """Why a message has no reading where one is looked for, in words; empty where it has, and for other things.
+
+    Parameters
+    ----------
+    found : object
+        The message, read from JSON.
+    columns : sequence of str
+    column : str
+        The one that its topic names.
+    """
+    if isinstance(found, list):
+        ours = column in columns or any(isinstance(one, dict) and not one.keys().isdisjoint(columns) for one in found)
+        return f"a list of {len(found)} values is left out. Send one object for each row" * ours
+    if not isinstance(found, dict):
+        return ""
+    for key, one in found.items():
+        inside = isinstance(one, dict) and not one.keys().isdisjoint(columns)
+        if inside or (key in columns and isinstance(one, (dict, list))):
+            what = "an object" if isinstance(one, dict) else "a list"
+            return f"'{shorten(key)}' holds {what}, in which no reading is looked for. Send a number for each column"
+    if column in columns and VALUE not in found and found.keys().isdisjoint(columns):
+        keys = f"{', '.join(list(found)[:KEYS])}{', ...' if len(found) > KEYS else ''}" or "none"
+        return f"a message without the key '{VALUE}' or one of a column is left out. Its keys: {keys}"
+    return ""

@@ -16,7 +16,17 @@ from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
 from tautline.twin.sources.connection import Connection, cause_of
 from tautline.twin.sources.holding import Change, Holding
-from tautline.twin.sources.nodes import DEEPEST, LARGEST, Choice, chosen, is_id, nodes_by_column, units_of, variables_of
+from tautline.twin.sources.nodes import (
+    DEEPEST,
+    LARGEST,
+    Choice,
+    chosen,
+    is_id,
+    listed,
+    nodes_by_column,
+    units_of,
+    variables_of,
+)
 from tautline.twin.sources.objects import ObjectReadings, Remarks, factor_told, what_is
 from tautline.twin.sources.record import Record, SourceFault
 
@@ -36,6 +46,8 @@ LIFETIME = 10_000
 """Periods after which a server may give up a client that asks for nothing."""
 WATCHED = 0.1
 """How often the connection is looked at, s."""
+NAMED = 12
+"""Variables that a message names at most."""
 DEAF = 60.0
 """How long a server may say nothing at all before it is connected to anew, s."""
 
@@ -76,7 +88,7 @@ class OpcUa:
         except ImportError:
             raise option_error("--source", address, "needs asyncua", "pip install tautline[live]") from None
         self.name, self.live, self.again, self.ended = address, True, False, False
-        self.refused = 0
+        self.refused = self.left_out = 0
         self.dropped, self.notes = 0, list[str]()
         self.factors: dict[str, float] = {}
         self.missing: list[str] = []
@@ -136,7 +148,7 @@ class OpcUa:
             refused = await _subscribe(subscription, nodes)
             self._connection.made()
             self._followed = True
-            self._tell_missing(set(self._columns) - set(nodes) - set(choice.doubted) | refused)
+            self._tell_missing(set(self._columns) - set(nodes) - set(choice.doubted) | refused, whole)
             self._tell_choice(choice, whole)
             told = 0.0
             while not self._closing.is_set():
@@ -150,12 +162,20 @@ class OpcUa:
                     told = alive
                     self._put(alive)
 
-    def _tell_missing(self, names: set[str]) -> None:
-        """Say which variables there are none of; again only where it is others."""
-        missing = sorted(names)
+    def _tell_missing(self, columns: set[str], whole: bool) -> None:
+        """Say which variables there are none of, or were not found; again only where it is others."""
+        missing = sorted(columns)
         if missing and missing != self.missing:
-            cure = "compare them with the `column` of the sensors in the map"
-            self.notes.append(f"the server has no variable {', '.join(missing)}: there is no reading of it; {cure}")
+            unseen = [one for one in missing if not whole and not is_id(one)]
+            if none := [one for one in missing if one not in unseen]:
+                cure = "compare them with the `column` of the sensors in the map"
+                names = listed(none, NAMED)
+                self.notes.append(f"the server has no variable {names}: there is no reading of it; {cure}")
+            if unseen:
+                self.notes.append(
+                    f"variable {listed(unseen, NAMED)}: not found among the nodes that were searched, and others were "
+                    "not searched. There is no reading of it; write its node id as `column` in the map"
+                )
         self.missing = missing
 
     def _scale(self, units: Mapping[str, list[str]]) -> None:

@@ -61,6 +61,8 @@ class Source(Protocol):
         Whether no more will come.
     refused : int
         Lines or messages that could not be read.
+    left_out : int
+        Those that could be read and are not used, such as messages of another machine or without a time.
     dropped : int
         Records that were let go because they came faster than they were taken.
     factors : dict of str to float
@@ -76,6 +78,7 @@ class Source(Protocol):
     again: bool
     ended: bool
     refused: int
+    left_out: int
     dropped: int
     factors: dict[str, float]
     notes: list[str]

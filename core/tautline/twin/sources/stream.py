@@ -38,7 +38,7 @@ class Stream:
         units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         self.name, self.live, self.again, self.ended = name, True, False, False
-        self.refused, self.last, self._number = 0, "", 0
+        self.refused, self.left_out, self.last, self._number = 0, 0, "", 0
         self.dropped, self.notes = 0, list[str]()
         self.factors: dict[str, float] = {}
         self._file, self._columns, self._time, self._units = file, list(columns), time, units
