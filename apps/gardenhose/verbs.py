@@ -289,7 +289,9 @@ def _print_stability(found: Stability, system: str) -> None:
         say(f"the hose {words_of(critical, system)}", "yellow")
     if found.stable_from is not None:
         begin = "it" if at_once else f"the hose is unstable at {told(slowest)}; it"
-        say(f"{begin} is stable from {told(found.stable_from, 6)}", "green")
+        beyond = [one.begin for one in found.windows if one.begin * found.stable_from > found.stable_from**2]
+        until = f" to {told(min(beyond, key=abs), 6)}" if beyond else ""
+        say(f"{begin} is stable from {told(found.stable_from, 6)}{until}", "green")
         if not at_once:
             _hint_below(found, told)
     elif at_once:
