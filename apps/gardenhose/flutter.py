@@ -11,6 +11,7 @@ eigenvalues are computed such windows are looked for with the hose's motions in 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from itertools import pairwise
 from typing import Literal, NamedTuple
 
@@ -22,6 +23,7 @@ from gardenhose.estimates import speeds as speeds_of
 from gardenhose.reduced import Reduced, peaks
 from gardenhose.scene import HoseScene, tied
 from gardenhose.static import Form, form
+from tautline.integrators.status import StoppedEarly
 from tautline.integrators.vibration.following import Paths, apart, follow
 from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
 from tautline.scene.errors import SceneError
@@ -58,6 +60,8 @@ NEWTON = 1.0e-4
 """Step from there, relative, whose square is no more than that of a speed which is only told."""
 BETWEEN = 64
 """Speeds, at most, at which eigenvalues are computed beside those asked for to tell which is which."""
+SAME = 1.0e-12
+"""Distance of two speeds over the largest one up to which they are one speed that was rounded in two ways."""
 ROUND = 8
 """Intervals, at most, between round speeds of a range."""
 
@@ -89,8 +93,8 @@ class Curves(NamedTuple):
     """Modes along all speeds at which they were computed to be followed, those asked for among them.
 
     ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, the columns those of `Stability`; ``out_of_plane`` (k, m);
-    ``sure`` (k - 1, m) whether a mode goes on from a speed to the next without doubt; ``marks`` the round ones among
-    the speeds, in the scene's units.
+    ``sure`` (k - 1, m) whether a mode goes on from a speed to the next without doubt; ``marks`` the round ones, in the
+    scene's units, of which each is one of the speeds but for rounding.
     """
 
     speed: np.ndarray
@@ -153,8 +157,20 @@ class _Linear:
         self.count = max(SLOWEST, 3 * modes)
         self.known: dict[float, Form] = {}
         self.solved: dict[float, tuple[Vibrations, np.ndarray]] = {}
-        self.slow = 0.0
-        """Size, 1/s, of an eigenvalue that is slow; differences of smaller ones are measured by it."""
+
+    @cached_property
+    def slow(self) -> float:
+        """Size, 1/s, of the slowest eigenvalue without flow; differences of smaller ones are measured by it.
+
+        At a speed next to a divergence the slowest is next to zero, and measures nothing. Where no shape at rest is
+        found without flow it is that of the slowest speed that is known.
+        """
+        try:
+            motions, _ = self.at(0.0)
+        except StoppedEarly:
+            motions, _ = self.solved[min(self.solved, key=abs)]
+        size = np.abs(motions.value)
+        return float(size[size > ROUNDING * motions.rounding].min(initial=size.max(initial=0.0)))
 
     def at(self, speed: float) -> tuple[Vibrations, np.ndarray]:
         """The motions that grow fastest or are slowest, and which share of each is out of the plane."""
@@ -179,7 +195,7 @@ class _Linear:
         return (np.abs(across) ** 2).sum(axis=0) / np.where(whole > 0.0, whole, 1.0)
 
     def unlike(self, before: Vibrations, after: Vibrations) -> np.ndarray:
-        """How unlike motions (n,) are others (m,), by eigenvalue and by shape; (n, m)."""
+        """How unlike motions (n,) are others (m,), by eigenvalue and by shape, never below zero; (n, m)."""
         one, other = before.shape, after.shape
         if self.normal is None:
             # A straight hose moves alike in all planes, and which one a shape lies in is chance.
@@ -191,7 +207,9 @@ class _Linear:
             alike, sizes = np.linalg.norm(both, axis=(2, 3)), [np.linalg.norm(x, axis=(0, 1)) for x in (one, other)]
         else:
             alike, sizes = np.abs(one.conj().T @ other), [np.linalg.norm(x, axis=0) for x in (one, other)]
-        return apart(before, after, self.slow) + 1.0 - alike / np.maximum(np.outer(*sizes), 1e-300)
+        # Of one shape with itself rounding leaves less than nothing.
+        other_shape = np.maximum(1.0 - alike / np.maximum(np.outer(*sizes), 1e-300), 0.0)
+        return apart(before, after, self.slow) + other_shape
 
     def growth(self, speed: float, plane: Plane) -> tuple[float, complex]:
         """Largest growth rate of motions in a plane less what may be rounding, 1/s, and the eigenvalue that has it."""
@@ -256,7 +274,7 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     scans = _scans(linear, grid, planes)
     tried = {plane: _with_witnesses(linear, grid, plane, scan) for plane, scan in scans.items()}
     if speeds is None:
-        grid = np.unique(np.concatenate(list(tried.values())))
+        grid = _with_others(grid, np.concatenate(list(tried.values())))
     curves = _curves(linear, grid, modes)
     asked = np.searchsorted(curves.speed, grid)
     values, shares = curves.eigenvalues[asked], curves.out_of_plane[asked]
@@ -542,9 +560,8 @@ def _curves(linear: _Linear, grid: np.ndarray, modes: int) -> Curves:
     marks = _round_between(float(grid[0]), float(grid[-1]), linear.scene.units)
     # What has been computed already costs nothing.
     inside = [speed for speed in linear.solved if grid[0] <= speed <= grid[-1]]
-    speeds = np.unique(np.concatenate([grid, marks, inside]))
+    speeds = _with_others(grid, np.array([*inside, *marks]))
     backwards = abs(grid[0]) > abs(grid[-1])
-    linear.slow = float(np.abs(linear.at(float(grid[-1] if backwards else grid[0]))[0].value).min(initial=np.inf))
     paths = follow(
         lambda speed: linear.at(float(speed))[0],
         (speeds[::-1] if backwards else speeds).tolist(),
@@ -561,6 +578,18 @@ def _curves(linear: _Linear, grid: np.ndarray, modes: int) -> Curves:
     for (motions, share), those, value, part in zip(rows, paths.number, values, shares, strict=True):
         value[those >= 0], part[those >= 0] = motions.value[those[those >= 0]], share[those[those >= 0]]
     return Curves(paths.place, values, shares, paths.sure, marks)
+
+
+def _with_others(asked: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Rising speeds: those asked for, and of others each that is not one of these, or of the others, but for rounding.
+
+    The speed that is asked for as 5.6000000000000005 m/s and the mark at 5.6 are one.
+    """
+    made = asked
+    for speed in np.setdiff1d(others, asked):
+        if np.abs(made - speed).min() > SAME * max(abs(asked[0]), abs(asked[-1])):
+            made = np.append(made, speed)
+    return np.sort(made)
 
 
 def _round_between(low: float, high: float, system: str) -> list[float]:

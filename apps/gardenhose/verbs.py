@@ -37,8 +37,11 @@ FlutterSpeeds = Annotated[
         help=f"{SPEEDS_HELP} [dim]\\[default: past the first instability][/]",
     ),
 ]
-AS_FINE = "There modes are so much alike that a smaller step tells no more"
-"""What is said in the place of a cure where modes are not told apart at speeds as near as any that are looked at."""
+AS_FINE = (
+    "A narrower range of --speed about it, with a smaller step, may tell. Where two modes meet, no step does: a hose "
+    "without damping begins to flutter so"
+)
+"""What is said where modes are not told apart at speeds as near as any that are looked at in a range as wide."""
 NEGATIVE_PIVOTS = "negative pivots of the tangent: 0 is stable, none where it is not judged"
 USUAL_MODES, MOST_MODES = 8, 100
 Modes = Annotated[int, typer.Option("--modes", min=1, max=MOST_MODES, help="Modes to follow, besides those that grow.")]
@@ -286,7 +289,9 @@ def _print_stability(found: Stability, system: str) -> None:
         say(f"the hose {words_of(critical, system)}", "yellow")
     if found.stable_from is not None:
         begin = "it" if at_once else f"the hose is unstable at {told(slowest)}; it"
-        say(f"{begin} is stable from {told(found.stable_from, 6)}", "green")
+        beyond = [one.begin for one in found.windows if one.begin * found.stable_from > found.stable_from**2]
+        until = f" to {told(min(beyond, key=abs), 6)}" if beyond else ""
+        say(f"{begin} is stable from {told(found.stable_from, 6)}{until}", "green")
         if not at_once:
             _hint_below(found, told)
     elif at_once:
@@ -388,7 +393,7 @@ def _doubts(found: Stability, system: str) -> list[SceneWarning]:
     where = f"between {shown(low, 'm/s', system)} and {shown(high, 'm/s', system)}"
     if len(doubtful) > 1:
         where += f", and at {len(doubtful) - 1} more places"
-    finest = FINEST * max(map(abs, found.speed))
+    finest = FINEST * float(max(found.speed) - min(found.speed))
     cure = "Take a smaller step" if any(high - low > finest for _, low, high in doubtful) else AS_FINE
     text = (
         f"it is not sure which mode goes on as which {where}. The curves have gaps there. The eigenvalues at each "

@@ -13,9 +13,11 @@ from PIL import Image
 
 import tautline
 from gardenhose.application import Gardenhose
+from tautline.cli.commands.render import _film_said
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.results.result import Result
+from tautline.view.space.film import cut
 
 DATA = Path(__file__).parents[2] / "data"
 SMALL = ("--size", "320x180")
@@ -142,3 +144,8 @@ def test_python_gives_figures_by_name(stored):
     assert len(result.plot.tip().axes) >= 2
     with pytest.raises(AttributeError, match="there is no figure 'tipp'"):
         _ = result.plot.tipp
+
+
+def test_a_film_of_one_frame_is_said_to_be_one_picture():
+    assert _film_said(cut(np.zeros(1))) == "one picture"
+    assert _film_said(cut(np.linspace(0.0, 1.0, 11))) == "11 pictures, 10 a second"

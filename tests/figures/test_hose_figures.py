@@ -279,6 +279,42 @@ def test_a_mode_has_one_number_in_and_out_of_the_plane_and_what_has_no_like_its_
     assert sum(text.get_text().startswith("mode ") for text in figure.legends[0].get_texts()) == 4
 
 
+@pytest.mark.parametrize("count", [8, *studies(14)])
+def test_modes_beyond_the_colours_have_a_look_and_a_name_of_their_own_as_the_legend_has_it(tmp_path, count):
+    speed = np.linspace(0.0, 5.0, 11)
+    values = -0.1 - 0.1 * speed[:, None] + 10j * np.arange(1.0, count + 1.0)
+    figure = flutter_figure(speed, values, np.zeros(values.shape))
+    named = [line for line in figure.legends[0].get_lines() if line.get_label().startswith("mode ")]
+    assert [line.get_label() for line in named] == [f"mode {i + 1}" for i in range(count)]
+    for plot in figure.axes:
+        curves = [line for line in plot.get_lines() if len(line.get_xdata()) == len(speed)]
+        drawn, told = ([(line.get_color(), line.get_linewidth()) for line in some] for some in (curves, named))
+        assert drawn == told and len(set(told)) == count
+    check({"flutter": figure}, tmp_path, pixels=True)
+
+
+def test_of_very_many_modes_a_bar_tells_the_number(tmp_path):
+    speed = np.linspace(0.0, 5.0, 11)
+    values = -0.1 - 0.1 * speed[:, None] + 10j * np.arange(1.0, 31.0)
+    figure = flutter_figure(speed, values, np.zeros(values.shape))
+    curves = [line for line in figure.axes[0].get_lines() if len(line.get_xdata()) == len(speed)]
+    assert len({line.get_color() for line in curves}) == 30
+    assert figure.axes[-1].get_xlabel() == "mode" and figure.axes[-1].get_xlim() == (1.0, 30.0)
+    assert not figure.legends or not any("mode " in text.get_text() for text in figure.legends[0].get_texts())
+    check({"flutter": figure}, tmp_path, pixels=False)
+
+
+def test_dots_of_one_speed_are_hollow_out_of_the_plane_as_the_legend_has_it():
+    speed, values, outside = modes()
+    figure = flutter_figure(speed[:1], values[:1], outside[None])
+    (legend,) = figure.legends
+    told = {line.get_label(): line.get_fillstyle() for line in legend.get_lines() if "plane" in line.get_label()}
+    assert told == {"in the plane": "full", "out of the plane": "none"}
+    for plot in figure.axes:
+        dots = [line for line in plot.get_lines() if line.get_marker() == "o" and line.get_linestyle() != "None"]
+        assert [line.get_fillstyle() for line in dots] == ["full", "full", "none", "none"]
+
+
 def test_a_curve_has_a_gap_where_it_is_not_sure_what_it_goes_on_as():
     speed, values, outside = modes()
     sure = np.full((speed.size - 1, 4), True)

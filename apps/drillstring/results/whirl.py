@@ -69,19 +69,18 @@ class Whirl:
     def ratio(self, share: float = LATE) -> float:
         """Whirl ratio, mean of the end of the run; NaN where the string does not turn, or the lump is on the axis.
 
-        It is the mean speed of the angle about the axis, so that of a whirl with the rotary is 1 whatever the orbit's
-        form. Where turns cannot be counted (`counts`) it is the area swept over r^2: 0 of what swings through the axis.
+        It is the angle about the axis over that of the pipe in whole turns, so that of a whirl with the rotary is 1
+        whatever the orbit's form and however the rotary's speed changes; NaN where neither goes round once. Where turns
+        cannot be counted (`counts`) it is the area swept over r^2: 0 of what swings through the axis.
         """
         late = self._late(share)
         square, spin = float((np.abs(self.offset[late]) ** 2).sum()), float(self.spin[late].mean())
         if square <= STILL**2 * late.sum() or abs(spin) < SLOWEST:
             return float("nan")
         if self.counts(share):
-            # Over whole turns: within one the angle is faster and slower.
-            time, angle = self.time[late], np.unwrap(np.angle(self.offset[late]))
-            turn, span = 2.0 * np.pi / abs(spin), time[-1] - time[0]
-            whole = turn * np.floor(span / turn) if span >= turn else span
-            return float(angle[-1] - np.interp(time[-1] - whole, time, angle)) / whole / spin
+            time, turning = self.time[late], self.spin[late]
+            steps = 0.5 * (turning[1:] + turning[:-1]) * np.diff(time)
+            return _over_whole_turns(np.unwrap(np.angle(self.offset[late])), np.append(0.0, np.cumsum(steps)))
         swept = np.imag(np.conj(self.offset[late]) * self.velocity[late])
         return float(swept.sum()) / square / spin
 
@@ -103,6 +102,24 @@ class Whirl:
     def _late(self, share: float) -> np.ndarray:
         """Frames (m,) at the end of the run."""
         return np.asarray(self.time >= self.time[-1] - share * (self.time[-1] - self.time[0]))
+
+
+def _over_whole_turns(angle: np.ndarray, turned: np.ndarray) -> float:
+    """Angle (m,) of a lump about the axis over that of the pipe, rad, both from one time to the end.
+
+    Within a turn the angle of an orbit that is no circle is faster and slower. So the time is that from which the pipe
+    makes whole turns, or the lump where the pipe makes none; NaN where neither does.
+    """
+    to_go = np.array([turned[-1] - turned, angle[-1] - angle])
+    for leader in to_go:
+        left = leader * np.sign(leader[0])
+        whole = min(2.0 * np.pi * np.floor(left[0] / (2.0 * np.pi) + 1e-9), left[0])
+        if whole > 0.0:
+            k = int(np.flatnonzero(left >= whole)[-1])
+            share = (left[k] - whole) / (left[k] - left[k + 1])
+            pipe, lump = to_go[:, k] + share * (to_go[:, k + 1] - to_go[:, k])
+            return float(lump / pipe) if pipe else float("nan")
+    return float("nan")
 
 
 def whirl_of(result: Any, lump: int) -> Whirl:

@@ -11,7 +11,6 @@ from tautline.scene.values.systems import in_system
 from tautline.scene.values.units import RPM
 from tautline.view.figures.figure import (
     COLOURS,
-    QUIET,
     SHADE,
     SHADES,
     Axes,
@@ -76,7 +75,7 @@ def draw(found: Map, title: str, system: str = "si") -> Figure:
     cells = [cell for row in found.cells for cell in row if cell.status == "done" and not cell.judged]
     causes = ["stopped early"] if found.failures else []
     if grey := causes + sorted({cell.told for cell in cells}):
-        handles.append(sample_line(f"grey: {', '.join(grey)}", color=QUIET, lw=6))
+        handles.append(sample_line(f"grey: {', '.join(grey)}", color=SHADE, lw=6))
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure

@@ -52,19 +52,32 @@ def torque_drag_figure(
     if several:
         _broomstick(plots[0], cases, system, measured)
     deepest = [max(case.points, key=lambda point: point.depth) for case in cases]
-    _profiles(plots[-1], deepest, system, several)
+    beyond = _profiles(plots[-1], deepest, system, several)
     beside = len({case.model for case in cases}) > 1
     handles = [
         sample_line(f"friction {case.friction:.3g}" + beside * f", {case.model}", color=colour(k, len(cases)))
         for k, case in enumerate(cases)
     ]
     handles += [sample_line(NAMES[motion], color=QUIET, **LOOKS[motion]) for motion in cases[0].motions]
-    handles += [sample_line("buckles into a sine", color=SINE, lw=3, alpha=0.6)]
-    handles += [sample_line("buckles into a helix", color=HELIX, lw=3, alpha=0.6)]
+    for words, ink, where in zip(("buckles into a sine", "buckles into a helix"), (SINE, HELIX), beyond, strict=True):
+        handles += [sample_line(words + where, color=ink, lw=3, alpha=0.6)]
+    handles += [sample_line(words, ls="") for case in cases for words in _not_drawn(case)]
     if measured is not None:
         handles += [sample_line("measured", color="black", ls="", marker="o", mfc="white")]
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
+
+
+def _not_drawn(case: Case) -> list[str]:
+    """Which motions of a case have no curve, or gaps in theirs, and why."""
+    told = []
+    for motion in case.motions:
+        missing = [point for point in case.points if motion not in point.profiles]
+        if missing:
+            why = "locks up" if any(motion in point.locks for point in missing) else "no equilibrium"
+            where = f" at {len(missing)} of {len(case.points)} depths" if len(case.points) > 1 else ""
+            told.append(f"no {NAMES[motion]} at friction {case.friction:.3g}: {why}{where}")
+    return told
 
 
 def _broomstick(plots: Sequence[Axes], cases: Sequence[Case], system: str, measured: Measured | None) -> None:
@@ -96,8 +109,11 @@ def _broomstick(plots: Sequence[Axes], cases: Sequence[Case], system: str, measu
     _downwards(plots[0], max(point.depth for point in cases[0].points) / length)
 
 
-def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, several: bool) -> None:
-    """Tension and the limits, side force and torque along the string with the bit at one depth."""
+def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, several: bool) -> list[str]:
+    """Tension and the limits, side force and torque along the string with the bit at one depth.
+
+    Gives what the legend adds to each of the limits: whether it lies beyond the axis.
+    """
     tension = np.concatenate([one.tension for point in points for one in point.profiles.values()] or [np.zeros(1)])
     twist = np.concatenate([one.torque for point in points for one in point.profiles.values()] or [np.zeros(1)])
     sides = [[_without_rounding(one, point.depth) for one in point.profiles.values()] for point in points]
@@ -115,22 +131,41 @@ def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, sever
             plots[1].plot(pressed / load, one.measured_depth / length, color=ink, **LOOKS[motion])
             if motion not in ("pick_up", "slack_off"):
                 plots[2].plot(one.torque / moment, one.link_depth / length, color=ink, **LOOKS[motion])
-    reach = SHOWN_BEYOND * max(_largest(tension), 1.0)
-    stations = points[0].stations
-    for limit, ink in ((stations.limits.sinusoidal, SINE), (stations.limits.helical, HELIX)):
-        drawn = np.where(limit <= reach, -limit / force, np.nan).ravel()
-        plots[0].plot(drawn, stations.measured_depth.ravel() / length, color=ink, lw=3, alpha=0.6, zorder=1)
     for plot, values in ((plots[1], side), (plots[2], twist)):
         if _largest(values) == 0.0:
             # A string that touches nothing: its line stands off the edge.
             plot.set_xlim(-0.05, 1.0)
     plots[0].axvline(0.0, color="black", lw=0.8)
+    beyond = _limits(plots[0], points[0], SHOWN_BEYOND * max(_largest(tension), 1.0), force, length)
     where = f", bit at {points[0].depth / length:.0f} {name}" if several else ""
     plots[0].set_xlabel(label("effective tension" + where, newton))
     plots[1].set_xlabel(label("side force", per_metre))
     plots[2].set_xlabel(label("torque, of the string that turns", metre))
     plots[0].set_ylabel(label("measured depth", name))
     _downwards(plots[0], points[0].depth / length)
+    return beyond
+
+
+def _limits(plot: Axes, point: Point, reach: float, force: float, length: float) -> list[str]:
+    """Draw the buckling limits; the axis holds those up to a compression, N, and the lines go on to its edge.
+
+    Gives what the legend adds to each: whether it lies beyond the axis, for a line that ends looks like no limit.
+    """
+    depth, limits = point.stations.measured_depth.ravel() / length, point.stations.limits
+    loads = [np.where(np.isfinite(one), -one / force, np.nan).ravel() for one in (limits.sinusoidal, limits.helical)]
+    look: dict[str, Any] = {"lw": 3, "alpha": 0.6, "zorder": 1}
+    lines = [
+        plot.plot(np.where(one >= -reach / force, one, np.nan), depth, color=ink, **look)[0]
+        for one, ink in zip(loads, (SINE, HELIX), strict=True)
+    ]
+    edge, right = plot.get_xlim()
+    plot.set_xlim(edge, right)
+    for line, one in zip(lines, loads, strict=True):
+        line.set_xdata(one)
+    outside = [one[~np.isnan(one)] < edge for one in loads]
+    return [
+        "" if not one.any() else ", beyond the axis" if one.all() else ", in part beyond the axis" for one in outside
+    ]
 
 
 def _without_rounding(profile: Profile, depth: float) -> np.ndarray:

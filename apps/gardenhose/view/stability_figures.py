@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +35,12 @@ NOTHING = 1.0e-6
 """Damping over the largest frequency that is none: axes show no more of it."""
 STYLES = {"-": "in the plane", "--": "out of the plane"}
 """Lines of modes."""
+DOTS = {"full": "in the plane", "none": "out of the plane"}
+"""Dots of modes at one speed, which makes no line, by how they are filled."""
+BROAD = 3.2
+"""Width of the lines of modes that have a colour for the second time."""
+MOST_COLOURED = 2 * len(COLOURS)
+"""Modes up to which each has a look of its own and is named; of more, a bar tells the number."""
 LIKE = 0.2
 """Relative distance of the eigenvalues of a mode in the plane and of its like out of it, at most."""
 MOST_MARKED = 8
@@ -153,11 +159,12 @@ def flutter_figure(
     _shade_unstable(argand, wide, low, high)
     for plot in (argand, growth):
         plot.axhline(0.0, color="black", lw=0.8)
-    colours = [COLOURS[i % len(COLOURS)] for i in numbers]
-    for mode, colour in enumerate(colours):
-        _draw_mode(argand, growth, modes, mode, colour)
+    count = int(numbers.max(initial=0)) + 1
+    looks = [_look(int(number), count) for number in numbers]
+    for mode, look in enumerate(looks):
+        _draw_mode(argand, growth, modes, mode, look)
     per_speed, rate = in_system(1.0, "m/s", system)
-    _label_speeds(argand, modes, at, per_speed, colours)
+    _label_speeds(argand, modes, at, per_speed, [look["color"] for look in looks])
     if critical_speed is not None:
         _mark_critical(argand, growth, critical_speed, critical_frequency, system)
     argand.set_xlabel("Re ω, frequency")
@@ -173,7 +180,9 @@ def flutter_figure(
         # Its edges are drawn too: a narrow one has no width to see.
         growth.axvspan(begin, end, color=SHADE, lw=0.8, zorder=0, label="unstable" if not number else None)
     growth.set_ylim(-high, -low)
-    figure.legend(handles=_handles(growth, modes, numbers), loc="outside lower center", ncols=7)
+    if count > MOST_COLOURED:
+        bar_of_shades(figure, plots, 1.0, float(count), "mode", shrink=0.5)
+    figure.legend(handles=_handles(growth, modes, count), loc="outside lower center", ncols=7)
     use_units(figure, system)
     # The plane of complex numbers has one unit both ways, in every system.
     argand.set_xlabel(label(argand.get_xlabel(), "rad/s"))
@@ -218,15 +227,29 @@ def _limits_of(modes: _Modes) -> tuple[float, float, float]:
     return wide, -max(1.25 * unstable, 0.15 * high), 1.08 * high
 
 
-def _draw_mode(argand: Axes, growth: Axes, modes: _Modes, mode: int, colour: str) -> None:
+def _look(number: int, count: int) -> dict[str, Any]:
+    """Colour and width of the lines of a mode, by its number from 0 and how many there are."""
+    if count > MOST_COLOURED:
+        return {"color": SHADES(number / (count - 1))}
+    look: dict[str, Any] = {"color": COLOURS[number % len(COLOURS)]}
+    # A broad line hides none of the others: it lies below them.
+    return look if number < len(COLOURS) else look | {"lw": BROAD, "zorder": 1.5}
+
+
+def _dot(fill: str) -> dict[str, Any]:
+    """Look of a dot: a hollow one is a ring about a full one in the same place."""
+    return {"fillstyle": fill, "ms": 5.0 if fill == "full" else 8.0}
+
+
+def _draw_mode(argand: Axes, growth: Axes, modes: _Modes, mode: int, looks: Mapping[str, Any]) -> None:
     """One mode's curve in the diagram and its growth rate, solid where it is in the plane and dashed out of it."""
     known, outside = modes.known[:, mode], modes.outside[:, mode]
-    for side, style in ((~outside, "-"), (outside, "--")):
+    for side, style, fill in zip((~outside, outside), STYLES, DOTS, strict=True):
         chosen = side & known
         if not chosen.any():
             continue
         # One speed makes no line.
-        look: dict[str, Any] = {"color": colour, "ls": style, "marker": "o" if len(modes.speed) == 1 else ""}
+        look = {**looks, "ls": style, "marker": "o" if len(modes.speed) == 1 else ""} | _dot(fill)
         # A mode that turns out of the plane keeps its line whole: the point before it belongs to both.
         chosen = chosen | (np.append(chosen[1:], False) & known)
         right, up = (np.where(chosen, values[:, mode], np.nan) for values in (modes.frequency, modes.damping))
@@ -243,12 +266,14 @@ def _mark_critical(argand: Axes, growth: Axes, speed: float, frequency: float | 
         argand.plot(2.0 * np.pi * frequency, 0.0, **dot)
 
 
-def _handles(growth: Axes, modes: _Modes, numbers: np.ndarray) -> list[Any]:
+def _handles(growth: Axes, modes: _Modes, count: int) -> list[Any]:
     """What the legend explains: the modes' colours, both kinds of line where there are both, and the critical speed."""
     marked, _ = growth.get_legend_handles_labels()
     both = [sample_line(text, color="black", ls=style) for style, text in STYLES.items()]
+    if len(modes.speed) == 1:
+        both = [sample_line(text, color="black", ls="", marker="o", **_dot(fill)) for fill, text in DOTS.items()]
     present = both if modes.outside[modes.known].any() else []
-    named = [sample_line(f"mode {i + 1}", color=COLOURS[i]) for i in range(min(numbers.max() + 1, len(COLOURS)))]
+    named = [sample_line(f"mode {i + 1}", **_look(i, count)) for i in range(count)] if count <= MOST_COLOURED else []
     return [*named, *present, *marked]
 
 
@@ -301,7 +326,7 @@ def _marked(speed: np.ndarray, factor: float) -> np.ndarray:
     return speed[np.unique(np.linspace(0, len(speed) - 1, min(len(speed), MOST_MARKED)).round().astype(int))]
 
 
-def _label_speeds(plot: Axes, modes: _Modes, marks: np.ndarray, factor: float, colours: Sequence[str]) -> None:
+def _label_speeds(plot: Axes, modes: _Modes, marks: np.ndarray, factor: float, colours: Sequence[Any]) -> None:
     """Mark speeds that were looked at along the curves, and write those that find room.
 
     They are in the unit of which ``factor`` make one m/s.
@@ -321,7 +346,8 @@ def _label_speeds(plot: Axes, modes: _Modes, marks: np.ndarray, factor: float, c
     named: list[tuple[int, np.ndarray]] = []
     for mode in np.argsort(np.where(modes.known[0], modes.frequency[0], np.inf), kind="stable"):
         for i in np.flatnonzero(inside[mode]):
-            plot.plot(x[mode, i], y[mode, i], color=colours[mode], marker="o", ms=3, ls="")
+            if len(modes.speed) > 1:
+                plot.plot(x[mode, i], y[mode, i], color=colours[mode], marker="o", ms=3, ls="")
             dot, words = np.array([across[mode, i], height[mode, i]]), f"{numbers[i]:g}"
             # A mode out of the plane that runs along its like in it needs no numbers of its own.
             if any(i == j and np.hypot(*(dot - place)) < 22.0 for j, place in named):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from cli.in_process import commands_of, files, leave_out_pixels, only_object
+from matplotlib.colors import to_rgba
 
 import drillstring.stick_slip.severity_map
 from drillstring.application import Drillstring
@@ -301,4 +302,6 @@ def test_a_cell_that_does_not_turn_is_grey_in_the_figure_and_its_legend_says_so(
     figure = draw(Map((60 * RPM,), (1e5,), ((still(60),),)), "one cell")
     assert "not\nturning" in [text.get_text() for text in figure.axes[0].texts]
     assert figure.legends[0].get_texts()[0].get_text() == "grey: not turning"
+    (grey,) = figure.legends[0].get_lines()
+    assert to_rgba(grey.get_color()) == figure.axes[0].get_facecolor(), "the legend's grey is the cell's"
     assert figure.axes[0].collections[0].get_array().mask.all()

@@ -13,7 +13,9 @@ from physics.pipes.hoses import COUPLINGS, WATER, at_rest, orders, pipe, scene
 from references import hose as reference
 from scipy.optimize import brentq
 
-from gardenhose.flutter import crossings, stability
+from gardenhose.flutter import _Linear, crossings, stability
+from gardenhose.static import form
+from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.vibration import vibrations as found_by
 
 CLAIMED = 5e-3
@@ -281,22 +283,85 @@ def test_the_mode_that_diverges_is_one_column_from_its_frequency_without_flow_to
     assert not [one for one in found.curves.doubtful() if one[1] * np.sqrt(0.2) < 1.2 * buckles]
 
 
-def test_growth_of_a_pinned_pipe_past_pi_is_as_galerkins_with_twelve_sines():
-    beta, n = 0.2, np.arange(1, 13)
+def slowest_of_twelve_sines(beta, u):
+    """The two slowest eigenvalues of a pinned pipe, by Galerkin's method."""
+    n = np.arange(1, 13)
     wave = n * np.pi
     r, s = np.meshgrid(n, n, indexing="ij")
     odd = (r + s) % 2 == 1
     # of sqrt(2) sin(r pi x) and d/dx sqrt(2) sin(s pi x)
     gyro = np.where(odd, 4.0 * r * s / np.where(odd, r**2 - s**2, 1), 0.0)
-    found = stability(supported(("pinned", "pinned"), 16), np.linspace(0.0, 4.0, 9) / np.sqrt(beta))
+    stiff = np.diag(wave**4 - u**2 * wave**2)
+    flow = 2.0 * np.sqrt(beta) * u * gyro
+    values = np.linalg.eigvals(np.block([[np.zeros((12, 12)), np.eye(12)], [-stiff, -flow]]))
+    return values[np.argsort(np.abs(values))[:2]]
+
+
+def test_growth_of_a_pinned_pipe_past_pi_is_as_galerkins_with_twelve_sines():
+    found = stability(supported(("pinned", "pinned"), 16), np.linspace(0.0, 4.0, 9) / np.sqrt(0.2))
     for speed, value in zip(found.speed, found.eigenvalues[:, 0], strict=True):
-        u = speed * np.sqrt(beta)
-        stiff = np.diag(wave**4 - u**2 * wave**2)
-        flow = 2.0 * np.sqrt(beta) * u * gyro
-        values = np.linalg.eigvals(np.block([[np.zeros((12, 12)), np.eye(12)], [-stiff, -flow]]))
-        slowest = values[np.argsort(np.abs(values))[:2]]
-        assert np.abs(slowest - value).min() < 2e-3 * abs(value)
+        u = speed * np.sqrt(0.2)
+        assert np.abs(slowest_of_twelve_sines(0.2, u) - value).min() < 2e-3 * abs(value)
         assert (value.real > 1e-6) == (u > np.pi)
+
+
+@pytest.mark.parametrize("below", [7e-4, *studies(7e-5)])
+def test_the_mode_that_diverges_is_one_column_though_the_first_speed_is_just_below_the_divergence(below):
+    u = np.array([1.0 - below, 1.018, 1.061]) * np.pi
+    found = stability(supported(("pinned", "pinned"), 16), u / np.sqrt(0.2))
+    assert found.curves is not None and found.curves.doubtful() == []
+    assert found.eigenvalues.shape[1] == 8 and not np.isnan(found.eigenvalues).any()
+    for one, value in zip(u[1:], found.eigenvalues[1:, 0], strict=True):
+        assert value == pytest.approx(slowest_of_twelve_sines(0.2, one).real.max(), rel=4e-3)
+
+
+@pytest.mark.parametrize("u", [[8.6, 8.8, 9.0], *studies([8.6, 8.65, 8.7, 8.8, 9.0], [8.1, 9.0])])
+def test_a_damped_pair_that_becomes_two_real_motions_goes_on_as_the_one_that_decays_slower(u):
+    # Just before they part its frequency is less than a tenth of its decay. Galerkin's polynomials give both.
+    values = reference.Pipe(24).eigenvalues(9.0, 0.9, 0.002)
+    slower, faster = sorted(values[np.abs(values.imag) < 1e-6].real, reverse=True)[:2]
+    assert -14.0 < slower < -12.0 and -27.0 < faster < -25.0
+    found = stability(pipe(0.9, 16, {"damping": 0.002}), np.array(u) / np.sqrt(0.9))
+    pair = np.abs(found.eigenvalues[0].real + 20.0) < 1.0
+    assert found.eigenvalues[0, pair].imag > 1.0
+    assert found.eigenvalues[-1, pair] == pytest.approx(slower, rel=5e-3)
+
+
+def test_where_a_hose_has_no_shape_without_flow_its_modes_are_followed_by_those_of_the_slowest_speed(monkeypatch):
+    def without(scene, speed, near=None):
+        if speed == 0.0:
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, None, "none")
+        return form(scene, speed, near)
+
+    hose, speeds = scene({"elements": 6}), [4.0, 6.0, 8.0]
+    usual = stability(hose, speeds)
+    monkeypatch.setattr("gardenhose.flutter.form", without)
+    assert stability(hose, speeds).eigenvalues == pytest.approx(usual.eigenvalues)
+
+
+def test_a_motion_is_never_less_than_not_at_all_unlike_itself():
+    for hose in (supported(("clamped", "clamped"), 8), scene({"elements": 6})):
+        linear = _Linear(hose)
+        motions, _ = linear.at(9.0)
+        costs = linear.unlike(motions, motions)
+        assert costs.min() >= 0.0 and np.diag(costs) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_modes_go_on_over_speeds_that_are_equal_but_for_rounding():
+    twins = [20.05, 20.06, 20.060000000000002, 20.11]
+    found = stability(supported(("clamped", "clamped"), 16), twins)
+    assert found.speed.tolist() == twins and not np.isnan(found.eigenvalues).any()
+    assert found.curves is not None and found.curves.doubtful() == []
+    assert found.eigenvalues[2] == pytest.approx(found.eigenvalues[1], rel=1e-6)
+
+
+def test_a_round_speed_that_was_asked_for_but_for_rounding_is_looked_at_once():
+    asked = [5.0, 5.6, 6.0]
+    found = stability(scene({"elements": 6}), asked)
+    assert (
+        found.curves is not None and set(asked) <= set(found.curves.speed) and 5.6000000000000005 in found.curves.marks
+    )
+    assert np.diff(found.curves.speed).min() > 1e-9
 
 
 @pytest.mark.parametrize("speeds", [[0.0], [0.0, 2.0, 4.0], [2.0, 4.0]])

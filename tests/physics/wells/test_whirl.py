@@ -280,6 +280,46 @@ def test_the_whirl_ratio_does_not_leap_where_an_orbit_becomes_narrow(narrow):
     assert one.counts() and one.ratio() == pytest.approx(1.0, abs=1e-2)
 
 
+ROTARIES = {
+    "started": (10.0, lambda t: 2.0 * pi * t / 10.0),
+    "stopped": (10.0, lambda t: 18.0 * pi * (1.0 - t / 10.0) + 0.5),
+    "stick-slip": (30.0, lambda t: 13.0 * (1.0 + np.cos(0.4 * pi * t))),
+    "back and forth": (30.0, lambda t: 4.0 + 9.0 * np.cos(0.8 * pi * t)),
+}
+
+
+def fixed_to(turned, spin, ratio=1.0, narrow=0.0):
+    """An orbit at a ratio of the pipe's angle; `narrow` is that of a part that goes the other way."""
+    ahead, back = np.exp(1j * ratio * turned), narrow * np.exp(-1j * ratio * turned)
+    return ahead + back, 1j * ratio * spin * (ahead - back)
+
+
+@pytest.mark.parametrize("rotary", ROTARIES)
+@pytest.mark.parametrize("ratio", [1.0, -2.5])
+def test_the_whirl_ratio_of_a_circle_that_goes_with_the_pipe_heeds_no_change_of_the_rotary(rotary, ratio):
+    # a started rotary made it 1.049, one that sticks and slips 1.043
+    end, speed = ROTARIES[rotary]
+    time = np.arange(0.0, end, 0.01)
+    spin = speed(time)
+    turned = np.append(0.0, np.cumsum(0.005 * (spin[1:] + spin[:-1])))
+    one = Whirl(0, time, *fixed_to(turned, spin, ratio), spin, 10.0, None, None)
+    assert one.counts() and one.ratio() == pytest.approx(ratio, rel=1e-9)
+
+
+@pytest.mark.parametrize("narrow", [0.3, 0.9])
+def test_less_than_a_turn_of_pipe_and_lump_has_no_whirl_ratio(narrow):
+    # it was 0.66 and 0.07 of a whirl with the rotary, a fifth of 0.6 of a turn
+    time, rate = np.arange(0.0, 4.0, 0.01), 1.0
+    one = Whirl(0, time, *fixed_to(rate * time, rate, 1.0, narrow), np.full(time.size, rate), 10.0, None, None)
+    assert one.counts() and np.isnan(one.ratio())
+
+
+def test_whole_turns_of_a_lump_that_outruns_a_pipe_of_less_than_a_turn_make_a_whirl_ratio():
+    time, rate = np.arange(0.0, 4.0, 0.001), 1.0  # 0.8 s: 0.13 turns of the pipe, 1.5 of the lump
+    one = Whirl(0, time, *fixed_to(rate * time, rate, -12.0, 0.3), np.full(time.size, rate), 10.0, None, None)
+    assert one.counts() and one.ratio() == pytest.approx(-12.0, rel=1e-3)
+
+
 def test_the_whirl_ratio_of_a_line_through_the_axis_is_none_and_comes_from_the_area():
     time, rate = np.arange(0.0, 20.0, 0.01), 6.0
     line = orbit(np.cos(rate * time) + 0j, -rate * np.sin(rate * time) + 0j, time, rate)

@@ -14,6 +14,7 @@ from tautline.cli.output.holes import told_of_holes
 
 if TYPE_CHECKING:
     from tautline.view.space.appearance import Appearance
+    from tautline.view.space.film import Cut
 
 NO_DISPLAY = (
     "there is no display that a window can be opened on: here is a picture; see also --movie, --html and `export --vtk`"
@@ -148,9 +149,16 @@ def _film(appearance: Appearance, file: Path, asked: RenderOptions) -> Path:
             written = film(stage, file, made, counter, size)
     finally:
         stage.close()
-    faster = "" if abs(made.speed - 1.0) < 1e-9 else f", {made.speed:.3g} times as fast as life"
-    say(f"{len(made.frames)} pictures, {made.rate:.3g} a second{faster}")
+    say(_film_said(made))
     return written
+
+
+def _film_said(made: Cut) -> str:
+    """How many pictures a film has, and how fast it shows them."""
+    if len(made.frames) == 1:
+        return "one picture"
+    faster = "" if abs(made.speed - 1.0) < 1e-9 else f", {made.speed:.3g} times as fast as life"
+    return f"{len(made.frames)} pictures, {made.rate:.3g} a second{faster}"
 
 
 def _pictures(appearance: Appearance, times: Sequence[str], path: Path, asked: RenderOptions) -> list[Path]:

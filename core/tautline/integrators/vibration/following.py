@@ -29,10 +29,10 @@ CLOSE = 0.02
 FOREIGN = 1.0
 """Unlikeness from which a motion that may be another one is: its eigenvalue, its shape, or much of both is another."""
 FINEST = 1.0e-3
-"""Distance of two places over the larger one below which none is looked for between them."""
+"""Distance of two places over that of the first from the last below which none is looked for between them."""
 
 Unlikeness = Callable[[Vibrations, Vibrations], np.ndarray]
-"""Of each motion (n,) from each of others (m,): 0 of the same, 1 and more of others; (n, m)."""
+"""Of each motion (n,) from each of others (m,): 0 of the same and never less, 1 and more of others; (n, m)."""
 
 
 class Paths(NamedTuple):
@@ -84,14 +84,14 @@ def follow(
     if not len(places):
         raise ArgumentError("no place to follow motions from")
     places, known, added = list(places), dict[tuple[float, float], np.ndarray](), 0
-    falling, size = places[0] > places[-1], max(abs(place) for place in places)
+    falling, span = places[0] > places[-1], abs(places[-1] - places[0])
     while True:
         for pair in pairwise(places):
             if pair not in known:
                 known[pair] = unlikeness(at(pair[0]), at(pair[1]))
         motions = [at(place) for place in places]
         number, sure = _paths(motions, [known[pair] for pair in pairwise(places)], count, growing)
-        wide = np.abs(np.diff(places)) > FINEST * size
+        wide = np.abs(np.diff(places)) > FINEST * span
         between = [0.5 * (places[k] + places[k + 1]) for k in np.flatnonzero(wide & ~sure.all(axis=1))]
         if not between or added >= most:
             return Paths(np.array(places), number, sure)
@@ -172,16 +172,17 @@ def _next(
     for m in held:
         i, j, nearest = those[m], found[m], int(np.argmin(costs[those[m]]))
         close = np.abs(before[i] - after) <= CLOSE * np.abs(before[i])
-        if j >= 0 and idle_before[i] and idle_after[j] and (costs[i, j] < MEETING or close[j]):
-            continue  # Of many that decay alike, which is which is not asked.
+        idle = j >= 0 and idle_before[i] and idle_after[j] and bool(costs[i, j] < MEETING or close[j])
         # The one that it is by far most like goes on with another: it ends. Two real ones become one pair.
-        if j < 0 or MUCH * costs[i, j] > costs[i, nearest]:
+        if not idle and (j < 0 or MUCH * costs[i, j] > costs[i, nearest]):
             found[m] = -1
             joins = real_before[i] and not real_after[nearest] and costs[i, nearest] < MEETING
             sure[m] = joins or (idle_before[i] and bool((idle_after & close).any()))
             continue
         if not real_before[i] and real_after[j]:
             j = found[m] = _growing_half(costs[i], after, j, np.setdiff1d(free[real_after[free]], found))
+        if idle:
+            continue  # Of many that decay alike, which is which is not asked.
         beside, above = np.delete(costs[i], j), np.delete(costs[:, j], i)
         if costs[i, j] < MEETING and real_before[i] != real_after[j]:
             # Of two real ones that a pair becomes, or that become one, either goes on.
@@ -199,6 +200,9 @@ def _next(
 
 
 def _growing_half(costs: np.ndarray, after: np.ndarray, one: int, others: np.ndarray) -> int:
-    """Of two real motions that a pair has become the one that grows, or decays slower: it is the one that diverges."""
-    halves = [one, *others[costs[others] < MEETING]] if costs[one] < MEETING else [one]
+    """Of two real motions that a pair has become the one that grows, or decays slower: it is the one that diverges.
+
+    They part so fast that the slower half may be less like the pair than the other: half as much is still one of it.
+    """
+    halves = [one, *others[costs[others] < max(MEETING, costs[one] / MUCH)]] if costs[one] < MEETING else [one]
     return int(max(halves, key=lambda k: after[k].real))

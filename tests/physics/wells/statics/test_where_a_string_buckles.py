@@ -208,6 +208,30 @@ def test_the_figure_shows_the_string_from_the_hook_to_the_bit():
     assert tension[-1] < limits[0][-1] == pytest.approx(-1e-3 * limit(COLLAR, "sinusoidal"), rel=1e-3)
 
 
+def test_buckling_limits_go_on_to_the_edge_of_the_axis_and_the_legend_says_which_lie_beyond():
+    # a tenth of the tensions: 85 kN. Of the collars the lower limit is 99 kN, on the axis, the upper one 215 kN
+    point = pushed(1.2 * limit(PIPE, "sinusoidal"), LUMPED, 20)
+    pulled = point.profiles["pick_up"]
+    less = pulled._replace(tension=0.1 * pulled.tension, hook_load=0.1 * pulled.hook_load)
+    figure = torque_drag_figure([Case(point.friction, [point._replace(profiles={"pick_up": less})])])
+    _, helix = (np.asarray(line.get_xdata(), float) for line in figure.axes[0].lines if line.get_linewidth() == 3)
+    assert figure.axes[0].get_xlim()[0] > helix[-1] == pytest.approx(-1e-3 * limit(COLLAR, "helical"), rel=1e-3)
+    told = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "buckles into a sine" in told and "buckles into a helix, in part beyond the axis" in told
+
+
+@pytest.mark.parametrize("locks", [True, False])
+def test_the_figure_says_which_motion_has_no_curve_and_why(locks):
+    point = pushed(1.2 * limit(PIPE, "sinusoidal"), LUMPED, 20)
+    others = {name: one for name, one in point.profiles.items() if name != "slack_off"}
+    missing = point._replace(profiles=others, locks={"slack_off": 900.0} if locks else {})
+    cases = [Case(point.friction, [missing]), Case(point.friction, [missing, point._replace(depth=100.0)])]
+    why = "locks up" if locks else "no equilibrium"
+    for case, where in zip(cases, ("", " at 1 of 2 depths"), strict=True):
+        told = [text.get_text() for text in torque_drag_figure([case]).legends[0].get_texts()]
+        assert f"no slack off at friction {point.friction:.3g}: {why}{where}" in told
+
+
 def test_side_forces_of_a_string_that_touches_nothing_are_drawn_as_none():
     point = pushed(1.2 * limit(COLLAR, "sinusoidal"), LUMPED, 20)
     figure = torque_drag_figure([Case(point.friction, [point])])
