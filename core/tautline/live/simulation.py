@@ -493,7 +493,7 @@ class Simulation:
             cure = "advance it to a frame: those that were kept are later than the state that was restored"
             raise SimulationError("no frame was kept", cure if self._keep else "make the simulation with keep=True")
         model = self.model
-        about = {**model.attributes, "version": __version__, **self._moved_by()}
+        about = {**model.attributes, "version": __version__, "start": run.began.attribute, **self._moved_by()}
         stored = Store(None, model.variables, model.coordinates, about)
         frames = frames_of(rows.copy(), model.system.q.size)
         found = {"time": frames.time.copy(), **model.observe(frames)}
