@@ -26,7 +26,7 @@ DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
 MOST_SPEEDS = 10_000
 NO_SPEED = 1.0e-4
-"""Flow speed, m/s, below which a hose that flutters does so at no speed that is worth a number."""
+"""Flow speed, m/s, other than 0, below which a hose becomes unstable at no speed that is worth a number."""
 SPEEDS_HELP = "Flow speeds, in m/s or with a unit: 0:40:10 or '0 ft/s:40 ft/s:10 ft/s'."
 STATIC_HELP = f"{SPEEDS_HELP} [dim]\\[default: from 0 to the scene's fastest][/]"
 
@@ -264,7 +264,7 @@ def words_of(critical: Critical, system: str = "si") -> str:
 
     where = {"in": " in the plane", "out": " out of the plane", "any": ""}[critical.plane]
     how = "diverges" if critical.kind == "divergence" else f"flutters at {critical.frequency:.4g} Hz"
-    slow = abs(critical.speed) < NO_SPEED
+    slow = 0.0 < abs(critical.speed) < NO_SPEED
     return f"{how}{where} from {'almost no speed' if slow else shown(critical.speed, 'm/s', system, 6)}"
 
 

@@ -294,8 +294,5 @@ def _point_by_name() -> Iterator[None]:
 def _subject(scene: Any, end: float | str | None) -> Any:
     from tautline.study.trials.trial import Subject
 
-    read_scene = _scene(scene)
-    application = _installed().of(read_scene)
-    if end is not None:
-        end = float(_overridden(read_scene, end=end)[1].solver.end)
-    return Subject(application, read_scene, end=end)
+    application, read_scene = _overridden(scene, end=end)
+    return Subject(application, read_scene, end=None if end is None else float(read_scene.solver.end))

@@ -104,7 +104,7 @@ def test_a_sweep_sets_what_its_scene_has_wrong(command):
 @pytest.mark.parametrize("made_of", ["text", "dict"])
 def test_arguments_of_a_run_in_python_are_what_the_scene_is_validated_with(tmp_path, monkeypatch, made_of):
     monkeypatch.chdir(tmp_path)
-    scene = HOIST.replace("end: 12 s", "end: 0.01 s")  # shorter than the interval of the output
+    scene = short()
     if made_of == "dict":
         scene = dict(tautline.read(HOIST).written)
         scene["solver"] = {**scene["solver"], "end": "0.01 s"}
@@ -113,3 +113,23 @@ def test_arguments_of_a_run_in_python_are_what_the_scene_is_validated_with(tmp_p
     assert tautline.simulate(scene, end="0.1 s").time[-1] == pytest.approx(0.1)
     with pytest.raises(tautline.SceneError, match=r"argument step"):
         tautline.simulate(scene, end="0.1 s", step="-1 ms")
+
+
+def short():
+    """A scene that ends before its first frame of the output."""
+    return HOIST.replace("end: 12 s", "end: 0.01 s")
+
+
+def test_studies_read_a_scene_with_the_end_that_they_are_given(tmp_path):
+    from tautline.cli.commands.study import Options, prepared
+
+    path = tmp_path / "short.yaml"
+    path.write_text(short(), encoding="utf8")
+    asked = {"tolerance": "1e-3", "point": None, "budget": 1.0, "quick": False, "changes": None}
+    with pytest.raises(tautline.SceneError, match=r"longer than the whole run \(0.01 s\)"):
+        prepared(Installed(), path, Options(end=None, **asked))
+    subject, _ = prepared(Installed(), path, Options(end=0.2, **asked))
+    assert subject.end == 0.2 and subject.scene.solver.end == 0.2
+    assert tautline._subject(short(), "0.2 s").end == 0.2
+    assert tautline._subject(tautline.read(HOIST), "0.2 s").end == 0.2
+    assert tautline._subject(HOIST, None).end is None

@@ -220,7 +220,8 @@ def _scene_of(
         overrides = overrides if made is None else {}
         return document if made is None else made
 
-    application, found = catalogue.read(scene, change)
+    some = changes or any(value is not None for value in overrides.values())
+    application, found = catalogue.read(scene, change if some else None)
     return application, application.with_overrides(found, **overrides) if overrides else found
 
 

@@ -115,7 +115,7 @@ def prepared(catalogue: Catalogue, path: Path, asked: Options) -> tuple[Subject,
     """Read a scene for a study, and print its warnings, which are handed on; raises SceneError."""
     from tautline.study.trials.trial import Subject
 
-    application, scene = catalogue.read(path, change_of(asked.changes))
+    application, scene = catalogue.read(path, change_of(asked.changes, asked.end))
     warnings = list(application.warnings(scene))
     print_warnings(warnings)
     end, whole = asked.end, None

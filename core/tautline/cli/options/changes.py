@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from tautline.application.installed import Change
+from tautline.application.installed import Change, overridden
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.reading.document import Document
 
@@ -42,9 +42,25 @@ def changed(document: Document, given: Sequence[str] | None) -> Document:
     return document.changed(values, OPTION) if values else document
 
 
-def change_of(given: Sequence[str] | None) -> Change | None:
-    """The same for whoever finds the application of a scene and has it read; None where nothing is changed."""
-    return (lambda _, document: changed(document, given)) if given else None
+def change_of(given: Sequence[str] | None, end: float | None = None) -> Change | None:
+    """The same for whoever finds the application of a scene and has it read; None where nothing is changed.
+
+    Parameters
+    ----------
+    given : sequence of str or None
+        As of `changed`.
+    end : float or None
+        Simulated time, s, in place of the scene's.
+    """
+    if not given and end is None:
+        return None
+
+    def change(application: Any, document: Document) -> Document:
+        document = changed(document, given)
+        made = None if end is None else overridden(application, document, {"end": end})
+        return document if made is None else made
+
+    return change
 
 
 def read_changed(read: Callable[[Path | Document], S], path: Path, given: Sequence[str] | None) -> S:
