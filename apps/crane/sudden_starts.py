@@ -64,7 +64,8 @@ def _adds(found: Estimate, jumps: Jumps, least: float) -> Iterator[str]:
     """What that does to the tension and to the load."""
     fronts = jumps.front > FELT * max(jumps.rise, jumps.drop, jumps.swing, least)
     if fronts:
-        yield f"This sends a front of {jumps.front:.3g} N along the rope: v sqrt(EA rho)"
+        along = f"v = {jumps.pulled:.3g} m/s along the rope"
+        yield f"This sends a front of {jumps.front:.3g} N along the rope: v sqrt(EA rho) with {along}"
     if jumps.swing > least:
         yield f"The load then bounces on the rope, with {jumps.swing:.3g} N more and less"
     more = f"up to {jumps.rise:.3g} N more" if jumps.rise > FELT * jumps.drop else ""

@@ -317,8 +317,9 @@ def _shoe(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A casing that is longer than the hole."""
     casing = None if scene.well.wall is None else scene.well.wall.casing
     if casing is not None and casing.shoe > ready.well.length:
-        end = f"{ready.well.length:.0f} m"
-        cause = f"{casing.shoe:g} m is below the end of the hole at {end}: all of it is taken as cased"
+        # Rounded to metres, and put into feet after that, it would be another depth.
+        shoe, end = (shown(depth, "m", scene.units) for depth in (casing.shoe, ready.well.length))
+        cause = f"{shoe} is below the end of the hole at {end}: all of it is taken as cased"
         yield "well.wall.casing.shoe", f"{cause}; give the measured depth of the shoe"
 
 
@@ -356,11 +357,12 @@ def _block(scene: DrillstringScene, ready: Prepared) -> Sentences:
             "curvature; deepen the well, or shorten the string"
         )
         yield "top.block", text
+    height, all_of_it = (shown(length, "m", scene.units) for length in (-highest, total))
     if -highest > total:
-        cause = f"lifts the top of the string {-highest:.0f} m above the table, and all of it is {total:.0f} m"
+        cause = f"lifts the top of the string {height} above the table, and all of it is {all_of_it}"
         yield "top.block", f"{cause}: the string leaves the hole; give a shorter stroke"
     elif -highest > STAND:
-        cause = f"lifts the top of the string {-highest:.0f} m above the table, which few derricks can"
+        cause = f"lifts the top of the string {height} above the table, which few derricks can"
         cure = "the pipe stands there in one piece, straight on from the hole: trip stand by stand, a run for each"
         yield "top.block", f"{cause}: {cure}, or ask torque-drag for many depths"
 

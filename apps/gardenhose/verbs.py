@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
 MOST_SPEEDS = 10_000
+NO_SPEED = 1.0e-4
+"""Flow speed, m/s, other than 0, below which a hose becomes unstable at no speed that is worth a number."""
 SPEEDS_HELP = "Flow speeds, in m/s or with a unit: 0:40:10 or '0 ft/s:40 ft/s:10 ft/s'."
 STATIC_HELP = f"{SPEEDS_HELP} [dim]\\[default: from 0 to the scene's fastest][/]"
 
@@ -57,9 +59,9 @@ def static(
     """Find the shape at rest at each flow speed, and draw them."""
     from gardenhose.scene import read
     from gardenhose.static import forms
-    from tautline.cli.options.changes import changed
+    from tautline.cli.options.changes import read_changed
 
-    hose = changed(read(scene), changes)
+    hose = read_changed(read, scene, changes)
     speeds = parse_speeds(speed) if speed is not None else _up_to_fastest(hose)
     figure = figure_place(output, f"{scene.stem}_static")
     of_scene = warnings_without_a_run(hose)
@@ -96,9 +98,9 @@ def flutter(
     """Find where the hose becomes unstable: eigenvalues against flow speed, critical speed and frequency."""
     from gardenhose.flutter import stability
     from gardenhose.scene import read
-    from tautline.cli.options.changes import changed
+    from tautline.cli.options.changes import read_changed
 
-    hose = changed(read(scene), changes)
+    hose = read_changed(read, scene, changes)
     speeds = parse_speeds(speed) if speed is not None else None
     figure = figure_place(output, f"{scene.stem}_flutter")
     of_scene = warnings_without_a_run(hose)
@@ -265,7 +267,8 @@ def words_of(critical: Critical, system: str = "si") -> str:
 
     where = {"in": " in the plane", "out": " out of the plane", "any": ""}[critical.plane]
     how = "diverges" if critical.kind == "divergence" else f"flutters at {critical.frequency:.4g} Hz"
-    return f"{how}{where} from {shown(critical.speed, 'm/s', system, 6)}"
+    slow = 0.0 < abs(critical.speed) < NO_SPEED
+    return f"{how}{where} from {'almost no speed' if slow else shown(critical.speed, 'm/s', system, 6)}"
 
 
 def _print_stability(found: Stability, system: str) -> None:

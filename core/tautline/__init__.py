@@ -172,10 +172,8 @@ def simulate(
     from tautline.simulation import simulate as run
 
     check(path=(path, PATH), progress=(progress, FUNCTION), resume=(resume, RESULT))
-    scene = _scene(scene)
-    application = _installed().of(scene)
     wanted = {} if accuracy is None else {"accuracy": accuracy}
-    scene = _overridden(application, scene, step=step, end=end, method=method, **wanted)
+    application, scene = _overridden(scene, step=step, end=end, method=method, **wanted)
     asked = getattr(getattr(scene, "solver", None), "accuracy", None)
     if asked is not None and step is None and method is None and resume is None:
         from tautline.study.accuracy.choice import run_to_accuracy
@@ -197,14 +195,27 @@ def _scene(scene: Any) -> Any:
     return scene if hasattr(scene, "document") else read(scene)
 
 
-def _overridden(application: Any, scene: Any, **given: Any) -> Any:
-    """The scene with other settings; a fault names the argument, where the command would name its option."""
+def _overridden(scene: Any, **given: Any) -> tuple[Any, Any]:
+    """The application of a scene, and the scene with other settings, which what is read now is validated with.
+
+    A fault names the argument, where the command would name its option.
+    """
     from dataclasses import replace
 
+    from tautline.application.installed import overridden
     from tautline.scene.errors import SceneError
+    from tautline.scene.reading.source import document_of
 
     try:
-        return application.with_overrides(scene, **given)
+        if not hasattr(scene, "document"):
+            document = document_of(scene)
+            application = _installed().for_scene(document)
+            changed = overridden(application, document, given)
+            if changed is not None:
+                return application, application.read(changed)
+            scene = application.read(document)
+        application = _installed().of(scene)
+        return application, application.with_overrides(scene, **given)
     except SceneError as error:
         named = {f"--{key.replace('_', '-')}": f"argument {key}" for key in given}
         raise SceneError([replace(one, file=named.get(one.file, one.file)) for one in error.problems]) from None
@@ -283,8 +294,5 @@ def _point_by_name() -> Iterator[None]:
 def _subject(scene: Any, end: float | str | None) -> Any:
     from tautline.study.trials.trial import Subject
 
-    read_scene = _scene(scene)
-    application = _installed().of(read_scene)
-    if end is not None:
-        end = float(_overridden(application, read_scene, end=end).solver.end)
-    return Subject(application, read_scene, end=end)
+    application, read_scene = _overridden(scene, end=end)
+    return Subject(application, read_scene, end=None if end is None else float(read_scene.solver.end))

@@ -13,3 +13,7 @@ class ArgumentError(TautlineError, ValueError):
 
 class ArgumentTypeError(TautlineError, TypeError):
     """An argument of a function that is of another type than the function takes."""
+
+
+class TautlineWarning(UserWarning):
+    """What a user should know of something that was done all the same; a command prints it as its other warnings."""

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -242,7 +242,11 @@ class Run:
                 f"{'let it flow more slowly, ' if flows else ''}or take {self._other_start()}"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
-        self.began = static_start(names, self.state.q - drawn, self.model.system.places, self.model.system.q, negative)
+        at_rest = {} if self.model.at_rest is None else self.model.at_rest()
+        self.began = replace(
+            static_start(names, self.state.q - drawn, self.model.system.places, self.model.system.q, negative),
+            at_rest={name: np.asarray(values).tolist() for name, values in at_rest.items()},
+        )
 
     def store_first(self, store: FrameStore) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""

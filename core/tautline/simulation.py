@@ -108,12 +108,15 @@ def _run(
             model.system.link(loop_of(run.method)[1])
             if earlier is not None:
                 assert resume is not None
+                store.attributes["start"] = run.began.attribute
                 if isinstance(store, Store):
                     # Of a simulation that kept its last frames only: the start is not among those that follow.
                     store.start = resume.start
                 store.append(earlier, run.memory, run.progress())
             else:
                 run.start()
+                # Figures may be over what the start was, also those of a part of the frames.
+                store.attributes["start"] = run.began.attribute
                 run.store_first(store)
             while run.done < run.ends.size:
                 run.advance(store)

@@ -11,7 +11,6 @@ from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
-from tautline.cli.options.changes import changed
 from tautline.simulation import simulate
 
 DATA = Path(__file__).parents[2] / "data"
@@ -55,7 +54,7 @@ def test_a_tolerance_below_rounding_is_said_of_lumps_too_whose_unknowns_are_zero
     # tripping stopped at 0 s with 1e-17, and the cure was a smaller step; the field well halved its steps 377 times
     application = Drillstring()
     scene = application.read(DATA / file)
-    model = application.build(changed(scene, ["solver.tolerance=1e-17"]))
+    model = application.build(scene.replace({"solver.tolerance": 1e-17}))
     (note,) = [one for one in model.notes if "rounding" in one]
     assert note.startswith("solver.tolerance = 1e-17 is below")
     assert 1e-15 < model.solver.tolerance == model.attributes["tolerance"] < 1e-10

@@ -52,8 +52,8 @@ class Jumps(NamedTuple):
         Drums that pay out by prescription, and the speed that their operators ask for, m/s, positive out.
     answer : float
         Speed at which heave compensation pays out at each of them, m/s.
-    front : float
-        Largest of the fronts that run along the rope, N.
+    front, pulled : float
+        Largest of the fronts that run along the rope, N, and the speed along the rope that makes it, m/s.
     swing : float
         Tension that the bounce of the load adds and takes, N.
     rise, drop : float
@@ -70,6 +70,7 @@ class Jumps(NamedTuple):
     drums: tuple[tuple[Drum, float], ...]
     answer: float
     front: float = 0.0
+    pulled: float = 0.0
     swing: float = 0.0
     rise: float = 0.0
     drop: float = 0.0
@@ -103,8 +104,10 @@ def jumps_of(found: Estimate, actuator: Compensation | None) -> Jumps:
     late = late and max(heave) > SUDDEN * found.largest_tension
     start = _Start(found, actuator, late, moves=moves, pays=True)
     rise, drop = _first_waves(found, start)
+    pulled = _pulled(found, drums, answer)
     return jumps._replace(
-        front=_front(found, drums, answer),
+        front=found.impedance * pulled,
+        pulled=pulled,
         swing=_bounce(found, start),
         rise=rise,
         drop=drop,
@@ -229,19 +232,19 @@ def _answers(actuator: Compensation, time: np.ndarray) -> np.ndarray:
     return sample(compile_functions([FunctionRequest(actuator.pay_out)]), 0, time)[:, 1]
 
 
-def _front(found: Estimate, drums: tuple[tuple[Drum, float], ...], answer: float) -> float:
-    """Largest front, N: Z v of an end that pulls with v along its span, Z v / 2 either way of a sheave that takes v."""
+def _pulled(found: Estimate, drums: tuple[tuple[Drum, float], ...], answer: float) -> float:
+    """Speed v of the largest front Z v, m/s: of an end along its span, and half of what a sheave takes either way."""
     path, scene = found.path, found.scene
     paid = {id(drum): speed + answer for drum, speed in drums}
     speeds = {i: velocity[0] for i, velocity in _moved(found, np.zeros(1), 1).items()}
-    fronts = [0.0]
+    pulls = [0.0]
     for i, item in enumerate(scene.path):
         taken = -float(speeds[i] @ pull_on(path, i)) if i in speeds else 0.0
         if isinstance(item, (Drum, Anchor)):
-            fronts.append(abs(taken - paid.get(id(item), 0.0)))
+            pulls.append(abs(taken - paid.get(id(item), 0.0)))
         elif not isinstance(item, End):
-            fronts.append(0.5 * abs(taken))
-    return found.impedance * max(fronts)
+            pulls.append(0.5 * abs(taken))
+    return max(pulls)
 
 
 def _bounce(found: Estimate, start: _Start) -> float:

@@ -119,13 +119,14 @@ class Observer:
         self.elements = len(self.stations) - 1
         self.sheaves = [i for i, item in enumerate(self.scene.path) if isinstance(item, Sheave)]
         self.drums = [i for i, item in enumerate(self.scene.path) if isinstance(item, Drum)]
+        self.spans = next((g for g in groups if isinstance(g, Spans)), None)
         self.slips = next((g for g in groups if isinstance(g, Slips)), None)
         motors = next((g for g in groups if isinstance(g, Drums)), None)
         self.own = PER_SPAN * self.elements
         self.own += 2 * len(self.slips.rows) if self.slips is not None else 0
         self.own += len(motors.rows) if motors is not None else 0
         drawn = layout.degrees.value[self.stations + MATERIAL]
-        self.laid = next((g.laid for g in groups if isinstance(g, Spans)), drawn)
+        self.laid = drawn if self.spans is None else self.spans.laid
         diameter = self.scene.rope.diameter
         self.layers = [layers_of(self.scene.path[i], diameter, layout.stretch) for i in self.drums]
         self.hung = layout.once("hung", self._hung)
@@ -216,6 +217,13 @@ class Observer:
             at_first = np.where(found[:, first, FORCE] > 0.0, np.maximum(at_first, 0.0), 0.0)
             at_last = np.where(found[:, last - 1, FORCE] > 0.0, np.maximum(at_last, 0.0), 0.0)
         return np.stack((at_first, at_last), axis=-1)
+
+    def at_rest(self) -> dict[str, np.ndarray]:
+        """Tension in the equilibrium that was found last, (spans, 2) N: nothing moves, and no damping is in it."""
+        if self.spans is None:
+            return {}
+        still = np.zeros((1, self.layout.degrees.value.size))
+        return {"tension": self._tension(still, self.spans.found[None])[0]}
 
     def _leads(self, q: np.ndarray, found: np.ndarray) -> dict[str, np.ndarray]:
         assert self.hung is not None

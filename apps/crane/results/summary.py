@@ -18,7 +18,7 @@ from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification_of, checked, columns, largest, safety_factor, slack_events
 from crane.rope_life.fatigue import SLOPE, RainflowCycles, equivalent_range, rainflow_counts
 from crane.scene.scene import CraneScene, Sheave
-from tautline.results.variable import at_start, late_start
+from tautline.results.variable import at_rest, at_start, late_start
 from tautline.statistics.streaming import Turns
 
 SLACK = 0.01
@@ -183,12 +183,15 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
 
 def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     """Tension at rest of every span end, (n,) N, and a note where it is an estimate, if a scene starts as drawn."""
-    first = np.ravel(at_start(result, "tension"))
     if layout.scene.start == "static":
-        if late := late_start(result):  # the frame of the start was that of another run, or is in no file
-            return first, f", over the tension at {late}"
-        # A load that was changed on the way has another tension at rest, of which no frame is known.
-        return first, ", by the load at the start" if result.attributes.get("parameters_changed") else ""
+        # A load that was changed on the way has another tension at rest, which is not known.
+        changed = ", by the load at the start" if result.attributes.get("parameters_changed") else ""
+        known = at_rest(result, "tension")
+        if known is not None:
+            return known.ravel(), changed
+        # Of a start in another run, or by an earlier version, a frame is all there is: it has the rope's damping in it.
+        first, late = np.ravel(at_start(result, "tension")), late_start(result)
+        return first, f", over the tension at {late}" if late else f", over the tension in the first frame{changed}"
     found = static_tension(layout.scene, layout.path)
     return (np.zeros(first.size) if found is None else found.ravel()), ", tension at rest estimated"
 

@@ -96,15 +96,14 @@ def operability(
     """Storms over sea states: extremes, and the allowable significant wave height against period and heading."""
     from crane.operability.storms import occurring
     from crane.operability.storms import operability as run
-    from tautline.cli.options.changes import changed
+    from tautline.cli.options.changes import change_of
     from tautline.cli.output.console import say
     from tautline.cli.output.first_run import compiling
     from tautline.cli.output.progress import Counter
     from tautline.cli.output.scene_warnings import print_warnings
     from tautline.sweeps.execution import Execution
 
-    application, found = context.obj.read(scene)
-    read = changed(found, changes)
+    application, read = context.obj.read(scene, change_of(changes))
     given = OperabilityOptions(
         hs=hs, tp=tp, heading=heading, seeds=seeds, first_seed=first_seed, duration=duration, simulated=simulated,
         lead_in=lead_in, limit=limit, percentile=percentile, confidence=confidence, scatter=scatter,

@@ -94,11 +94,11 @@ def campbell(
     from drillstring.modes.campbell import campbell as compute
     from drillstring.modes.natural_modes import KINDS
     from drillstring.scene.scene import of_kind, read
-    from tautline.cli.options.changes import changed
+    from tautline.cli.options.changes import read_changed
     from tautline.cli.options.lists import number, one_of, words
     from tautline.results.output_path import check_table
 
-    drillstring = changed(read(scene), changes)
+    drillstring = read_changed(read, scene, changes)
     drillstring = of_kind(drillstring, parse_model(model) or drillstring.model.kind)
     speeds = parse_speeds(speed)
     kinds = tuple(words(modes, "--modes", one_of(KINDS))) or ("lateral",)

@@ -63,12 +63,12 @@ def form(
     """Find the string's shape at rest, and set the exact extensible rod beside it where there is one."""
     from drillstring.scene.scene import read
     from drillstring.statics.form import find_form
-    from tautline.cli.options.changes import changed
+    from tautline.cli.options.changes import read_changed
     from tautline.integrators.statics.relaxation import MOST_STEPS
     from tautline.results.output_path import check_table
 
     way, meshes, kinds = _way(by, most), parse_elements(elements), parse_models(model)
-    read_scenes = [changed(read(path), changes) for path in scenes]
+    read_scenes = [read_changed(read, path, changes) for path in scenes]
     name = f"{scenes[0].stem}_form" if len(scenes) == 1 else "forms"
     figure, table = figure_place(output, name), check_table(csv, "scene,model,elements,node")
     warned = [_warnings(scene, meshes, kinds) for scene in read_scenes]

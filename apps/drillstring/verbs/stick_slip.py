@@ -64,13 +64,13 @@ def stick_slip(
     from drillstring.stick_slip.severity_map import require_bit, stick_slip_map
     from tautline.application.installed import Installed
     from tautline.cli.commands.study import stem_of
-    from tautline.cli.options.changes import changed
+    from tautline.cli.options.changes import read_changed
     from tautline.cli.options.lists import number
     from tautline.cli.output.first_run import compiling
     from tautline.cli.output.progress import Counter
     from tautline.cli.run import Ended, ExitCode
 
-    drillstring = changed(read(scene), changes)
+    drillstring = read_changed(read, scene, changes)
     require_bit(drillstring)
     speeds = parse_range(speed, "--speed", "rad/s", RPM)
     weights = _weights(drillstring, weight)

@@ -96,12 +96,12 @@ def torque_drag(
     from drillstring.statics.torque_drag import meshes, own_friction
     from drillstring.statics.torque_drag import torque_drag as compute
     from drillstring.view.torque_summary import yield_warnings
-    from tautline.cli.options.changes import changed
+    from tautline.cli.options.changes import read_changed
     from tautline.cli.output.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
     from tautline.results.output_path import check_table
 
-    drillstring = changed(read(scene), changes)
+    drillstring = read_changed(read, scene, changes)
     # The first of several models is the one that measured loads are fitted by.
     kinds = parse_models(model) or [drillstring.model.kind]
     drillstring = of_kind(drillstring, kinds[0])

@@ -61,6 +61,15 @@ class Defaults:
         values = overrides(given, PLACES)
         return scene.with_values(values) if values else scene
 
+    def overridden(self, document: Document, **given: Any) -> Document | None:
+        """The same of a document that is not validated yet, so that what is replaced counts for nothing.
+
+        None where only `with_overrides` knows how, as in an application that has its own and none of this.
+        """
+        if type(self).with_overrides is not Defaults.with_overrides:
+            return None
+        return document.replaced(overrides(given, PLACES))
+
     def vary(self, scene: Any, what: str, *value: Any) -> Any:
         """Copy of a scene that is varied for a study; None, for nothing is known of its mesh or stiffness."""
         return None

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tautline import entry_points
+from tautline.errors import TautlineError
 from tautline.scene.errors import Problem, SceneError
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ GROUP = "tautline.applications"
 
 NEEDED = ("name", "title", "recognises", "read", "build", "schema", "templates")
 """What no application can be without: it is asked of each for every scene, or by `tautline` itself."""
+
+Change = Callable[["Application", "Document"], "Document"]
+"""What another text than the file's is made with before a scene is validated: values of the command line."""
 
 _registered: dict[str, Any] = {}
 
@@ -59,6 +63,40 @@ def refuse_other_kind(path: Path, own: Callable[[dict[str, Any]], bool]) -> None
         own = f"`{name}`, or " if has_command(name) else ""
         cure = f"use {own}`tautline`, which knows all kinds"
         raise SceneError([Problem(str(path), None, "", None, f"is a scene of {name}", cure)])
+
+
+def read_changed(application: Application, document: Document, change: Change) -> Any:
+    """The scene of a document with other values, validated with them; where they find no place, the file may be why.
+
+    Raises
+    ------
+    SceneError
+        Of the scene with the values; and, where they cannot be put into the document, of the document or else of them.
+    """
+    try:
+        document = change(application, document)
+    except SceneError:
+        application.read(document)
+        raise
+    return application.read(document)
+
+
+def overridden(application: Application, document: Document, given: Mapping[str, Any]) -> Document | None:
+    """A document with other solver settings; None where the application can only change a scene that was read."""
+    make = getattr(application, "overridden", None)
+    found: Document | None = None if make is None else make(document, **given)
+    return found
+
+
+def key_of_setting(application: Application, name: str) -> str:
+    """The key in a scene's file of what an option of ``simulate`` sets; empty of what it has no option for."""
+    from tautline.scene.reading.document import Document, join_key
+
+    try:
+        made = overridden(application, Document.parse("title: ''"), {name: 1.0})
+    except TautlineError:
+        return ""
+    return "" if made is None else next((join_key(path) for path in made.origins), "")
 
 
 def has_command(name: str) -> bool:
@@ -140,8 +178,11 @@ class Catalogue(Protocol):
     def for_scene(self, source: Path | Document) -> Application:
         """Find the one that a scene file, or a document, belongs to; raises SceneError if there is none."""
 
-    def read(self, path: Path) -> tuple[Application, Any]:
-        """Read a scene, its file once; returns the application that it belongs to, too. Raises SceneError."""
+    def read(self, path: Path, change: Change | None = None) -> tuple[Application, Any]:
+        """Read a scene, its file once, and change it before it is validated; raises SceneError.
+
+        Returns the application that it belongs to, too.
+        """
 
     def for_result(self, result: Result) -> Application:
         """Find the one that a result belongs to; raises SceneError if there is none."""
@@ -162,9 +203,13 @@ class Single:
         """Return the one application, whose own messages about a foreign scene say more than ours could."""
         return self.application
 
-    def read(self, path: Path) -> tuple[Application, Any]:
+    def read(self, path: Path, change: Change | None = None) -> tuple[Application, Any]:
         """Let the one application read the scene; of a file of another kind it says of which, and nothing else."""
+        from tautline.scene.reading.document import Document
+
         try:
+            if change is not None:
+                return self.application, read_changed(self.application, Document.read(path), change)
             return self.application, self.application.read(path)
         except SceneError:
             refuse_other_kind(path, self.application.recognises)
@@ -221,12 +266,14 @@ class Installed:
         document = Document.read(source)
         return self._recognising(document.root, str(document.path))
 
-    def read(self, path: Path) -> tuple[Application, Any]:
+    def read(self, path: Path, change: Change | None = None) -> tuple[Application, Any]:
         """Read the file, ask each whether the scene is its own, and let that one make it of what was read."""
         from tautline.scene.reading.document import Document
 
         document = Document.read(path)
         application = self.for_scene(document)
+        if change is not None:
+            return application, read_changed(application, document, change)
         return application, application.read(document)
 
     def of(self, scene: Any) -> Application:

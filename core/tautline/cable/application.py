@@ -11,10 +11,19 @@ from tautline.study.trials.overrides import SETTINGS, Place, overrides
 
 if TYPE_CHECKING:
     from tautline.cable.input.parts import CableScene
+    from tautline.scene.reading.document import Document
 
 KEYS = {"method": "type", "step": "time_step", "end": "time_end", "step_error": "tolerance", "interval": "plotpoints"}
 """What the command line calls the keys of ``GeneralizedAlpha`` that have another name there."""
 PLACES: dict[str, Place] = {key: ("GeneralizedAlpha", KEYS.get(key, key)) for key in (*SETTINGS, "alpha_m", "alpha_f")}
+
+
+def _overrides(given: dict[str, Any]) -> dict[Place, tuple[Any, str]]:
+    """Values to replace in a file: key path -> (value, the option that it came from)."""
+    if given.get("interval"):
+        # The file says how many frames a second there are.
+        given["interval"] = 1.0 / given["interval"]
+    return overrides(given, PLACES)
 
 
 class Cable(Packaged):
@@ -43,15 +52,16 @@ class Cable(Packaged):
         """Copy of a scene with other solver settings; raises SceneError naming the option."""
         from tautline.cable.input.scene import with_values
 
-        if given.get("interval"):
-            # The file says how many frames a second there are.
-            given["interval"] = 1.0 / given["interval"]
-        values = overrides(given, PLACES)
+        values = _overrides(given)
         if not values:
             return scene
         read = with_values(scene, values)
         # Only the solver has changed: parts that a study has varied stay varied.
         return replace(scene, solver=read.solver, document=read.document)
+
+    def overridden(self, document: Document, **given: Any) -> Document:
+        """The same of a document that is not validated yet, so that what is replaced counts for nothing."""
+        return document.replaced(_overrides(given))
 
     def as_written(self, scene: CableScene) -> tuple[Any, Any]:
         """The models of the file, and the document as the thesis' oddities are meant."""

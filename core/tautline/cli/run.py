@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from tautline.cli.output import called, duration
-from tautline.cli.output.console import abandon_output, print_json, say, unwritable
+from tautline.cli.output.console import abandon_output, print_json, say, unwritable, warnings_said
 from tautline.interruption import ended_by_signal
 from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
 from tautline.results.errors import WriteError
@@ -103,7 +103,8 @@ def _outcome(app: typer.Typer, given: list[str]) -> int:
     # `--debug` may stand anywhere, and not only before the verb, where typer would want it.
     arguments = [argument for argument in given if argument != "--debug"]
     try:
-        code = app(arguments, standalone_mode=False, prog_name=called.called(app.info.name or ""))
+        with warnings_said():
+            code = app(arguments, standalone_mode=False, prog_name=called.called(app.info.name or ""))
     except Ended as end:
         return end.code
     except BrokenPipeError:

@@ -466,6 +466,13 @@ class Simulation:
         record_now(self._run.method, self.model.system, self._state, self._time, row[0])
         return float(frames_of(row, self.model.system.q.size).energy[0, :3].sum())
 
+    def __repr__(self) -> str:
+        if not getattr(self, "_begun", False):  # one whose start was not found
+            return "Simulation(not begun)"
+        title, kept = getattr(self.scene, "title", "") or "no title", self._kept.rows.shape[0]
+        head = f"Simulation({title!r}, at {self._time:.6g} s, {kept} frame{'s' * (kept != 1)} kept"
+        return f"{head}, stopped: {self._stopped})" if self._stopped else f"{head})"
+
     def __getitem__(self, name: str) -> Any:
         """An output by its name; raises UnknownName."""
         return self.outputs[name]
@@ -493,7 +500,7 @@ class Simulation:
             cure = "advance it to a frame: those that were kept are later than the state that was restored"
             raise SimulationError("no frame was kept", cure if self._keep else "make the simulation with keep=True")
         model = self.model
-        about = {**model.attributes, "version": __version__, **self._moved_by()}
+        about = {**model.attributes, "version": __version__, "start": run.began.attribute, **self._moved_by()}
         stored = Store(None, model.variables, model.coordinates, about)
         frames = frames_of(rows.copy(), model.system.q.size)
         found = {"time": frames.time.copy(), **model.observe(frames)}

@@ -240,6 +240,8 @@ def make_folder(folder: Path) -> None:
         if error.strerror in FULL:
             cure = "make room, or name another with -o"
             raise WriteError(folder, f"cannot be made: {error.strerror}", cure) from None
+        if error.errno == errno.EEXIST:
+            raise ResultError(folder, "is a file, not a folder", "name another with -o") from None
         # Of /proc the system says that there is no such file or directory, which is no reason that helps.
         reason = "the folder that it is to be in takes none" if error.errno == errno.ENOENT else error.strerror
         raise ResultError(folder, f"cannot be made: {reason}", "name another folder with -o") from None

@@ -47,6 +47,9 @@ _numbers = itertools.count()
 class FrameStore(Protocol):
     """What a run gives its frames to: `Store`, and `tautline.results.brief_store.BriefStore`."""
 
+    attributes: dict[str, Any]
+    """What is known of the run: numbers and texts, and what is told as dicts and lists."""
+
     @property
     def result(self) -> Result | None:
         """What was stored so far; None before the first batch."""

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -63,3 +65,19 @@ def at_start(result: Any, name: str) -> Any:
     """
     start = getattr(result, "start", {})
     return (start[name] if name in start else result[name])[0]
+
+
+def at_rest(result: Any, name: str) -> np.ndarray | None:
+    """Values of a variable in the static equilibrium that a run began from, before anything moved.
+
+    They are not those of the first frame where something is set moving at once: a rope's damping is in that frame.
+
+    Returns
+    -------
+    array or None
+        None where the result does not tell: no equilibrium was sought, it was that of another run, or an earlier
+        version wrote the result.
+    """
+    start = getattr(result, "attributes", {}).get("start") or {}
+    found = start.get("at_rest", {}).get(name)
+    return None if found is None else np.asarray(found, float)

@@ -404,7 +404,7 @@ def validate(model: type[M], document: Document) -> M:
     """
     based = [
         document.problem(path, "is a number of base 8 or 16", "write it with the digits 0 to 9")
-        for path, text in document.scalars() if BASED.fullmatch(text)
+        for path, text in document.scalars() if BASED.fullmatch(text) and not document.origin(path)
     ]  # fmt: skip
     if based:
         raise SceneError(based)

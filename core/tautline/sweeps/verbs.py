@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.application.installed import key_of_setting
 from tautline.results.tables.finding import Finding, Table
 from tautline.sweeps.file import SIMULATE, Collected, SweepFile, percentile
 from tautline.system.handles import Handles, Output, part_named, word_of
@@ -51,8 +52,11 @@ def check_verb(read: SweepFile, application: Any) -> None:
         cause = f"is no verb with a table of {application.name}"
         raise SceneError([read.problem_at(("verb",), cause, nearest(read.verb, known))])
     if read.verb == SIMULATE and read.options:
-        cause, cure = "simulate takes none in a sweep", "vary keys of the scene: solver.step, solver.method, solver.end"
-        raise SceneError([read.problem_at(("options",), cause, cure)])
+        name, value = next(iter(read.options.items()))
+        key = key_of_setting(application, name)
+        cure = "fixed values are given with --set, and others under vary, by the keys of the scene"
+        cure = f"for all cases give --set '{key}={value}', or vary that key of the scene" if key else cure
+        raise SceneError([read.problem_at(("options",), "simulate takes none in a sweep", cure)])
     if read.verb != SIMULATE:
         of_verb = tables_of(application)[read.verb].options
         for name in read.options:

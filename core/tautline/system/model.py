@@ -106,6 +106,9 @@ class Model:
         of the run.
     cause : callable or None
         State, status -> status, place and detail by which a run that stopped is told better; None for what it was.
+    at_rest : callable or None
+        -> variables by name as they are in the static equilibrium that was found last, before anything moves: what
+        figures are over that a sudden start must not change. None where an application has no such figures.
     statistics : mapping
         Fields of `Keep` that are the application's: variables that are watched where the scene names none, and so on.
     """
@@ -136,6 +139,7 @@ class Model:
     on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None = None
     remarks: Callable[[Any], list[str]] | None = None
     cause: Callable[[Any, Any], tuple[Any, int, str] | None] | None = None
+    at_rest: Callable[[], Mapping[str, np.ndarray]] | None = None
 
     def seen(self, frames: Any) -> Mapping[str, np.ndarray]:
         """Variables of frames that stay as they are, made on demand where that can be: few may be asked for."""

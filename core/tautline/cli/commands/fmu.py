@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tautline.application.installed import Catalogue, Installed
-from tautline.cli.options.changes import changed
+from tautline.cli.options.changes import change_of
 from tautline.cli.output.console import print_json, say
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.scene.errors import option_error
@@ -32,8 +32,7 @@ def fmu(
     from tautline.live.errors import SimulationError
     from tautline.live.fmu.writing import write_fmu
 
-    application, found = catalogue.read(path)
-    scene = changed(found, changes)
+    application, scene = catalogue.read(path, change_of(changes))
     target = output or Path(f"{path.stem}.fmu")
     named = {
         "--inputs": _names(inputs, lambda name: _has(scene, "inputs", name)),

@@ -103,4 +103,7 @@ def _place(output: Path | None) -> tuple[Path, str | None, str | None]:
         return output.parent, output.stem, ending
     if ending in PICTURES and not output.is_dir():
         raise ResultError(output, f"ends in .{ending}, which is no format of figures", "name it .png, .svg or .pdf")
+    if output.is_file():
+        cause, cure = "is a file that is there, and no figure", "name a folder, or a figure that ends in"
+        raise ResultError(output, cause, f"{cure} {', '.join(f'.{one}' for one in FORMATS)}")
     return output, None, None

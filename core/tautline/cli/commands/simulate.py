@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from tautline.application.installed import Catalogue
-from tautline.cli.options.changes import as_given, changed
+from tautline.application.installed import Catalogue, overridden
+from tautline.cli.options.changes import as_given, change_of, changed
 from tautline.cli.output.called import typed
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.disk_space import room_warning
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from tautline.application.protocol import Application
     from tautline.results.result import Result
     from tautline.scene.errors import SceneWarning
+    from tautline.scene.reading.document import Document
     from tautline.simulation import Afterwards
 
 COPIED = (
@@ -59,8 +60,7 @@ def check(
     SceneError, ResultError
         For a scene that cannot be run, and a figure that cannot be drawn.
     """
-    application, found = catalogue.read(scene)
-    read = changed(found, changes)
+    application, read = catalogue.read(scene, change_of(changes))
     warnings = application.warnings(read)
     figures = application.check_figures(read)
     print_warnings(warnings)
@@ -208,11 +208,21 @@ def _scene_of(
     catalogue: Catalogue, scene: Path, overrides: dict[str, Any], changes: Sequence[str] | None
 ) -> tuple[Application, Any]:
     """The scene of a file with all that the command line changes in it, and its application."""
-    application, found = catalogue.read(scene)
     if overrides.get("accuracy") is None:
         # An application of somebody else may not know of it.
         overrides = {key: value for key, value in overrides.items() if key != "accuracy"}
-    return application, application.with_overrides(changed(found, changes), **overrides)
+
+    def change(application: Application, document: Document) -> Document:
+        nonlocal overrides
+        document = changed(document, changes)
+        made = overridden(application, document, overrides)
+        # What is done now need not be done to the scene.
+        overrides = overrides if made is None else {}
+        return document if made is None else made
+
+    some = changes or any(value is not None for value in overrides.values())
+    application, found = catalogue.read(scene, change if some else None)
+    return application, application.with_overrides(found, **overrides) if overrides else found
 
 
 def _announce(scene: Path, model: Any, end: float | None) -> None:

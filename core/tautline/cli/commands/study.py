@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.options.changes import changed
+from tautline.cli.options.changes import change_of
 from tautline.cli.options.lists import number, numbers, one_of, words
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
@@ -115,8 +115,7 @@ def prepared(catalogue: Catalogue, path: Path, asked: Options) -> tuple[Subject,
     """Read a scene for a study, and print its warnings, which are handed on; raises SceneError."""
     from tautline.study.trials.trial import Subject
 
-    application, found = catalogue.read(path)
-    scene = changed(found, asked.changes)
+    application, scene = catalogue.read(path, change_of(asked.changes, asked.end))
     warnings = list(application.warnings(scene))
     print_warnings(warnings)
     end, whole = asked.end, None

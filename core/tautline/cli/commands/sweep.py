@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue, refuse_scene
-from tautline.cli.options.changes import as_given, changed
+from tautline.cli.options.changes import as_given, change_of
 from tautline.cli.output.called import typed
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
@@ -59,13 +59,12 @@ def sweep(
         refuse_scene(file, "vary", f"name the file of a sweep, which says `scene: {file}` and what varies")
         raise
     place = scene_path(read)
-    application, found = catalogue.read(place)
     for change in changes or ():
         key = change.partition("=")[0].strip()
         if key in read.vary:
             cause = f"the sweep varies {key}: its values would take the place of this one"
             raise option_error("--set", change, cause, "leave it out here, or under vary")
-    scene = changed(found, changes)
+    application, scene = catalogue.read(place, change_of(changes))
     folder = output or Path(file.stem)
     warnings = application.warnings(scene)
     print_warnings(warnings)

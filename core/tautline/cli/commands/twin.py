@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tautline.application.installed import Catalogue, refuse_scene
-from tautline.cli.options.changes import as_given, changed
+from tautline.cli.options.changes import as_given, change_of
 from tautline.cli.output.called import typed
 from tautline.cli.output.console import finite, print_json, print_text, say
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
@@ -99,8 +99,7 @@ def twin(
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
-    application, found = catalogue.read(path)
-    scene = changed(found, changes)
+    application, scene = catalogue.read(path, change_of(changes))
     read, resume = _read_map(map), given.resume
     if given.output is not None and given.resume is None and not given.force:
         check_found(given.output)
@@ -508,8 +507,7 @@ def record(
     from tautline.results.output_path import check_record
     from tautline.twin.record import record as recorded
 
-    application, found = catalogue.read(path)
-    scene = changed(found, changes)
+    application, scene = catalogue.read(path, change_of(changes))
     read = _read_map(map)
     sensing = _sensing(given)
     until = _number("--end", given.end, "s", float("nan"))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
+from tautline.application.installed import Change, overridden
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.reading.document import Document
 
@@ -15,8 +17,10 @@ EXAMPLE = "write --set 'solver.step=2 ms'"
 S = TypeVar("S")
 
 
-def changed(scene: S, given: Sequence[str] | None) -> S:
-    """The scene with the values that were given, by ``scene.replace``; the scene itself where there are none.
+def changed(document: Document, given: Sequence[str] | None) -> Document:
+    """The document with the values that were given in place of its own; itself where there are none.
+
+    A value that is replaced counts for nothing: the scene is validated afterwards, as a whole.
 
     Parameters
     ----------
@@ -26,19 +30,42 @@ def changed(scene: S, given: Sequence[str] | None) -> S:
     Raises
     ------
     SceneError
-        Naming the option, for what is no key with a value, an unknown key, and values that the scene cannot have.
+        Naming the option, for what is no key with a value, and a key that leads nowhere.
     """
-    if not given:
-        return scene
     values: dict[str, Any] = {}
-    for text in given:
+    for text in given or ():
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
             raise option_error(OPTION, text, "is no key with a value", EXAMPLE)
         values.pop(key.strip(), None)
         values[key.strip()] = _value(value, text)
-    scene_of: Any = scene
-    return scene_of.replace(values, origin=OPTION)
+    return document.changed(values, OPTION) if values else document
+
+
+def change_of(given: Sequence[str] | None, end: float | None = None) -> Change | None:
+    """The same for whoever finds the application of a scene and has it read; None where nothing is changed.
+
+    Parameters
+    ----------
+    given : sequence of str or None
+        As of `changed`.
+    end : float or None
+        Simulated time, s, in place of the scene's.
+    """
+    if not given and end is None:
+        return None
+
+    def change(application: Any, document: Document) -> Document:
+        document = changed(document, given)
+        made = None if end is None else overridden(application, document, {"end": end})
+        return document if made is None else made
+
+    return change
+
+
+def read_changed(read: Callable[[Path | Document], S], path: Path, given: Sequence[str] | None) -> S:
+    """What `read` makes of a file with the values that were given in place of its own; raises SceneError."""
+    return read(changed(Document.read(path), given) if given else path)
 
 
 def as_given(given: Sequence[str] | None) -> str:

@@ -8,7 +8,12 @@ import json
 import math
 import os
 import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from tautline.errors import TautlineWarning
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,6 +41,24 @@ def console() -> Console:
 def say(text: str, style: str = "") -> None:
     """Print a line for people; brackets in it are just brackets."""
     console().print(text, style=style or None, markup=False)
+
+
+@contextmanager
+def warnings_said() -> Iterator[None]:
+    """Print warnings of this package as lines for people; those of others are shown as they were."""
+    shown = warnings.showwarning
+
+    def show(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, TautlineWarning):
+            say(f"warning: {message}", "yellow")
+        else:
+            shown(message, category, *where, **more)
+
+    warnings.showwarning = show
+    try:
+        yield
+    finally:
+        warnings.showwarning = shown
 
 
 def say_missing(result: Result) -> list[dict[str, str]]:

@@ -6,7 +6,7 @@ import functools
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,9 @@ class Start:
         Whether that is much of the size of the scene.
     pushed : bool
         Whether the scene was drawn in unstable balance, and pushed out of it.
+    at_rest : mapping
+        Variables of a static start as they are before anything moves, by name: numbers, or lists of them as deep as
+        the variable has dimensions beside time. Empty where no figure is over them.
     """
 
     found: str = ""
@@ -46,6 +49,7 @@ class Start:
     moved_most: str | None = None
     far: bool = False
     pushed: bool = False
+    at_rest: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of_attribute(cls, stored: Mapping[str, Any] | str | None) -> Start:

@@ -47,14 +47,14 @@ MEANINGS = {
     "kg": ("a mass", "5000 or 5 t"),
     "kg/m": ("a mass per length", "29.0 or 19.5 lb/ft"),
     "kg/m^3": ("a density", "1840 or 12.5 ppg"),
-    "kg m^2": ("a moment of inertia", "2000"),
+    "kg m^2": ("a moment of inertia", "2000 or 2000 kg m^2"),
     "N": ("a force", "5.0e4 or 50 kN"),
     "N m": ("a torque", "2.0e4 or 20 kN m"),
-    "N m^2": ("a bending stiffness", "0.001"),
-    "N/m": ("a stiffness", "1.0e9"),
-    "N s/m": ("a damping coefficient", "10"),
-    "N m/rad": ("a torsional stiffness", "200"),
-    "N m s/rad": ("a rotary damping coefficient", "20"),
+    "N m^2": ("a bending stiffness", "0.001 or 0.001 N m^2"),
+    "N/m": ("a stiffness", "1.0e9 or 1 GN/m"),
+    "N s/m": ("a damping coefficient", "10 or 10 N s/m"),
+    "N m/rad": ("a torsional stiffness", "200 or 200 N m/rad"),
+    "N m s/rad": ("a rotary damping coefficient", "20 or 20 N m s/rad"),
     "Pa": ("a stress or modulus", "2.0e11 or 200 GPa"),
     "Hz": ("a frequency", "0.1 or 0.1 Hz"),
 }
@@ -155,11 +155,11 @@ class Quantity:
             raise refusal("is a fraction, and nothing is computed", f"{_without_fraction(written)}{self.cure}")
         if told := habit(number, unit, self.unit):
             raise refusal(*told)
+        wanted = read_unit(self.unit) if self.unit else read_unit("%")
         try:
             read = read_unit(unit)
         except UnknownUnit as error:
-            raise refusal(str(error), self.cure) from error
-        wanted = read_unit(self.unit) if self.unit else read_unit("%")
+            raise refusal(error.told(unit, wanted), self.cure) from error
         if read.dimension != wanted.dimension:
             if told := flow_for_speed(unit, read, self.unit):
                 raise refusal(*told)

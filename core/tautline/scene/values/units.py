@@ -138,7 +138,40 @@ RPM = 2.0 * math.pi / 60.0
 
 
 class UnknownUnit(ValueError):
-    """A unit that neither the table nor pint knows, or an expression that is none; ``str()`` says which."""
+    """A unit that neither the table nor pint knows, or an expression that is none; ``str()`` says which.
+
+    Attributes
+    ----------
+    cause : str
+        What is wrong.
+    name : str
+        The unit that is not known; empty of an expression that is none.
+    """
+
+    def __init__(self, cause: str, name: str = "") -> None:
+        super().__init__(cause, name)
+        self.cause, self.name = cause, name
+
+    def __str__(self) -> str:
+        return f"{self.cause}; {nearest_unit(self.name, TABLE)}" if self.name else self.cause
+
+    def told(self, written: str, wanted: Unit) -> str:
+        """The same where a unit of one kind is wanted: of others only one that is nearly what was written is named.
+
+        Parameters
+        ----------
+        written : str
+            The whole expression, of which the unit that is not known may be a part.
+        wanted : Unit
+        """
+        if not self.name:
+            return self.cause
+        alike = [name for name, unit in TABLE.items() if unit.dimension == wanted.dimension]
+        meant = (nearest_unit(self.name, known) for known in (alike, TABLE))
+        close = next((one for one in meant if one.startswith("did you mean")), "")
+        if not close and written.strip() == self.name and alike:
+            close = f"known: {', '.join(alike)}"
+        return f"{self.cause}; {close}" if close else self.cause
 
 
 class Uncounted(ValueError):
@@ -280,11 +313,11 @@ def ask_pint(name: str) -> Unit:
         dimension = {str(key): float(value) for key, value in base.dimensionality.items()}
         counted = {str(key): float(value) for key, value in base.unit_items()}
     except Exception as error:  # pint raises a dozen kinds, and for a name that a person typed all mean the same
-        raise UnknownUnit(f"unknown unit '{name}'; {nearest_unit(name, TABLE)}") from error
+        raise UnknownUnit(f"unknown unit '{name}'", name) from error
     prefix, stem, _ = registry.parse_unit_name(name)[0]
     if prefix and stem not in METRIC:
         said = f"'{name}' would be a {prefix}{stem.replace('_', ' ')}, and that unit takes no such prefix"
-        raise UnknownUnit(f"{said}; {nearest_unit(name, TABLE)}")
+        raise UnknownUnit(said, name)
     exponents = {key: dimension.pop(f"[{key}]", 0.0) for key in ("mass", "length", "time")}
     if not math.isfinite(magnitude) or magnitude <= 0.0 or any(not n.is_integer() for n in exponents.values()):
         raise UnknownUnit(f"unit '{name}' cannot be used here")

@@ -38,6 +38,7 @@ from matplotlib.ticker import (
 from tautline.results.errors import ResultError, unwritten
 from tautline.results.output_path import check_drawn
 from tautline.scene.values.systems import SYSTEMS, in_system
+from tautline.view.figures.missing_letters import missing_letters_told
 from tautline.whole_file import whole_file
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -110,7 +111,7 @@ class Figure(Page):
         """PNG of the figure, which notebooks ask for."""
         written = io.BytesIO()
         with matplotlib.rc_context(STYLE):
-            with powers_in_labels(self):
+            with powers_in_labels(self), missing_letters_told():
                 self.savefig(written, format="png", dpi=self.dpi)
         return written.getvalue()
 
@@ -422,7 +423,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     path = check_drawn(Path(path))
     try:
         thin_logarithms(figure)
-        with powers_in_labels(figure), whole_file(path) as waiting:
+        with powers_in_labels(figure), missing_letters_told(), whole_file(path) as waiting:
             figure.savefig(waiting)
     except OSError as error:
         raise unwritten(path, error) from None
