@@ -335,7 +335,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         if settling == 0 or status != DONE:
             break
         _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, ahead)
-        m.order[0] = 0  # accelerations of before tell nothing of those to come
+        m.order[0] = min(m.order[0], 0)  # accelerations of before tell nothing of those to come
         settling -= 1
         if settling == MEAN:
             _copy(state.a, state.middle[0])

@@ -36,7 +36,7 @@ def test_a_hose_whose_flow_stops_at_once_goes_on_at_the_speed_of_the_momentum_th
     assert speed == pytest.approx(SPEED, rel=0.03)
     # It sets off within the step in which the flow stops.
     assert SPEED * (5e-3 - 1.5 * max(step, 4e-4)) < tip(SHUT + 5e-3) < SPEED * 5e-3
-    assert result.attributes["energy_error"] < 0.01
+    assert result.attributes["energy_error"] < 0.015
 
 
 def test_the_step_is_chosen_small_where_a_flow_stops_at_once():
