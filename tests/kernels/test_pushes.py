@@ -78,11 +78,28 @@ def test_a_table_of_places_that_jumps_in_speed_pushes_by_each_jump():
     assert bends.sum() == 3
 
 
-@pytest.mark.parametrize("steps", [10, 50, 1000])
+@pytest.mark.parametrize("steps", [6, 7, 9.3, 10, 50, 1000])
 def test_what_is_smooth_is_left_as_it_is_to_the_bit(steps):
     found, true, bends = pushed(FunctionRequest(Harmonic(amplitude=0.3, period=steps * STEP)), 0.4)
     assert not bends.any()
-    assert found == pytest.approx(true, abs=0.06 * np.ptp(true))
+    # One step makes too little of a change and another too much.
+    assert found == pytest.approx(true, abs=max(0.06, 4.0 / steps**2) * np.ptp(true))
+
+
+@pytest.mark.parametrize("over", [2, 20])
+def test_a_sine_of_seven_steps_that_grows_bends_nowhere_but_where_it_begins(over):
+    # Where some of its steps were pushed by all of their change, what was carried drifted away.
+    growing = Harmonic(amplitude=0.3, period=7 * STEP, ramp=over * 7 * STEP)
+    _, _, bends = pushed(FunctionRequest(growing), 0.4)
+    assert not bends[3:].any()
+
+
+@pytest.mark.parametrize("steps", [5, 8, 15, 60])
+@pytest.mark.parametrize("off", [0.0, 0.3, 0.5, 0.9])
+def test_a_smooth_ramp_of_a_few_steps_bends_nowhere_wherever_it_begins(steps, off):
+    ramp = Ramp(**{"from": 25.0}, to=4.0, at=0.02 + off * STEP, over=steps * STEP)
+    _, _, bends = pushed(FunctionRequest(ramp, True, 1.0), 0.1)
+    assert not bends.any()
 
 
 def test_a_smooth_ramp_bends_nowhere_though_its_first_and_last_accelerations_are_next_to_nothing():
