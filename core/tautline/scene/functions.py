@@ -30,7 +30,7 @@ from tautline.scene.errors import SceneError
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.files import FileName
-from tautline.scene.reading.time_columns import TIMES, UNITS_OF_NAMES, time_columns, time_head
+from tautline.scene.reading.time_columns import TIMES, time_columns, time_head, unit_of_time
 from tautline.scene.refusal import fault, refusal
 from tautline.scene.values.magnitude import SMALLEST
 from tautline.scene.values.quantity import quantity
@@ -273,8 +273,9 @@ def _take_unit(columns: Columns, time: int, named: bool) -> None:
         If the name ends with what may be a unit of time and may be something else, or is not understood.
     """
     title, unit = columns.titles[time], columns.units[time]
-    if unit or not title:
-        columns.units[time] = UNITS_OF_NAMES.get(unit, unit)
+    in_brackets = unit_of_time(unit)
+    if in_brackets != "" or not title:
+        columns.units[time] = in_brackets or unit
         return
     head = time_head(title)
     if head.doubtful or (head.kind == "min" and not named):
@@ -324,7 +325,10 @@ def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
         return data | {"time": list(times), "value": list(values)}
     except SceneError as error:
         first = error.problems[0]
-        words = f"{first.value} in {first.key} {first.cause}" if first.value is not None else first.cause
+        words = first.cause
+        if first.value is not None:
+            whole = first.key == "row"
+            words = f"the row '{first.value}' {words}" if whole else f"{first.value} in {first.key} {words}"
         raise refusal(words, first.cure, file=first.file, line=first.line) from None
 
 
