@@ -194,6 +194,12 @@ class Columns:
         cure = f"name it in the header; {nearest(names[0], [n for n in self.names if n])}"
         self.stop(self.header_line, names[0], None, f"there is no column '{names[0]}'", cure)
 
+    def titled(self, title: str) -> int | None:
+        """Find the one column whose whole title this is, with the unit in brackets: ``Heave (ft)``; else None."""
+        meant = _letters(title)
+        found = [i for i, one in enumerate(self.titles) if meant and _letters(one) == meant]
+        return found[0] if len(found) == 1 else None
+
     def find(self, names: Mapping[str, tuple[str, ...]]) -> dict[tuple[str, ...], tuple[int, str]]:
         """Column and unit (empty for none) of every meaning, by the words of its header.
 
@@ -342,6 +348,12 @@ def thousand(cell: str) -> str:
 def _usual(unit: str) -> str:
     """A unit in which sheets have what is computed in an SI unit: kN for N, deg/m for rad/m."""
     return "kN" if unit == "N" else unit.replace("rad", "deg") if unit.startswith("rad") else unit
+
+
+def _letters(title: str) -> str:
+    """A title without blanks at its brackets, and in small letters; of units the letters stay as they are."""
+    match = HEADER.fullmatch(title)
+    return f"{match['name'].lower()} [{match['unit'] or ''}]" if match else title.strip().lower()
 
 
 def _cell(row: list[str], place: int) -> str:
