@@ -106,8 +106,8 @@ def factor_stated(stated: str, asked: str) -> tuple[float, str] | None:
         return None
     if plain in COUNTED and plain != stated and plain.lower() != stated.lower():
         return _ratio(written, wanted), ", and turns are counted"
-    if found := _by_gravity(stated, plain, written, wanted):
-        return found
+    if weighed := _by_gravity(stated, plain, written, wanted):
+        return weighed
     try:
         found = factor_between(plain, asked)
     except OtherQuantity:
