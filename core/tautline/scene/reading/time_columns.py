@@ -51,6 +51,8 @@ IN_BRACKETS = {"seg": "s", "std": "hour", "timer": "hour", "week": "week", "week
 """Units of time in brackets only: as words of a name they are something else."""
 NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, "gmt", "iso", "iso8601", "iso 8601", "unix", "epoch", "posix"}
 """What stands in the brackets of a time, in small letters, and is no unit."""
+ZONE = re.compile(r"\b(utc|gmt) ?[+-] ?\d{1,2}(:?\d{2})?\b")
+"""A zone of time in brackets, ``UTC+02:00``."""
 SINCE = ("since", "from", "after")
 """Words behind which a name says from when times count: ``ms since epoch``."""
 EXTREMES = frozenset("max mean avg average".split())
@@ -156,7 +158,7 @@ def unit_of_time(bracketed: str) -> str | None:
     Small and capital letters are one here. Empty for what is no unit, such as ``UTC``; None for what is not understood,
     for another quantity's unit, and for the form of a clock. `m` may be metres, minutes or months.
     """
-    plain = " ".join(bracketed.casefold().replace("\u03bc", "\u00b5").split())
+    plain = ZONE.sub(r"\1", " ".join(bracketed.casefold().replace("\u03bc", "\u00b5").split()))
     parts = (" ".join(_without_origin(part.split())[0]) for part in re.split("[,;]", plain))
     found = [part for part in (one.removeprefix("in ").strip(" .") for one in parts) if part not in NO_UNITS]
     if not found:
