@@ -115,14 +115,6 @@ def read_survey(
     below = _row_of_units(table, columns)
     factors = _factors(table, columns, below, units or {})
     table.raise_if_any()
-    width = len(table.titles)
-    for line, row in table.rows:
-        if any(row[width:]):
-            cure = "put semicolons between the cells if the comma is the decimal mark, else remove what is too much"
-            text = table.separator.join(row)[:60]
-            table.add(line, "row", text, f"{len(row)} cells under {width} names", cure)
-    wide = np.array([any(row[width:]) for _, row in table.rows], dtype=bool)
-    table.rows = [row for row, out in zip(table.rows, wide, strict=True) if not out]
     values = {}
     for key, column in columns.items():
         cure = "give any azimuth where the hole is vertical" if key == "azi" else "fill it in, or delete the row"

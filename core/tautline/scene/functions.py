@@ -28,10 +28,10 @@ from pydantic_core import CoreSchema, core_schema
 from tautline.scene.curves import beyond
 from tautline.scene.errors import SceneError
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
-from tautline.scene.reading.columns import Columns
+from tautline.scene.reading.columns import HEADER, Columns
 from tautline.scene.reading.files import FileName
-from tautline.scene.reading.time_columns import TIMES, UNITS_OF_NAMES, time_columns, time_head
-from tautline.scene.refusal import fault, refusal
+from tautline.scene.reading.time_columns import TIMES, time_columns, time_head, unit_of_time
+from tautline.scene.refusal import fault, nearest, refusal
 from tautline.scene.values.magnitude import SMALLEST
 from tautline.scene.values.quantity import quantity
 from tautline.scene.values.ranges import rate_of, sized
@@ -238,7 +238,7 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
         columns.stop(columns.header_line, "", None, cause, "call the column of times `time` in the header")
     known = may_be[0] if may_be else None
     shown = named if len(named) > 1 and known in named else columns.filled()
-    wanted = asked.lower() if isinstance(asked, str) else "value"
+    at, wanted = _asked(columns, asked) if isinstance(asked, str) else (None, "value")
     meant = isinstance(asked, str) or wanted in columns.names
     if known is None and len(shown) > 2 and meant:
         known = _growing(columns, [i for i in shown if columns.names[i] != wanted])
@@ -248,18 +248,42 @@ def places(columns: Columns, asked: Any) -> tuple[int, int]:
     if known is None and meant and len(shown) == 2 and columns.names[time] == wanted:
         time = shown[1]
     _take_unit(columns, time, known is not None)
-    for name in (columns.names[time], wanted):
+    for name in (columns.names[time], wanted if at is None else ""):
         if name and (twice := columns.names.count(name)) > 1:
             cause = f"{twice} columns are called '{name}'"
             columns.stop(columns.header_line, name, None, cause, "give the ones that are not meant another name")
     beside = [i for i in shown if i != time]
     if meant:
-        return time, columns.index((wanted,))
+        return time, columns.index((wanted,)) if at is None else at
     if len(beside) > 1:
         names = [columns.names[i] for i in beside[:OFFERED]]
         cure = f"write beside the file which one is meant: {' or '.join(f'`column: {name}`' for name in names)}"
         _unclear(columns, beside, "beside time, and none is called value", cure)
     return time, beside[0] if beside else columns.index(("value",))
+
+
+def _asked(columns: Columns, name: str) -> tuple[int | None, str]:
+    """The name of the column that a scene asks for, and its place where it is asked for by its whole title.
+
+    Raises
+    ------
+    SceneError
+        If there is no such column; its key is that of the scene.
+    """
+    if name.lower() in columns.names:
+        return None, name.lower()
+    place = columns.titled(name)
+    if place is not None:
+        return place, columns.names[place]
+    bare = HEADER.fullmatch(name)
+    title = bare["name"] if bare else name
+    cause = f"there is no column '{name}' in {columns.path.name}, line {columns.header_line}"
+    if title.lower() in columns.names:
+        there = columns.titles[columns.names.index(title.lower())]
+        cause, cure = f"{cause}, but '{there}'", f'write `column: "{there}"`, as in the header'
+    else:
+        cure = f"name it in the header; {nearest(name, [one for one in columns.names if one])}"
+    columns.stop(columns.header_line, "column", name, cause, cure)
 
 
 def _take_unit(columns: Columns, time: int, named: bool) -> None:
@@ -273,8 +297,9 @@ def _take_unit(columns: Columns, time: int, named: bool) -> None:
         If the name ends with what may be a unit of time and may be something else, or is not understood.
     """
     title, unit = columns.titles[time], columns.units[time]
-    if unit or not title:
-        columns.units[time] = UNITS_OF_NAMES.get(unit, unit)
+    in_brackets = unit_of_time(unit)
+    if in_brackets != "" or not title:
+        columns.units[time] = in_brackets or unit
         return
     head = time_head(title)
     if head.doubtful or (head.kind == "min" and not named):
@@ -324,7 +349,12 @@ def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
         return data | {"time": list(times), "value": list(values)}
     except SceneError as error:
         first = error.problems[0]
-        words = f"{first.value} in {first.key} {first.cause}" if first.value is not None else first.cause
+        if first.key == "column":  # of the scene, and not of the file
+            raise fault("column", first.cause, first.cure) from None
+        words = first.cause
+        if first.value is not None:
+            whole = first.key == "row"
+            words = f"the row '{first.value}' {words}" if whole else f"{first.value} in {first.key} {words}"
         raise refusal(words, first.cure, file=first.file, line=first.line) from None
 
 

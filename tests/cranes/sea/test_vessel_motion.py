@@ -122,6 +122,15 @@ def replaced(number, old, new):
     return edit
 
 
+def with_cell(number, place, cell):
+    def edit(lines):
+        cells = lines[number - 1].split(", ")
+        lines[number - 1] = ", ".join([*cells[:place], cell, *cells[place + 1 :]])
+        return lines
+
+    return edit
+
+
 def without(first, last):
     return lambda lines: lines[: first - 1] + lines[last:]
 
@@ -143,7 +152,8 @@ def column(name, factor):
 # what is done to the record, the line and column at fault, words of the message
 FAULTS = {
     "a gap": (without(100, 105), 100, "t", "no row in the 0.7 s before (gap is 0.3 s)"),
-    "not a number": (replaced(50, ", ", ", nan, "), 50, "surge", "is not a finite number"),
+    "not a number": (with_cell(50, 1, "nan"), 50, "surge", "is not a finite number"),
+    "a cell too many": (replaced(50, ", ", ", 7, "), 50, "row", "fills 8 cells, and the header has 7"),
     "a word": (replaced(51, "4.9", "four"), 51, "t", "is not a number"),
     "a row cut short": (lambda lines: [*lines[:9], "0.8, 1.0", *lines[10:]], 10, "sway", "the cell is empty"),
     "a time twice": (replaced(33, "3.1", "3"), 33, "t", "the same time as line 32"),

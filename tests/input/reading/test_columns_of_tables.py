@@ -3,9 +3,24 @@
 import pytest
 from pydantic import TypeAdapter
 
+from crane.scene.scene import CraneScene
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import places, time_function
 from tautline.scene.reading.columns import Columns
+from tautline.scene.reading.document import Document
+
+CRANE_OF_TABLE = """\
+rope: {mass_per_length: 5.5 kg/m, axial_stiffness: 80 MN, diameter: 36 mm, damping: 10 ms}
+bodies: [{name: load, mass: 5 t, position: [10.2, 0, 0]}]
+path:
+  - drum: {name: winch, center: [0, 0, 10], radius: 0.4, axis: [0, 1, 0], wrap: over, pay_out: 0}
+  - sheave: {name: tip, center: [10, 0, 20], radius: 0.2, axis: [0, 1, 0], wrap: over}
+  - end: {name: hook, body: load}
+vessel: {reference: [0, 0, 0], motion: {heave: {table: {file: record.csv, column: COLUMN}}}}
+mesh: {elements_per_span: 4}
+solver: {step: 2 ms, end: 20 s}
+output: {interval: 10 ms}
+"""
 
 
 def found(folder, text, asked=None):
@@ -181,3 +196,55 @@ def test_numbers_that_grow_and_are_not_called_a_time_are_not_taken_for_it(header
 
 def test_a_table_asked_for_by_a_name_of_the_first_column_takes_the_second_for_the_time(tmp_path):
     assert found(tmp_path, "h,x\n0,1\n1,2\n", "h") == (1, 0)
+
+
+# -- a column that is asked for as it stands in the header
+
+RECORD = "Time (s),Heave (ft),Roll (deg),Load (kN),Load (t)\n0,1,2,3,4\n"
+
+
+@pytest.mark.parametrize(
+    ("asked", "place"),
+    [("Heave (ft)", 1), ("heave [ft]", 1), ("Roll(deg)", 2), ("Heave", 1), ("Load (kN)", 3), ("Load (t)", 4)],
+)
+def test_a_column_is_found_by_its_whole_title_with_the_unit(asked, place, tmp_path):
+    assert found(tmp_path, RECORD, asked) == (0, place)
+
+
+def test_a_column_in_another_unit_than_it_is_asked_for_is_refused_at_the_key_of_the_scene(tmp_path):
+    scene = CRANE_OF_TABLE.replace("COLUMN", '"Heave (m)"')
+    (tmp_path / "record.csv").write_text(RECORD)
+    with pytest.raises(SceneError) as error:
+        CraneScene.read(Document.parse(scene, tmp_path / "scene.yaml"))
+    (problem,) = error.value.problems
+    assert problem.line == 7 and problem.key.endswith("heave.table.column") and problem.value == "Heave (m)"
+    assert "'Heave (ft)'" in problem.cause and 'column: "Heave (ft)"' in problem.cure
+
+
+# -- rows that are longer than the header
+
+LONG = {
+    "row names of R": ('"time","value"\n"1",0,5\n"2",40,6\n', 2, 2, 3, "row name"),
+    "row names of R with tabs": ("time\tvalue\n1\t0\t5\n2\t40\t6\n", 2, 2, 3, "row.names = FALSE"),
+    "decimal commas": ("time,x\n0,000,1,5\n40,000,2,5\n", 2, 2, 4, "decimal commas, put semicolons"),
+    "some decimal commas": ("time,x\n0,1\n40,2,5\n", 3, 2, 3, "decimal commas, put semicolons"),
+    "two lines in one": ("time;x;y\n0;1;2\n1;1;2\n2;13;1;2\n", 4, 3, 4, "two lines have run into one"),
+    "no header": ("0;1\n1;2;3\n", 2, 2, 3, "two lines"),
+}
+
+
+@pytest.mark.parametrize(("text", "line", "columns", "cells", "cure"), LONG.values(), ids=LONG)
+def test_a_row_with_more_cells_than_the_header_is_refused_with_both_counts(text, line, columns, cells, cure, tmp_path):
+    """Numbers of rows were read as the times, and decimals of the times as the values, without a word."""
+    with pytest.raises(SceneError, match=f"fills {cells} cells, and .* has {columns}") as error:
+        found(tmp_path, text, None)
+    problem = error.value.problems[0]
+    assert cure in problem.cure and problem.line == line
+
+
+@pytest.mark.parametrize(
+    "text", ["time,x\n0,1,\n1,2,,,\n", "time,x,\n0,1,\n1,2\n", "time,x,\n0,1,9\n1,2,9\n", "time;x\n0,5;1,5;\n1;2\n"]
+)
+def test_separators_at_the_ends_of_lines_are_no_cells_too_many(text, tmp_path):
+    (tmp_path / "record.csv").write_text(text)
+    assert Columns(tmp_path / "record.csv").values(1, "m")[1] == 2.0

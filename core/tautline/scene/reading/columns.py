@@ -92,6 +92,7 @@ class Columns:
         self.rows = rows[1:] if self.headed else rows
         if not self.rows:
             self.stop(self.header_line, "", None, "holds a header and no rows", "add rows of numbers")
+        self._refuse_long_rows(first)
 
     # faults
     def problem(self, line: int | None, key: str, value: str | None, cause: str, cure: str) -> Problem:
@@ -141,6 +142,21 @@ class Columns:
         self.separator = stated[1] if stated else next((mark for mark in "\t;," if mark in lines[0][1]), ",")
         return [(i, self._cells(i, s)) for i, s in lines]
 
+    def _refuse_long_rows(self, first: list[str]) -> None:
+        """Refuse a file in which rows fill more cells than the header has: which cell is whose is not known."""
+        width = max(len(first), 1)
+        long = [(line, number) for line, row in self.rows if len(row) > width and (number := filled(row)) > width]
+        if not long:
+            return
+        line, number = long[0]
+        of = "the header has" if self.headed else f"line {self.header_line} has"
+        cause = f"fills {number} cells, and {of} {width}"
+        if len(long) > 1:
+            cause += f"; so do all {len(long)} rows" if len(long) == len(self.rows) else f"; {len(long)} rows do"
+        one_more = self.headed and len(long) == len(self.rows) and all(n == width + 1 for _, n in long)
+        text = next(self.separator.join(row) for at, row in self.rows if at == line)
+        self.stop(line, "row", text[:60], cause, cure_of_long_rows(self.separator, one_more))
+
     def _cells(self, line: int, text: str) -> list[str]:
         if '"' not in text:
             return [cell.strip() for cell in text.split(self.separator)]
@@ -177,6 +193,12 @@ class Columns:
             return otherwise
         cure = f"name it in the header; {nearest(names[0], [n for n in self.names if n])}"
         self.stop(self.header_line, names[0], None, f"there is no column '{names[0]}'", cure)
+
+    def titled(self, title: str) -> int | None:
+        """Find the one column whose whole title this is, with the unit in brackets: ``Heave (ft)``; else None."""
+        meant = _letters(title)
+        found = [i for i, one in enumerate(self.titles) if meant and _letters(one) == meant]
+        return found[0] if len(found) == 1 else None
 
     def find(self, names: Mapping[str, tuple[str, ...]]) -> dict[tuple[str, ...], tuple[int, str]]:
         """Column and unit (empty for none) of every meaning, by the words of its header.
@@ -297,6 +319,25 @@ class Columns:
         return tuple(float(value) for value in values)
 
 
+def filled(cells: Sequence[str]) -> int:
+    """Number of cells of a row up to the last one that has something in it: separators at its end make none."""
+    return max((i for i, cell in enumerate(cells, 1) if cell), default=0)
+
+
+def cure_of_long_rows(separator: str, one_more: bool) -> str:
+    """What to do where rows fill more cells than the header has.
+
+    `one_more` is whether each row has one more: so programs such as R write tables, where row names have no title.
+    """
+    names = "the first cell of each row is a row name or a number of the row: give it a title (in R: "
+    names += "`write.table(..., row.names = FALSE)`, or `col.names = NA`)"
+    if one_more:
+        commas = "; if numbers have decimal commas, put semicolons between the cells" if separator == "," else ""
+        return f"the header has one cell less than every row. It may be that {names}{commas}"
+    commas = "if numbers have decimal commas, put semicolons between the cells; " if separator == "," else ""
+    return f"{commas}give each column a title in the header; if two lines have run into one, delete that row"
+
+
 def thousand(cell: str) -> str:
     """What to ask of a number that is smaller than it should be: ``1.000`` may be meant as 1000; else nothing."""
     if not THOUSANDS.fullmatch(cell):
@@ -307,6 +348,12 @@ def thousand(cell: str) -> str:
 def _usual(unit: str) -> str:
     """A unit in which sheets have what is computed in an SI unit: kN for N, deg/m for rad/m."""
     return "kN" if unit == "N" else unit.replace("rad", "deg") if unit.startswith("rad") else unit
+
+
+def _letters(title: str) -> str:
+    """A title without blanks at its brackets, and in small letters; of units the letters stay as they are."""
+    match = HEADER.fullmatch(title)
+    return f"{match['name'].lower()} [{match['unit'] or ''}]" if match else title.strip().lower()
 
 
 def _cell(row: list[str], place: int) -> str:

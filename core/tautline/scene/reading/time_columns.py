@@ -1,7 +1,8 @@
 """Which column of a file holds the times, and in what unit, by the words of its header.
 
-``time``, ``t_ms``, ``Time/ms``, ``elapsed [s]``, ``minutes``. Letters that mean something else in the field are no
-times: ``T_min`` is a least tension, ``T_h`` a horizontal one or a hot temperature.
+Tables of scenes and data of twins are read by this. ``time``, ``t_ms``, ``Time/ms``, ``elapsed [s]``, ``TIME [MS]``,
+``minutes since start``. Letters that mean something else in the field are no times: ``T_min`` is a least tension,
+``T_h`` a horizontal one or a hot temperature.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tautline.scene.reading.columns import HEADER, LETTER_UNITS, Columns, is_unit
+from tautline.scene.reading.columns import HEADER, LETTER_UNITS, NO_UNIT, Columns, is_unit
 
 TIMES = "time", "t"
 """Names of the column of times, the likelier first."""
@@ -21,55 +22,70 @@ KINDS = frozenset(
     "record recording test rig log system real gps utc local".split()
 )
 """Words beside a name of the time which say whose it is: ``sim time``, ``time utc``."""
-LOCAL_NAMES = frozenset("zeit uhrzeit clock temps tiempo tempo tijd tid czas".split())
+LOCAL_NAMES = frozenset("zeit uhrzeit laufzeit messzeit zeitstempel clock temps tiempo tempo tijd tid czas".split())
 """Words for time, of other languages too: those of the first column, or of one of two."""
 UNITS_OF_NAMES = {
     word: unit
     for unit, words in {
         "ns": "ns nsec nanos nanosecond nanoseconds",
-        "us": "us \u00b5s \u03bcs usec micros microsecond microseconds",
-        "ms": "ms msec msecs millis millisecond milliseconds",
-        "s": "s sec secs second seconds",
-        "min": "min mins minute minutes",
-        "hour": "h hr hrs hour hours",
-        "day": "d day days",
+        "us": "us \u00b5s \u03bcs usec micros microsecond microseconds mikrosekunde mikrosekunden microsegundos "
+        "microsecondes mikrosekundy mikrosekunder",
+        "ms": "ms msec msecs millis millisec millisecs millisecond milliseconds millisekunde millisekunden milisegundo "
+        "milisegundos milliseconde millisecondes milisekunda milisekundy milisekund millisekund millisekunder",
+        "s": "s sec secs second seconds sek sekunde sekunden segundo segundos seconde secondes sekunda sekundy sekund "
+        "sekunder",
+        "min": "min mins minute minutes minuten minuto minutos minuta minuty minut minutt minutter",
+        "hour": "h hr hrs hour hours stunde stunden horas heures godziny godzin",
+        "day": "d day days tage d\u00edas dias jours dni dager",
     }.items()
     for word in words.split()
 }
-"""Units of time by the words that a name ends with: ``time_ms``, ``TimeMs``, ``t ms``."""
+"""Units of time by the words of names, in languages of the field: ``time_ms``, ``TimeMs``, ``t ms``, ``Minuten``."""
 OTHERWISE = ("s", "h", "d", "min")
 """Words that are units of time and more often something else: an arc length, a height, a depth, a least value."""
+UNSURE = frozenset("hora heure godzina timer".split())
+"""An hour or the time of the day, hours or a clock: no unit for sure."""
+SHORT = UNSURE | frozenset("m mo mon std".split())
+"""Words that beside a name of the time may be a unit and may not: `m` is a metre, a minute or a month."""
+IN_BRACKETS = {"seg": "s", "std": "hour", "timer": "hour", "week": "week", "weeks": "week"}
+"""Units of time in brackets only: as words of a name they are something else."""
+NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, "gmt", "iso", "iso8601", "iso 8601", "unix", "epoch", "posix"}
+"""What stands in the brackets of a time, in small letters, and is no unit."""
+ZONE = re.compile(r"\b(utc|gmt) ?[+-] ?\d{1,2}(:?\d{2})?\b")
+"""A zone of time in brackets, ``UTC+02:00``."""
+SINCE = ("since", "from", "after")
+"""Words behind which a name says from when times count: ``ms since epoch``."""
 EXTREMES = frozenset("max mean avg average".split())
 """Words of other columns, beside which `min` is a least value."""
 APART = re.compile(r"(?<=[a-z])(?=[A-Z])|[\W_]+")
 RUN_TOGETHER = re.compile(
-    rf"\b(time|timestamp|elapsed)({'|'.join(sorted(UNITS_OF_NAMES.keys() - {'s', 'd'}, key=len, reverse=True))})$"
+    r"\b([a-z]*time|timestamp|stamp|elapsed|[a-z]*zeit|zeitstempel|unix|epoch|posix|duration|tiempo|tempo|czas|tijd)"
+    rf"({'|'.join(sorted(UNITS_OF_NAMES.keys() - {'s', 'd'}, key=len, reverse=True))})$"
 )
 """Names of times with their unit in one word: ``timems``; `times` and `timed` are words themselves."""
+LETTER_TOGETHER = re.compile(r"t(ms|us|ns|msec|usec|nsec|sec|min)")
+"""The same of the letter `t`: ``tms``."""
 
 
 @dataclass(frozen=True)
 class TimeHead:
     """What the header of a column says of time.
 
-    ``words`` of the name in small letters without its unit; ``unit`` of time that the name ends with, or empty.
+    ``words`` of the name in small letters without its unit; ``unit`` of time that the name has, or empty.
     ``kind``: "name" of the time, bare "unit", "local" word for time, "min" alone, capital "letter" T, "odd": a name of
-    the time with an ending that is not understood; or empty.
+    the time with an ending that is not understood; or empty. ``doubtful``: whether the unit of a column that holds the
+    times is not clear from this.
     """
 
     words: tuple[str, ...]
     unit: str
     kind: str
+    doubtful: bool = False
 
     @property
-    def doubtful(self) -> bool:
-        """Whether the unit of a column that holds the times is not clear from this."""
-        if self.kind == "odd":
-            return True
-        if self.kind:
-            return False
-        alone = len(self.words) == 1 and not self.unit
-        return (alone and self.words[0] in ("h", "d", "min")) or self.unit in ("min", "hour", "day")
+    def unclear_unit(self) -> bool:
+        """Whether it is doubtful by what is, or may be, a word for a unit of time."""
+        return self.doubtful and (bool(self.unit) or any(one in UNITS_OF_NAMES or one in SHORT for one in self.words))
 
 
 def time_head(title: str) -> TimeHead:
@@ -77,20 +93,55 @@ def time_head(title: str) -> TimeHead:
     match = HEADER.fullmatch(title)
     bare = match["name"].strip() if match else title.strip()
     text = " ".join(part for part in APART.sub(" ", bare).lower().split() if part != "in")
-    words = tuple(RUN_TOGETHER.sub(r"\1 \2", text).split())
+    text = LETTER_TOGETHER.sub(r"t \1", RUN_TOGETHER.sub(r"\1 \2", text))
+    words, since = _without_origin(text.split())
     if len(words) < 2:
-        (word,) = words or ("",)
-        if word == "t":
-            return TimeHead(words, "", "name" if bare == "t" else "letter")
-        if word in UNITS_OF_NAMES and word not in OTHERWISE:
-            return TimeHead(words, UNITS_OF_NAMES[word], "unit")
-        return TimeHead(words, "min" if word == "min" else "", "min" if word == "min" else _kind(words))
-    unit = UNITS_OF_NAMES.get(words[-1], "")
-    name = words[:-1] if unit else words
-    if name == ("t",):
-        small = unit in LETTER_UNITS and bare.startswith("t")
-        return TimeHead(name, unit, "name" if small else "")
-    return TimeHead(name, unit, _kind(name))
+        return _of_one_word(words[0] if words else "", bare, since)
+    units = [word for word in words if word in UNITS_OF_NAMES]
+    if len(units) != 1:
+        return _of_other_words(words, any(one not in OTHERWISE for one in units))
+    (word,) = units
+    unit, last = UNITS_OF_NAMES[word], words[-1] == word
+    rest = tuple(one for one in words if one != word)
+    if rest == ("t",) and last:
+        small = bare.startswith("t") and (unit in LETTER_UNITS or word not in ("h", "hr", "d", "min"))
+        return TimeHead(rest, unit, "name" if small else "", not small and unit not in LETTER_UNITS)
+    kind = _kind(rest)
+    if kind in ("name", "local"):
+        if last or word not in OTHERWISE:
+            return TimeHead(rest, unit, kind)
+        return TimeHead(words, "", "odd" if kind == "name" else "", True)  # a least time, or so many minutes
+    if last:
+        return TimeHead(rest, unit, kind, kind == "odd" or unit in ("min", "hour", "day"))
+    return _of_other_words(words, word not in OTHERWISE)
+
+
+def _without_origin(words: Sequence[str]) -> tuple[tuple[str, ...], bool]:
+    """Words without those that say from when times count, but for units; and whether `since` is one of these."""
+    at = next((i for i, word in enumerate(words) if i and word in SINCE), len(words))
+    behind = words[at + 1 :]
+    left = (*words[:at], *(word for word in behind if word in UNITS_OF_NAMES))
+    return left, bool(behind) and words[at] == "since"
+
+
+def _of_one_word(word: str, bare: str, since: bool) -> TimeHead:
+    """Of a name of one word, behind which it may say since when times count."""
+    words = (word,)
+    if word == "t":
+        return TimeHead(words, "", "name" if bare == "t" or since else "letter")
+    if word in UNITS_OF_NAMES and (since or word not in OTHERWISE):
+        return TimeHead(words, UNITS_OF_NAMES[word], "unit")
+    if word == "min":
+        return TimeHead(words, "min", "min")
+    return TimeHead(words, "", _kind(words), word in ("h", "d") or word in UNSURE)
+
+
+def _of_other_words(words: tuple[str, ...], doubtful: bool) -> TimeHead:
+    """Of a name of several words that has no unit of time, or none that is clear."""
+    kind = _kind(words)
+    timed = words[0] == "t" or words[0] in LOCAL_NAMES
+    ends = UNITS_OF_NAMES.get(words[-1], "") in ("min", "hour", "day") or (timed and words[-1] in SHORT)
+    return TimeHead(words, "", kind, doubtful or ends or kind == "odd" or words[0] in LOCAL_NAMES)
 
 
 def _kind(words: Sequence[str]) -> str:
@@ -101,6 +152,44 @@ def _kind(words: Sequence[str]) -> str:
     return "odd" if words and words[0] in ("time", "times", "timestamp", "elapsed") else ""
 
 
+def unit_of_time(bracketed: str) -> str | None:
+    """The unit that the brackets of a column of times give: ``MS``, ``Sec.``, ``in ms``, ``ms, rel``.
+
+    Small and capital letters are one here. Empty for what is no unit, such as ``UTC``; None for what is not understood,
+    for another quantity's unit, and for the form of a clock. `m` may be metres, minutes or months.
+    """
+    plain = ZONE.sub(r"\1", " ".join(bracketed.casefold().replace("\u03bc", "\u00b5").split()))
+    parts = (" ".join(_without_origin(part.split())[0]) for part in re.split("[,;]", plain))
+    found = [part for part in (one.removeprefix("in ").strip(" .") for one in parts) if part not in NO_UNITS]
+    if not found:
+        return ""
+    if len(found) > 1:
+        return None
+    (unit,) = found
+    known = UNITS_OF_NAMES.get(unit) or IN_BRACKETS.get(unit)
+    if known:
+        return known
+    for text in (bracketed, unit):
+        if unit != "m" and is_unit(text, "s"):
+            return text
+    return None
+
+
+def unit_of_stamps(name: str, bracketed: str) -> tuple[str, str]:
+    """The unit of stamps by the name of their column and its brackets, and what is doubtful about it.
+
+    The second is "unit" where a word that is or may be a unit is not clear, "name" where only the end of the name is
+    not understood; else empty.
+    """
+    unit = unit_of_time(bracketed)
+    if unit is None:
+        return "", "unit"
+    head = time_head(name)
+    if unit or not head.doubtful:
+        return unit or head.unit, ""
+    return "", "unit" if head.unclear_unit else "name"
+
+
 def time_columns(columns: Columns) -> list[int]:
     """Columns that may be the time, the likeliest kind only: one where it is clear, none where no header tells.
 
@@ -108,8 +197,9 @@ def time_columns(columns: Columns) -> list[int]:
     unit of time in brackets. A bracket with another unit rules a column out where another one is left.
     """
     heads = [time_head(title) for title in columns.titles]
-    lasting = [i for i, unit in enumerate(columns.units) if _lasts(unit)]
-    foreign = [i for i, unit in enumerate(columns.units) if unit and i not in lasting]
+    brackets = [unit_of_time(unit) for unit in columns.units]
+    lasting = [i for i, unit in enumerate(brackets) if unit]
+    foreign = [i for i, unit in enumerate(brackets) if unit is None]
     for name in TIMES:
         called = [i for i, title in enumerate(columns.titles) if columns.names[i] == name and heads[i].kind == "name"]
         if any(i not in foreign for i in called):
@@ -128,8 +218,3 @@ def time_columns(columns: Columns) -> list[int]:
             bracketed = [i for i in left if i in lasting]
             return bracketed if bracketed else left
     return lasting if len(lasting) == 1 else named[:1]
-
-
-def _lasts(unit: str) -> bool:
-    """Whether what a header has in brackets is a unit of time."""
-    return bool(unit) and (unit.lower() in UNITS_OF_NAMES or is_unit(unit, "s"))

@@ -22,9 +22,17 @@ WRITTEN = {"Nm": "N m", "kNm": "kN m", "MNm": "MN m", "M": "m", "Hz": "rev/s"} |
     ("1/min", "/min", "min-1", "min^-1", "min⁻¹", "U/min", "u/min", "rev/min", "r/min", "RPM", "Rpm"), "rpm"
 )
 """Units as machines state them in free text, by what is meant; turns only where a rotary speed is asked for."""
+HABITS = {name: name for name in "ft in lb lbs lbf klb klbf kft kip psi ksi kg cm bar".split()} | {
+    "klbs": "klb", "kips": "kip", "ftlb": "ft lb", "ftlbs": "ft lb", "ftlbf": "ft lbf", "kftlb": "kft lb",
+    "kftlbs": "kft lb", "kftlbf": "kft lbf", "inlb": "in lb", "inlbs": "in lb", "inlbf": "in lbf",
+}  # fmt: skip
+"""Names of the field, in small letters, that machines write in capitals or in one word, by what is meant."""
+NAME = re.compile(r"[A-Za-zµμ°%]+")
 COUNTED = ("rpm", "rev/s")
 OF_CURRENT = ("A", "mA", "V", "mV")
 """Units of another quantity for sure, of sensors whose signal is not scaled."""
+GRAVITIES = {"g": 1.0, "mg": 1e-3}
+"""Units of mass that beside an acceleration are multiples of gravity."""
 GRAVITY = 9.80665
 """Standard gravity, m/s^2: what makes a kilogram a kilogram-force."""
 
@@ -88,7 +96,7 @@ def factor_stated(stated: str, asked: str) -> tuple[float, str] | None:
         raise OtherQuantity("may be the tonne of 1000 kg, or a ton of 2000 lb or 2240 lb")
     if stated in OF_CURRENT and stated != asked:
         raise OtherQuantity("is a unit of another quantity")
-    plain = WRITTEN.get(stated, stated)
+    plain = WRITTEN.get(stated) or _usual(stated)
     is_speed = wanted.is_rate and wanted.angle == 1 and wanted.time == -1
     if plain in COUNTED and not is_speed:
         plain = stated
@@ -98,19 +106,41 @@ def factor_stated(stated: str, asked: str) -> tuple[float, str] | None:
         return None
     if plain in COUNTED and plain != stated and plain.lower() != stated.lower():
         return _ratio(written, wanted), ", and turns are counted"
-    if written.dimension == read_unit("kg").dimension and wanted.dimension == read_unit("N").dimension:
-        return _ratio(written, wanted) * GRAVITY, ", as the weight of that mass"
-    if stated == "g" and wanted.dimension == read_unit("m/s^2").dimension:
-        return _ratio(TABLE["m"] * TABLE["s"] ** -2, wanted) * GRAVITY, ", as multiples of gravity"
+    if weighed := _by_gravity(stated, plain, written, wanted):
+        return weighed
     try:
         found = factor_between(plain, asked)
     except OtherQuantity:
         is_uncounted = written.dimension == wanted.dimension
-        names = re.findall(r"[A-Za-zµμ°%]+", plain)
+        names = NAME.findall(plain)
         if is_uncounted or not all(name in TABLE for name in names):
             return None
         raise
     return None if found is None else (found, "")
+
+
+def _usual(stated: str) -> str:
+    """A unit with the field's names as the table of units has them: ``KFT.LB`` -> ``kft*lb``."""
+    between = re.sub(r"(?<=[A-Za-z])\.\s*(?=[A-Za-z])", "*", stated.strip().rstrip("."))
+    return NAME.sub(lambda one: one[0] if one[0] in TABLE else HABITS.get(one[0].lower(), one[0]), between)
+
+
+def _by_gravity(stated: str, plain: str, written: Unit, wanted: Unit) -> tuple[float, str] | None:
+    """The factor where masses stand for their weight, or weights for their mass, and what is assumed; None elsewhere.
+
+    So a kilogram is a force beside kN, a foot-pound a torque beside kN m, and kg/cm2 a pressure beside bar.
+    """
+    gravity = TABLE["m"] * TABLE["s"] ** -2
+    if stated in GRAVITIES and wanted.dimension == gravity.dimension:
+        return _ratio(gravity, wanted) * GRAVITY * GRAVITIES[stated], ", as multiples of gravity"
+    if not all(name in TABLE for name in NAME.findall(plain)):
+        return None
+    if wanted.mass == 1 and wanted.time == -2 and (written * gravity).dimension == wanted.dimension:
+        what = "" if written.dimension == TABLE["kg"].dimension else f"'{stated}' has a mass, read "
+        return _ratio(written * gravity, wanted) * GRAVITY, f", {what}as the weight of that mass"
+    if written.dimension == TABLE["N"].dimension and wanted.dimension == TABLE["kg"].dimension:
+        return _ratio(written, wanted * gravity) / GRAVITY, ", as the mass of that weight"
+    return None
 
 
 def _ratio(written: Unit, wanted: Unit) -> float:

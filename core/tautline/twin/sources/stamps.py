@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from tautline.scene.reading.columns import HEADER, unit_named
+from tautline.scene.reading.time_columns import time_head, unit_of_stamps, unit_of_time
 from tautline.scene.values.moments import UNIX
 from tautline.scene.values.units import Unit, UnknownUnit, read_unit
 
@@ -51,6 +52,7 @@ class Stamps:
     def __init__(self, asked: str, notes: list[str], columns: Sequence[str] = ()) -> None:
         names, units = heads([asked])
         self.asked, self.unit, self._bare, self._notes, self._told = asked, units[0], names[0], notes, False
+        self.factor = self.factor_of("", "")
         self._columns = frozenset([*columns, *heads(columns)[0]])
         self._named = ""
 
@@ -60,14 +62,43 @@ class Stamps:
             return stamp_column(names, self.asked) or (stamp_column(names, self._bare) if self._bare else None)
         return stamp_column([name for name in names if name not in self._columns], "")
 
+    def timed(self, names: Sequence[str]) -> str | None:
+        """The only one of a header's names that means the time, such as `time_s`; None where none is, or two are."""
+        found = [name for name in names if name not in self._columns and time_head(name).kind == "name"]
+        return found[0] if len(found) == 1 and not self.asked else None
+
+    def factor_of(self, name: str, bracketed: str) -> float:
+        """What numbers of a column are multiplied by to be seconds: by its brackets, or the map's, or its name.
+
+        NaN where the unit is doubtful: then a stamp can be a date only. `doubt` has what is not clear about it.
+        """
+        if not unit_of_time(bracketed) and not is_unit_of_time(bracketed):
+            bracketed = self.unit or bracketed
+        unit, self.doubt = unit_of_stamps(name or self._bare or self.asked, bracketed)
+        if self.doubt == "unit" and is_unit_of_time(bracketed):  # one that only the library of units knows
+            unit, self.doubt = bracketed, ""
+        return math.nan if self.doubt == "unit" else seconds_in(unit)
+
+    def unclear(self, name: str) -> tuple[str, str]:
+        """Cause and cure where numbers are stamps whose unit is doubtful."""
+        bare = heads([name])[0][0] or name
+        said = f"{name} [{self.unit}]" if self.unit and bare == name else name
+        cure = f'write the unit that they are in, such as `time: "{bare} [s]"` in the map, or [s] in the header'
+        return f"'{said}' is the time, and it is not clear in which unit its numbers are", cure
+
     def read(self, name: str, value: Any, factor: float | None = None) -> float:
         """A stamp, s; NaN for what is none. `factor` is that of a header's unit."""
-        factor = seconds_in(self.unit) if factor is None else factor
+        factor = self.factor if factor is None else factor
         if not self.asked and name.lower() in DOUBTFUL and self._named != name:
             self._named = name
             self._notes.append(f"`{name}` is taken as the time. If it is none, write `time:` in the map with what is")
         found = stamp_of(value, factor)
         number = number_of(value)
+        if self.doubt and not self._told and math.isfinite(number):
+            self._told = True
+            cause, cure = self.unclear(name)
+            taken = "Such rows are left out:" if self.doubt == "unit" else "Seconds are read. If they are none,"
+            self._notes.append(f"{cause}. {taken} {cure}")
         if math.isnan(found) and not self._told and factor == 1.0 and UNIX[1] <= number < math.inf:
             _, unit, said = next(one for one in FINER if number < one[0])
             self._told = True

@@ -7,12 +7,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from tautline.scene.errors import Problem, SceneError
-from tautline.scene.reading.columns import NO_UNIT
+from tautline.scene.errors import Problem, SceneError, shorten
+from tautline.scene.reading.columns import NO_UNIT, cure_of_long_rows, filled
+from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import OtherQuantity, factor_between
 from tautline.twin.sources.record import SourceStopped
-from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, seconds_in, stamp_column
+from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column
 
 SEPARATORS = ";\t,"
 
@@ -138,13 +139,14 @@ class Header:
         titles = titles_of(line, self.separator)
         self.names, self.units = heads(titles)
         self.width = self._before = len(titles)
+        self._cells = max(len(cells_of(line, self.separator)), 1)  # with those that have no title, at its end
         self.notes: list[str] = [] if notes is None else notes
         self._later: Later | None = None
         self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
         self._begun = False  # whether any row was read, also one in doubt
-        self._comma_told = False
+        self._comma_told = self._long_told = False
         self._stamps = Stamps(time, self.notes, columns)
-        stamp = self._stamps.column(self.names) or self._stamps.column(titles)
+        stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
         problems = []
         if stamp is None:
             cause = f"there is no column '{time}'" if time else "there is no column of time"
@@ -177,7 +179,7 @@ class Header:
                     problems.append(Problem(where, number, f"column '{column}'", None, cause, cure))
         if problems:
             raise SceneError(problems)
-        self.factor = seconds_in(self.units[self.stamp] or self._stamps.unit)
+        self.factor = self._stamps.factor_of(self.names[self.stamp] or titles[self.stamp], self.units[self.stamp])
 
     def _places(self, column: str, titles: Sequence[str]) -> list[int]:
         """Where a column is, by its name or by its whole title, ``rope [kN]``."""
@@ -196,8 +198,9 @@ class Header:
         """Take the unit of a column from the lines below the header; faults where two of these lines differ."""
         for line in self._below:
             one, before = line[place] if place < len(line) else "", self.units[place]
-            # In the place of the stamp a line of units may say anything, such as UTC.
-            if not one or (place == self.stamp and not is_unit_of_time(one)):
+            if one and place == self.stamp:
+                one, before = self._time_below(one), unit_of_time(before) or before
+            if not one:
                 continue
             if before and not _are_alike(before, one):
                 cause = f"the unit is [{before}] in the header and {one} in the line below it"
@@ -205,6 +208,16 @@ class Header:
                 return [Problem(where, number, f"column '{column}'", None, cause, "give one of both")]
             self.units[place] = one
         return []
+
+    @staticmethod
+    def _time_below(cell: str) -> str:
+        """A unit of time below a header; empty for anything else: in the place of the stamp it may say anything.
+
+        `m` stays: metres are no times, and minutes or months are not clear.
+        """
+        if cell.casefold() == "m":
+            return cell
+        return unit_of_time(cell) or (cell if is_unit_of_time(cell) else "")
 
     def _factor(self, column: str, header: str, asked: str | None) -> float:
         """What readings of a column are multiplied by; 1 where the header or nobody gives a unit."""
@@ -256,7 +269,8 @@ class Header:
             if self._later is None or later.weight >= self._later.weight:
                 self._later = later
             return self if sure else None
-        found._comma_told, found._behind = self._comma_told, True
+        found._behind = True
+        found._comma_told, found._long_told = self._comma_told, self._long_told
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
@@ -295,7 +309,7 @@ class Header:
                 raise
             self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
             return self
-        found._comma_told, found._behind = self._comma_told, self._behind
+        found._comma_told, found._long_told, found._behind = self._comma_told, self._long_told, self._behind
         return found
 
     def _described(self, line: str, number: int, told: bool) -> Header | None:
@@ -325,7 +339,7 @@ class Header:
             anywhere = [*self.units, *asked.values()]
             for i, one in enumerate(units):  # [MN] of a column in MN is not the [mN] of another one
                 known[i] = next((same for same in (*own.get(i, ()), *anywhere) if same.upper() == one), one)
-        known = [one if is_unit(one) else "" for one in known]
+        known = [one if is_unit(one) or (i == self.stamp and unit_of_time(one)) else "" for i, one in enumerate(known)]
         if not told and not any(known):
             return None
         self.notes.append(f"{where}:{number}: a line below the header that has other names describes its columns")
@@ -408,19 +422,25 @@ class Header:
 
         Raises
         ------
+        SceneError
+            For the first row, where it cannot be read by the header.
         NewHeader
             For a row with a stamp behind a header by which it cannot be read.
         """
         cells = cells_of(line, self.separator)
-        count = len(cells)
+        count, number = len(cells), filled(cells)
         if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
         name, stamp = self.names[self.stamp] or "time", float("nan")
         if len(cells) > self.stamp:
+            self._refuse_doubtful(cells[self.stamp])
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
             if "," in cells[self.stamp] and not math.isnan(number_of(cells[self.stamp])):
                 stamp = self._number(name, cells[self.stamp])
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
+        if math.isfinite(stamp) and number > self._cells:
+            self._too_long(line, number)
+            return None
         if math.isfinite(stamp):
             self._bare, self._begun = False, True
             self._before = count  # that of a remark does not show that a row is whole
@@ -434,6 +454,37 @@ class Header:
             name: self.factors[name] * self._number(name, cells[place]) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
+
+    def _refuse_doubtful(self, cell: str) -> None:
+        """Refuse a number as a stamp where the header leaves it in doubt in which unit that is; a date needs none.
+
+        Raises
+        ------
+        SceneError, NewHeader
+            The second where other rows came before.
+        """
+        if math.isfinite(self.factor) or math.isnan(number_of(cell)):
+            return
+        cause, cure = self._stamps.unclear(titles_of(self._line, self.separator)[self.stamp])
+        refused = SceneError([Problem(self._given[2], self._number_of_line, "", None, cause, cure)])
+        raise NewHeader(refused) if self._behind else refused
+
+    def _too_long(self, line: str, number: int) -> None:
+        """Tell once that a row fills more cells than the header has: which cell is whose is not known.
+
+        Raises
+        ------
+        SceneError
+            Where no row was read yet: by such a header none can be.
+        """
+        where = self._given[2]
+        cause = f"the row '{shorten(line)}' fills {number} cells, and the header has {self._cells}"
+        cure = cure_of_long_rows(self.separator, number == self._cells + 1 and not self._begun)
+        if not self._begun and not self._behind:
+            raise SceneError([Problem(where, self._number_of_line, "", None, cause, cure)])
+        if not self._long_told:
+            self._long_told = True
+            self.notes.append(f"{where}: {cause}. Such rows are left out, as lines that cannot be read; {cure}")
 
     def _is_in_doubt(self, line: str, count: int, stamped: bool) -> bool:
         """Whether a row may be of a later header; raises NewHeader where it is, or where nothing speaks against it.

@@ -1,0 +1,159 @@
+"""Tables of live data whose header does not say the unit of the stamps, or has fewer cells than the rows."""
+
+import io
+import json
+
+import pytest
+from twin.sources.test_sources_of_data import all_of, written
+
+from tautline.scene.errors import SceneError
+from tautline.twin.sources.csv_file import CsvFile
+from tautline.twin.sources.reading_units import OtherQuantity, factor_stated
+from tautline.twin.sources.stream import Stream
+
+
+def file(tmp_path, text, time=""):
+    return CsvFile(written(tmp_path / "r.csv", text), ["a"], time)
+
+
+def stream(_, text, time=""):
+    return Stream(io.StringIO(text), ["a"], time)
+
+
+def stamps(source):
+    return [row.time for row in all_of(source)]
+
+
+UNITS = {
+    "TIME [MS]": 1e-3, "Time (Ms)": 1e-3, "TIME (MIN)": 60.0, "Time [Sec.]": 1.0, "Time [S]": 1.0, "time [ms]": 1e-3,
+    "time_ms": 1e-3, "TimeMs": 1e-3, "t_ms": 1e-3, "Time/s": 1.0, "time_s": 1.0, "Elapsed Time (min)": 60.0,
+    "time (UTC)": 1.0, "Time [-]": 1.0, "timestamp": 1.0, "time [h]": 3600.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(("title", "factor"), UNITS.items(), ids=UNITS)
+def test_stamps_are_in_the_unit_that_a_table_of_a_scene_would_have_them_in(tmp_path, of, title, factor):
+    """`[MS]` and `time_ms` were read in seconds, and minutes of a crane in as many hours, without a word."""
+    assert stamps(of(tmp_path, f"{title},a\n0,1\n40,2\n")) == pytest.approx([0.0, 40.0 * factor], rel=1e-12)
+
+
+ASKED = {
+    ("time_ms", "time_ms"): 1e-3, ("clock_ms", "clock_ms"): 1e-3, ("x", "x [MS]"): 1e-3, ("t_min", "t_min [min]"): 60.0,
+    ("Time [m]", "Time [min]"): 60.0, ("time_ms [s]", "time_ms"): 1.0, ("seq", "seq"): 1.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(("pair", "factor"), ASKED.items(), ids=map(str, ASKED))
+def test_stamps_that_the_map_names_are_in_the_unit_of_their_header_or_of_the_map_or_of_their_name(
+    tmp_path, of, pair, factor
+):
+    title, asked = pair
+    assert stamps(of(tmp_path, f"{title},a\n0,1\n40,2\n", asked)) == pytest.approx([0.0, 40.0 * factor], rel=1e-12)
+
+
+def test_objects_have_their_stamps_in_the_unit_of_the_name_that_the_map_gives():
+    text = "".join(json.dumps({"time_ms": stamp, "a": 1}) + "\n" for stamp in (0, 40))
+    assert stamps(stream(None, text, "time_ms")) == [0.0, 0.04]
+
+
+DOUBTFUL = ("Time [m],", "Time [M],", "Time (m:s),", "Time (HH:MM:SS),", "Time [kN],", "t_min,t_min", "time_m,time_m")
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("given", DOUBTFUL)
+def test_numbers_as_stamps_in_a_unit_that_is_not_clear_are_refused_at_the_start(tmp_path, of, given):
+    title, asked = given.split(",")
+    with pytest.raises(SceneError, match=r"not clear in which unit .* \[s\]"):
+        stamps(of(tmp_path, f"{title},a\n0,1\n40,2\n", asked))
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("title", ["Time (HH:MM:SS)", "Time [UTC]", "time [ISO 8601]", "Time [dd.mm.yyyy hh:mm]"])
+def test_dates_need_no_unit_whatever_stands_in_the_brackets(tmp_path, of, title):
+    rows = "1970-01-01T00:00:00Z,1\n1970-01-01T00:00:40Z,2\n"
+    assert stamps(of(tmp_path, f"{title},a\n{rows}")) == [0.0, 40.0]
+
+
+def test_an_end_of_a_name_that_is_not_understood_is_told_and_seconds_are_read(tmp_path):
+    source = file(tmp_path, "time_x,a\n0,1\n40,2\n", "time_x")
+    assert stamps(source) == [0.0, 40.0]
+    (note,) = source.notes
+    assert "Seconds are read" in note and '`time: "time_x [s]"`' in note
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(("below", "factor"), [("MS,KN", 1e-3), ("ms,kN", 1e-3), ("Min.,kN", 60.0), ("UTC,kN", 1.0)])
+def test_a_unit_of_time_below_the_header_may_be_in_capitals(tmp_path, of, below, factor):
+    assert stamps(of(tmp_path, f"time,a\n{below.replace('KN', 'kN')}\n0,1\n40,2\n"))[-2:] == [0.0, 40.0 * factor]
+
+
+# -- rows with more cells than the header
+
+LONG = {
+    "R": ('"time","a"\n"1",0,5\n"2",40,6\n', "fills 3 cells, and the header has 2.*row name"),
+    "R with tabs": ("time\ta\n1\t0\t5\n2\t40\t6\n", "fills 3 cells, and the header has 2.*row.names = FALSE"),
+    "decimal commas": ("time,b,a\n0,00,0,00,49,05\n", "fills 6 cells, and the header has 3.*decimal commas"),
+}
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(("text", "said"), LONG.values(), ids=LONG)
+def test_a_table_whose_rows_have_more_cells_than_its_header_is_refused_at_the_start(tmp_path, of, text, said):
+    """Decimals of the stamps were read as the places of a winch: a load of 5 t weighed half a ton, in good health."""
+    with pytest.raises(SceneError, match=said):
+        stamps(of(tmp_path, text))
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_row_that_two_lines_have_run_into_is_left_out_counted_and_told_once(tmp_path, of):
+    source = of(tmp_path, "time,b,a\n0,1,2\n1,1,2\n2,1,43,1,2\n3,1,44,1,2\n5,1,2\n")
+    rows = [(row.time, row.values["a"]) for row in all_of(source)]
+    assert rows == [(0.0, 2.0), (1.0, 2.0), (5.0, 2.0)] and source.refused == 2
+    (note,) = source.notes
+    assert "'2,1,43,1,2' fills 5 cells, and the header has 3" in note and "left out" in note
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("text", ["time,a\n0,1,\n1,2,,,\n", "time,a,\n0,1,\n1,2,7\n", "time;a\n0;1;\n1;2;\n"])
+def test_separators_at_the_ends_of_rows_are_no_cells_too_many(tmp_path, of, text):
+    source = of(tmp_path, text)
+    assert [(row.time, row.values["a"]) for row in all_of(source)] == [(0.0, 1.0), (1.0, 2.0)]
+    assert source.refused == 0 and not source.notes
+
+
+# -- masses for forces, alone and within torques and pressures
+
+FOOT, POUND, INCH, G = 0.3048, 0.45359237, 0.0254, 9.80665
+"""Metres, kilograms, metres; standard gravity: international values."""
+WEIGHTS = [
+    *((one, "kN m", FOOT * POUND * G / 1e3) for one in ("ft-lb", "lb-ft", "ft lb", "ft-lbs", "FT-LB", "ft.lb", "ftlb")),
+    *((one, "kN m", FOOT * POUND * G) for one in ("kft-lb", "KFT-LB", "klb-ft", "kft.lbf", "kft-lbf")),
+    ("in-lb", "N m", INCH * POUND * G), ("IN-LBS", "N m", INCH * POUND * G), ("kg m", "N m", G), ("t m", "kN m", G),
+    *((one, "bar", G / 10) for one in ("kg/cm2", "kg/cm\u00b2", "KG/CM2")), ("lb/in2", "psi", 1.0), ("PSI", "psi", 1.0),
+    ("t", "kN", G), ("KLB", "kN", POUND * G), ("klbs", "kN", POUND * G), ("kN", "t", 1 / G), ("kN", "kg", 1e3 / G),
+    ("mg", "m/s^2", G / 1e3), ("g", "m/s^2", G), ("kN.m", "kN m", 1.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("stated", "asked", "factor"), WEIGHTS)
+def test_a_mass_in_place_of_a_force_is_its_weight_also_within_a_torque_or_a_pressure(stated, asked, factor):
+    found, _ = factor_stated(stated, asked)
+    assert found == pytest.approx(factor, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("stated", "asked"), [("ft-lb", "kN m"), ("kg/cm2", "bar"), ("t", "kN"), ("kN", "t"), ("mg", "m/s^2")]
+)
+def test_what_is_assumed_of_a_mass_or_a_weight_is_told(stated, asked):
+    assert any(word in factor_stated(stated, asked)[1] for word in ("as the weight", "as the mass", "gravity"))
+
+
+@pytest.mark.parametrize(
+    ("stated", "asked"),
+    [("kg", "kN m"), ("kg/cm2", "kN"), ("kg m", "bar"), ("kg/m3", "bar"), ("m", "kN m"), ("kg", "m")],
+)
+def test_a_mass_in_place_of_something_else_than_a_force_stays_another_quantity(stated, asked):
+    with pytest.raises(OtherQuantity):
+        factor_stated(stated, asked)
