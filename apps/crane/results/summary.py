@@ -193,7 +193,9 @@ def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
         first, late = np.ravel(at_start(result, "tension")), late_start(result)
         return first, f", over the tension at {late}" if late else f", over the tension in the first frame{changed}"
     found = static_tension(layout.scene, layout.path)
-    return (np.zeros(first.size) if found is None else found.ravel()), ", tension at rest estimated"
+    # What nobody can estimate is amplified over nothing.
+    none = np.zeros(np.size(at_start(result, "tension")))
+    return (none if found is None else found.ravel()), ", tension at rest estimated"
 
 
 def _hung(result: Any, layout: Layout) -> tuple[np.ndarray, str]:

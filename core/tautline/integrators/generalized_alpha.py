@@ -27,6 +27,7 @@ from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.memory import form_of
 from tautline.kernels.separate import separate
+from tautline.kernels.vector import copy
 from tautline.system.model import SolverSettings
 from tautline.system.system import System
 
@@ -42,7 +43,7 @@ BEND, MEAN, LAST = 6, 4, 2
 them, and behind the push. Each is made twice: the force that holds what is driven is then that of what was found."""
 STILL = -1
 """Order of the prediction that nothing moves."""
-VECTOR = form_of(np.zeros(0))
+VECTOR, PLACES = form_of(np.zeros(0)), form_of(np.zeros(0, np.int64))
 
 
 class GeneralizedAlpha(NamedTuple):
@@ -252,12 +253,14 @@ def _take_settled(q, v, a, auxiliary, keep, ahead):
         q[i], v[i], auxiliary[i] = keep[0, i], keep[1, i], a[i] + ahead * (keep[3, i] - keep[2, i])
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, STATES, float, late=True)
-def _push_free(v, a, lasting, keep, h):
-    """Give what is free the speeds of a push: by h times what the means of a step make of accelerations."""
+@separate(type(None), VECTOR, VECTOR, VECTOR, STATES, PLACES, float, late=True)
+def _push_free(v, a, lasting, keep, algebraic, h):
+    """Let what is free jump in speed: by h times what the jump of what is driven makes of its accelerations."""
     for i in range(v.size):
         keep[1, i] += h * (a[i] - lasting[i])
         v[i] = keep[1, i]
+    for i in algebraic:
+        keep[1, i] = v[i] = 0.0  # a multiplier is a force
 
 
 @separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, VECTOR, late=True)
@@ -285,15 +288,53 @@ def _enter_pushed(dofs, forces, entered):
         entered[1, i] = forces[i]
 
 
-@separate(type(None), VECTOR, VECTOR, late=True)
-def _copy(source, target):
-    for i in range(source.size):
-        target[i] = source[i]
+@kernel(forceinline=True)
+def _take_solution(m, dofs, functions, state, t, h, coming):
+    """Take what was found at the start of a step, with ``coming`` solutions to come; returns the work of a push, J."""
+    if coming == MEAN:
+        copy(state.a, state.middle[0])
+        copy(state.residual, state.middle[1])
+    elif coming == LAST:
+        _push_free(state.v, state.a, state.middle[0], state.keep, m.algebraic, h)
+        return push(dofs, functions, t, h, state.full_v, state.residual, state.middle[1], state.middle[0])
+    elif coming == 0:
+        copy(state.residual, state.middle[1])
+    return 0.0
+
+
+@kernel(forceinline=True)
+def _judge(m, groups, dofs, functions, state, t, h, pushed):
+    """Status of a step from t that has converged: whether it is as accurate as asked for, and the groups can go on."""
+    if m.tolerance > 0.0:
+        m.control[0] = _local_error(m, state, h)
+        if pushed:
+            late = time_of_bends(dofs, functions, t, h)
+            m.control[0] = max(m.control[0], _misplaced(m.length, m.unpushed, state.keep, late))
+        if m.control[0] > m.tolerance:
+            return INACCURATE
+    return watch(groups, dofs, state, t + h, m.corrector.changed)
+
+
+@kernel(forceinline=True)
+def _give_up(m, dofs, functions, state, t, jumped):
+    """Go back to the start of a step at t, at which something has ``jumped``, or nothing."""
+    if jumped:
+        _take_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
+    else:
+        _go_back(m, state)
+    stand_at(dofs, functions, state, t)
+    for k in range(m.driven.size):
+        # What was found with what lasts behind a bend is in balance with that alone.
+        state.full_a[dofs.held[dofs.driven[k]]] = m.driven[k]
 
 
 @kernel(forceinline=True)
 def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
-    """Advance the state from t by h; on failure it is left as it was. Returns a status."""
+    """Advance the state from t by h; on failure it is left as it was. Returns a status.
+
+    The corrector solves once for the end of the step. Before that it finds accelerations at the start: once where a
+    mass or a speed of the groups has jumped, `BEND` times where a function bends in the step.
+    """
     m = method
     beta = (1.0 - m.alpha_m) / (m.beta * h * h * (1.0 - m.alpha_f))
     gamma = m.gamma / (m.beta * h)
@@ -303,17 +344,16 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         m.order[0] = min(m.order[0], 0)
     m.corrector.changed[COUNT] = 0
     over.jump(groups, m.corrector.changed)
-    # Once through, but where a mass or a speed has jumped: then accelerations are found first, by the same corrector.
-    settling = 1 if m.corrector.changed[COUNT] > 0 else 0
-    jump, pushed, ahead, work = settling > 0, False, 0.0, 0.0
-    if jump:
+    coming = 1 if m.corrector.changed[COUNT] > 0 else 0
+    jumped, pushed, ahead, work = coming > 0, False, 0.0, 0.0
+    if jumped:
         _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
     for k in range(m.driven.size):
         m.driven[k] = state.full_a[dofs.held[dofs.driven[k]]]
     while True:
-        if settling > 0:
+        if coming > 0:
             if pushed:
-                which = JUMPING if LAST < settling <= MEAN else LASTING
+                which = JUMPING if LAST < coming <= MEAN else LASTING
                 prescribe_bends(dofs, functions, t, h, which, state.full_a)
             end, by_a, by_v = t, beta / (AT_ONCE * AT_ONCE), gamma / AT_ONCE
         else:
@@ -323,49 +363,27 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
             if bends and not pushed:
                 _go_back(m, state)
                 stand_at(dofs, functions, state, t)
-                if not jump:
+                if not jumped:
                     _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
                     ahead = 1.0
-                jump, pushed, settling = True, True, BEND
+                jumped, pushed, coming = True, True, BEND
                 continue
             if pushed:
                 prescribe_bends(dofs, functions, t, h, LASTING, state.full_a)
             end, by_a, by_v = t + h, beta, gamma
         status = correct(m.corrector, groups, dofs, state, end, by_a, by_v)
-        if settling == 0 or status != DONE:
+        if coming == 0 or status != DONE:
             break
         _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, ahead)
         m.order[0] = min(m.order[0], 0)  # accelerations of before tell nothing of those to come
-        settling -= 1
-        if settling == MEAN:
-            _copy(state.a, state.middle[0])
-            _copy(state.residual, state.middle[1])
-        elif settling == LAST:
-            _push_free(state.v, state.a, state.middle[0], state.keep, h)
-            work = push(
-                dofs, functions, t, h, state.full_v, state.residual, state.middle[1], state.middle[0]
-            )  # fmt: skip
-        elif settling == 0:
-            _copy(state.residual, state.middle[1])
+        coming -= 1
+        work += _take_solution(m, dofs, functions, state, t, h, coming)
+        if coming == 0:
             over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
-    if status == DONE and m.tolerance > 0.0:
-        m.control[0] = _local_error(m, state, h)
-        if pushed:
-            late = time_of_bends(dofs, functions, t, h)
-            m.control[0] = max(m.control[0], _misplaced(m.length, m.unpushed, state.keep, late))
-        if m.control[0] > m.tolerance:
-            status = INACCURATE
     if status == DONE:
-        status = watch(groups, dofs, state, t + h, m.corrector.changed)
+        status = _judge(m, groups, dofs, functions, state, t, h, pushed)
     if status != DONE:
-        if jump:
-            _take_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
-        else:
-            _go_back(m, state)
-        stand_at(dofs, functions, state, t)
-        for k in range(m.driven.size):
-            # What was found with what lasts behind a bend is in balance with that alone.
-            state.full_a[dofs.held[dofs.driven[k]]] = m.driven[k]
+        _give_up(m, dofs, functions, state, t, jumped)
         return status
     for i in m.algebraic:
         state.q[i] = 0.0

@@ -297,7 +297,7 @@ HOOKS = ("begin", "residual", "energy", "dissipation", "supply", "smooth_tangent
 @entry
 def _ask(groups, t, h, beta, gamma, q, v, a, c, r, e, p, gaps, tangent, mass, dofs):
     over.begin(groups, t, h, beta, gamma, q, v, a)
-    over.residual(groups, t, q, v, a, r)
+    over.residual(groups, t + h if beta > 0.0 else t, q, v, a, r)  # an implicit step asks at its end
     over.energy(groups, t, q, v, e)
     over.dissipation(groups, t, q, v, p)
     over.supply(groups, t, q, v, p[1:])
