@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+import tautline.cable.held_forces  # noqa: F401  (warns too)
 from tautline.cable.input.couplings import APART, coupling_gap, rates_at_start, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
 from tautline.cable.input.lines import TAUT, hanging
@@ -42,7 +43,8 @@ AT_REST = 1.0e-9
 SOFT_SHARE = 0.01
 """Stretch of a penalty spring over that of the rope on both sides, from which on it is told."""
 FEW = 12
-"""Elements of a line from which on a bend is short beside the line: it says little of the forces elsewhere."""
+"""Elements of a line from which on a bend is short beside the line: what it spoils are the forces near it. A bend that
+is only that of a line's ends, as no number of elements cures it, is told of lines of fewer."""
 MOST_TURN = math.radians(30.0)
 """Angle by which an element of a line may turn without a warning. The force of an element of a catenary of 110 m over
 100 m is below the closed one's mean over that element by 20 % with one element, which turns by 80 degrees, by 2.0 %
@@ -54,8 +56,6 @@ PRESTRETCHED = 0.05
 RIGHT_ANGLE = 0.5 * math.pi
 RIGHT = -1.0e-9
 """Cosine below which an angle is more than a right one."""
-BRANCH = math.cos(math.radians(30.0))
-"""The same of 30 degrees: where three elements or more meet, one of them leaves the others' way."""
 FASTEST, LINES = "fastest part", "lines"
 """Where a scene keeps them."""
 COUNTED = ("PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring")
@@ -234,9 +234,11 @@ def _coarse_lines(scene: CableScene) -> Sentences:
                 f"right angle. {cure}"
             )
         else:
+            wrong = "Its forces may be some per cent off"
+            if _lines(scene)[place][0] >= FEW:
+                wrong = "The forces near there may be off by a third"
             text = (
-                f"are too few for the bend of the cable: one turns by {math.degrees(turn):.0f} degrees. Its forces may "
-                f"be some per cent off. {cure}, and compare"
+                f"are too few for the bend of the cable: one turns by {math.degrees(turn):.0f} degrees. {wrong}. {cure}"
             )
         yield (*place, "elements"), text
 
@@ -253,29 +255,38 @@ def _turned(scene: CableScene) -> dict[Place, tuple[int, float]]:
         is_meant = turn <= RIGHT_ANGLE or element.length is not None
         if element.place[-1] == "CableLine" and is_meant and turn > found.get(element.place, (0, 0.0))[1]:
             found[element.place] = i, turn
-    counts = Counter(element.place for element in scene.elements) if found else Counter()
-    return {place: one for place, one in found.items() if one[1] > RIGHT_ANGLE or counts[place] < FEW}
+    return {place: one for place, one in found.items() if one[1] > RIGHT_ANGLE or _is_coarse(scene, place)}
+
+
+def _is_coarse(scene: CableScene, place: Place) -> bool:
+    """Whether more elements are better for a line of which one turns far."""
+    count, span = _lines(scene)[place][0], _span(scene, place)
+    return count < FEW or (_hangs(scene, *span) and not _is_quiet(*span, count))
+
+
+def _hangs(scene: CableScene, width: float, rise: float, length: float) -> bool:
+    """Whether a line of a span, rise and length, m, is drawn as a catenary."""
+    return any(scene.gravity) and math.hypot(width, rise) < length * (1.0 - TAUT)
 
 
 def _cure(scene: CableScene, place: Place) -> str:
     """What to do about a line whose elements are too few."""
     least = _enough(scene, place)
+    two = "draw two lines that end at the bottom, each at a node of its own, and tie r of these nodes"
     if least <= MOST_OF_A_LINE:
-        return f"Give {least} or more"
-    width, rise, length = _span(scene, place)
-    if _is_most_enough(width, rise, length):
-        return f"Give {MOST_OF_A_LINE}, the most that a line may have"
+        return f"Give {least} or more" + (f", or {two}" if least > MOST_COUNTED else "")
+    width, _, length = _span(scene, place)
     return (
         f"The line hangs folded: at right angles to gravity its ends are only {width:.3g} m apart, too close for a "
         f"length of {length:.6g} m. Even {MOST_OF_A_LINE} elements are too few for such a fold. Move the ends farther "
-        "apart, or draw two lines that end at the bottom, each at a node of its own, and tie r of these nodes"
+        f"apart, or {two}"
     )
 
 
 def _enough(scene: CableScene, place: Place) -> int:
     """Elements from which on a line is not warned of, however many they are."""
     width, rise, length = _span(scene, place)
-    if not any(scene.gravity) or math.hypot(width, rise) >= length * (1.0 - TAUT):
+    if not _hangs(scene, width, rise, length):
         # Its ends alone are bent, however many elements it has.
         return FEW
     return _enough_of_hanging(width, rise, length, _lines(scene)[place][0])
@@ -313,27 +324,18 @@ def _lines(scene: CableScene) -> dict[Place, tuple[int, float, np.ndarray]]:
 def _enough_of_hanging(width: float, rise: float, length: float, own: int) -> int:
     """Elements that are enough for a line of `own` that hangs; its span, rise and length in m."""
     _, _, (begin, end) = hanging(width, rise, length, np.array([0.0, length]))
-    # Along a catenary the steepness grows evenly: so many elements turn by 53 degrees at most, 2 atan(1/2).
-    count = max(FEW, math.ceil(end - begin))
+    # Along a catenary the steepness grows evenly: an element turns most where it is level in its middle.
+    count = max(FEW, math.ceil((end - begin) / (2.0 * math.tan(0.5 * MOST_TURN))))
     while MOST_COUNTED > count > own + 1 and _is_quiet(width, rise, length, count - 1):
         count -= 1
     return max(count, own + 1)
-
-
-@functools.lru_cache(maxsize=1024)
-def _is_most_enough(width: float, rise: float, length: float) -> bool:
-    """Whether the most elements of a line are enough for one that hangs, though a number told is above them.
-
-    Beyond `MOST_COUNTED` the number is above the least. An even one may be quiet only as it has a node in the fold.
-    """
-    return all(_is_quiet(width, rise, length, count) for count in (MOST_OF_A_LINE - 1, MOST_OF_A_LINE))
 
 
 def _is_quiet(width: float, rise: float, length: float, count: int) -> bool:
     """Whether nothing is said of a hanging line of so many elements; its span, rise and length in m."""
     along, up, steep = hanging(width, rise, length, length * np.arange(count + 1) / count)
     turn = float(np.diff(np.arctan(steep)).max())
-    if turn > (MOST_TURN if count < FEW else RIGHT_ANGLE):
+    if turn > MOST_TURN:
         return False
     level = np.zeros(count + 1)
     place = np.column_stack([along, up, level])
@@ -423,8 +425,9 @@ def _corners(scene: CableScene) -> Sentences:
     one, other = order[:-1] % max(len(cubic), 1), order[1:] % max(len(cubic), 1)
     cosine = (along[one] * along[other]).sum(axis=1)
     meet = Counter(ends.tolist())
-    branches = np.array([meet[node] > 2 for node in ends[order[1:]].tolist()], dtype=bool)
-    apart = cosine < np.where(branches, BRANCH, RIGHT)
+    # Where more than two meet the scene is refused.
+    two = np.array([meet[node] == 2 for node in ends[order[1:]].tolist()], dtype=bool)
+    apart = two & (cosine < RIGHT)
     told: set[int] = set()
     for i in np.flatnonzero((ends[order[1:]] == ends[order[:-1]]) & apart).tolist():
         first, second, node = cubic[one[i]], cubic[other[i]], int(ends[order[i]])

@@ -294,8 +294,29 @@ def _backwards(scene: CableScene, element: Element, p: dict[int, float]) -> Prob
         cause += "no element is that long" if p[second] - p[first] > 1.0 else "nothing is left of the element"
         return scene.problem((*element.place, nodes_key(element)), cause, "put right `p:` or pos0, in m")
     cause = f"p goes from {p[first]:g} m at node {first} to {p[second]:g} m at node {second}: it must grow"
+    if _leads_to(scene, second, first):
+        cause += f", and the elements lead round from node {second} to node {first} again: the cable is a ring"
+        number, slopes = ("7", " and, for a smooth ring, r' (constr: 2)") if element.kind == "cubic" else ("4", "")
+        cure = (
+            f"a ring ends where it begins at a node of its own: let one of its elements end at a new node that stands "
+            f"where the next one begins, and tie r (LagMultipl{number} with constr: 0){slopes} of the two"
+        )
+        return scene.problem((*element.place, nodes_key(element)), cause, cure)
     cure = f"swap the element's nodes, or put right `p:` and pos0 so that node {second} has the larger"
     return scene.problem((*element.place, nodes_key(element)), cause, cure)
+
+
+def _leads_to(scene: CableScene, start: int, aim: int) -> bool:
+    """Whether elements lead from a node to another, each gone along from its first node to its second."""
+    ahead: dict[int, list[int]] = defaultdict(list)
+    for element in scene.elements:
+        ahead[element.nodes[0]].append(element.nodes[1])
+    reached, open_ends = {start}, [start]
+    while open_ends and aim not in reached:
+        new = set(ahead[open_ends.pop()]) - reached
+        reached |= new
+        open_ends += new
+    return aim in reached
 
 
 def nodes_key(element: Element) -> str:

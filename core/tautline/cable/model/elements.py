@@ -170,7 +170,7 @@ def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
         **_ends(layout, elements),
         stiffness=[e.EJ for e in elements],
         damping=[0.0 if e.spinless and not moving else e.damping for e in elements],
-        smoothing=SMOOTHING / lengths_of(layout, elements),
+        smoothing=smoothing_of(lengths_of(layout, elements)),
     )
     common = rows, table(*gauss(3))
     if moving:
@@ -178,6 +178,11 @@ def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
             *common, np.zeros((5, 4)), np.zeros((14, 6)), np.zeros((2, 6, 6)), np.zeros((14, 14))
         )  # fmt: skip
     return new_bending(*common)
+
+
+def smoothing_of(lengths: np.ndarray) -> np.ndarray:
+    """Curvature, 1/m, far below which an element of a length, m, is hardly damped in bending."""
+    return SMOOTHING / lengths
 
 
 def _pipes(layout: Layout, elements: list[Element]) -> Pipes:

@@ -8,9 +8,11 @@ import numpy as np
 
 from tautline.application.modelling import energies_of, energy_variables
 from tautline.cable.input.parts import CableScene
+from tautline.cable.model.bending_force import BendingForce
 from tautline.cable.model.layout import Layout
+from tautline.cable.model.ties import WORDS
 from tautline.constraints.multiplier import Multipliers
-from tautline.kernels.hermite import FIRST, SECOND, table
+from tautline.kernels.hermite import FIRST, SECOND, THIRD, table
 from tautline.results.variable import Variable, at_start, late_start
 
 FIGURES = {"axial_force_max": "N", "axial_force_min": "N", "displacement_max": "m", "speed_max": "m/s"}
@@ -21,8 +23,22 @@ ANGLE = {"tie_angle_max": "rad"}
 """The same of a scene with penalty springs between slopes."""
 FRAMES = 256
 """Whose gaps are found at once: of all together they would take as much memory as the variable itself."""
+SLOPES = WORDS[2]
+"""How the name of an equation between slopes begins."""
 SHORTEST_SLOPE = 1.0e-90
 """Slope below which a curve has no direction, and no curvature to speak of."""
+
+
+AXIAL = "axial force of the section, of strain and bending, in the middle of an element, with damping"
+
+
+def _multiplier(names: list[str]) -> Variable:
+    """Of an equation between r or p a force, N; of one between r' a moment, N m, as r' has no unit."""
+    turning = [name.startswith(SLOPES) for name in names]
+    unit = "N m" if all(turning) else "N"
+    mixed = f", N m where the constraint is {SLOPES}" if any(turning) and not all(turning) else ""
+    text = f"force of a tie on its first node, along the global axis that is named{mixed}; its opposite on the second"
+    return Variable("multiplier", ("time", "constraint"), unit, text)
 
 
 def variables(observer: Observer) -> list[Variable]:
@@ -36,9 +52,9 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("material_coordinate", node, "m", "material coordinate p"),
         Variable("velocity", (*node, "axis"), "m/s", "velocity"),
         Variable("material_velocity", node, "m/s", "rate of the material coordinate"),
-        Variable("axial_force", element, "N", "axial force in the middle of an element, with its damping"),
+        Variable("axial_force", element, "N", AXIAL),
         *(curved if observer.cubic_nodes.size else []),
-        *([Variable("multiplier", ("time", "constraint"), "N", "multiplier")] if observer.names else []),
+        *([_multiplier(observer.names)] if observer.names else []),
         *energy_variables(
             ", of springs too",
             " of weight and loads",
@@ -65,6 +81,7 @@ class Observer:
         self.damping = np.array([e.damping for e in scene.elements])
         self.engineering = np.array([e.strain == "engineering" for e in scene.elements])
         self.slack = np.array([not e.compression for e in scene.elements])
+        self.bending = BendingForce(layout, scene.elements)
         self.middle = table(np.array([0.5]), np.ones(1))[0]
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
@@ -122,8 +139,19 @@ class Observer:
         strain = np.where(self.engineering, size - 1.0, 0.5 * (square - 1.0))
         stress = strain + self.damping * factor * (e * e_d).sum(axis=-1)
         force = np.where(self.slack & (strain < 0.0), 0.0, self.stiffness * stress * factor * size)
+        if (bent := self.bending.elements).size:
+            turned = self._middle(second, rates, length, 2) + self._carried(ends, turn, length, grown, u)
+            force[:, bent] += self.bending.of(e[:, bent], e_d[:, bent], turn[:, bent], turned[:, bent])
         across = np.linalg.norm(np.cross(e, turn), axis=-1)
         return force, across / np.maximum(size, SHORTEST_SLOPE) ** 3
+
+    def _carried(
+        self, ends: list[np.ndarray], turn: np.ndarray, length: np.ndarray, grown: np.ndarray, u: np.ndarray
+    ) -> np.ndarray:
+        """Rate of r'' of the particle in the middle that comes of material which moves through the nodes."""
+        second, third = self.middle[SECOND : SECOND + 4], self.middle[THIRD : THIRD + 4]
+        by_length = (second[1] * ends[1] + second[3] * ends[3]) / length**2 - 2.0 * turn / length
+        return grown * by_length - u * self._middle(third, ends, length, 3)
 
     @staticmethod
     def _middle(shape: np.ndarray, x: list[np.ndarray], length: np.ndarray, order: int) -> np.ndarray:

@@ -13,6 +13,7 @@ from tautline.cable.input.parts import Tie
 from tautline.cable.input.syntax.nodal import item_of
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.magnitudes import penalty_stiffness, stiffest_element, stiffness_of
+from tautline.cable.model.refused import branches, massless
 from tautline.constraints.equations import equations
 from tautline.constraints.multiplier import Multipliers
 from tautline.constraints.penalty import Penalties
@@ -74,7 +75,8 @@ def _append(layout: Layout, made: list[Equation], equation: Equation) -> None:
 
 
 def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
-    """Refuse constraints that say a thing twice, and nodes that may slide along their rope without moving any of it.
+    """Refuse constraints that say a thing twice, nodes that may slide along their rope without moving any of it, nodes
+    at which three ropes share a slope, and what is free and has no mass.
 
     Raises
     ------
@@ -95,6 +97,8 @@ def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
         )
     problems += _lost(layout)
     problems += _null_motions(layout, rows)
+    problems += branches(layout)
+    problems += massless(layout, (place for e in rows for place, _ in e.row))
     if problems:
         raise SceneError(problems)
 
