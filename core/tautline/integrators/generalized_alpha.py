@@ -22,7 +22,17 @@ from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
 from tautline.kernels.changes import COUNT
-from tautline.kernels.dofs import DOFS, JUMPING, LASTING, prescribe_bends, prescribe_end, push, time_of_bends
+from tautline.kernels.dofs import (
+    BEFORE,
+    BEGIN,
+    ease,
+    expand_tied,
+    prescribe_end,
+    prescribe_lasting,
+    prescribe_push,
+    work_of_easing,
+    work_of_push,
+)
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.memory import form_of
@@ -38,9 +48,10 @@ DEPTH = 3
 """Steps whose accelerations are kept: a parabola goes through that of the state and two before it."""
 AT_ONCE = 1.0e-9
 """Length of a step, over that of the step under way, in which nothing but accelerations changes."""
-BEND, MEAN, LAST = 6, 4, 2
-"""Solutions for accelerations alone that are to come where a function bends: with those that last, with the jump in
-them, and behind the push. Each is made twice: the force that holds what is driven is then that of what was found."""
+START, END, BEHIND = range(3)
+"""What is solved for in a step: accelerations at its start, its end, and accelerations there behind a push."""
+TWICE = 2
+"""Solutions for accelerations behind a push: the force that holds what is driven is then that of those found."""
 STILL = -1
 """Order of the prediction that nothing moves."""
 VECTOR, PLACES = form_of(np.zeros(0)), form_of(np.zeros(0, np.int64))
@@ -54,9 +65,8 @@ class GeneralizedAlpha(NamedTuple):
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
-    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``unpushed`` (n,) are the
-    velocities at the start of the step under way before a function that bends in it pushed, and ``driven`` the
-    accelerations there of what follows functions.
+    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (3,
+    driven) is what is known in the step under way of what follows functions, see `prescribe_end`.
     """
 
     alpha_m: float
@@ -74,7 +84,6 @@ class GeneralizedAlpha(NamedTuple):
     history: np.ndarray
     newest: np.ndarray
     order: np.ndarray
-    unpushed: np.ndarray
     driven: np.ndarray
 
 
@@ -234,163 +243,155 @@ def _forget_what_is_held(dofs, state):
             state.auxiliary[i] = 0.0
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, VECTOR, late=True)
-def _keep_start(q, v, a, auxiliary, keep, unpushed):
-    """Remember the start of a step at which a mass or a speed jumps, as `_take_start` puts it back."""
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
+def _keep_start(q, v, a, auxiliary, keep):
+    """Remember the start of a step at which a mass or a speed jumps: ``keep`` (4, n), as `_take_start` puts it back."""
     for i in range(q.size):
-        keep[0, i], keep[1, i], keep[2, i], keep[3, i], unpushed[i] = q[i], v[i], a[i], auxiliary[i], v[i]
+        keep[0, i], keep[1, i], keep[2, i], keep[3, i] = q[i], v[i], a[i], auxiliary[i]
 
 
 @separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, float, late=True)
 def _take_settled(q, v, a, auxiliary, keep, ahead):
-    """Begin the step with the accelerations that were found.
+    """Begin the step with the accelerations that were found, as a run begins.
 
     Position and velocity, which the corrector has moved by next to nothing, are what they were. The auxiliary
-    acceleration is that at another time: by the part ``ahead`` it stays as far away as it was before, or each bend of
-    many would take a share of the motion.
+    acceleration is that at another time: by the part ``ahead`` it stays as far away as it was before.
     """
     for i in range(q.size):
         q[i], v[i], auxiliary[i] = keep[0, i], keep[1, i], a[i] + ahead * (keep[3, i] - keep[2, i])
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, STATES, PLACES, float, late=True)
-def _push_free(v, a, lasting, keep, algebraic, h):
-    """Let what is free jump in speed: by h times what the jump of what is driven makes of its accelerations."""
-    for i in range(v.size):
-        keep[1, i] += h * (a[i] - lasting[i])
-        v[i] = keep[1, i]
-    for i in algebraic:
-        keep[1, i] = v[i] = 0.0  # a multiplier is a force
-
-
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, VECTOR, late=True)
-def _take_start(q, v, a, auxiliary, keep, unpushed):
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
+def _take_start(q, v, a, auxiliary, keep):
     """Go back to the start that was remembered."""
     for i in range(q.size):
-        q[i], v[i], a[i], auxiliary[i] = keep[0, i], unpushed[i], keep[2, i], keep[3, i]
+        q[i], v[i], a[i], auxiliary[i] = keep[0, i], keep[1, i], keep[2, i], keep[3, i]
 
 
-@separate(float, VECTOR, VECTOR, STATES, float, late=True)
-def _misplaced(length, unpushed, keep, late):
-    """How far what was pushed at the start of a step, and in truth up to ``late``, s, later, is away by that, m."""
-    most = 0.0
-    for i in range(unpushed.size):
-        most = max(most, length[i] * abs(keep[1, i] - unpushed[i]))
-    return late * most
+@separate(type(None), VECTOR, VECTOR, VECTOR, float, late=True)
+def _keep_ahead(auxiliary, a, ahead, ratio):
+    """Remember how far ahead the auxiliary accelerations are of the others, a, at the start of a step."""
+    for i in range(a.size):
+        ahead[i] = ratio * (auxiliary[i] - a[i])
 
 
-@separate(type(None), DOFS, VECTOR, STATES, late=True)
-def _enter_pushed(dofs, forces, entered):
-    """Let the work of a step begin with the full forces (n_full,) behind its push."""
-    for k in dofs.driven:
-        entered[1, dofs.held[k]] = forces[dofs.held[k]]
-    for i in dofs.carried:
-        entered[1, i] = forces[i]
+@separate(type(None), VECTOR, VECTOR, VECTOR, late=True)
+def _take_ahead(a, auxiliary, ahead):
+    """Let the auxiliary accelerations be as far from those found behind a push as they were at the start of the step.
+
+    Else each bend of many would take a share of the motion.
+    """
+    for i in range(a.size):
+        auxiliary[i] = a[i] + ahead[i]
 
 
-@kernel(forceinline=True)
-def _take_solution(m, dofs, functions, state, t, h, coming):
-    """Take what was found at the start of a step, with ``coming`` solutions to come; returns the work of a push, J."""
-    if coming == MEAN:
-        copy(state.a, state.middle[0])
-        copy(state.residual, state.middle[1])
-    elif coming == LAST:
-        _push_free(state.v, state.a, state.middle[0], state.keep, m.algebraic, h)
-        return push(dofs, functions, t, h, state.full_v, state.residual, state.middle[1], state.middle[0])
-    elif coming == 0:
-        copy(state.residual, state.middle[1])
-    return 0.0
+@kernel
+def _stand_as_before(m, dofs, functions, state, t):
+    """Write the state, which is that of the start t of a step, into the full vectors as they were."""
+    stand_at(dofs, functions, state, t)
+    for k in range(dofs.driven.size):
+        # What was found with what lasts behind a bend is in balance with that alone.
+        state.full_a[dofs.held[dofs.driven[k]]] = m.driven[BEFORE, k]
+    expand_tied(dofs, state.a, state.full_a)
 
 
 @kernel(forceinline=True)
-def _judge(m, groups, dofs, functions, state, t, h, pushed):
+def _judge(m, groups, dofs, state, t, h):
     """Status of a step from t that has converged: whether it is as accurate as asked for, and the groups can go on."""
     if m.tolerance > 0.0:
         m.control[0] = _local_error(m, state, h)
-        if pushed:
-            late = time_of_bends(dofs, functions, t, h)
-            m.control[0] = max(m.control[0], _misplaced(m.length, m.unpushed, state.keep, late))
         if m.control[0] > m.tolerance:
             return INACCURATE
     return watch(groups, dofs, state, t + h, m.corrector.changed)
 
 
 @kernel(forceinline=True)
-def _give_up(m, dofs, functions, state, t, jumped):
-    """Go back to the start of a step at t, at which something has ``jumped``, or nothing."""
-    if jumped:
-        _take_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
-    else:
-        _go_back(m, state)
-    stand_at(dofs, functions, state, t)
-    for k in range(m.driven.size):
-        # What was found with what lasts behind a bend is in balance with that alone.
-        state.full_a[dofs.held[dofs.driven[k]]] = m.driven[k]
-
-
-@kernel(forceinline=True)
 def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     """Advance the state from t by h; on failure it is left as it was. Returns a status.
 
-    The corrector solves once for the end of the step. Before that it finds accelerations at the start: once where a
-    mass or a speed of the groups has jumped, `BEND` times where a function bends in the step.
+    One corrector solves for accelerations at the start of the step where something jumps there, for its end, and for
+    the accelerations there behind a push, where a function has bent in it.
     """
     m = method
     beta = (1.0 - m.alpha_m) / (m.beta * h * h * (1.0 - m.alpha_f))
     gamma = m.gamma / (m.beta * h)
+    counted = m.gamma * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
     over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
     ratio = h / m.last_step[0] if m.last_step[0] > 0.0 else 1.0
     if abs(ratio - 1.0) > SAME_STEP:
         m.order[0] = min(m.order[0], 0)
     m.corrector.changed[COUNT] = 0
     over.jump(groups, m.corrector.changed)
-    coming = 1 if m.corrector.changed[COUNT] > 0 else 0
-    jumped, pushed, ahead, work = coming > 0, False, 0.0, 0.0
+    jumped = m.corrector.changed[COUNT] > 0
     if jumped:
-        _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
-    for k in range(m.driven.size):
-        m.driven[k] = state.full_a[dofs.held[dofs.driven[k]]]
+        _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+    for k in range(dofs.driven.size):
+        m.driven[BEFORE, k] = m.driven[BEGIN, k] = state.full_a[dofs.held[dofs.driven[k]]]
+    stage, left = START if jumped else END, 1
+    ahead, work, asked, bends, switched = 0.0, 0.0, False, False, False
     while True:
-        if coming > 0:
-            if pushed:
-                which = JUMPING if LAST < coming <= MEAN else LASTING
-                prescribe_bends(dofs, functions, t, h, which, state.full_a)
-            end, by_a, by_v = t, beta / (AT_ONCE * AT_ONCE), gamma / AT_ONCE
-        else:
+        if stage == END:
             _predict(m, state, h, ratio)
             equal = m.tolerance == 0.0
-            bends = prescribe_end(dofs, functions, t + h, h, equal, state.full_q, state.full_v, state.full_a)
-            if bends and not pushed:
+            bends = prescribe_end(dofs, functions, t + h, h, equal, m.driven, state.full_q, state.full_v, state.full_a)
+            if bends and not asked:
+                asked = True
                 _go_back(m, state)
-                stand_at(dofs, functions, state, t)
-                if not jumped:
-                    _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep, m.unpushed)
-                    ahead = 1.0
-                jumped, pushed, coming = True, True, BEND
-                continue
-            if pushed:
-                prescribe_bends(dofs, functions, t, h, LASTING, state.full_a)
-            end, by_a, by_v = t + h, beta, gamma
-        status = correct(m.corrector, groups, dofs, state, end, by_a, by_v)
-        if coming == 0 or status != DONE:
+                _stand_as_before(m, dofs, functions, state, t)
+                if ease(dofs, functions, t, h, m.driven, state.full_a):
+                    if not jumped:
+                        _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+                        ahead = 1.0
+                    jumped, stage, left = True, START, TWICE
+                else:
+                    continue
+            elif bends:
+                prescribe_push(dofs, functions, t, h, counted, m.driven, state.full_a)
+        end = t if stage == START else t + h
+        shrunk = 1.0 if stage == END else 1.0 / AT_ONCE
+        status = correct(m.corrector, groups, dofs, state, end, beta * shrunk * shrunk, gamma * shrunk)
+        if status != DONE:
             break
-        _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, ahead)
-        m.order[0] = min(m.order[0], 0)  # accelerations of before tell nothing of those to come
-        coming -= 1
-        work += _take_solution(m, dofs, functions, state, t, h, coming)
-        if coming == 0:
-            over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
-    if status == DONE:
-        status = _judge(m, groups, dofs, functions, state, t, h, pushed)
+        if stage == START:
+            _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, ahead)
+            m.order[0] = min(m.order[0], 0)  # accelerations of before tell nothing of those to come
+            left -= 1
+            if left == 0:
+                if asked:
+                    work = work_of_easing(
+                        dofs, functions, t, h, state.residual, state.entered[1], state.middle[0]
+                    )  # fmt: skip
+                stage = END
+                over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
+        elif stage == END:
+            switched = m.corrector.changed[1] > 0
+            status = _judge(m, groups, dofs, state, t, h)
+            if status != DONE or not bends:
+                break
+            copy(state.residual, state.middle[1])
+            _keep_ahead(state.auxiliary, m.history[m.newest[0]], state.middle[0], ratio)
+            prescribe_lasting(dofs, functions, t + h, h, m.driven, state.full_a)
+            stage, left = BEHIND, TWICE
+        else:
+            left -= 1
+            if left == 0:
+                break
     if status != DONE:
-        _give_up(m, dofs, functions, state, t, jumped)
+        if jumped:
+            _take_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+        else:
+            _go_back(m, state)
+        _stand_as_before(m, dofs, functions, state, t)
         return status
     for i in m.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0
-    if pushed:
-        _enter_pushed(dofs, state.middle[1], state.entered)
-    _accept(m, state, h, ratio, pushed or m.corrector.changed[1] > 0)
+    _accept(m, state, h, ratio, bends or switched)
+    if bends:
+        _take_ahead(state.a, state.auxiliary, state.middle[0])
+        work += work_of_push(
+            dofs, functions, t, h * counted, state.full_v, state.middle[1], state.residual, state.middle[0]
+        )  # fmt: skip
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     if over.may_switch(groups):
         _forget_what_is_held(dofs, state)
@@ -442,8 +443,8 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
     return GeneralizedAlpha(
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
-        np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(system.size),
-        np.zeros(system.dofs.driven.size),
+        np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
+        np.zeros((3, system.dofs.driven.size)),
     )  # fmt: skip
 
 

@@ -85,6 +85,7 @@ def runs_of(free: np.ndarray) -> np.ndarray:
 DOFS = form_of(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
 """The type of :class:`Dofs` in compiled code."""
 VECTOR = form_of(np.zeros(0))
+STATES = form_of(np.zeros((0, 0)))
 
 
 @kernel(forceinline=True)
@@ -98,37 +99,49 @@ def prescribe(dofs, functions, t, q, v, a):
         a[i] = second
 
 
-BENT, STRICT, ROUNDED = 0.055, 0.005, 1e-6
+BENT, STRICT, LARGE, ROUNDED = 0.055, 0.005, 0.02, 1e-6
 """What accelerations at the ends of steps may leave of a change of speed, over the step and the accelerations nearby,
-before a function bends; the same where steps differ, of which one does not make up for another; and over the speeds,
-below which that is rounding.
+before a function bends; the same where steps differ, of which one does not make up for another, and where it is smooth
+within the step; and over the speeds, below which that is rounding.
 
 The mean of both ends leaves 0.033 of a sine that takes ten steps in a period, a cubic 0.05 of one that takes five.
 """
-LASTING, JUMPING = range(2)
-"""Accelerations where a function bends in a step: those to go on with, and with the jump spread over the step."""
 BESIDE = 1e-6
 """How far beside an instant, over a step, both sides of a corner are seen."""
+GAUSS = 0.5 - 0.5 / 3.0**0.5
+"""Where in a step the first of two points stands whose mean integrates a cubic."""
+BEFORE, BEGIN, BENDS = range(3)
+"""Rows of what is known of driven coordinates in a step: their accelerations at its start, as they were and as they
+count, and 1 where the function bends in it."""
 
 
 @kernel(forceinline=True)
-def prescribe_end(dofs, functions, t, h, equal, q, v, a):
+def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
     """Set what follows a function of time to where it is at t, the end of a step of length h; whether any bends in it.
 
     The vectors hold the start of the step; ``equal`` says whether steps are all as long as this one. Between its ends a
     function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
     The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
-    it.
+    it. ``known`` (3, driven) takes what is seen of each, see `BENDS`.
     """
     bends = False
-    for k in dofs.driven:
-        i = dofs.held[k]
-        value, rate, second = evaluate(functions, dofs.motion[k], t)
+    for k in range(dofs.driven.size):
+        i = dofs.held[dofs.driven[k]]
+        motion = dofs.motion[dofs.driven[k]]
+        value, rate, second = evaluate(functions, motion, t)
         lost = abs(rate - v[i] - 0.5 * h * (a[i] + second))
         few = BENT if equal else STRICT
-        if lost > few * h * max(abs(a[i]), abs(second)) and lost > ROUNDED * max(abs(v[i]), abs(rate)):
-            bends = not equal or _bends(functions, dofs.motion[k], t, h, v[i], a[i]) or bends
-        q[i] = dofs.offset[k] + value
+        known[BENDS, k] = 0.0
+        scale = h * max(abs(a[i]), abs(second))
+        if lost > few * scale and lost > ROUNDED * max(abs(v[i]), abs(rate)):
+            if (
+                _bends(functions, motion, t, h, v[i], a[i])
+                if equal
+                else lost > LARGE * scale or _bends_within(functions, motion, t, h, a[i])
+            ):
+                known[BENDS, k] = 1.0
+                bends = True
+        q[i] = dofs.offset[dofs.driven[k]] + value
         v[i] = rate
         a[i] = second
     return bends
@@ -157,82 +170,116 @@ def _bends(functions, motion, t, h, v0, a0):
     return lost > BENT * most and lost > ROUNDED * max(abs(v0), abs(v1))
 
 
+@separate(bool, FUNCTIONS, int, float, float, float, late=True)
+def _bends_within(functions, motion, t, h, a0):
+    """Whether a function is not smooth in the step before t: two rules that integrate a cubic miss its change of speed.
+
+    No corner is where both are right by accident. Nor is it smooth where what the step begins with, ``a0``, is not its.
+    """
+    v0, v1 = _speed(functions, motion, t - h), _speed(functions, motion, t)
+    first, last = evaluate(functions, motion, t - h)[2], evaluate(functions, motion, t)[2]
+    middle = evaluate(functions, motion, t - 0.5 * h)[2]
+    early, late = evaluate(functions, motion, t - h + GAUSS * h)[2], evaluate(functions, motion, t - GAUSS * h)[2]
+    simpson = abs(v1 - v0 - h * (first + 4.0 * middle + last) / 6.0)
+    gauss = abs(v1 - v0 - 0.5 * h * (early + late))
+    most = max(abs(first), abs(middle), abs(last), abs(early), abs(late))
+    return max(simpson, gauss, h * abs(first - a0)) > STRICT * h * most
+
+
 @kernel(forceinline=True)
 def _speed(functions, motion, t):
     return evaluate(functions, motion, t)[1]
 
 
-@kernel(forceinline=True)
-def _lasting(functions, motion, t, h):
-    """The acceleration with which a function goes on at t, over the next step of length h; 0 where it does not last.
+@separate(bool, DOFS, FUNCTIONS, float, float, STATES, VECTOR, late=True)
+def ease(dofs, functions, t, h, known, a):
+    """Take accelerations for zero that what bends in the step of length h from t has at t, and for less than a step.
 
-    It does where accelerations show how speed changes in that step, and no corner is at t.
+    They are neither of the step before nor of this one. Returns whether there are any.
     """
-    _, v0, a0 = evaluate(functions, motion, t)
-    _, v1, a1 = evaluate(functions, motion, t + h)
-    left, right = evaluate(functions, motion, t - BESIDE * h)[2], evaluate(functions, motion, t + BESIDE * h)[2]
-    corner = abs(right - left) > BENT * max(abs(left), abs(right))
-    shown = abs(v1 - v0 - 0.5 * h * (a0 + a1)) <= BENT * h * max(abs(a0), abs(a1))
-    return a0 if shown and not corner else 0.0
+    eased = False
+    for k in range(dofs.driven.size):
+        motion, i = dofs.motion[dofs.driven[k]], dofs.held[dofs.driven[k]]
+        v = _speed(functions, motion, t)
+        most = max(abs(v - _speed(functions, motion, t - h)), abs(_speed(functions, motion, t + h) - v))
+        known[BEGIN, k] = a[i]
+        if known[BENDS, k] > 0.0 and abs(a[i]) * h > (1.0 + BENT) * most:
+            a[i] = known[BEGIN, k] = 0.0
+            eased = True
+    return eased
 
 
-@kernel(forceinline=True)
-def _jump(functions, motion, t, h):
-    """The jump in speed of a function that bends in the step of length h from t, and the acceleration beside it.
+@separate(float, DOFS, FUNCTIONS, float, float, VECTOR, VECTOR, VECTOR, late=True)
+def work_of_easing(dofs, functions, t, h, eased, before, ways):
+    """What the work of a step of length h from t is more by, J, as it begins with the full residuals ``eased``.
 
-    That is the one to go on with, all over the step: a method that weighs accelerations of several steps would keep in
-    mind another at its begin, and bring it into steps of other lengths.
+    It is booked as the mean of the forces at both ends times the way, and begun with those of ``before``. ``ways``
+    (n_full,) is scratch.
     """
-    last = _lasting(functions, motion, t + h, h)
-    return _speed(functions, motion, t + h) - _speed(functions, motion, t) - h * last, last
-
-
-@separate(type(None), DOFS, FUNCTIONS, float, float, int, VECTOR, late=True)
-def prescribe_bends(dofs, functions, t, h, which, a):
-    """Set accelerations where a function bends in the step of length h from t: `LASTING`, or `JUMPING`.
-
-    What is smooth beside it jumps by what its acceleration at the end of the step lacks.
-    """
+    for i in range(ways.size):
+        ways[i] = 0.0  # what is fixed goes no way
+    work = 0.0
     for k in dofs.driven:
-        jump, last = _jump(functions, dofs.motion[k], t, h)
-        a[dofs.held[k]] = last + jump / h if which == JUMPING else last
+        i, motion = dofs.held[k], dofs.motion[k]
+        ways[i] = evaluate(functions, motion, t + h)[0] - evaluate(functions, motion, t)[0]
+        work += 0.5 * (eased[i] - before[i]) * ways[i]
+    for i in dofs.carried:
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            if dofs.unknown[k] < 0:
+                work += 0.5 * dofs.factor[k] * (eased[i] - before[i]) * ways[-1 - dofs.unknown[k]]
+    return work
+
+
+@separate(type(None), DOFS, FUNCTIONS, float, float, float, STATES, VECTOR, late=True)
+def prescribe_push(dofs, functions, t, h, gamma, known, a):
+    """Set the accelerations at the end of the step of length h from t of what bends in it.
+
+    With it a step that counts the part ``gamma`` of the acceleration at its end makes all of the change of speed.
+    """
+    for k in range(dofs.driven.size):
+        if known[BENDS, k] > 0.0:
+            motion = dofs.motion[dofs.driven[k]]
+            mean = (_speed(functions, motion, t + h) - _speed(functions, motion, t)) / h
+            a[dofs.held[dofs.driven[k]]] = (mean - (1.0 - gamma) * known[BEGIN, k]) / gamma
+
+
+@separate(type(None), DOFS, FUNCTIONS, float, float, STATES, VECTOR, late=True)
+def prescribe_lasting(dofs, functions, t, h, known, a):
+    """Set the accelerations with which what bent in the step of length h before t goes on at t.
+
+    That is zero where the acceleration does not show how speed changes in the next step, or a corner is at t.
+    """
+    for k in range(dofs.driven.size):
+        if known[BENDS, k] > 0.0:
+            motion = dofs.motion[dofs.driven[k]]
+            _, v0, a0 = evaluate(functions, motion, t)
+            _, v1, a1 = evaluate(functions, motion, t + h)
+            left, right = evaluate(functions, motion, t - BESIDE * h)[2], evaluate(functions, motion, t + BESIDE * h)[2]
+            corner = abs(right - left) > BENT * max(abs(left), abs(right))
+            shown = abs(v1 - v0 - 0.5 * h * (a0 + a1)) <= BENT * h * max(abs(a0), abs(a1))
+            a[dofs.held[dofs.driven[k]]] = a0 if shown and not corner else 0.0
 
 
 @separate(float, DOFS, FUNCTIONS, float, float, VECTOR, VECTOR, VECTOR, VECTOR, late=True)
-def push(dofs, functions, t, h, v, residual, before, speeds):
-    """Let what bends in the step of length h from t jump in speed at t; returns the work that this takes, J.
+def work_of_push(dofs, functions, t, impulse, v, pushed, residual, speeds):
+    """Work of a push in the step from t at whose end the full velocities are ``v``, J.
 
-    The full residuals ``residual`` and ``before`` are those with the accelerations `JUMPING` and `LASTING`: h times
-    their difference is the impulse, and its work is that times the mean of the speeds before and after it. ``speeds``
-    is scratch.
+    ``pushed`` and ``residual`` are the full residuals at the end with the accelerations of the push and with those
+    behind it: ``impulse``, s, times their difference is its impulse, and its work is that times the mean of the speeds
+    at both ends. ``speeds`` (n_full,) is scratch.
     """
     for i in range(speeds.size):
         speeds[i] = 0.0  # what is fixed goes no way
     work = 0.0
     for k in dofs.driven:
         i = dofs.held[k]
-        jump, _ = _jump(functions, dofs.motion[k], t, h)
-        v[i] = _speed(functions, dofs.motion[k], t) + jump
-        speeds[i] = v[i] - 0.5 * jump
-        work += h * (residual[i] - before[i]) * speeds[i]
+        speeds[i] = 0.5 * (_speed(functions, dofs.motion[k], t) + v[i])
+        work += impulse * (pushed[i] - residual[i]) * speeds[i]
     for i in dofs.carried:
         for k in range(dofs.start[i], dofs.start[i + 1]):
             if dofs.unknown[k] < 0:
-                work += dofs.factor[k] * h * (residual[i] - before[i]) * speeds[-1 - dofs.unknown[k]]
+                work += dofs.factor[k] * impulse * (pushed[i] - residual[i]) * speeds[-1 - dofs.unknown[k]]
     return work
-
-
-@separate(float, DOFS, FUNCTIONS, float, float, late=True)
-def time_of_bends(dofs, functions, t, h):
-    """How long after t a jump of `push` comes in truth, s: the most of all, by the way that is gone in the step."""
-    late = 0.0
-    for k in dofs.driven:
-        jump, last = _jump(functions, dofs.motion[k], t, h)
-        q0, v0, _ = evaluate(functions, dofs.motion[k], t)
-        q1, _, _ = evaluate(functions, dofs.motion[k], t + h)
-        if jump != 0.0:
-            late = max(late, min(h, abs((q1 - q0 - h * (v0 + jump + 0.5 * h * last)) / jump)))
-    return late
 
 
 SIX = 6
