@@ -45,7 +45,7 @@ def pushed(function, end, h=STEP, gamma=0.5):
     degrees.prescribe(0, 0)
     dofs = assemble((), degrees, functions, np.zeros(2), [], []).dofs
     q, v, a = (np.full(2, x) for x in value_at(functions, 0, 0.0))
-    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((3, 1))
+    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((4, 1))
     for k in range(round(end / h)):
         t, speed = h * k, v[0]
         known[:2] = a[0]

@@ -25,6 +25,7 @@ from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
+    change_by_push,
     ease,
     expand_tied,
     prescribe_end,
@@ -65,7 +66,7 @@ class GeneralizedAlpha(NamedTuple):
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
-    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (3,
+    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (4,
     driven) is what is known in the step under way of what follows functions, see `prescribe_end`.
     """
 
@@ -268,21 +269,16 @@ def _take_start(q, v, a, auxiliary, keep):
         q[i], v[i], a[i], auxiliary[i] = keep[0, i], keep[1, i], keep[2, i], keep[3, i]
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, float, late=True)
-def _keep_ahead(auxiliary, a, ahead, ratio):
-    """Remember how far ahead the auxiliary accelerations are of the others, a, at the start of a step."""
-    for i in range(a.size):
-        ahead[i] = ratio * (auxiliary[i] - a[i])
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, float, float, late=True)
+def _look_ahead(a, auxiliary, before, pushed, lead, changed):
+    """Set the auxiliary accelerations behind a push: those a part ``lead`` of a step away from the ones found, a.
 
-
-@separate(type(None), VECTOR, VECTOR, VECTOR, late=True)
-def _take_ahead(a, auxiliary, ahead):
-    """Let the auxiliary accelerations be as far from those found behind a push as they were at the start of the step.
-
-    Else each bend of many would take a share of the motion.
+    So much of the change since the start of the step, ``before``, is ahead. Without it each bend of many would take a
+    share of the motion. What the change of what lasts has made of it is not: that is the part ``changed`` of what the
+    push has made of the accelerations, ``pushed``.
     """
     for i in range(a.size):
-        auxiliary[i] = a[i] + ahead[i]
+        auxiliary[i] = a[i] + lead * (a[i] - before[i] - changed * (pushed[i] - a[i]))
 
 
 @kernel
@@ -369,7 +365,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
             if status != DONE or not bends:
                 break
             copy(state.residual, state.middle[1])
-            _keep_ahead(state.auxiliary, m.history[m.newest[0]], state.middle[0], ratio)
+            copy(state.a, state.middle[0])
             prescribe_lasting(dofs, functions, t + h, h, m.driven, state.full_a)
             stage, left = BEHIND, TWICE
         else:
@@ -388,7 +384,9 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         state.v[i] = 0.0
     _accept(m, state, h, ratio, bends or switched)
     if bends:
-        _take_ahead(state.a, state.auxiliary, state.middle[0])
+        before = m.history[(m.newest[0] + 2) % DEPTH]
+        changed = change_by_push(dofs, m.driven, state.full_a)
+        _look_ahead(state.a, state.auxiliary, before, state.middle[0], m.alpha_m - m.alpha_f, changed)
         work += work_of_push(
             dofs, functions, t, h * counted, state.full_v, state.middle[1], state.residual, state.middle[0]
         )  # fmt: skip
@@ -444,7 +442,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros((3, system.dofs.driven.size)),
+        np.zeros((4, system.dofs.driven.size)),
     )  # fmt: skip
 
 

@@ -110,9 +110,9 @@ BESIDE = 1e-6
 """How far beside an instant, over a step, both sides of a corner are seen."""
 GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
-BEFORE, BEGIN, BENDS = range(3)
+BEFORE, BEGIN, BENDS, PUSH = range(4)
 """Rows of what is known of driven coordinates in a step: their accelerations at its start, as they were and as they
-count, and 1 where the function bends in it."""
+count, 1 where the function bends in it, and the acceleration at its end that pushes then."""
 
 
 @kernel(forceinline=True)
@@ -122,7 +122,7 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
     The vectors hold the start of the step; ``equal`` says whether steps are all as long as this one. Between its ends a
     function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
     The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
-    it. ``known`` (3, driven) takes what is seen of each, see `BENDS`.
+    it. ``known`` (4, driven) takes what is seen of each, see `PUSH`.
     """
     bends = False
     for k in range(dofs.driven.size):
@@ -240,7 +240,20 @@ def prescribe_push(dofs, functions, t, h, gamma, known, a):
         if known[BENDS, k] > 0.0:
             motion = dofs.motion[dofs.driven[k]]
             mean = (_speed(functions, motion, t + h) - _speed(functions, motion, t)) / h
-            a[dofs.held[dofs.driven[k]]] = (mean - (1.0 - gamma) * known[BEGIN, k]) / gamma
+            known[PUSH, k] = a[dofs.held[dofs.driven[k]]] = (mean - (1.0 - gamma) * known[BEGIN, k]) / gamma
+
+
+@separate(float, DOFS, STATES, VECTOR, late=True)
+def change_by_push(dofs, known, a):
+    """How the accelerations a that last behind a push differ from those at the start of its step, over the push's own
+    difference from a: of several things that bend the nearest number."""
+    product = square = 0.0
+    for k in range(dofs.driven.size):
+        if known[BENDS, k] > 0.0:
+            last = a[dofs.held[dofs.driven[k]]]
+            product += (last - known[BEGIN, k]) * (known[PUSH, k] - last)
+            square += (known[PUSH, k] - last) ** 2
+    return product / square if square > 0.0 else 0.0
 
 
 @separate(type(None), DOFS, FUNCTIONS, float, float, STATES, VECTOR, late=True)
