@@ -34,8 +34,8 @@ def _prescribe_lasting(dofs, functions, t, h, known, a):
 
 
 @entry
-def _work_of_push(dofs, functions, t, impulse, v, pushed, residual, speeds):
-    return work_of_push(dofs, functions, t, impulse, v, pushed, residual, speeds)
+def _work_of_push(dofs, functions, t, impulse, q, v, pushed, others, entered, scratch):
+    return work_of_push(dofs, functions, t, impulse, q, v, pushed, others, entered, scratch)
 
 
 def pushed(function, end, h=STEP, gamma=0.5):
@@ -47,7 +47,7 @@ def pushed(function, end, h=STEP, gamma=0.5):
     q, v, a = (np.full(2, x) for x in value_at(functions, 0, 0.0))
     first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((4, 1))
     for k in range(round(end / h)):
-        t, speed = h * k, v[0]
+        t, speed, place = h * k, v[0], q[0]
         known[:2] = a[0]
         bends.append(_prescribe_end(dofs, functions, t + h, h, known, q, v, a))
         if bends[-1]:
@@ -59,9 +59,13 @@ def pushed(function, end, h=STEP, gamma=0.5):
         if bends[-1]:
             last = a.copy()
             _prescribe_lasting(dofs, functions, t + h, h, known, last)
-            # Of a body of 2 kg: the impulse is what the step makes of its speed beside what lasts.
-            work = _work_of_push(dofs, functions, t, gamma * h, v, 2.0 * a, 2.0 * last, np.zeros(2))
-            assert work == pytest.approx(2.0 * gamma * h * (a[0] - last[0]) * 0.5 * (speed + v[0]))
+            # Of a body of 2 kg on a spring of 3 N/m: inertia works by its impulse, the spring along the way.
+            spring, entered = 3.0 * q, np.array([[place, 0.0], [3.0 * place, 0.0]])
+            work = _work_of_push(
+                dofs, functions, t, gamma * h, q, v, 2.0 * a + spring, spring, entered, np.zeros((2, 2))
+            )  # fmt: skip
+            inertia = 2.0 * gamma * h * a[0] * 0.5 * (speed + v[0])
+            assert work == pytest.approx(inertia + 1.5 * (q[0] ** 2 - place**2))
             a = last
         found.append(total)
         true.append(v[0] - first)

@@ -26,6 +26,7 @@ from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
     change_by_push,
+    drop_inertia,
     ease,
     expand_tied,
     prescribe_end,
@@ -55,7 +56,7 @@ TWICE = 2
 """Solutions for accelerations behind a push: the force that holds what is driven is then that of those found."""
 STILL = -1
 """Order of the prediction that nothing moves."""
-VECTOR, PLACES = form_of(np.zeros(0)), form_of(np.zeros(0, np.int64))
+VECTOR = form_of(np.zeros(0))
 
 
 class GeneralizedAlpha(NamedTuple):
@@ -67,7 +68,8 @@ class GeneralizedAlpha(NamedTuple):
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
     on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (4,
-    driven) is what is known in the step under way of what follows functions, see `prescribe_end`.
+    driven) is what is known in the step under way of what follows functions, see `prescribe_end`;
+    ``pushed`` (n,) and ``forces`` (n_full,) are accelerations and full residual at the end of a step with a push.
     """
 
     alpha_m: float
@@ -86,6 +88,8 @@ class GeneralizedAlpha(NamedTuple):
     newest: np.ndarray
     order: np.ndarray
     driven: np.ndarray
+    pushed: np.ndarray
+    forces: np.ndarray
 
 
 def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
@@ -301,6 +305,19 @@ def _judge(m, groups, dofs, state, t, h):
     return watch(groups, dofs, state, t + h, m.corrector.changed)
 
 
+@kernel
+def _push(m, groups, dofs, functions, state, t, h, impulse):
+    """Remember accelerations at the end of a step that a push has made, and return the work of what is driven, J."""
+    copy(state.a, m.pushed)
+    copy(state.residual, m.forces)
+    drop_inertia(dofs, m.algebraic, state.a, state.full_a)
+    state.residual.fill(0.0)
+    over.residual(groups, t + h, state.full_q, state.full_v, state.full_a, state.residual)
+    return work_of_push(
+        dofs, functions, t, impulse, state.full_q, state.full_v, m.forces, state.residual, state.entered, state.middle
+    )  # fmt: skip
+
+
 @kernel(forceinline=True)
 def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     """Advance the state from t by h; on failure it is left as it was. Returns a status.
@@ -364,8 +381,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
             status = _judge(m, groups, dofs, state, t, h)
             if status != DONE or not bends:
                 break
-            copy(state.residual, state.middle[1])
-            copy(state.a, state.middle[0])
+            work += _push(m, groups, dofs, functions, state, t, h, h * counted)
             prescribe_lasting(dofs, functions, t + h, h, m.driven, state.full_a)
             stage, left = BEHIND, TWICE
         else:
@@ -386,15 +402,14 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     if bends:
         before = m.history[(m.newest[0] + 2) % DEPTH]
         changed = change_by_push(dofs, m.driven, state.full_a)
-        _look_ahead(state.a, state.auxiliary, before, state.middle[0], m.alpha_m - m.alpha_f, changed)
-        work += work_of_push(
-            dofs, functions, t, h * counted, state.full_v, state.middle[1], state.residual, state.middle[0]
-        )  # fmt: skip
+        _look_ahead(state.a, state.auxiliary, before, m.pushed, m.alpha_m - m.alpha_f, changed)
+    else:
+        work = work_of_means(dofs, state)
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     if over.may_switch(groups):
         _forget_what_is_held(dofs, state)
     book_losses(groups, state, t, h, m.power)
-    book_work(groups, dofs, state, t + h, m.power, work + work_of_means(dofs, state))
+    book_work(groups, dofs, state, t + h, m.power, work)
     return DONE
 
 
@@ -442,7 +457,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros((4, system.dofs.driven.size)),
+        np.zeros((4, system.dofs.driven.size)), np.zeros(system.size), np.zeros(system.q.size),
     )  # fmt: skip
 
 

@@ -85,7 +85,7 @@ def runs_of(free: np.ndarray) -> np.ndarray:
 DOFS = form_of(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
 """The type of :class:`Dofs` in compiled code."""
 VECTOR = form_of(np.zeros(0))
-STATES = form_of(np.zeros((0, 0)))
+STATES, NUMBERS = form_of(np.zeros((0, 0))), form_of(np.zeros(0, np.int64))
 
 
 @kernel(forceinline=True)
@@ -273,25 +273,39 @@ def prescribe_lasting(dofs, functions, t, h, known, a):
             a[dofs.held[dofs.driven[k]]] = a0 if shown and not corner else 0.0
 
 
-@separate(float, DOFS, FUNCTIONS, float, float, VECTOR, VECTOR, VECTOR, VECTOR, late=True)
-def work_of_push(dofs, functions, t, impulse, v, pushed, residual, speeds):
-    """Work of a push in the step from t at whose end the full velocities are ``v``, J.
+@separate(type(None), DOFS, NUMBERS, VECTOR, VECTOR, late=True)
+def drop_inertia(dofs, algebraic, reduced, a):
+    """Set full accelerations to zero, but multipliers, which are forces: ``algebraic`` lists their unknowns."""
+    for i in range(a.size):
+        a[i] = 0.0
+    for k in algebraic:
+        a[dofs.free[k]] = reduced[k]
 
-    ``pushed`` and ``residual`` are the full residuals at the end with the accelerations of the push and with those
-    behind it: ``impulse``, s, times their difference is its impulse, and its work is that times the mean of the speeds
-    at both ends. ``speeds`` (n_full,) is scratch.
+
+@separate(float, DOFS, FUNCTIONS, float, float, VECTOR, VECTOR, VECTOR, VECTOR, STATES, STATES, late=True)
+def work_of_push(dofs, functions, t, impulse, q, v, pushed, others, entered, scratch):
+    """Work of what is driven in a step from t in which a function bends, J.
+
+    The full residuals at its end are ``pushed``, and ``others`` without accelerations. Their difference is inertia, of
+    which ``impulse``, s, times the force is the impulse: its work is that times the mean of the speeds at both ends.
+    Other forces work along the way, with the mean of those ``entered`` (2, n_full), with places, and those at the end.
     """
-    for i in range(speeds.size):
-        speeds[i] = 0.0  # what is fixed goes no way
+    for i in range(v.size):
+        scratch[0, i] = scratch[1, i] = 0.0  # what is fixed goes no way
+    for k in dofs.driven:
+        i = dofs.held[k]
+        scratch[0, i] = q[i] - entered[0, i]
+        scratch[1, i] = 0.5 * impulse * (_speed(functions, dofs.motion[k], t) + v[i])
     work = 0.0
     for k in dofs.driven:
         i = dofs.held[k]
-        speeds[i] = 0.5 * (_speed(functions, dofs.motion[k], t) + v[i])
-        work += impulse * (pushed[i] - residual[i]) * speeds[i]
+        work += 0.5 * (entered[1, i] + others[i]) * scratch[0, i] + (pushed[i] - others[i]) * scratch[1, i]
     for i in dofs.carried:
+        place, inertia = 0.5 * (entered[1, i] + others[i]), pushed[i] - others[i]
         for k in range(dofs.start[i], dofs.start[i + 1]):
             if dofs.unknown[k] < 0:
-                work += dofs.factor[k] * impulse * (pushed[i] - residual[i]) * speeds[-1 - dofs.unknown[k]]
+                j = -1 - dofs.unknown[k]
+                work += dofs.factor[k] * (place * scratch[0, j] + inertia * scratch[1, j])
     return work
 
 
