@@ -134,6 +134,9 @@ WEIGHTS = [
     *((one, "bar", G / 10) for one in ("kg/cm2", "kg/cm\u00b2", "KG/CM2")), ("lb/in2", "psi", 1.0), ("PSI", "psi", 1.0),
     ("t", "kN", G), ("KLB", "kN", POUND * G), ("klbs", "kN", POUND * G), ("kN", "t", 1 / G), ("kN", "kg", 1e3 / G),
     ("mg", "m/s^2", G / 1e3), ("g", "m/s^2", G), ("kN.m", "kN m", 1.0),
+    *((one, "kN", G) for one in ("tonne", "tonnes", "Mg")), *((one, "kN", G / 1e3) for one in ("kilogram", "kilograms")),
+    *((one, "klbf", 1e-3) for one in ("pound", "pounds")), ("grams", "N", G / 1e3), ("stone", "N", 14 * POUND * G),
+    ("newtons", "kg", 1 / G), ("kilonewton", "t", 1 / G), ("tonnes", "kg", 1e3),
 ]  # fmt: skip
 
 
@@ -144,7 +147,8 @@ def test_a_mass_in_place_of_a_force_is_its_weight_also_within_a_torque_or_a_pres
 
 
 @pytest.mark.parametrize(
-    ("stated", "asked"), [("ft-lb", "kN m"), ("kg/cm2", "bar"), ("t", "kN"), ("kN", "t"), ("mg", "m/s^2")]
+    ("stated", "asked"),
+    [("ft-lb", "kN m"), ("kg/cm2", "bar"), ("t", "kN"), ("tonnes", "kN"), ("kN", "t"), ("mg", "m/s^2")],
 )
 def test_what_is_assumed_of_a_mass_or_a_weight_is_told(stated, asked):
     assert any(word in factor_stated(stated, asked)[1] for word in ("as the weight", "as the mass", "gravity"))
