@@ -123,6 +123,46 @@ def test_separators_at_the_ends_of_rows_are_no_cells_too_many(tmp_path, of, text
     assert source.refused == 0 and not source.notes
 
 
+REMARKS = {
+    "event without a title": "time,b,a\n0,1,2\n1,1,95,OVERLOAD\n2,1,4\n",
+    "events of two words": "time,b,a\n0,1,2\n1,1,95,OVERLOAD,winch 1\n2,1,4\n",
+    "event in the first row": "time,b,a\n0,1,2,start\n1,1,95,OVERLOAD\n2,1,4\n",
+    "event behind another column": "time,a,b\n0,2,1\n1,95,1,OVERLOAD\n2,4,1\n",
+    "text with a comma": "time,a,remark\n0,2,\n1,95,too high, stopped\n2,4,\n",
+    "text with a comma and a number": "time,a,remark\n0,2,ok\n1,95,too high, 2 falls, stopped\n2,4,ok\n",
+}
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("text", REMARKS.values(), ids=REMARKS)
+def test_a_row_with_a_remark_beyond_the_header_counts_and_that_is_told_once(tmp_path, of, text):
+    """Loggers write events so: the rows with the overload were left out, and the alarm with them."""
+    source = of(tmp_path, text)
+    assert [(row.time, row.values["a"]) for row in all_of(source)] == [(0.0, 2.0), (1.0, 95.0), (2.0, 4.0)]
+    (note,) = source.notes
+    assert "words in more cells than the header" in note and source.refused == 0
+
+
+MOVED = {
+    "row name": "time,a,b,state\n1,0,5,7,ok\n2,40,6,7,ok\n",
+    "decimal comma": "time,a,b,state\n0,5,7,ok\n1,2,5,7,ok\n",
+    "a number with its unit": "time,b,a\n0,1,5\n1,1,5,5 kN\n",
+    "a date": "time,b,a\n0,1,5\n1,1,5,1970-01-01T00:00:02Z\n",
+    "no number": "time,b,a\n0,1,5\n1,1,5,NaN\n",
+}
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("text", MOVED.values(), ids=MOVED)
+def test_a_row_too_long_whose_numbers_may_have_moved_is_not_read_though_it_ends_with_words(tmp_path, of, text):
+    try:
+        source = of(tmp_path, text)
+        rows = all_of(source)
+    except SceneError:
+        return
+    assert [row.time for row in rows] == [0.0] and source.refused == 1
+
+
 # -- masses for forces, alone and within torques and pressures
 
 FOOT, POUND, INCH, G = 0.3048, 0.45359237, 0.0254, 9.80665
@@ -134,7 +174,7 @@ WEIGHTS = [
     *((one, "bar", G / 10) for one in ("kg/cm2", "kg/cm\u00b2", "KG/CM2")), ("lb/in2", "psi", 1.0), ("PSI", "psi", 1.0),
     ("t", "kN", G), ("KLB", "kN", POUND * G), ("klbs", "kN", POUND * G), ("kN", "t", 1 / G), ("kN", "kg", 1e3 / G),
     ("mg", "m/s^2", G / 1e3), ("g", "m/s^2", G), ("kN.m", "kN m", 1.0),
-    *((one, "kN", G) for one in ("tonne", "tonnes", "Mg")), *((one, "kN", G / 1e3) for one in ("kilogram", "kilograms")),
+    *((one, "kN", G) for one in ("tonne", "tonnes", "Mg")), ("kilogram", "kN", G / 1e3), ("kilograms", "kN", G / 1e3),
     *((one, "klbf", 1e-3) for one in ("pound", "pounds")), ("grams", "N", G / 1e3), ("stone", "N", 14 * POUND * G),
     ("newtons", "kg", 1 / G), ("kilonewton", "t", 1 / G), ("tonnes", "kg", 1e3),
 ]  # fmt: skip
