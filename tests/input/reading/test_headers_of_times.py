@@ -44,9 +44,13 @@ IN_UNITS = {
         "uptime_ms", "uptimems", "runtimems", "simtimems", "RunTimeMs", "durationms", "tick_ms", "Zeit_ms", "zeitms",
         "Zeit [ms]", "Zeit_Millisekunden", "Zeit in Millisekunden", "Millisekunden", "temps_millisecondes",
         "tiempo_milisegundos", "czas_milisekundy", "tid_millisekunder", "Date Time ms",
+        "mSec", "mS", "t_mSec", "t_mS", "Time_mSec", "tick_mSec", "Zeit_mSek", "Zeit mSek", "Laufzeit_mSec",
+        "MilliSeconds", "milliSeconds", "MilliSec", "timeMilliSeconds", "RunTimeMilliSeconds", "Milli Seconds",
+        "TimemSec", "Run Time mSec", "Laufzeit Milli Sekunden",
     ),
     1e-6: (
         "time_us", "Time [\u00b5s]", "Time [\u03bcs]", "time_\u00b5s", "Time [US]", "t_us", "tus", "Zeit_Mikrosekunden",
+        "uS", "uSec", "\u00b5Sec", "microSeconds", "Micro Sec", "time_uSec",
     ),
     1e-9: ("time_ns", "timestamp_ns", "Time [ns]", "t_ns", "Timestamp (nanoseconds)"),
     60.0: (
@@ -87,6 +91,8 @@ UNCLEAR = (
     "hour min", "minutes seconds", "ms_tick", "minutes_x", "Zeit_xyz", "Zeit 1 x", "time_std", "hora",
     "heure", "godzina",
     "timer", "Time(ms)_1", "seconds_h", "h_min",
+    "m_sec", "tick_10ms", "uptime_cs", "tenths of seconds", "1/10 sec", "0.1 sec", "100th sec", "5min", "10min",
+    "100 ms", "x 10 ms", "hundredths_s", "kilo seconds", "half hours",
 )  # fmt: skip
 
 
