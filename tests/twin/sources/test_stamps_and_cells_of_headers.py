@@ -28,6 +28,8 @@ UNITS = {
     "TIME [MS]": 1e-3, "Time (Ms)": 1e-3, "TIME (MIN)": 60.0, "Time [Sec.]": 1.0, "Time [S]": 1.0, "time [ms]": 1e-3,
     "time_ms": 1e-3, "TimeMs": 1e-3, "t_ms": 1e-3, "Time/s": 1.0, "time_s": 1.0, "Elapsed Time (min)": 60.0,
     "time (UTC)": 1.0, "Time [-]": 1.0, "timestamp": 1.0, "time [h]": 3600.0,
+    "Time (CST)": 1.0, "Time [Z]": 1.0, "Time [Europe/Berlin]": 1.0, "Time (PLC)": 1.0, "Timestamp (Unix ms)": 1e-3,
+    "time_ms (PLC)": 1e-3, "Time_s (PLC)": 1.0, "time [n/a]": 1.0,
 }  # fmt: skip
 
 
@@ -41,6 +43,8 @@ def test_stamps_are_in_the_unit_that_a_table_of_a_scene_would_have_them_in(tmp_p
 ASKED = {
     ("time_ms", "time_ms"): 1e-3, ("clock_ms", "clock_ms"): 1e-3, ("x", "x [MS]"): 1e-3, ("t_min", "t_min [min]"): 60.0,
     ("Time [m]", "Time [min]"): 60.0, ("time_ms [s]", "time_ms"): 1.0, ("seq", "seq"): 1.0,
+    ("Time (ms) [UTC]", "Time (ms) [UTC]"): 1e-3, ("time (ms) rel", "time (ms) rel"): 1e-3,
+    ("time (ms) rel", "time (ms) rel [min]"): 60.0, ("x (a) (b)", "x (a) (b) [ms]"): 1e-3,
 }  # fmt: skip
 
 
@@ -56,6 +60,13 @@ def test_stamps_that_the_map_names_are_in_the_unit_of_their_header_or_of_the_map
 def test_objects_have_their_stamps_in_the_unit_of_the_name_that_the_map_gives():
     text = "".join(json.dumps({"time_ms": stamp, "a": 1}) + "\n" for stamp in (0, 40))
     assert stamps(stream(None, text, "time_ms")) == [0.0, 0.04]
+
+
+def test_the_cure_of_a_stamp_in_doubt_is_one_that_helps(tmp_path):
+    with pytest.raises(SceneError) as error:
+        stamps(file(tmp_path, "Time (rel) [m],a\n0,1\n40,2\n", "Time (rel) [m]"))
+    asked = str(error.value).split('`time: "')[1].split('"')[0]
+    assert stamps(file(tmp_path, "Time (rel) [m],a\n0,1\n40,2\n", asked)) == [0.0, 40.0]
 
 
 DOUBTFUL = ("Time [m],", "Time [M],", "Time (m:s),", "Time (HH:MM:SS),", "Time [kN],", "t_min,t_min", "time_m,time_m")

@@ -51,11 +51,25 @@ SHORT = UNSURE | frozenset("m mo mon std".split())
 """Words that beside a name of the time may be a unit and may not: `m` is a metre, a minute or a month."""
 IN_BRACKETS = {"seg": "s", "std": "hour", "timer": "hour", "week": "week", "weeks": "week"}
 """Units of time in brackets only: as words of a name they are something else."""
-NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, "gmt", "iso", "iso8601", "iso 8601", "unix", "epoch", "posix"}
+ZONES = frozenset(
+    "z gmt cet cest est edt cst cdt mst mdt pst pdt akst hst ast adt bst ist wet west eet eest msk jst kst hkt sgt "
+    "aest aedt acst awst nzst nzdt sast".split()
+)
+"""Zones of time by their short names; `Europe/Berlin` is one of `ZONE`."""
+LABELS = frozenset(
+    "plc sps pc device raw start none null n/a na string str text double float float32 float64 int int64 real lreal "
+    "number server client host controller logger daq sensor machine scada".split()
+)
+"""Whose clock it is, or of what type the numbers are."""
+NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, *ZONES, *LABELS, "iso", "iso8601", "iso 8601", "unix", "epoch", "posix"}
 """What stands in the brackets of a time, in small letters, and is no unit."""
-ZONE = re.compile(r"\b(utc|gmt) ?[+-] ?\d{1,2}(:?\d{2})?\b")
-"""A zone of time in brackets, ``UTC+02:00``."""
-SINCE = ("since", "from", "after")
+BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
+ZONE = re.compile(
+    r"\b(utc|gmt) ?[+-] ?\d{1,2}(:?\d{2})?\b"
+    r"|\b(africa|america|asia|atlantic|australia|europe|indian|pacific|etc)/[a-z_/]+"
+)
+"""A zone of time in brackets: ``UTC+02:00``, ``Europe/Berlin``."""
+SINCE = ("since", "from", "after", "seit", "depuis", "desde", "od", "fra")
 """Words behind which a name says from when times count: ``ms since epoch``."""
 EXTREMES = frozenset("max mean avg average".split())
 """Words of other columns, beside which `min` is a least value."""
@@ -138,7 +152,7 @@ def _without_origin(words: Sequence[str]) -> tuple[tuple[str, ...], bool]:
     at = next((i for i, word in enumerate(words) if i and word in SINCE), len(words))
     behind = words[at + 1 :]
     left = (*words[:at], *(word for word in behind if word in UNITS_OF_NAMES))
-    return left, bool(behind) and words[at] == "since"
+    return left, bool(behind) and words[at] not in ("from", "after")
 
 
 def _of_one_word(word: str, bare: str, since: bool) -> TimeHead:
@@ -185,9 +199,9 @@ def unit_of_time(bracketed: str) -> str | None:
     Small and capital letters are one here. Empty for what is no unit, such as ``UTC``; None for what is not understood,
     for another quantity's unit, and for the form of a clock. `m` may be metres, minutes or months.
     """
-    plain = ZONE.sub(r"\1", " ".join(bracketed.casefold().replace("\u03bc", "\u00b5").split()))
+    plain = ZONE.sub("utc", " ".join(bracketed.casefold().replace("\u03bc", "\u00b5").split()))
     parts = (" ".join(_without_origin(part.split())[0]) for part in re.split("[,;]", plain))
-    found = [part for part in (one.removeprefix("in ").strip(" .") for one in parts) if part not in NO_UNITS]
+    found = [part for part in (_bare_unit(one.removeprefix("in ").strip(" .")) for one in parts) if part]
     if not found:
         return ""
     if len(found) > 1:
@@ -202,6 +216,11 @@ def unit_of_time(bracketed: str) -> str | None:
     return None
 
 
+def _bare_unit(text: str) -> str:
+    """What is left of a text in brackets without words that are no unit: ``unix ms`` -> ``ms``; or nothing."""
+    return "" if text in NO_UNITS else " ".join(word for word in text.split() if word not in NO_UNITS)
+
+
 def unit_of_stamps(name: str, bracketed: str) -> tuple[str, str]:
     """The unit of stamps by the name of their column and its brackets, and what is doubtful about it.
 
@@ -211,6 +230,9 @@ def unit_of_stamps(name: str, bracketed: str) -> tuple[str, str]:
     unit = unit_of_time(bracketed)
     if unit is None:
         return "", "unit"
+    within = [one for one in map(unit_of_time, BRACKETS.findall(name)) if one]
+    if not unit and within:  # brackets before others, or in the middle of the name: `Time (s) [UTC]`, `time (s) rel`
+        return (within[0], "") if len(within) == 1 else ("", "unit")
     head = time_head(name)
     if unit or not head.doubtful:
         return unit or head.unit, ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -16,6 +17,7 @@ NAMES = ("time", "t", "timestamp", "stamp", "ts", "datetime")
 """Columns of the stamp, where none is named."""
 DOUBTFUL = ("ts",)
 """Those of them that may be something else, such as a temperature or a torque."""
+LAST_BRACKET = re.compile(r"\s*(?P<name>.*[^\s])\s*[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])]\s*")
 FINER = ((1e14, "ms", "milliseconds"), (1e17, "us", "microseconds"), (math.inf, "ns", "nanoseconds"))
 """Units of stamps since 1970 that are no seconds: below which number a stamp is likely in each."""
 
@@ -130,8 +132,17 @@ def number_of(value: Any) -> float:
 
 def heads(titles: Sequence[str]) -> tuple[list[str], list[str]]:
     """Names and units of a header's cells: ``heave [cm]``."""
-    found = [HEADER.fullmatch(title) for title in titles]
-    return [one["name"] if one else "" for one in found], [(one["unit"] or "") if one else "" for one in found]
+    found = [_parts(title) for title in titles]
+    return [name for name, _ in found], [unit for _, unit in found]
+
+
+def _parts(title: str) -> tuple[str, str]:
+    """Name and unit of a title: of several brackets the last has the unit, and the name has the others."""
+    if one := HEADER.fullmatch(title):
+        return one["name"], one["unit"] or ""
+    if one := LAST_BRACKET.fullmatch(title):
+        return one["name"], one["unit"]
+    return title.strip(), ""
 
 
 def seconds_in(unit: str) -> float:
