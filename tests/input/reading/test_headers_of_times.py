@@ -17,7 +17,7 @@ IN_UNITS = {
         "elapsed_seconds", "Elapsed seconds", "Test Time (s)", "Relative Time", "timestamp", "Timestamp", "TimeStamp",
         "Date/Time", "DateTime", "Time Stamp", "RunTime", "sim_time", "System Time", "log time",
         "Time (UTC)", "Time [UTC]",
-        "Time [-]", "Time [--]", "time []", "Time [datetime]", "Time (local)", "Time (abs)", "Time s (rel)",
+        "Time [-]", "Time [--]", "time []", "Time (local)", "Time (abs)", "Time s (rel)",
         "Time [GMT]",
         "Time since start [s]", "time_since_start", "time_since_start_s", "Time since start (sec)", "time_from_start",
         "Seconds since start", "seconds_since_epoch", "s since start", "seconds", "sec", "Zeit", "Zeit [s]",
@@ -112,6 +112,9 @@ NOT_UNITS = (
     "Time [kN]",
     "Time [ms/s]",
     "Time [s, min]",
+    "Time [datetime]",
+    "Time (date)",
+    "Time [ISO 8601]",
 )
 
 
@@ -159,7 +162,7 @@ def test_what_is_no_unit_of_time_for_sure_is_none(text):
     assert unit_of_time(text) is None
 
 
-@pytest.mark.parametrize("text", ["", "-", "UTC", "utc", "GMT+1", "UTC +02:00", "datetime", "ISO 8601", "local"])
+@pytest.mark.parametrize("text", ["", "-", "UTC", "utc", "GMT+1", "UTC +02:00", "CET", "Europe/Berlin", "PLC", "local"])
 def test_what_says_whose_time_it_is_is_no_unit_and_no_fault(text):
     assert unit_of_time(text) == ""
 

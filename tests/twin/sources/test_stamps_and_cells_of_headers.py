@@ -62,6 +62,17 @@ def test_objects_have_their_stamps_in_the_unit_of_the_name_that_the_map_gives():
     assert stamps(stream(None, text, "time_ms")) == [0.0, 0.04]
 
 
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_stamp_that_the_map_does_not_name_is_told_once_with_what_its_numbers_count(tmp_path, of):
+    """`Time_ms` of some loggers has days, and `Run Time (h)` may be the hours that a pump has run."""
+    source = of(tmp_path, "Run Time (h),a\n0,1\n40,2\n")
+    assert stamps(source) == [0.0, 144000.0]
+    (note,) = source.notes
+    assert "`Run Time` is taken as the time, and its numbers count 3600 s each" in note
+    named = of(tmp_path, "Run Time (h),a\n0,1\n40,2\n", "Run Time (h)")
+    assert stamps(named) == [0.0, 144000.0] and not named.notes
+
+
 def test_the_cure_of_a_stamp_in_doubt_is_one_that_helps(tmp_path):
     with pytest.raises(SceneError) as error:
         stamps(file(tmp_path, "Time (rel) [m],a\n0,1\n40,2\n", "Time (rel) [m]"))
@@ -69,7 +80,16 @@ def test_the_cure_of_a_stamp_in_doubt_is_one_that_helps(tmp_path):
     assert stamps(file(tmp_path, "Time (rel) [m],a\n0,1\n40,2\n", asked)) == [0.0, 40.0]
 
 
-DOUBTFUL = ("Time [m],", "Time [M],", "Time (m:s),", "Time (HH:MM:SS),", "Time [kN],", "t_min,t_min", "time_m,time_m")
+DOUBTFUL = (
+    "Time [m],",
+    "Time [M],",
+    "Time (m:s),",
+    "Time (HH:MM:SS),",
+    "Time [kN],",
+    "Time [datetime],",
+    "t_min,t_min",
+    "time_m,time_m",
+)
 
 
 @pytest.mark.parametrize("of", [file, stream])

@@ -61,7 +61,9 @@ LABELS = frozenset(
     "number server client host controller logger daq sensor machine scada".split()
 )
 """Whose clock it is, or of what type the numbers are."""
-NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, *ZONES, *LABELS, "iso", "iso8601", "iso 8601", "unix", "epoch", "posix"}
+DATES = frozenset(("date", "datetime", "iso", "iso8601"))
+"""Forms of a date: numbers below them may be days, as spreadsheets count them, and are in no unit for sure."""
+NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, *ZONES, *LABELS, "unix", "epoch", "posix"} - DATES
 """What stands in the brackets of a time, in small letters, and is no unit."""
 BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 ZONE = re.compile(
@@ -197,7 +199,7 @@ def unit_of_time(bracketed: str) -> str | None:
     """The unit that the brackets of a column of times give: ``MS``, ``Sec.``, ``in ms``, ``ms, rel``.
 
     Small and capital letters are one here. Empty for what is no unit, such as ``UTC``; None for what is not understood,
-    for another quantity's unit, and for the form of a clock. `m` may be metres, minutes or months.
+    for another quantity's unit, and for the form of a clock or a date. `m` may be metres, minutes or months.
     """
     plain = ZONE.sub("utc", " ".join(bracketed.casefold().replace("\u03bc", "\u00b5").split()))
     parts = (" ".join(_without_origin(part.split())[0]) for part in re.split("[,;]", plain))

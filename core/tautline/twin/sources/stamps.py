@@ -91,9 +91,11 @@ class Stamps:
     def read(self, name: str, value: Any, factor: float | None = None) -> float:
         """A stamp, s; NaN for what is none. `factor` is that of a header's unit."""
         factor = self.factor if factor is None else factor
-        if not self.asked and name.lower() in DOUBTFUL and self._named != name:
+        if not self.asked and self._named != name and (name.lower() in DOUBTFUL or name.lower() not in NAMES):
             self._named = name
-            self._notes.append(f"`{name}` is taken as the time. If it is none, write `time:` in the map with what is")
+            counted = f", and its numbers count {factor:g} s each" if math.isfinite(factor) and factor != 1.0 else ""
+            note = f"`{name}` is taken as the time{counted}. If it is none, write `time:` in the map with what is"
+            self._notes += [note] if note not in self._notes else []
         found = stamp_of(value, factor)
         number = number_of(value)
         if self.doubt and not self._told and math.isfinite(number):
