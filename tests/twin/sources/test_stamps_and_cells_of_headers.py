@@ -125,6 +125,8 @@ def test_a_unit_of_time_below_the_header_may_be_in_capitals(tmp_path, of, below,
 LONG = {
     "R": ('"time","a"\n"1",0,5\n"2",40,6\n', "fills 3 cells, and the header has 2.*row name"),
     "R with tabs": ("time\ta\n1\t0\t5\n2\t40\t6\n", "fills 3 cells, and the header has 2.*row.names = FALSE"),
+    "R, one row": ('"time","a"\n"1",0,5\n', ":2: the row .* one cell less than this row"),
+    "a decimal comma in a stamp": ("time,a\n1970-01-01 00:00:00,500,1\n", "has 2; if numbers have decimal commas"),
     "decimal commas": ("time,b,a\n0,00,0,00,49,05\n", "fills 6 cells, and the header has 3.*decimal commas"),
 }
 

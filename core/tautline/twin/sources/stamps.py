@@ -85,7 +85,7 @@ class Stamps:
         """Cause and cure where numbers are stamps whose unit is doubtful."""
         bare = heads([name])[0][0] or name
         said = f"{name} [{self.unit}]" if self.unit and bare == name else name
-        cure = f'write the unit that they are in, such as `time: "{bare} [s]"` in the map, or [s] in the header'
+        cure = f'write the unit that they are in, such as `time: "{bare} [s]"` in the map, or [s] or [ms] in the header'
         return f"'{said}' is the time, and it is not clear in which unit its numbers are", cure
 
     def read(self, name: str, value: Any, factor: float | None = None) -> float:

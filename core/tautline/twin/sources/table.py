@@ -498,7 +498,9 @@ class Header:
         """
         where = self._given[2]
         cause = f"the row '{shorten(line)}' fills {number} cells, and the header has {self._cells}"
-        cure = cure_of_long_rows(self.separator, number == self._cells + 1 and not self._begun, "this row")
+        first = line.split(self.separator, 1)[0]  # one with the time of a day is no row name: its second has a comma
+        one_more = number == self._cells + 1 and not self._begun and ":" not in first
+        cure = cure_of_long_rows(self.separator, one_more, "this row")
         if not self._begun and not self._behind:
             raise SceneError([Problem(where, at or self._number_of_line, "", None, cause, cure)])
         if "long" not in self._told:
