@@ -91,12 +91,9 @@ class Stamps:
     def read(self, name: str, value: Any, factor: float | None = None) -> float:
         """A stamp, s; NaN for what is none. `factor` is that of a header's unit."""
         factor = self.factor if factor is None else factor
-        if not self.asked and self._named != name and (name.lower() in DOUBTFUL or name.lower() not in NAMES):
-            self._named = name
-            counted = f", and its numbers count {factor:g} s each" if math.isfinite(factor) and factor != 1.0 else ""
-            note = f"`{name}` is taken as the time{counted}. If it is none, write `time:` in the map with what is"
-            self._notes += [note] if note not in self._notes else []
         found = stamp_of(value, factor)
+        if math.isfinite(found):
+            self._tell_name(name, factor)
         number = number_of(value)
         if self.doubt and not self._told and math.isfinite(number):
             self._told = True
@@ -111,6 +108,14 @@ class Stamps:
                 f'If they are {said}, write `time: "{name} [{unit}]"` in the map'
             )
         return found
+
+    def _tell_name(self, name: str, factor: float) -> None:
+        """Say once which column is taken as the time, where the map names none, and what its numbers count."""
+        if not self.asked and self._named != name and (name.lower() in DOUBTFUL or name.lower() not in NAMES):
+            self._named = name
+            counted = f", and its numbers count {factor:g} s each" if math.isfinite(factor) and factor != 1.0 else ""
+            note = f"`{name}` is taken as the time{counted}. If it is none, write `time:` in the map with what is"
+            self._notes += [note] if note not in self._notes else []
 
 
 def number_of(value: Any) -> float:
