@@ -242,6 +242,25 @@ def test_a_row_with_more_cells_than_the_header_is_refused_with_both_counts(text,
     assert cure in problem.cure and problem.line == line
 
 
+REMARKS = ("time,x\n0,1\n1,2,ream\n", "time,x,note\n0,1,\n1,2,ream, 2 stands\n", "time;x\n0;1\n1;2;ream;stop\n")
+
+
+@pytest.mark.parametrize("text", REMARKS)
+def test_a_remark_beyond_the_header_in_some_rows_is_passed_over(text, tmp_path):
+    (tmp_path / "record.csv").write_text(text)
+    assert Columns(tmp_path / "record.csv").values(1, "m") == (1.0, 2.0)
+
+
+MOVED = ("time,x,note\n1,0,5,ok\n2,40,6,ok\n", "time,x,note\n0,1,ok\n1,2,5,ok\n", "time,x\n0,1\n1,2,5 m\n")
+
+
+@pytest.mark.parametrize("text", MOVED)
+def test_rows_too_long_whose_numbers_may_have_moved_are_refused_though_they_end_with_words(text, tmp_path):
+    (tmp_path / "record.csv").write_text(text)
+    with pytest.raises(SceneError, match="cells, and the header has"):
+        Columns(tmp_path / "record.csv")
+
+
 @pytest.mark.parametrize(
     "text", ["time,x\n0,1,\n1,2,,,\n", "time,x,\n0,1,\n1,2\n", "time,x,\n0,1,9\n1,2,9\n", "time;x\n0,5;1,5;\n1;2\n"]
 )

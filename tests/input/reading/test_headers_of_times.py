@@ -17,7 +17,7 @@ IN_UNITS = {
         "elapsed_seconds", "Elapsed seconds", "Test Time (s)", "Relative Time", "timestamp", "Timestamp", "TimeStamp",
         "Date/Time", "DateTime", "Time Stamp", "RunTime", "sim_time", "System Time", "log time",
         "Time (UTC)", "Time [UTC]",
-        "Time [-]", "Time [--]", "time []", "Time [datetime]", "Time (local)", "Time (abs)", "Time s (rel)",
+        "Time [-]", "Time [--]", "time []", "Time (local)", "Time (abs)", "Time s (rel)",
         "Time [GMT]",
         "Time since start [s]", "time_since_start", "time_since_start_s", "Time since start (sec)", "time_from_start",
         "Seconds since start", "seconds_since_epoch", "s since start", "seconds", "sec", "Zeit", "Zeit [s]",
@@ -44,9 +44,13 @@ IN_UNITS = {
         "uptime_ms", "uptimems", "runtimems", "simtimems", "RunTimeMs", "durationms", "tick_ms", "Zeit_ms", "zeitms",
         "Zeit [ms]", "Zeit_Millisekunden", "Zeit in Millisekunden", "Millisekunden", "temps_millisecondes",
         "tiempo_milisegundos", "czas_milisekundy", "tid_millisekunder", "Date Time ms",
+        "mSec", "mS", "t_mSec", "t_mS", "Time_mSec", "tick_mSec", "Zeit_mSek", "Zeit mSek", "Laufzeit_mSec",
+        "MilliSeconds", "milliSeconds", "MilliSec", "timeMilliSeconds", "RunTimeMilliSeconds", "Milli Seconds",
+        "TimemSec", "Run Time mSec", "Laufzeit Milli Sekunden",
     ),
     1e-6: (
         "time_us", "Time [\u00b5s]", "Time [\u03bcs]", "time_\u00b5s", "Time [US]", "t_us", "tus", "Zeit_Mikrosekunden",
+        "uS", "uSec", "\u00b5Sec", "microSeconds", "Micro Sec", "time_uSec",
     ),
     1e-9: ("time_ns", "timestamp_ns", "Time [ns]", "t_ns", "Timestamp (nanoseconds)"),
     60.0: (
@@ -87,6 +91,8 @@ UNCLEAR = (
     "hour min", "minutes seconds", "ms_tick", "minutes_x", "Zeit_xyz", "Zeit 1 x", "time_std", "hora",
     "heure", "godzina",
     "timer", "Time(ms)_1", "seconds_h", "h_min",
+    "m_sec", "tick_10ms", "uptime_cs", "tenths of seconds", "1/10 sec", "0.1 sec", "100th sec", "5min", "10min",
+    "100 ms", "x 10 ms", "hundredths_s", "kilo seconds", "half hours",
 )  # fmt: skip
 
 
@@ -106,6 +112,9 @@ NOT_UNITS = (
     "Time [kN]",
     "Time [ms/s]",
     "Time [s, min]",
+    "Time [datetime]",
+    "Time (date)",
+    "Time [ISO 8601]",
 )
 
 
@@ -153,7 +162,7 @@ def test_what_is_no_unit_of_time_for_sure_is_none(text):
     assert unit_of_time(text) is None
 
 
-@pytest.mark.parametrize("text", ["", "-", "UTC", "utc", "GMT+1", "UTC +02:00", "datetime", "ISO 8601", "local"])
+@pytest.mark.parametrize("text", ["", "-", "UTC", "utc", "GMT+1", "UTC +02:00", "CET", "Europe/Berlin", "PLC", "local"])
 def test_what_says_whose_time_it_is_is_no_unit_and_no_fault(text):
     assert unit_of_time(text) == ""
 

@@ -28,6 +28,8 @@ UNITS = {
     "TIME [MS]": 1e-3, "Time (Ms)": 1e-3, "TIME (MIN)": 60.0, "Time [Sec.]": 1.0, "Time [S]": 1.0, "time [ms]": 1e-3,
     "time_ms": 1e-3, "TimeMs": 1e-3, "t_ms": 1e-3, "Time/s": 1.0, "time_s": 1.0, "Elapsed Time (min)": 60.0,
     "time (UTC)": 1.0, "Time [-]": 1.0, "timestamp": 1.0, "time [h]": 3600.0,
+    "Time (CST)": 1.0, "Time [Z]": 1.0, "Time [Europe/Berlin]": 1.0, "Time (PLC)": 1.0, "Timestamp (Unix ms)": 1e-3,
+    "time_ms (PLC)": 1e-3, "Time_s (PLC)": 1.0, "time [n/a]": 1.0,
 }  # fmt: skip
 
 
@@ -41,6 +43,8 @@ def test_stamps_are_in_the_unit_that_a_table_of_a_scene_would_have_them_in(tmp_p
 ASKED = {
     ("time_ms", "time_ms"): 1e-3, ("clock_ms", "clock_ms"): 1e-3, ("x", "x [MS]"): 1e-3, ("t_min", "t_min [min]"): 60.0,
     ("Time [m]", "Time [min]"): 60.0, ("time_ms [s]", "time_ms"): 1.0, ("seq", "seq"): 1.0,
+    ("Time (ms) [UTC]", "Time (ms) [UTC]"): 1e-3, ("time (ms) rel", "time (ms) rel"): 1e-3,
+    ("time (ms) rel", "time (ms) rel [min]"): 60.0, ("x (a) (b)", "x (a) (b) [ms]"): 1e-3,
 }  # fmt: skip
 
 
@@ -58,7 +62,34 @@ def test_objects_have_their_stamps_in_the_unit_of_the_name_that_the_map_gives():
     assert stamps(stream(None, text, "time_ms")) == [0.0, 0.04]
 
 
-DOUBTFUL = ("Time [m],", "Time [M],", "Time (m:s),", "Time (HH:MM:SS),", "Time [kN],", "t_min,t_min", "time_m,time_m")
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_stamp_that_the_map_does_not_name_is_told_once_with_what_its_numbers_count(tmp_path, of):
+    """`Time_ms` of some loggers has days, and `Run Time (h)` may be the hours that a pump has run."""
+    source = of(tmp_path, "Run Time (h),a\n0,1\n40,2\n")
+    assert stamps(source) == [0.0, 144000.0]
+    (note,) = source.notes
+    assert "`Run Time` is taken as the time, and its numbers count 3600 s each" in note
+    named = of(tmp_path, "Run Time (h),a\n0,1\n40,2\n", "Run Time (h)")
+    assert stamps(named) == [0.0, 144000.0] and not named.notes
+
+
+def test_the_cure_of_a_stamp_in_doubt_is_one_that_helps(tmp_path):
+    with pytest.raises(SceneError) as error:
+        stamps(file(tmp_path, "Time (rel) [m],a\n0,1\n40,2\n", "Time (rel) [m]"))
+    asked = str(error.value).split('`time: "')[1].split('"')[0]
+    assert stamps(file(tmp_path, "Time (rel) [m],a\n0,1\n40,2\n", asked)) == [0.0, 40.0]
+
+
+DOUBTFUL = (
+    "Time [m],",
+    "Time [M],",
+    "Time (m:s),",
+    "Time (HH:MM:SS),",
+    "Time [kN],",
+    "Time [datetime],",
+    "t_min,t_min",
+    "time_m,time_m",
+)
 
 
 @pytest.mark.parametrize("of", [file, stream])
@@ -94,6 +125,8 @@ def test_a_unit_of_time_below_the_header_may_be_in_capitals(tmp_path, of, below,
 LONG = {
     "R": ('"time","a"\n"1",0,5\n"2",40,6\n', "fills 3 cells, and the header has 2.*row name"),
     "R with tabs": ("time\ta\n1\t0\t5\n2\t40\t6\n", "fills 3 cells, and the header has 2.*row.names = FALSE"),
+    "R, one row": ('"time","a"\n"1",0,5\n', ":2: the row .* one cell less than this row"),
+    "a decimal comma in a stamp": ("time,a\n1970-01-01 00:00:00,500,1\n", "has 2; if numbers have decimal commas"),
     "decimal commas": ("time,b,a\n0,00,0,00,49,05\n", "fills 6 cells, and the header has 3.*decimal commas"),
 }
 
@@ -123,6 +156,46 @@ def test_separators_at_the_ends_of_rows_are_no_cells_too_many(tmp_path, of, text
     assert source.refused == 0 and not source.notes
 
 
+REMARKS = {
+    "event without a title": "time,b,a\n0,1,2\n1,1,95,OVERLOAD\n2,1,4\n",
+    "events of two words": "time,b,a\n0,1,2\n1,1,95,OVERLOAD,winch 1\n2,1,4\n",
+    "event in the first row": "time,b,a\n0,1,2,start\n1,1,95,OVERLOAD\n2,1,4\n",
+    "event behind another column": "time,a,b\n0,2,1\n1,95,1,OVERLOAD\n2,4,1\n",
+    "text with a comma": "time,a,remark\n0,2,\n1,95,too high, stopped\n2,4,\n",
+    "text with a comma and a number": "time,a,remark\n0,2,ok\n1,95,too high, 2 falls, stopped\n2,4,ok\n",
+}
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("text", REMARKS.values(), ids=REMARKS)
+def test_a_row_with_a_remark_beyond_the_header_counts_and_that_is_told_once(tmp_path, of, text):
+    """Loggers write events so: the rows with the overload were left out, and the alarm with them."""
+    source = of(tmp_path, text)
+    assert [(row.time, row.values["a"]) for row in all_of(source)] == [(0.0, 2.0), (1.0, 95.0), (2.0, 4.0)]
+    (note,) = source.notes
+    assert "words in more cells than the header" in note and source.refused == 0
+
+
+MOVED = {
+    "row name": "time,a,b,state\n1,0,5,7,ok\n2,40,6,7,ok\n",
+    "decimal comma": "time,a,b,state\n0,5,7,ok\n1,2,5,7,ok\n",
+    "a number with its unit": "time,b,a\n0,1,5\n1,1,5,5 kN\n",
+    "a date": "time,b,a\n0,1,5\n1,1,5,1970-01-01T00:00:02Z\n",
+    "no number": "time,b,a\n0,1,5\n1,1,5,NaN\n",
+}
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("text", MOVED.values(), ids=MOVED)
+def test_a_row_too_long_whose_numbers_may_have_moved_is_not_read_though_it_ends_with_words(tmp_path, of, text):
+    try:
+        source = of(tmp_path, text)
+        rows = all_of(source)
+    except SceneError:
+        return
+    assert [row.time for row in rows] == [0.0] and source.refused == 1
+
+
 # -- masses for forces, alone and within torques and pressures
 
 FOOT, POUND, INCH, G = 0.3048, 0.45359237, 0.0254, 9.80665
@@ -134,6 +207,9 @@ WEIGHTS = [
     *((one, "bar", G / 10) for one in ("kg/cm2", "kg/cm\u00b2", "KG/CM2")), ("lb/in2", "psi", 1.0), ("PSI", "psi", 1.0),
     ("t", "kN", G), ("KLB", "kN", POUND * G), ("klbs", "kN", POUND * G), ("kN", "t", 1 / G), ("kN", "kg", 1e3 / G),
     ("mg", "m/s^2", G / 1e3), ("g", "m/s^2", G), ("kN.m", "kN m", 1.0),
+    *((one, "kN", G) for one in ("tonne", "tonnes", "Mg")), ("kilogram", "kN", G / 1e3), ("kilograms", "kN", G / 1e3),
+    *((one, "klbf", 1e-3) for one in ("pound", "pounds")), ("grams", "N", G / 1e3), ("stone", "N", 14 * POUND * G),
+    ("newtons", "kg", 1 / G), ("kilonewton", "t", 1 / G), ("tonnes", "kg", 1e3),
 ]  # fmt: skip
 
 
@@ -144,7 +220,8 @@ def test_a_mass_in_place_of_a_force_is_its_weight_also_within_a_torque_or_a_pres
 
 
 @pytest.mark.parametrize(
-    ("stated", "asked"), [("ft-lb", "kN m"), ("kg/cm2", "bar"), ("t", "kN"), ("kN", "t"), ("mg", "m/s^2")]
+    ("stated", "asked"),
+    [("ft-lb", "kN m"), ("kg/cm2", "bar"), ("t", "kN"), ("tonnes", "kN"), ("kN", "t"), ("mg", "m/s^2")],
 )
 def test_what_is_assumed_of_a_mass_or_a_weight_is_told(stated, asked):
     assert any(word in factor_stated(stated, asked)[1] for word in ("as the weight", "as the mass", "gravity"))

@@ -19,6 +19,7 @@ import numpy as np
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.force_units import not_a_force, unit_of_force
+from tautline.scene.reading.long_rows import cure_of_long_rows, filled, has_remark, kind_of
 from tautline.scene.reading.text import decode
 from tautline.scene.refusal import nearest
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE
@@ -28,6 +29,8 @@ LARGEST_TABLE = 200_000_000
 """Bytes of a file, where its reader does not say."""
 MOST_FAULTS = 1000
 """Faults that are collected before a file is given up."""
+USUAL_ROWS = 1000
+"""Rows that show what kind of cell each column has."""
 HEADER = re.compile(r"\s*(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*")
 NO_UNIT = ("", "-", "--", "1")
 """What stands for a unit in the header of a column without one."""
@@ -143,19 +146,25 @@ class Columns:
         return [(i, self._cells(i, s)) for i, s in lines]
 
     def _refuse_long_rows(self, first: list[str]) -> None:
-        """Refuse a file in which rows fill more cells than the header has: which cell is whose is not known."""
+        """Refuse a file in which rows fill more cells than the header has: which cell is whose is not known.
+
+        A remark without a title is passed over, where other rows have none.
+        """
         width = max(len(first), 1)
-        long = [(line, number) for line, row in self.rows if len(row) > width and (number := filled(row)) > width]
+        long = [(line, n, row) for line, row in self.rows if len(row) > width and (n := filled(row)) > width]
+        if long:
+            plain = [row for _, row in self.rows if len(row) <= width][:USUAL_ROWS]
+            usual = [{kind_of(_cell(row, i)) for row in plain} for i in range(width)]
+            long = [one for one in long if not plain or not has_remark(one[2], width, usual)]
         if not long:
             return
-        line, number = long[0]
+        line, number, row = long[0]
         of = "the header has" if self.headed else f"line {self.header_line} has"
         cause = f"fills {number} cells, and {of} {width}"
         if len(long) > 1:
             cause += f"; so do all {len(long)} rows" if len(long) == len(self.rows) else f"; {len(long)} rows do"
-        one_more = self.headed and len(long) == len(self.rows) and all(n == width + 1 for _, n in long)
-        text = next(self.separator.join(row) for at, row in self.rows if at == line)
-        self.stop(line, "row", text[:60], cause, cure_of_long_rows(self.separator, one_more))
+        one_more = self.headed and len(long) == len(self.rows) and all(n == width + 1 for _, n, _ in long)
+        self.stop(line, "row", self.separator.join(row)[:60], cause, cure_of_long_rows(self.separator, one_more))
 
     def _cells(self, line: int, text: str) -> list[str]:
         if '"' not in text:
@@ -317,25 +326,6 @@ class Columns:
             line, row = self.rows[int(np.flatnonzero(values == largest)[0])]
             self.stop(line, name, row[place], *OUTSIDE)
         return tuple(float(value) for value in values)
-
-
-def filled(cells: Sequence[str]) -> int:
-    """Number of cells of a row up to the last one that has something in it: separators at its end make none."""
-    return max((i for i, cell in enumerate(cells, 1) if cell), default=0)
-
-
-def cure_of_long_rows(separator: str, one_more: bool) -> str:
-    """What to do where rows fill more cells than the header has.
-
-    `one_more` is whether each row has one more: so programs such as R write tables, where row names have no title.
-    """
-    names = "the first cell of each row is a row name or a number of the row: give it a title (in R: "
-    names += "`write.table(..., row.names = FALSE)`, or `col.names = NA`)"
-    if one_more:
-        commas = "; if numbers have decimal commas, put semicolons between the cells" if separator == "," else ""
-        return f"the header has one cell less than every row. It may be that {names}{commas}"
-    commas = "if numbers have decimal commas, put semicolons between the cells; " if separator == "," else ""
-    return f"{commas}give each column a title in the header; if two lines have run into one, delete that row"
 
 
 def thousand(cell: str) -> str:

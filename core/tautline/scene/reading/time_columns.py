@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from tautline.scene.reading.columns import HEADER, LETTER_UNITS, NO_UNIT, Columns, is_unit
 
@@ -27,11 +28,12 @@ LOCAL_NAMES = frozenset("zeit uhrzeit laufzeit messzeit zeitstempel clock temps 
 UNITS_OF_NAMES = {
     word: unit
     for unit, words in {
-        "ns": "ns nsec nanos nanosecond nanoseconds",
-        "us": "us \u00b5s \u03bcs usec micros microsecond microseconds mikrosekunde mikrosekunden microsegundos "
-        "microsecondes mikrosekundy mikrosekunder",
-        "ms": "ms msec msecs millis millisec millisecs millisecond milliseconds millisekunde millisekunden milisegundo "
-        "milisegundos milliseconde millisecondes milisekunda milisekundy milisekund millisekund millisekunder",
+        "ns": "ns nsec nanos nanosec nanosecond nanoseconds",
+        "us": "us \u00b5s \u03bcs usec micros microsec microsecs microsecond microseconds mikrosek mikrosekunde "
+        "mikrosekunden microsegundos microsecondes mikrosekundy mikrosekunder",
+        "ms": "ms msec msecs msek mseconds millis millisec millisecs millisecond milliseconds millisek millisekunde "
+        "millisekunden milisegundo milisegundos milliseconde millisecondes milisekunda milisekundy milisekund "
+        "millisekund millisekunder",
         "s": "s sec secs second seconds sek sekunde sekunden segundo segundos seconde secondes sekunda sekundy sekund "
         "sekunder",
         "min": "min mins minute minutes minuten minuto minutos minuta minuty minut minutt minutter",
@@ -49,15 +51,41 @@ SHORT = UNSURE | frozenset("m mo mon std".split())
 """Words that beside a name of the time may be a unit and may not: `m` is a metre, a minute or a month."""
 IN_BRACKETS = {"seg": "s", "std": "hour", "timer": "hour", "week": "week", "weeks": "week"}
 """Units of time in brackets only: as words of a name they are something else."""
-NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, "gmt", "iso", "iso8601", "iso 8601", "unix", "epoch", "posix"}
+ZONES = frozenset(
+    "z gmt cet cest est edt cst cdt mst mdt pst pdt akst hst ast adt bst ist wet west eet eest msk jst kst hkt sgt "
+    "aest aedt acst awst nzst nzdt sast".split()
+)
+"""Zones of time by their short names; `Europe/Berlin` is one of `ZONE`."""
+LABELS = frozenset(
+    "plc sps pc device raw start none null n/a na string str text double float float32 float64 int int64 real lreal "
+    "number server client host controller logger daq sensor machine scada".split()
+)
+"""Whose clock it is, or of what type the numbers are."""
+DATES = frozenset(("date", "datetime", "iso", "iso8601"))
+"""Forms of a date: numbers below them may be days, as spreadsheets count them, and are in no unit for sure."""
+NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, *ZONES, *LABELS, "unix", "epoch", "posix"} - DATES
 """What stands in the brackets of a time, in small letters, and is no unit."""
-ZONE = re.compile(r"\b(utc|gmt) ?[+-] ?\d{1,2}(:?\d{2})?\b")
-"""A zone of time in brackets, ``UTC+02:00``."""
-SINCE = ("since", "from", "after")
+BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
+ZONE = re.compile(
+    r"\b(utc|gmt) ?[+-] ?\d{1,2}(:?\d{2})?\b"
+    r"|\b(africa|america|asia|atlantic|australia|europe|indian|pacific|etc)/[a-z_/]+"
+)
+"""A zone of time in brackets: ``UTC+02:00``, ``Europe/Berlin``."""
+SINCE = ("since", "from", "after", "seit", "depuis", "desde", "od", "fra")
 """Words behind which a name says from when times count: ``ms since epoch``."""
 EXTREMES = frozenset("max mean avg average".split())
 """Words of other columns, beside which `min` is a least value."""
 APART = re.compile(r"(?<=[a-z])(?=[A-Z])|[\W_]+")
+SMALL_WORDS = re.compile(r"(milli|mi[ck]ro|nano)[\s_]*s(?=e[ck])", re.IGNORECASE)
+"""Prefixes of seconds in a word of their own: ``MilliSeconds``, ``micro sec``."""
+SMALL_LETTERS = re.compile(r"(?:(?<![^\W_])|(?<=[Tt]ime)|(?<=[Zz]eit))([mun\u00b5\u03bc])S(?=e[ck]|$|[\W_])")
+"""The same in letters: ``mSec``, ``t_mS``."""
+SCALES = frozenset("milli micro mikro nano kilo deci centi half quarter tenth tenths hundredth hundredths".split())
+"""Words beside a unit that make it another one."""
+PARTS = ("m", "u", "n", "k", "c", "d")
+"""Letters that may do the same before seconds, and may be something else: ``m_sec``."""
+COUNTED = re.compile(rf"\d+({'|'.join(UNITS_OF_NAMES)})")
+"""So many of a unit in one word: ``10ms``."""
 RUN_TOGETHER = re.compile(
     r"\b([a-z]*time|timestamp|stamp|elapsed|[a-z]*zeit|zeitstempel|unix|epoch|posix|duration|tiempo|tempo|czas|tijd)"
     rf"({'|'.join(sorted(UNITS_OF_NAMES.keys() - {'s', 'd'}, key=len, reverse=True))})$"
@@ -85,19 +113,24 @@ class TimeHead:
     @property
     def unclear_unit(self) -> bool:
         """Whether it is doubtful by what is, or may be, a word for a unit of time."""
-        return self.doubtful and (bool(self.unit) or any(one in UNITS_OF_NAMES or one in SHORT for one in self.words))
+        known = bool(self.unit) or any(one in UNITS_OF_NAMES or one in SHORT for one in self.words)
+        return self.doubtful and (known or _is_scaled(self.words))
 
 
 def time_head(title: str) -> TimeHead:
     """Read the title of a column, without its unit in brackets; brackets in its middle are words of the name."""
     match = HEADER.fullmatch(title)
     bare = match["name"].strip() if match else title.strip()
-    text = " ".join(part for part in APART.sub(" ", bare).lower().split() if part != "in")
+    joined = SMALL_WORDS.sub(lambda one: f" {one[1]}s".lower(), bare)
+    joined = SMALL_LETTERS.sub(lambda one: f" {one[1] if one[1].isascii() else 'u'}s", joined)
+    text = " ".join(part for part in APART.sub(" ", joined).lower().split() if part != "in")
     text = LETTER_TOGETHER.sub(r"t \1", RUN_TOGETHER.sub(r"\1 \2", text))
     words, since = _without_origin(text.split())
     if len(words) < 2:
         return _of_one_word(words[0] if words else "", bare, since)
     units = [word for word in words if word in UNITS_OF_NAMES]
+    if _is_scaled(words):
+        return _of_other_words(words, True)
     if len(units) != 1:
         return _of_other_words(words, any(one not in OTHERWISE for one in units))
     (word,) = units
@@ -121,7 +154,7 @@ def _without_origin(words: Sequence[str]) -> tuple[tuple[str, ...], bool]:
     at = next((i for i, word in enumerate(words) if i and word in SINCE), len(words))
     behind = words[at + 1 :]
     left = (*words[:at], *(word for word in behind if word in UNITS_OF_NAMES))
-    return left, bool(behind) and words[at] == "since"
+    return left, bool(behind) and words[at] not in ("from", "after")
 
 
 def _of_one_word(word: str, bare: str, since: bool) -> TimeHead:
@@ -133,7 +166,17 @@ def _of_one_word(word: str, bare: str, since: bool) -> TimeHead:
         return TimeHead(words, UNITS_OF_NAMES[word], "unit")
     if word == "min":
         return TimeHead(words, "min", "min")
-    return TimeHead(words, "", _kind(words), word in ("h", "d") or word in UNSURE)
+    return TimeHead(words, "", _kind(words), word in ("h", "d") or word in UNSURE or _is_scaled(words))
+
+
+def _is_scaled(words: Sequence[str]) -> bool:
+    """Whether a name has so many, or a part, of a unit: ``10ms``, ``1/100 s``, ``tenths of seconds``, ``uptime_cs``."""
+    if any(COUNTED.fullmatch(word) for word in words) or (len(words) > 1 and words[-1] in ("cs", "ds", "ks")):
+        return True
+    for before, word in pairwise(words):
+        if word in UNITS_OF_NAMES and (before[0].isdecimal() or (before in PARTS and UNITS_OF_NAMES[word] == "s")):
+            return True
+    return not SCALES.isdisjoint(words) and any(word in UNITS_OF_NAMES for word in words)
 
 
 def _of_other_words(words: tuple[str, ...], doubtful: bool) -> TimeHead:
@@ -156,11 +199,11 @@ def unit_of_time(bracketed: str) -> str | None:
     """The unit that the brackets of a column of times give: ``MS``, ``Sec.``, ``in ms``, ``ms, rel``.
 
     Small and capital letters are one here. Empty for what is no unit, such as ``UTC``; None for what is not understood,
-    for another quantity's unit, and for the form of a clock. `m` may be metres, minutes or months.
+    for another quantity's unit, and for the form of a clock or a date. `m` may be metres, minutes or months.
     """
-    plain = ZONE.sub(r"\1", " ".join(bracketed.casefold().replace("\u03bc", "\u00b5").split()))
+    plain = ZONE.sub("utc", " ".join(bracketed.casefold().replace("\u03bc", "\u00b5").split()))
     parts = (" ".join(_without_origin(part.split())[0]) for part in re.split("[,;]", plain))
-    found = [part for part in (one.removeprefix("in ").strip(" .") for one in parts) if part not in NO_UNITS]
+    found = [part for part in (_bare_unit(one.removeprefix("in ").strip(" .")) for one in parts) if part]
     if not found:
         return ""
     if len(found) > 1:
@@ -175,6 +218,11 @@ def unit_of_time(bracketed: str) -> str | None:
     return None
 
 
+def _bare_unit(text: str) -> str:
+    """What is left of a text in brackets without words that are no unit: ``unix ms`` -> ``ms``; or nothing."""
+    return "" if text in NO_UNITS else " ".join(word for word in text.split() if word not in NO_UNITS)
+
+
 def unit_of_stamps(name: str, bracketed: str) -> tuple[str, str]:
     """The unit of stamps by the name of their column and its brackets, and what is doubtful about it.
 
@@ -184,6 +232,9 @@ def unit_of_stamps(name: str, bracketed: str) -> tuple[str, str]:
     unit = unit_of_time(bracketed)
     if unit is None:
         return "", "unit"
+    within = [one for one in map(unit_of_time, BRACKETS.findall(name)) if one]
+    if not unit and within:  # brackets before others, or in the middle of the name: `Time (s) [UTC]`, `time (s) rel`
+        return (within[0], "") if len(within) == 1 else ("", "unit")
     head = time_head(name)
     if unit or not head.doubtful:
         return unit or head.unit, ""

@@ -91,7 +91,7 @@ class CsvFile:
     def _read(self) -> Record | None:
         while (line := self._line()) is not None:
             try:
-                row = self._header.read(line, self._whole)
+                row = self._header.read(line, self._whole, self._number)
             except SourceStopped as stop:
                 self._stopped = stop
                 return None

@@ -133,12 +133,14 @@ def _by_gravity(stated: str, plain: str, written: Unit, wanted: Unit) -> tuple[f
     gravity = TABLE["m"] * TABLE["s"] ** -2
     if stated in GRAVITIES and wanted.dimension == gravity.dimension:
         return _ratio(gravity, wanted) * GRAVITY * GRAVITIES[stated], ", as multiples of gravity"
-    if not all(name in TABLE for name in NAME.findall(plain)):
+    masses, forces = TABLE["kg"].dimension, TABLE["N"].dimension
+    alone = {written.dimension, wanted.dimension} == {masses, forces}  # any word for a mass, `tonnes`, is a weight
+    if not alone and not all(name in TABLE for name in NAME.findall(plain)):
         return None
     if wanted.mass == 1 and wanted.time == -2 and (written * gravity).dimension == wanted.dimension:
-        what = "" if written.dimension == TABLE["kg"].dimension else f"'{stated}' has a mass, read "
+        what = "" if written.dimension == masses else f"'{stated}' has a mass, read "
         return _ratio(written * gravity, wanted) * GRAVITY, f", {what}as the weight of that mass"
-    if written.dimension == TABLE["N"].dimension and wanted.dimension == TABLE["kg"].dimension:
+    if written.dimension == forces and wanted.dimension == masses:
         return _ratio(written, wanted * gravity) / GRAVITY, ", as the mass of that weight"
     return None
 

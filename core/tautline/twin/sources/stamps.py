@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -16,6 +17,7 @@ NAMES = ("time", "t", "timestamp", "stamp", "ts", "datetime")
 """Columns of the stamp, where none is named."""
 DOUBTFUL = ("ts",)
 """Those of them that may be something else, such as a temperature or a torque."""
+LAST_BRACKET = re.compile(r"\s*(?P<name>.*[^\s])\s*[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])]\s*")
 FINER = ((1e14, "ms", "milliseconds"), (1e17, "us", "microseconds"), (math.inf, "ns", "nanoseconds"))
 """Units of stamps since 1970 that are no seconds: below which number a stamp is likely in each."""
 
@@ -83,16 +85,15 @@ class Stamps:
         """Cause and cure where numbers are stamps whose unit is doubtful."""
         bare = heads([name])[0][0] or name
         said = f"{name} [{self.unit}]" if self.unit and bare == name else name
-        cure = f'write the unit that they are in, such as `time: "{bare} [s]"` in the map, or [s] in the header'
+        cure = f'write the unit that they are in, such as `time: "{bare} [s]"` in the map, or [s] or [ms] in the header'
         return f"'{said}' is the time, and it is not clear in which unit its numbers are", cure
 
     def read(self, name: str, value: Any, factor: float | None = None) -> float:
         """A stamp, s; NaN for what is none. `factor` is that of a header's unit."""
         factor = self.factor if factor is None else factor
-        if not self.asked and name.lower() in DOUBTFUL and self._named != name:
-            self._named = name
-            self._notes.append(f"`{name}` is taken as the time. If it is none, write `time:` in the map with what is")
         found = stamp_of(value, factor)
+        if math.isfinite(found):
+            self._tell_name(name, factor)
         number = number_of(value)
         if self.doubt and not self._told and math.isfinite(number):
             self._told = True
@@ -107,6 +108,14 @@ class Stamps:
                 f'If they are {said}, write `time: "{name} [{unit}]"` in the map'
             )
         return found
+
+    def _tell_name(self, name: str, factor: float) -> None:
+        """Say once which column is taken as the time, where the map names none, and what its numbers count."""
+        if not self.asked and self._named != name and (name.lower() in DOUBTFUL or name.lower() not in NAMES):
+            self._named = name
+            counted = f", and its numbers count {factor:g} s each" if math.isfinite(factor) and factor != 1.0 else ""
+            note = f"`{name}` is taken as the time{counted}. If it is none, write `time:` in the map with what is"
+            self._notes += [note] if note not in self._notes else []
 
 
 def number_of(value: Any) -> float:
@@ -130,8 +139,17 @@ def number_of(value: Any) -> float:
 
 def heads(titles: Sequence[str]) -> tuple[list[str], list[str]]:
     """Names and units of a header's cells: ``heave [cm]``."""
-    found = [HEADER.fullmatch(title) for title in titles]
-    return [one["name"] if one else "" for one in found], [(one["unit"] or "") if one else "" for one in found]
+    found = [_parts(title) for title in titles]
+    return [name for name, _ in found], [unit for _, unit in found]
+
+
+def _parts(title: str) -> tuple[str, str]:
+    """Name and unit of a title: of several brackets the last has the unit, and the name has the others."""
+    if one := HEADER.fullmatch(title):
+        return one["name"], one["unit"] or ""
+    if one := LAST_BRACKET.fullmatch(title):
+        return one["name"], one["unit"]
+    return title.strip(), ""
 
 
 def seconds_in(unit: str) -> float:

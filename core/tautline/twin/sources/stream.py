@@ -76,7 +76,7 @@ class Stream:
             self._begin(Header(line, *given))
             return
         else:
-            row = self._header.read(line, whole)
+            row = self._header.read(line, whole, self._number)
             if row is None or not math.isfinite(row[0]):
                 header = self._header.next_header(line, self._number, whole)
                 if header is not None:

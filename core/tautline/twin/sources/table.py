@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tautline.scene.errors import Problem, SceneError, shorten
-from tautline.scene.reading.columns import NO_UNIT, cure_of_long_rows, filled
+from tautline.scene.reading.columns import NO_UNIT
+from tautline.scene.reading.long_rows import cure_of_long_rows, filled, has_remark, kind_of, only_words_behind
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import OtherQuantity, factor_between
@@ -144,7 +145,8 @@ class Header:
         self._later: Later | None = None
         self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
         self._begun = False  # whether any row was read, also one in doubt
-        self._comma_told = self._long_told = False
+        self._usual: list[str] | None = None  # the latest row that is no longer than the header
+        self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
         problems = []
@@ -270,7 +272,7 @@ class Header:
                 self._later = later
             return self if sure else None
         found._behind = True
-        found._comma_told, found._long_told = self._comma_told, self._long_told
+        found._told = self._told
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
@@ -309,7 +311,7 @@ class Header:
                 raise
             self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
             return self
-        found._comma_told, found._long_told, found._behind = self._comma_told, self._long_told, self._behind
+        found._told, found._behind = self._told, self._behind
         return found
 
     def _described(self, line: str, number: int, told: bool) -> Header | None:
@@ -413,8 +415,8 @@ class Header:
         others = [one for one in titles if one.lower() != "t"]
         return not self._begun and len(others) < len(titles) and not self._stamped(others)
 
-    def read(self, line: str, whole: bool = True) -> tuple[float, Mapping[str, float]] | None:
-        """Stamp and values of a line; None for a line that has too few cells.
+    def read(self, line: str, whole: bool = True, at: int = 0) -> tuple[float, Mapping[str, float]] | None:
+        """Stamp and values of a line, the `at`-th; None for one that has too few cells or too many.
 
         Where a line is shorter than the header, its last cell may be half of one: it counts as missing. A table whose
         lines are all as short, with cells that are left out at their ends, loses by this no more than one cell. So does
@@ -428,7 +430,8 @@ class Header:
             For a row with a stamp behind a header by which it cannot be read.
         """
         cells = cells_of(line, self.separator)
-        count, number = len(cells), filled(cells)
+        count = len(cells)
+        number = filled(cells) if count > self._cells else count
         if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
         name, stamp = self.names[self.stamp] or "time", float("nan")
@@ -439,13 +442,16 @@ class Header:
                 stamp = self._number(name, cells[self.stamp])
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
-            self._too_long(line, number)
-            return None
+            if not self._has_remark(cells):
+                self._too_long(line, number, at)
+                return None
+            self._tell_remark(line, at)
+        elif math.isfinite(stamp) and not doubtful:
+            self._widths.add(count)
+            self._usual = cells if count <= self._cells else self._usual
         if math.isfinite(stamp):
             self._bare, self._begun = False, True
-            self._before = count  # that of a remark does not show that a row is whole
-            if not doubtful:
-                self._widths.add(count)
+            self._before = min(count, self._cells)  # that of a remark does not show that a row is whole
         if len(cells) <= self.stamp:
             return None
         if doubtful:
@@ -469,7 +475,20 @@ class Header:
         refused = SceneError([Problem(self._given[2], self._number_of_line, "", None, cause, cure)])
         raise NewHeader(refused) if self._behind else refused
 
-    def _too_long(self, line: str, number: int) -> None:
+    def _has_remark(self, cells: Sequence[str]) -> bool:
+        """Whether what a row has beyond the header is a remark, so that the cells before it are in their places."""
+        if only_words_behind(cells, max(self.stamp, *self.places.values(), 0)):
+            return True
+        return self._usual is not None and has_remark(cells, self._cells, [{kind_of(one)} for one in self._usual])
+
+    def _tell_remark(self, line: str, at: int) -> None:
+        """Tell once that words beyond the header are passed over."""
+        if "remark" not in self._told:
+            self._told.add("remark")
+            shown = f"the row '{shorten(line)}' has words in more cells than the header has"
+            self.notes.append(f"{self._given[2]}:{at}: {shown}: they are passed over, and the cells before them count")
+
+    def _too_long(self, line: str, number: int, at: int) -> None:
         """Tell once that a row fills more cells than the header has: which cell is whose is not known.
 
         Raises
@@ -479,12 +498,15 @@ class Header:
         """
         where = self._given[2]
         cause = f"the row '{shorten(line)}' fills {number} cells, and the header has {self._cells}"
-        cure = cure_of_long_rows(self.separator, number == self._cells + 1 and not self._begun)
+        first = line.split(self.separator, 1)[0]  # one with the time of a day is no row name: its second has a comma
+        one_more = number == self._cells + 1 and not self._begun and ":" not in first
+        cure = cure_of_long_rows(self.separator, one_more, "this row")
         if not self._begun and not self._behind:
-            raise SceneError([Problem(where, self._number_of_line, "", None, cause, cure)])
-        if not self._long_told:
-            self._long_told = True
-            self.notes.append(f"{where}: {cause}. Such rows are left out, as lines that cannot be read; {cure}")
+            raise SceneError([Problem(where, at or self._number_of_line, "", None, cause, cure)])
+        if "long" not in self._told:
+            self._told.add("long")
+            told = f"{where}:{at}: {cause}. Such rows are left out, as lines that cannot be read"
+            self.notes.append(f"{told}; {cure}" if cure.startswith("if") else f"{told}: {cure}")
 
     def _is_in_doubt(self, line: str, count: int, stamped: bool) -> bool:
         """Whether a row may be of a later header; raises NewHeader where it is, or where nothing speaks against it.
@@ -538,8 +560,8 @@ class Header:
         """A cell's number; NaN for one with a comma in a table that commas separate: it may be one of thousands."""
         if self.separator != "," or "," not in cell:
             return number_of(cell)
-        if not self._comma_told:
-            self._comma_told = True
+        if "comma" not in self._told:
+            self._told.add("comma")
             self.notes.append(
                 f"column '{name}' has cells such as \"{cell}\". In a table with commas between its cells this may be a "
                 "mark of thousands or a decimal comma. Such cells are left out: write numbers without marks of "

@@ -1,0 +1,64 @@
+"""Rows that fill more cells than their header has: remarks without a title, or numbers of which nobody knows whose."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+NO_WORDS = frozenset("na n/a nan null none inf infinity".split())
+"""What programs write where a number is missing, in small letters."""
+
+
+def filled(cells: Sequence[str]) -> int:
+    """Number of cells of a row up to the last one that has something in it: separators at its end make none."""
+    return max((i for i, cell in enumerate(cells, 1) if cell), default=0)
+
+
+def kind_of(cell: str) -> str:
+    """What a cell holds: "word", "number" for all that begins as one, such as dates, or empty for what is missing."""
+    if not cell or cell.lower().lstrip("+-") in NO_WORDS:
+        return ""
+    return "number" if cell.lstrip("+-.,").lstrip()[:1].isdecimal() else "word"
+
+
+def has_remark(cells: Sequence[str], width: int, usual: Sequence[Collection[str]]) -> bool:
+    """Whether the cells of a row beyond the `width` of the header are a remark, and those before it in their places.
+
+    Cells beyond it are words. Behind a last cell of words they may begin with a number, as text with a comma in it
+    does: ``started, 2 stands``. The others are of the kinds that other rows show in their columns (`usual`, of each
+    column): a row name before them, or a decimal comma among them, moves a number to where words are.
+    """
+    text = kind_of(cells[width - 1]) == "word"
+    beyond = [cell for cell in cells[width:] if cell]
+    if not all(_may_be_text(cell) if text else kind_of(cell) == "word" for cell in beyond):
+        return False
+    return all(_is_usual(kind_of(cell), kinds) for cell, kinds in zip(cells[:width], usual, strict=False))
+
+
+def only_words_behind(cells: Sequence[str], place: int) -> bool:
+    """Whether a cell is no word, and those behind it are: then its number cannot have been moved from behind it."""
+    behind = [cell for cell in cells[place + 1 :] if cell]
+    return kind_of(cells[place]) != "word" and all(kind_of(cell) == "word" for cell in behind)
+
+
+def _is_usual(kind: str, usual: Collection[str]) -> bool:
+    return not kind or kind in usual or (kind == "word" and "number" not in usual)
+
+
+def _may_be_text(cell: str) -> bool:
+    """Whether a cell has a letter or is a word: no number, and no date of digits."""
+    return kind_of(cell) == "word" or any(one.isalpha() for one in cell.lstrip("+-.,0123456789eETZ:"))
+
+
+def cure_of_long_rows(separator: str, one_more: bool, rows: str = "every row") -> str:
+    """What to do where rows fill more cells than the header has.
+
+    `one_more` is whether each of the `rows` that were read has one more: so programs such as R write tables, where row
+    names have no title.
+    """
+    commas = "if numbers have decimal commas, put semicolons between the cells" if separator == "," else ""
+    if one_more:
+        names = "the first cell of each row is a row name or a number of the row: give it a title (in R: "
+        names += "`write.table(..., row.names = FALSE)`, or `col.names = NA`)"
+        return f"the header has one cell less than {rows}. It may be that {names}{commas and f'; or, {commas}'}"
+    first = f"{commas}; or give" if commas else "give"
+    return f"{first} each column a title in the header; or, if two lines have run into one, delete that row"
