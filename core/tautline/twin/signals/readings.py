@@ -98,9 +98,8 @@ class Readings:
         """Say from what a sensor counts now, where it has counted from an old reading before."""
         if i in self._old_zeros:
             now, before = (channel.told(channel.scale * zero) for zero in (self.zeros[i], self._old_zeros.pop(i)))
-            self._remarks.append(
-                f"the first rows were old when they came: {channel.column} counts from {now} now (before: from {before})"
-            )
+            counts = f"{channel.column} counts from {now} now (before: from {before})"
+            self._remarks.append(f"the first rows were old when they came: {counts}")
 
     def take_back(self, time: float, computed: Mapping[str, float]) -> None:
         """Call readings no jumps where what is computed, SI by name, jumps as well.
