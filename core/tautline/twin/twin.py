@@ -378,7 +378,7 @@ class Twin:
         self.estimate.from_rest = True
 
     def go_on_from_rest(self) -> None:
-        """Begin again from rest, with an estimate of another version of the program: its simulations held other things."""
+        """Begin again from rest, with an estimate of another version of the program: it simulated other things."""
         self.restarts += 1
         self.notes.append(
             "the state was written by another version of the program: the twin goes on with its estimates, and the "
