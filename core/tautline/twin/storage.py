@@ -94,14 +94,9 @@ def load(twin: Twin, path: Path) -> float:
     """
     cure = "give the state that a twin of the same scene and map wrote, or remove the file to begin anew"
     arrays, words = _read(path, cure)
-    mine, blocks, unknowns = twin.estimate.family.save(), arrays["blocks"], twin.estimate.horizon.unknowns
-    names = [one.name for one in twin.plan.channels]
+    mine, blocks = twin.estimate.family.save(), arrays["blocks"]
     foreign = ResultError(path, "belongs to another scene or another map", cure)
-    if (
-        words["unknowns"] != [one.name for one in unknowns] or len(blocks) != len(mine)
-        or words["channels"] != [one.column for one in twin.plan.channels]
-        or words.get("names", names) != names or len(words["tracks"]) != len(twin.readings.tracks)
-    ):  # fmt: skip
+    if len(blocks) != len(mine) or _is_of_another_map(twin, words):
         raise foreign
     try:
         memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
@@ -129,6 +124,18 @@ def load(twin: Twin, path: Path) -> float:
     if memory is not None:
         memory.put(twin)
     return float(words["now"])
+
+
+def _is_of_another_map(twin: Twin, words: dict[str, Any]) -> bool:
+    """Whether the words of a state show that its map has other unknowns, columns or inputs than a twin's."""
+    channels = twin.plan.channels
+    names = [one.name for one in channels]
+    return bool(
+        words["unknowns"] != [one.name for one in twin.estimate.horizon.unknowns]
+        or words["channels"] != [one.column for one in channels]
+        # States of earlier versions do not say what the columns are.
+        or words.get("names", names) != names or len(words["tracks"]) != len(twin.readings.tracks)
+    )  # fmt: skip
 
 
 def _read(path: Path, cure: str) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
