@@ -1,5 +1,7 @@
 """A row of long ago, such as what a broker has kept, and the rows of now behind it: the time between is a gap."""
 
+import time as clock
+
 import numpy as np
 import pytest
 
@@ -129,6 +131,13 @@ def test_a_live_twin_whose_first_rows_were_old_when_they_came_counts_from_the_fi
     assert twin.estimate.family.time < 4000.0 and any("no rows came for" in note for note in twin.notes)
     told = [note for note in twin.notes if "counts from" in note]
     assert len(told) == 1 and "winch counts from 12 m now (before: from 7" in told[0]
+
+
+def test_rows_that_a_gateway_sends_together_are_of_now_where_their_stamps_are_those_of_this_computers_clock():
+    now, arrived = clock.time(), clock.monotonic()
+    together = [(now - 1.2 + 0.1 * k, 12.0, arrived) for k in range(12)]
+    twin, _ = lines_of([(now - DAY, 7.0, arrived - 5.0), *together])
+    assert twin.readings.zeros == {0: 12.0}
 
 
 @pytest.mark.parametrize("live", [False, True])
