@@ -1,10 +1,13 @@
 """Bad data: each kind has a stated answer, and the estimate stays."""
 
+import json
+
 import numpy as np
 import pytest
 from of_the_suite import studies
 from twin.rehearsal import CALM, alarms, at, finite, hoist, lines_of, rows_of, weight_twin
 
+from tautline.results.errors import ResultError
 from tautline.twin.storage import load, save
 
 
@@ -124,9 +127,48 @@ def test_killed_and_started_again_it_goes_on_with_the_same_estimates(tmp_path, s
             assert line["outputs"]["winch.tension"] == pytest.approx(other["outputs"]["winch.tension"], rel=0.02)
 
 
-def test_a_damaged_or_foreign_state_is_refused(tmp_path):
-    from tautline.results.errors import ResultError
+def written_by_another_version(path):
+    """Let the simulations of a state hold less, as those of an earlier version do."""
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    words = json.loads(arrays["words"].tobytes()) | {"layout": "of an earlier version"}
+    del words["names"]
+    arrays["words"] = np.frombuffer(json.dumps(words).encode(), np.uint8)
+    arrays["blocks"] = arrays["blocks"][:, :-184]
+    with path.open("wb") as file:
+        np.savez(file, **arrays)
 
+
+def test_a_state_that_another_version_of_the_program_wrote_gives_its_estimates_and_the_simulation_begins_again(
+    tmp_path, settled
+):
+    first, rows = settled(end=15.0)
+    lines_of(first, rows[:12])
+    path = tmp_path / "twin.state"
+    save(first, path)
+    written_by_another_version(path)
+    second = weight_twin(start="3 t")
+    begin = load(second, path)
+    assert begin == first.now and second.restarts == first.restarts + 1
+    assert [note for note in second.notes if "written by another version of the program" in note]
+    assert second.estimate.horizon.mean == pytest.approx(first.estimate.horizon.mean)
+    again = lines_of(second, [row for row in rows if row[0] > begin])
+    assert finite(again) and again[0]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
+    assert again[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
+    assert [line["time"] for line in again] == [row[0] for row in rows if row[0] > begin]
+
+
+def test_a_state_whose_columns_drive_other_inputs_is_of_another_map(tmp_path):
+    columns = "sensors: [{{column: a, unit: m, input: {}}}]\nwindow: 3 s\n"
+    first = weight_twin(start="5 t", map=columns.format("winch.pay_out"))
+    for k in range(20):
+        first.add(0.1 * k, {"a": 0.0})
+    save(first, tmp_path / "twin.state")
+    with pytest.raises(ResultError, match="another scene or another map"):
+        load(weight_twin(start="5 t", map=columns.format("vessel.heave")), tmp_path / "twin.state")
+
+
+def test_a_damaged_or_foreign_state_is_refused(tmp_path):
     twin = weight_twin(start="5 t")
     (tmp_path / "bad.state").write_bytes(b"not a state")
     with pytest.raises(ResultError, match="is no state of a twin"):

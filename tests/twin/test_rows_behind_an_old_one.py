@@ -1,5 +1,7 @@
 """A row of long ago, such as what a broker has kept, and the rows of now behind it: the time between is a gap."""
 
+import time as clock
+
 import numpy as np
 import pytest
 
@@ -48,7 +50,7 @@ def test_rows_of_now_behind_one_of_yesterday_are_behind_a_gap_though_no_sample_i
 
 
 def test_rows_of_several_ages_in_any_order_are_behind_gaps_and_the_rows_of_now_are_not():
-    for old in ([0.0, 3600.0], [3600.0, 0.0], [3600.0, 0.0, 7200.0]):
+    for old in ([0.0, 3600.0], [3600.0, 0.0], [3600.0, 0.0, 10000.0]):
         _, came = taken([*old, *LIVE])
         assert [row.time for row in came] == [*sorted(old), *LIVE] and gaps(came) == list(range(1, len(old) + 1))
 
@@ -59,9 +61,29 @@ def test_what_a_twin_is_given_before_the_sample_interval_is_known_may_be_two_min
         assert gaps(came) == behind
 
 
-def test_rows_that_come_every_three_minutes_are_no_gaps_for_ever():
-    rows, came = taken([180.0 * k for k in range(20)])
-    assert len(came) == 20 and rows.interval == 180.0 and not gaps(came)[6:]
+@pytest.mark.parametrize("jitter", [0.0, 6.0])
+@pytest.mark.parametrize("step", [121.0, 180.0, 3600.0])
+def test_steps_of_a_slow_stream_that_repeat_are_its_interval_and_no_gaps(step, jitter):
+    rows, came = taken([step * k + jitter * (k % 2) for k in range(20)])
+    assert len(came) == 20 and rows.interval == pytest.approx(step, abs=jitter) and not gaps(came)
+
+
+@pytest.mark.parametrize("step", [61.0, 90.0, 119.0, 300.0])
+def test_one_lost_row_of_a_stream_slower_than_a_row_a_minute_is_no_gap_and_two_are(step):
+    for lost, count in (({7}, 0), ({7, 8}, 1)):
+        rows, _ = taken([step * k for k in range(14) if k not in lost])
+        assert rows.counts["gaps"] == count
+
+
+def test_a_slow_live_stream_of_which_each_row_is_answered_in_the_silence_behind_it_has_no_gaps_but_the_first():
+    rows, came = taken([180.0 * k for k in range(20)], silent_after=range(20))
+    assert gaps(came) == [1] and rows.interval == 180.0
+
+
+def test_a_first_row_from_the_future_is_set_aside_and_the_sample_interval_becomes_known():
+    rows, came = taken([1.0e6, *LIVE])
+    assert [row.time for row in came] == LIVE and rows.counts == {"future": 1}
+    assert rows.interval == pytest.approx(0.1) and not gaps(came)
 
 
 def test_repeated_readings_of_a_machine_that_stands_still_do_not_hide_a_day_without_rows():
@@ -73,26 +95,73 @@ def test_repeated_readings_of_a_machine_that_stands_still_do_not_hide_a_day_with
     assert gaps(came) == [9]
 
 
-def lines_of(rows, silent_after):
-    twin = Twin(SCENE, MAP, live=True)
+def lines_of(rows, silent_after=None, live=True):
+    """A twin and its lines, of rows of (stamp, reading, arrival); nothing comes for a while after one of them."""
+    twin = Twin(SCENE, MAP, live=live)
     lines = []
-    for k, (stamp, reading) in enumerate(rows):
-        lines += twin.add(stamp, [reading])
+    for k, (stamp, reading, arrived) in enumerate(rows):
+        lines += twin.add(stamp, [reading], arrived)
         if k == silent_after:
             lines += twin.answers(silent=True)
-    return twin, lines
+    return twin, lines + twin.finish()
+
+
+def as_measured(rows, since=1000.0):
+    """Rows (stamp, reading) with the arrival of each, as they are measured."""
+    return [(stamp, reading, since + stamp - rows[0][0]) for stamp, reading in rows]
+
+
+NOW = as_measured([(stamp, 12.0 + 0.01 * k) for k, stamp in enumerate(LIVE)])
+"""Rows as they are measured, of a winch that pays out 0.11 m."""
+OLD = {
+    "one": [(0.0, 7.0, 990.0)],
+    "two": [(0.0, 7.0, 990.0), (500.0, 7.5, 990.0)],
+    "six at regular steps": [(300.0 * k, 7.0, 990.0) for k in range(6)],
+}
 
 
 @pytest.mark.parametrize("silent_after", [0, None])
-def test_a_twin_of_which_the_first_row_is_of_yesterday_follows_the_rows_of_now_from_their_first_place(silent_after):
-    twin, lines = lines_of([(0.0, 7.0), *((t, 12.0) for t in LIVE)], silent_after)
-    assert lines[0]["time"] == 0.0 and len(lines) > 8
-    # The winch stands where it stood when rows began to come: yesterday's 7 m is no place that 12 m count from.
-    assert lines[-1]["inputs"] == {"winch.pay_out": pytest.approx(0.0, abs=1e-9)}
-    assert twin.estimate.family.time < 60.0 and any("no rows came for 86400 s" in note for note in twin.notes)
+@pytest.mark.parametrize("old", OLD)
+def test_a_live_twin_whose_first_rows_were_old_when_they_came_counts_from_the_first_row_of_now_and_says_so(
+    old, silent_after
+):
+    twin, lines = lines_of([*OLD[old], *NOW], silent_after)
+    # Yesterday's 7 m is no place that 12 m count from.
+    assert lines[-1]["inputs"]["winch.pay_out"] == pytest.approx(0.11, abs=1e-3) and twin.readings.zeros == {0: 12.0}
+    assert twin.estimate.family.time < 4000.0 and any("no rows came for" in note for note in twin.notes)
+    told = [note for note in twin.notes if "counts from" in note]
+    assert len(told) == 1 and "winch counts from 12 m now (before: from 7" in told[0]
+
+
+def test_rows_that_a_gateway_sends_together_are_of_now_where_their_stamps_are_those_of_this_computers_clock():
+    now, arrived = clock.time(), clock.monotonic()
+    together = [(now - 1.2 + 0.1 * k, 12.0, arrived) for k in range(12)]
+    twin, _ = lines_of([(now - DAY, 7.0, arrived - 5.0), *together])
+    assert twin.readings.zeros == {0: 12.0}
+
+
+@pytest.mark.parametrize("live", [False, True])
+def test_a_file_counts_from_its_first_row_though_a_long_gap_comes_soon_also_where_it_is_piped(live):
+    rows = [(0.0, 7.0), (0.1, 7.0), *((t, 10.0) for t in LIVE)]
+    arrivals = [1000.0 + 1e-4 * k if live else 0.0 for k in range(len(rows))]
+    twin, lines = lines_of([(*row, came) for row, came in zip(rows, arrivals, strict=True)], live=live)
+    assert twin.readings.zeros == {0: 7.0} and lines[-1]["inputs"]["winch.pay_out"] == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("live", [False, True])
+@pytest.mark.parametrize("step", [125.0, 300.0])
+def test_a_slow_stream_counts_from_its_first_row(step, live):
+    rows = as_measured([(step * k, 100.0 + 0.2 * k) for k in range(9)])
+    twin = Twin(SCENE, MAP, live=live)
+    for row in rows:
+        twin.readings.rows.add(row[0], {"winch": row[1]}, row[2])
+        while (one := twin.readings.rows.ready(silent=live)) is not None:
+            twin.readings.checked(one)
+    assert twin.readings.zeros == {0: 100.0}
 
 
 def test_the_place_that_counts_as_zero_holds_over_a_long_gap_in_rows_that_had_begun():
-    before = [(0.1 * k, 7.0) for k in range(12)]
-    twin, lines = lines_of([*before, *((t, 7.5) for t in LIVE)], None)
+    before = as_measured([(0.1 * k, 7.0) for k in range(12)], 900.0)
+    after = as_measured([(t, 7.5) for t in LIVE])  # the clock was set forward by a day
+    twin, lines = lines_of([*before, *after])
     assert twin.readings.zeros == {0: 7.0} and np.isclose(lines[-1]["inputs"]["winch.pay_out"], 0.5)

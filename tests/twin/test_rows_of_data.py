@@ -92,7 +92,7 @@ def test_a_clock_that_runs_fast_is_reported():
     rows = Rows(["x"], 0.0, live=True)
     for k in range(900):
         rows.add(0.1 * k * 1.01, {"x": 0.0}, arrived=0.1 * k)
-    assert rows.clock_rate == pytest.approx(0.01, abs=1e-4)
+    assert rows.arrivals.clock_rate == pytest.approx(0.01, abs=1e-4)
     assert "runs +1 %" in rows.notes[0]
 
 

@@ -216,7 +216,9 @@ def differences(a, b, path="twin"):
     return differences(vars(a), vars(b), path) if type(a).__module__.startswith("tautline.twin") else []
 
 
-OF_THIS_PROCESS = ("_kept", "_job", "sim", "found", "factor", "limited_by", "simulations", "notes", "_remarks")
+OF_THIS_PROCESS = (
+    "_kept", "_job", "sim", "found", "factor", "limited_by", "simulations", "notes", "_remarks", "_come_as_measured",
+)  # fmt: skip
 """Of one process only, or written before it is read: rows that may come again, what runs ahead, what was told."""
 
 

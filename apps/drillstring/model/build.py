@@ -19,6 +19,7 @@ from drillstring.results.observe import (
     headline,
     possible_figures,
     variables,
+    whirl_remarks,
 )
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
@@ -74,7 +75,7 @@ def build(scene: DrillstringScene) -> Model:
         on_demand=observer.on_demand,
         headline=lambda result: headline(result, lumps, scene.top.weight),
         limits=lambda result: limits(result, scene, lumps),
-        remarks=lambda result: pushed_at_the_top(result, scene),
+        remarks=lambda result: _remarks(result, scene, lumps),
         figure_units=FIGURES,
         nothing=NOTHING,
         start="as given" if scene.start == "straight" else scene.start,
@@ -86,6 +87,12 @@ def build(scene: DrillstringScene) -> Model:
         handles=lambda: handles(scene, lumps, model),
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
+
+
+def _remarks(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[str]:
+    """Sentences on what is seen in a run."""
+    # Of a run that keeps statistics it is told already that they have no whirl ratio.
+    return pushed_at_the_top(result, scene) + ([] if scene.output.statistics else whirl_remarks(result, lumps))
 
 
 def _possible(scene: DrillstringScene, lumps: Lumps, stored: list[Variable]) -> tuple[str, ...]:

@@ -22,6 +22,8 @@ COUNTED = 0.5 * np.pi
 """Angle about the axis between two frames, rad, above which turns cannot be counted from frames."""
 BY_AREA = "by the area swept, because turns cannot be counted: the way meets the axis, or the frames are too far apart"
 """What the summary says of a whirl ratio that is no count of turns."""
+WHOLE = 2.0 * np.pi * (1.0 - 1e-9)
+"""A turn, rad, but for rounding."""
 SLOWEST = 1.0e-3
 """Rotary speed, rad/s, below which a string does not turn."""
 
@@ -66,31 +68,53 @@ class Whirl:
         area, square = (total[last] - total[first] for total in sums)
         return np.where(square > STILL**2 * (last - first), area / np.maximum(square, STILL**2), np.nan)
 
-    def ratio(self, share: float = LATE) -> float:
+    def share(self) -> float:
+        """Share of the run, at its end, of which the whirl ratio is told: a fifth, or the last turn if neither pipe
+        nor lump goes round in that. The fifth is a choice, and the turn is none.
+        """
+        late, left = self._late(LATE), np.abs(self._turned()[-1] - self._turned())
+        whole = np.flatnonzero(left >= WHOLE)
+        if left[late][0] >= WHOLE or not whole.size or not self.counts(LATE):
+            return LATE
+        angle = np.unwrap(np.angle(self.offset[late]))
+        if abs(angle[-1] - angle[0]) >= WHOLE:
+            return LATE
+        time = self.time
+        return float((time[-1] - time[whole[-1]]) / (time[-1] - time[0])) * (1.0 + 1e-9)
+
+    @property
+    def span(self) -> str:
+        """What of the run the whirl ratio is told of, in words."""
+        return "fifth of the run" if self.share() == LATE else "turn of the pipe"
+
+    def _turned(self) -> np.ndarray:
+        """Angle by which the pipe has turned since the first frame (m,), rad."""
+        return np.append(0.0, np.cumsum(0.5 * (self.spin[1:] + self.spin[:-1]) * np.diff(self.time)))
+
+    def ratio(self, share: float | None = None) -> float:
         """Whirl ratio, mean of the end of the run; NaN where the string does not turn, or the lump is on the axis.
 
         It is the angle about the axis over that of the pipe in whole turns, so that of a whirl with the rotary is 1
         whatever the orbit's form and however the rotary's speed changes; NaN where neither goes round once. Where turns
         cannot be counted (`counts`) it is the area swept over r^2: 0 of what swings through the axis.
         """
+        share = self.share() if share is None else share
         late = self._late(share)
         square, spin = float((np.abs(self.offset[late]) ** 2).sum()), float(self.spin[late].mean())
         if square <= STILL**2 * late.sum() or abs(spin) < SLOWEST:
             return float("nan")
         if self.counts(share):
-            time, turning = self.time[late], self.spin[late]
-            steps = 0.5 * (turning[1:] + turning[:-1]) * np.diff(time)
-            return _over_whole_turns(np.unwrap(np.angle(self.offset[late])), np.append(0.0, np.cumsum(steps)))
+            return _over_whole_turns(np.unwrap(np.angle(self.offset[late])), self._turned()[late])
         swept = np.imag(np.conj(self.offset[late]) * self.velocity[late])
         return float(swept.sum()) / square / spin
 
-    def counts(self, share: float = LATE) -> bool:
+    def counts(self, share: float | None = None) -> bool:
         """Whether the turns about the axis can be counted at the end of the run.
 
         The lump stays away from the axis, and its angle goes less than a quarter of a turn from frame to frame: by
         place, and by speed, which tells of the whole turns that places leave out.
         """
-        late = self._late(share)
+        late = self._late(self.share() if share is None else share)
         time, offset = self.time[late], self.offset[late]
         if time.size < 2 or np.abs(offset).min() <= STILL:
             return False
@@ -98,6 +122,11 @@ class Whirl:
         speed = np.abs(np.imag(np.conj(offset) * self.velocity[late])) / np.abs(offset) ** 2
         expected = np.maximum(speed[1:], speed[:-1]) * np.diff(time)
         return bool(max(step.max(), expected.max()) <= COUNTED)
+
+    @property
+    def is_short(self) -> bool:
+        """Whether turns can be counted at the end of the run, and neither pipe nor lump makes one."""
+        return self.counts(LATE) and bool(np.abs(self._turned()[-1] - self._turned()).max() < WHOLE)
 
     def _late(self, share: float) -> np.ndarray:
         """Frames (m,) at the end of the run."""
@@ -149,6 +178,14 @@ def lateral_velocity(result: Any, lumps: list[int] | slice = slice(None)) -> np.
     return np.stack([(velocity * side).sum(axis=-1), (velocity * other).sum(axis=-1)], axis=-1)
 
 
+def short_of_a_turn(result: Any) -> list[str]:
+    """A sentence where a run has no whirl ratio as it is too short for one."""
+    figures = whirl_figures(result)
+    if not figures or "whirl_ratio" in figures or not whirl_of(result, busiest(result)).is_short:
+        return []
+    return ["no whirl ratio: the string made less than a turn in this run. A longer `--end` gives it"]
+
+
 def busiest(result: Any) -> int:
     """Number of the lump whose way across the hole is the widest."""
     return int(np.ptp(result["lateral_displacement"], axis=0).max(axis=-1).argmax())
@@ -179,10 +216,11 @@ def whirl_figures(result: Any) -> dict[str, tuple[float, str, str]]:
         return {}
     figures = {"lateral_offset_max": (float(np.abs(one.offset).max()), "m", f"largest lateral displacement ({place})")}
     figures["lateral_offset_depth"] = (one.depth, "m", "measured depth of the largest lateral displacement")
-    ratio = one.ratio()
+    share = one.share()
+    ratio = one.ratio(share)
     if np.isfinite(ratio):
-        words = "mean whirl speed over rotary speed, last fifth of the run"
-        figures["whirl_ratio"] = (ratio, "", words if one.counts() else f"{words}; {BY_AREA}")
+        words = f"mean whirl speed over rotary speed, last {one.span}"
+        figures["whirl_ratio"] = (ratio, "", words if one.counts(share) else f"{words}; {BY_AREA}")
     gained = np.diff(lateral_velocity(result), axis=0) / np.diff(result.time)[:, None, None]
     largest = float(np.linalg.norm(gained, axis=-1).max())
     figures["lateral_acceleration_max"] = (largest, "m/s^2", "largest lateral acceleration")

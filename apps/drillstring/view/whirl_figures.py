@@ -106,7 +106,7 @@ def _rate(plot: Axes, one: Whirl, ratio: float) -> None:
     plot.set_xlabel(label("time", "s"))
     plot.set_ylabel(label("whirl rate, clockwise", "Hz"))
     if np.isfinite(ratio):
-        plot.set_title(f"mean whirl ratio, last fifth of the run: {round(ratio, 2) + 0.0:+.2f}", fontsize=10)
+        plot.set_title(f"mean whirl ratio, last {one.span}: {round(ratio, 2) + 0.0:+.2f}", fontsize=10)
 
 
 def _offset(plot: Axes, one: Whirl) -> None:

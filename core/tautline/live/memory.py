@@ -262,7 +262,10 @@ def check(state: Any, scene: str, layout: str, size: int) -> None:
     if state.scene != scene:
         raise SimulationError("the state belongs to another scene", cure)
     if state.layout != layout or state.block.dtype != np.uint8 or state.block.shape != (size,):
-        cause = "the state belongs to a simulation with other inputs, forces or another method, or of another build"
+        cause = (
+            "the state belongs to a simulation with other inputs, forces or another method, or was written by another "
+            "version of the program"
+        )
         raise SimulationError(cause, cure)
     if not (np.isfinite(state.time) and state.time >= 0.0):
         raise SimulationError("the state is damaged: it has no time", cure)

@@ -45,6 +45,7 @@ def save(twin: Twin, path: Path) -> None:
     words = {
         "format": FORMAT, "scene": states[0].scene, "layout": states[0].layout, "times": [s.time for s in states],
         "unknowns": [one.name for one in h.unknowns], "channels": [one.column for one in twin.plan.channels],
+        "names": [one.name for one in twin.plan.channels],
         "origin": estimate.log.origin, "now": twin.now, "unsettled": twin.unsettled, "restarts": twin.restarts,
         "zeros": {str(k): v for k, v in readings.zeros.items()}, "rows": readings.rows.memory(),
         "tracks": [one.memory() for one in readings.tracks], "health": [one.memory() for one in readings.health],
@@ -83,6 +84,9 @@ def save(twin: Twin, path: Path) -> None:
 def load(twin: Twin, path: Path) -> float:
     """Let a twin go on from a file; gives the time of the data that it goes on from, s.
 
+    Where another version of the program wrote it, whose simulations hold other things, the twin keeps the estimates and
+    begins again from rest, as behind a long gap.
+
     Raises
     ------
     ResultError
@@ -90,12 +94,9 @@ def load(twin: Twin, path: Path) -> float:
     """
     cure = "give the state that a twin of the same scene and map wrote, or remove the file to begin anew"
     arrays, words = _read(path, cure)
-    mine, blocks, unknowns = twin.estimate.family.save(), arrays["blocks"], twin.estimate.horizon.unknowns
+    mine, blocks = twin.estimate.family.save(), arrays["blocks"]
     foreign = ResultError(path, "belongs to another scene or another map", cure)
-    if (
-        words["unknowns"] != [one.name for one in unknowns] or len(blocks) != len(mine)
-        or words["channels"] != [one.column for one in twin.plan.channels]
-    ):  # fmt: skip
+    if len(blocks) != len(mine) or _is_of_another_map(twin, words):
         raise foreign
     try:
         memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
@@ -109,8 +110,12 @@ def load(twin: Twin, path: Path) -> float:
         if grown is not None:
             twin.become(grown)
             mine = twin.estimate.family.save()
-    if words["scene"] != mine[0].scene or words["layout"] != mine[0].layout:
+    if words["scene"] != mine[0].scene:
         raise foreign
+    if words["layout"] != mine[0].layout:
+        _recall(twin, words, arrays)
+        twin.go_on_from_rest()
+        return float(words["now"])
     twin.estimate.family.restore([
         State(time, words["scene"], words["layout"], block, 0)
         for time, block in zip(words["times"], blocks, strict=True)
@@ -119,6 +124,18 @@ def load(twin: Twin, path: Path) -> float:
     if memory is not None:
         memory.put(twin)
     return float(words["now"])
+
+
+def _is_of_another_map(twin: Twin, words: dict[str, Any]) -> bool:
+    """Whether the words of a state show that its map has other unknowns, columns or inputs than a twin's."""
+    channels = twin.plan.channels
+    names = [one.name for one in channels]
+    return bool(
+        words["unknowns"] != [one.name for one in twin.estimate.horizon.unknowns]
+        or words["channels"] != [one.column for one in channels]
+        # States of earlier versions do not say what the columns are.
+        or words.get("names", names) != names or len(words["tracks"]) != len(twin.readings.tracks)
+    )  # fmt: skip
 
 
 def _read(path: Path, cure: str) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

@@ -377,6 +377,16 @@ class Twin:
         )
         self.estimate.from_rest = True
 
+    def go_on_from_rest(self) -> None:
+        """Begin again from rest, with an estimate of another version of the program: it simulated other things."""
+        self.restarts += 1
+        self.notes.append(
+            "the state was written by another version of the program: the twin goes on with its estimates, and the "
+            "simulation begins again from rest"
+        )
+        self._rest()
+        self.settling.disturb(self.now)
+
     def _pass_over(self, row: Row) -> None:
         """Begin again from rest behind a long gap, with the estimate as it is: an hour at rest is not simulated."""
         self.restarts += 1

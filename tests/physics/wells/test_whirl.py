@@ -314,6 +314,24 @@ def test_less_than_a_turn_of_pipe_and_lump_has_no_whirl_ratio(narrow):
     assert one.counts() and np.isnan(one.ratio())
 
 
+@pytest.mark.parametrize(("rate", "end"), [(10.0, 3.0), (1.0, 31.0), (1.0, 6.3)])
+@pytest.mark.parametrize(("ratio", "narrow"), [(1.0, 0.0), (1.0, 0.9), (0.5, 0.0), (0.0, 0.0)])
+def test_where_the_last_fifth_is_less_than_a_turn_the_whirl_ratio_is_that_of_the_last_turn(rate, end, ratio, narrow):
+    # last fifths of 0.95, 0.99 and 0.2 turns
+    time = np.linspace(0.0, end, 3001)
+    one = Whirl(0, time, *fixed_to(rate * time, rate, ratio, narrow), np.full(time.size, rate), 10.0, None, None)
+    assert one.counts() and one.ratio() == pytest.approx(ratio, abs=1e-3) and one.span == "turn of the pipe"
+
+
+def test_a_run_of_less_than_a_turn_says_that_it_has_no_whirl_ratio_and_what_gives_one():
+    turn = 2.0 * pi / (0.5 * CRITICAL)
+    for end, said in ((0.8 * turn, True), (1.5 * turn, False)):
+        result = run(span(0.5 * CRITICAL, solver__end=end))
+        told = [one for one in result.attributes["warnings"] if "no whirl ratio" in one]
+        assert ("whirl_ratio" not in result.headline) == said == bool(told)
+        assert all("--end" in one for one in told)
+
+
 def test_whole_turns_of_a_lump_that_outruns_a_pipe_of_less_than_a_turn_make_a_whirl_ratio():
     time, rate = np.arange(0.0, 4.0, 0.001), 1.0  # 0.8 s: 0.13 turns of the pipe, 1.5 of the lump
     one = Whirl(0, time, *fixed_to(rate * time, rate, -12.0, 0.3), np.full(time.size, rate), 10.0, None, None)

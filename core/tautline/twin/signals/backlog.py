@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tautline.twin.signals.rows import AT_ONCE, LONG_GAP, TOLD_BY
+from tautline.twin.signals.arrivals import AT_ONCE, LONG_GAP, TOLD_BY
 
 LIMIT = 1.5
 """Time from which on a twin is behind its machine, where no look ahead is shorter, s."""
@@ -64,13 +64,13 @@ class Backlog:
         """Take notice of the newest stamp, and of when the last record arrived, s."""
         if np.isfinite(stamp):
             stamps = stamp - self._moved[0]
-            if stamps > LONG_GAP:
-                self._came.clear()  # it has not gone by while rows came
+            if stamps > LONG_GAP or stamps < 0.0:
+                self._came.clear()  # it has not gone by while rows came, or the first row was from the future
                 self._spare = 0.0
             elif stamps > 0.0:
                 self._spread(stamps, arrived - self._moved[1])
                 self._call_due(arrived)
-            if not stamps <= 0.0:
+            if stamps != 0.0:
                 self._moved = stamp, arrived
             self._came.append((stamp, arrived))
         while len(self._came) > 1 and self._came[1][1] <= arrived - TOLD_BY:

@@ -58,6 +58,7 @@ class Readings:
         self.waves = {one.name: Waves() for one in plan.inputs if one.waves}
         self.zeros: dict[int, float] = {}
         self.far: dict[str, float] = {}
+        self._old_zeros: dict[int, float] = {}
         self._remarks: list[str] = []
         self.stepped: set[int] = set()
         self.step_found = False
@@ -65,7 +66,7 @@ class Readings:
     def checked(self, row: Row) -> np.ndarray:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
         if row.begins:  # what was shown long ago is not where the machine stands
-            self.zeros.clear()
+            self._old_zeros, self.zeros = self.zeros, {}
             self.far.clear()
         values = np.full(len(self.channels), np.nan)
         coming = list(takewhile(lambda one: not one.after_gap, self.rows.waiting))
@@ -74,6 +75,7 @@ class Readings:
             reading = row.values[i]
             if channel.zero_first and i not in self.zeros and np.isfinite(reading):
                 self.zeros[i] = float(reading)
+                self._tell_zero(channel, i)
             zero = self.zeros.get(i, 0.0) if channel.zero_first else channel.zero
             start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
             following = [channel.scale * (one.values[i] - zero) + start for one in coming]
@@ -91,6 +93,13 @@ class Readings:
                         track.part(row.time)
         row.values = values
         return values
+
+    def _tell_zero(self, channel: Channel, i: int) -> None:
+        """Say from what a sensor counts now, where it has counted from an old reading before."""
+        if i in self._old_zeros:
+            now, before = (channel.told(channel.scale * zero) for zero in (self.zeros[i], self._old_zeros.pop(i)))
+            counts = f"{channel.column} counts from {now} now (before: from {before})"
+            self._remarks.append(f"the first rows were old when they came: {counts}")
 
     def take_back(self, time: float, computed: Mapping[str, float]) -> None:
         """Call readings no jumps where what is computed, SI by name, jumps as well.

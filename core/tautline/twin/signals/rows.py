@@ -24,19 +24,20 @@ from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice, pairwise
+from itertools import islice, pairwise, takewhile
 from typing import Any
 
 import numpy as np
 
 from tautline.scene.values.moments import duration_said, stamp_said
+from tautline.twin.signals.arrivals import AT_ONCE, LONG_GAP, TOLD_BY, TYPICAL, Arrivals
 
 REGULAR_GAPS, EQUAL = 5, 1.5
 """Gaps in a row that are the sample interval, as the longest of them is no more than so many times the shortest."""
 FAR = 4.0
 """Stamps further ahead than so many sample intervals wait for the next."""
-LONG_GAP = 120.0
-"""Step of stamps that is a gap however little is known of the sample interval, s: it is not simulated."""
+SEVERAL = 2.5
+"""Sample intervals that are no long gap however long each is: a row may be lost."""
 BACK = 5
 """Rows in a row that are late and follow one another: the clock was set back."""
 INTERVALS = 51
@@ -45,8 +46,6 @@ DELAY = 3.0
 """Sample intervals that a row waits where no delay is given."""
 SHOWN_IN = 1.0
 """Longest that the first row waits for others that show the noise of inputs, s."""
-TYPICAL = 5
-"""Rows after which the sample interval is known."""
 DIFFERENT = 3
 """Rows with a stamp that was there, and with other readings, after which this is told."""
 BEHIND = 10
@@ -67,13 +66,6 @@ KEPT, MOST_KEPT = 60.0, 3000
 """For how long, s, rows that were answered are known again by a later process; and how many of them at most."""
 MOST_ASIDE = 100_000
 """Rows from before those that are known again that wait until it is known what they are."""
-AT_ONCE, TOLD_BY = 2.0, 1.0
-"""Stamps that go by so many times as fast as rows come are of rows that were written before; and the time after which
-that is told, s."""
-CLOCK_WRONG = 1e-3
-"""Rate of the source's clock beside ours that is reported."""
-CLOCK_TIME = 60.0
-"""Over how long that is found, s."""
 
 NULLS = (-999.0, -999.25, -9999.0, -9999.25)
 """What the formats of rigs (WITS, LAS) write for a value that is missing."""
@@ -89,7 +81,7 @@ class Row:
 
     ``places`` are those of its records among all that the source gives; one that is ``new`` is known to repeat none.
     ``repeated`` (c,) are columns whose readings are those of before, which held as nothing else was sent.
-    The data ``begin`` with one behind a long gap where too few came before to show how often rows come.
+    The data of now ``begin`` with one of a live source where those before it were old when they came.
     """
 
     time: float
@@ -159,8 +151,8 @@ class Rows:
     """
 
     MADE_ANEW = (
-        "columns", "delay", "live", "notes", "bounds", "scales", "factors", "fewest", "clock_rate", "_clock",
-        "_came_first", "_first_left_out",
+        "columns", "delay", "live", "notes", "bounds", "scales", "factors", "fewest", "arrivals",
+        "_came_first",
     )  # fmt: skip
     """What another process has by itself: times of arrival are of one computer's clock."""
 
@@ -199,9 +191,7 @@ class Rows:
         # Those of rows with repeated readings only: they serve until others are known.
         self._repeats: deque[float] = deque(maxlen=INTERVALS)
         self._gaps: deque[float] = deque(maxlen=REGULAR_GAPS)
-        self._first_left_out = False
-        self._clock: deque[tuple[float, float]] = deque(maxlen=600)
-        self.clock_rate = 0.0
+        self.arrivals = Arrivals()
         self.known_interval = np.nan
         self.wanted, self.fewest = 0.0, 1
         self._kept: list[tuple[Row, np.ndarray]] = []
@@ -239,7 +229,8 @@ class Rows:
         row = Row(time, read, arrived, places=[place], repeated=np.array([one in repeated for one in self.columns]))
         # What is behind others came later than they did, and what is repeated was never sent.
         if self.live and row.measured.any() and time + self.shift > self.newest:
-            self._compare_clocks(time, arrived)
+            told = self.arrivals.take(time, arrived)
+            self.notes += [told] if told else []
         if self._taken_back:
             self._taken_back.append(row)  # those before it are not put in their place yet
         else:
@@ -294,13 +285,14 @@ class Rows:
         if row.time - self.newest > self._far and np.isfinite(self.newest):
             self._suspect = row  # it may be no row of now: what a stream repeats has not ended yet
             return
+        self._doubt_first(row)
         self._running_up = False
         self._leave_out()
         self._late.clear()
         measured = row.measured
         self._in_time[measured] += 1
         self._behind_since[measured] = np.nan
-        if measured.any():
+        if measured.any() and np.isfinite(self.interval):
             self._gaps.clear()
         for i in np.flatnonzero(measured).tolist():
             self._behind[i].append(0.0)
@@ -373,29 +365,48 @@ class Rows:
         # What is repeated until something is measured does not tell how far apart measurements are.
         if self._repeats or not np.isfinite(interval):
             return LONG_GAP
-        return min(FAR * interval, max(LONG_GAP, EQUAL * interval))
+        return min(FAR * interval, max(LONG_GAP, SEVERAL * interval))
+
+    def _doubt_first(self, row: Row) -> None:
+        """Let the first row wait as one from far ahead, where the second comes long before it."""
+        if self.reached == -np.inf and len(self.waiting) == 1 and self.waiting[0].time - row.time > self._far:
+            self._suspect = self.waiting.pop()
+            self.newest = -np.inf
+            self._seen[:], self._last_shown[:] = np.nan, True
 
     def _resolve(self, row: Row) -> None:
-        """A row that came from far ahead: there was a gap if the next goes on from it."""
+        """A row that came from far ahead: time has gone by if the next goes on from it."""
         suspect, self._suspect = self._suspect, None
         assert suspect is not None
         if row.time >= suspect.time:
-            self._put_behind_gap(suspect)
-            self._gaps.append(suspect.time - self.newest)
-            self._insert(suspect)
-            if len(self._gaps) == REGULAR_GAPS and max(self._gaps) <= EQUAL * min(self._gaps):
-                # No gaps: what is measured comes less often than before.
-                self._intervals.clear()
-                self._intervals.extend(self._gaps)
-                self.known_interval = float(np.median(self._gaps))
-                self._gaps.clear()
+            self._go_far(suspect, [row.time - suspect.time])
         else:
             self.counts["future"] += 1
             self._compare_ahead(suspect)
 
+    def _go_far(self, row: Row, then: Sequence[float] = ()) -> None:
+        """Insert a row from far ahead: behind a gap, unless steps as long as that are known to repeat.
+
+        `then` is the step behind it, where that is known.
+        """
+        self._gaps.append(row.time - self.newest)
+        unknown = not np.isfinite(self.interval)
+        steps = [*self._gaps, *then][-2:] if unknown else list(self._gaps)
+        alike = len(steps) == (2 if unknown else REGULAR_GAPS) and max(steps) <= EQUAL * min(steps)
+        if not (alike and unknown):
+            self._put_behind_gap(row)
+        if alike and unknown:
+            self.known_interval = float(np.median(steps))
+        self._insert(row)
+        if alike and not unknown:
+            # No gaps: what is measured comes less often than before.
+            self._intervals.clear()
+            self._intervals.extend(self._gaps)
+            self.known_interval = float(np.median(self._gaps))
+            self._gaps.clear()
+
     def _put_behind_gap(self, row: Row) -> None:
         row.after_gap = True
-        row.begins = not np.isfinite(self.interval)
         self.counts["gaps"] += 1
 
     def _is_repeated(self, row: Row) -> bool:
@@ -585,23 +596,6 @@ class Rows:
                 return True
         return False
 
-    def _compare_clocks(self, stamp: float, arrived: float) -> None:
-        """Find how fast the source's clock runs beside ours."""
-        if not self._first_left_out:
-            self._first_left_out = True  # what holds when it is first asked for is older than what follows
-            return
-        if self._clock and arrived - self._clock[-1][1] < 0.1:
-            return
-        self._clock.append((stamp, arrived))
-        first, last = self._clock[0], self._clock[-1]
-        if last[1] - first[1] > CLOCK_TIME:
-            before = abs(self.clock_rate) > CLOCK_WRONG
-            a = np.array(self._clock)
-            self.clock_rate = float(np.polyfit(a[:, 1] - first[1], a[:, 0] - first[0], 1)[0]) - 1.0
-            if abs(self.clock_rate) > CLOCK_WRONG and not before:
-                rate = 100.0 * self.clock_rate
-                self.notes.append(f"the source's clock runs {rate:+.2g} % beside ours; the twin goes by its stamps")
-
     def ready(self, end: bool = False, silent: bool = False) -> Row | None:
         """The next row that no other can come before.
 
@@ -615,16 +609,16 @@ class Rows:
                 f"whether its clock was set back. {them} left out"
             )
             self._leave_out()
-        while (row := self._next((end or silent) and not self._taken_back)) is None and self._taken_back:
+        while (row := self._next(end, silent)) is None and self._taken_back:
             self._take(self._taken_back.popleft())
         return row
 
-    def _next(self, at_once: bool) -> Row | None:
-        """The next row in order; with `at_once` nothing more is waited for."""
+    def _next(self, end: bool, silent: bool) -> Row | None:
+        """The next row in order, of which nothing more is waited for at the end or in a silence."""
+        at_once = (end or silent) and not self._taken_back
         if at_once and self._suspect is not None:
-            self._put_behind_gap(self._suspect)
-            self._insert(self._suspect)
-            self._suspect = None
+            suspect, self._suspect = self._suspect, None
+            self._go_far(suspect)
         if not self.waiting:
             return None
         if self.reached == -np.inf and not at_once and self._shows_too_little:
@@ -633,6 +627,9 @@ class Rows:
         behind = self._suspect is not None or any(one.after_gap for one in self.waiting[1:])
         if not (at_once or behind or self.newest - row.time >= self.patience - 1e-9):
             return None
+        if self.live and row.after_gap:
+            together = [row, *takewhile(lambda one: not one.after_gap, self.waiting[1:])]
+            row.begins = self.arrivals.begin_now(together, silent and not end)
         self.waiting.pop(0)
         self.past.append(row)
         self.reached = row.time
@@ -686,3 +683,4 @@ class Rows:
         self.answered.extend((float(time), np.array(values, float)) for time, *values in memory.get("answered", ()))
         # What is new of a file is counted, and its rows do not arrive.
         self._running_up = self.live
+        self.arrivals.go_on()

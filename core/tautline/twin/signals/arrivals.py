@@ -1,0 +1,116 @@
+"""When rows of a live source arrive beside their stamps: how fast its clock runs, and where its rows of now begin."""
+
+from __future__ import annotations
+
+import time as clock
+from collections import deque
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+LONG_GAP = 120.0
+"""Step of stamps that is a gap however little is known of the sample interval, s: it is not simulated."""
+AT_ONCE, TOLD_BY = 2.0, 1.0
+"""Stamps that go by so many times as fast as rows come are of rows that were written before; and the time after which
+that is told, s."""
+TYPICAL = 5
+"""Rows after which the sample interval is known."""
+CLOCK_WRONG = 1e-3
+"""Rate of the source's clock beside ours that is reported."""
+CLOCK_TIME = 60.0
+"""Over how long that is found, s."""
+
+
+class Arrived(Protocol):
+    """What has a stamp and came at a time of this computer's clock, s."""
+
+    stamp: float
+    arrived: float
+
+
+class Arrivals:
+    """Follows stamps of a live source and when they came.
+
+    The first rows of one may be old, such as what a broker has kept: they come at once, and the stamps of the rows
+    behind them are later by more than the time that went by. A stream of which each row takes minutes shows no such
+    thing, and a file, whose rows do not arrive, shows nothing.
+
+    Attributes
+    ----------
+    clock_rate : float
+        How much faster the source's clock runs than ours, as a share.
+    """
+
+    def __init__(self) -> None:
+        self.clock_rate = 0.0
+        self._clock: deque[tuple[float, float]] = deque(maxlen=600)
+        self._first_left_out = False
+        # The first of the rows that are no older than those behind them, and how many came since; the newest.
+        self._since, self._count = (np.nan, np.nan), 0
+        self._newest = (np.nan, np.nan)
+        self._come_as_measured = False
+        self._behind_old: list[float] = []
+
+    def go_on(self) -> None:
+        """Take notice that an earlier process has begun: the first rows that come now are not the first."""
+        self._come_as_measured = True
+
+    def take(self, stamp: float, arrived: float) -> str:
+        """Take a row that is newer than all before; gives what is to be told."""
+        self._look_for_old(stamp, arrived)
+        return self._compare_clocks(stamp, arrived)
+
+    def _look_for_old(self, stamp: float, arrived: float) -> None:
+        """Keep the stamp of a row that shows by its arrival that all before it were old."""
+        if self._come_as_measured:
+            return
+        later = (stamp - self._newest[0]) - (arrived - self._newest[1])
+        self._newest = stamp, arrived
+        if later > LONG_GAP:
+            self._behind_old.append(stamp)
+        if later > LONG_GAP or not self._count:
+            self._since, self._count = (stamp, arrived), 1
+            return
+        self._count += 1
+        stamps, passed = stamp - self._since[0], arrived - self._since[1]
+        long_enough = self._count >= TYPICAL or passed >= TOLD_BY
+        self._come_as_measured = long_enough and passed > 0.0 and stamps <= AT_ONCE * passed
+
+    def begin_now(self, rows: Sequence[Arrived], silent: bool) -> bool:
+        """Whether with the first of some rows the rows of now begin, and all before it were old.
+
+        Those are of now that come as they are measured, or whose stamps are those of this computer's clock.
+
+        Parameters
+        ----------
+        rows : sequence
+            That row and those behind it, without a gap between them.
+        silent : bool
+            Whether none has come for a while.
+        """
+        first, last = rows[0], rows[-1]
+        if first.stamp not in self._behind_old:
+            return False
+        stamps, passed = last.stamp - first.stamp, last.arrived - first.arrived
+        as_measured = silent if first is last else stamps <= AT_ONCE * passed
+        wall = clock.time() - clock.monotonic() + first.arrived
+        return as_measured or abs(first.stamp - wall) <= LONG_GAP
+
+    def _compare_clocks(self, stamp: float, arrived: float) -> str:
+        """Find how fast the source's clock runs beside ours; gives the sentence where that is to be told."""
+        if not self._first_left_out:
+            self._first_left_out = True  # what holds when it is first asked for is older than what follows
+            return ""
+        if self._clock and arrived - self._clock[-1][1] < 0.1:
+            return ""
+        self._clock.append((stamp, arrived))
+        first, last = self._clock[0], self._clock[-1]
+        if last[1] - first[1] <= CLOCK_TIME:
+            return ""
+        before = abs(self.clock_rate) > CLOCK_WRONG
+        a = np.array(self._clock)
+        self.clock_rate = float(np.polyfit(a[:, 1] - first[1], a[:, 0] - first[0], 1)[0]) - 1.0
+        if abs(self.clock_rate) <= CLOCK_WRONG or before:
+            return ""
+        return f"the source's clock runs {100.0 * self.clock_rate:+.2g} % beside ours; the twin goes by its stamps"
