@@ -177,6 +177,7 @@ class Observer:
         """The same, each variable made when it is asked for; the frames have to stay as they are."""
         q, v, three = frames.q, frames.v, np.arange(AXES)
         found = frames.own[:, : PER_SPAN * self.elements].reshape(len(q), self.elements, PER_SPAN)
+        found = self._before_anything_moves(frames, found)
         tension = together(("tension",), lambda: {"tension": self._tension(v, found)})
         made: dict[str, Callable[[], Any]] = {
             "position": lambda: q[:, self.stations[:, None] + three],
@@ -199,6 +200,29 @@ class Observer:
             made["compensator"] = lambda: sample(self.compensator, 0, np.ascontiguousarray(frames.time))[:, 0]
         made |= together(ENERGIES, lambda: energies_of(frames))
         return OnDemand(made)
+
+    def _before_anything_moves(self, frames: Any, found: np.ndarray) -> np.ndarray:
+        """What the spans found, with the forces at t = 0 as they are before anything moves: stretch and load alone.
+
+        Where a scene begins with a speed, one element alone takes all of the jump at t = 0: its damping is c EA v / L,
+        and has no bound as the mesh gets finer. What is left of it at any later time, the mesh does not change.
+        """
+        first = np.flatnonzero(np.asarray(frames.time) == 0.0)
+        if self.spans is None or first.size == 0:
+            return found
+        found, rows = found.copy(), self.spans.rows
+        q, then = frames.q[first], found[first]
+        stretch = then[..., STRETCH]
+        if self.scene.rope.strain == "engineering":
+            strain, slope = stretch - 1.0, np.ones_like(stretch)
+        else:
+            strain, slope = 0.5 * (stretch**2 - 1.0), stretch
+        force = np.where((rows.slack == 1) & (strain < 0.0), 0.0, rows.stiffness * strain * slope)
+        half = 0.5 * (q[:, rows.b + MATERIAL] - q[:, rows.a + MATERIAL])
+        half *= np.einsum("mni,ni->mn", then[..., RECORDED:], rows.load)
+        then[..., FORCE], then[..., FIRST], then[..., LAST] = force, force + half, force - half
+        found[first] = then
+        return found
 
     def _of_bodies(self, x: np.ndarray) -> np.ndarray:
         """Places of the bodies in full vectors (m, n): (m, bodies, 3)."""
