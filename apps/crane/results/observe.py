@@ -208,7 +208,7 @@ class Observer:
         and has no bound as the mesh gets finer. What is left of it at any later time, the mesh does not change.
         """
         first = np.flatnonzero(np.asarray(frames.time) == 0.0)
-        if self.spans is None or first.size == 0:
+        if self.spans is None or self.scene.start != "static" or first.size == 0:
             return found
         found, rows = found.copy(), self.spans.rows
         q, then = frames.q[first], found[first]
