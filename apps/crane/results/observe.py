@@ -130,6 +130,7 @@ class Observer:
         diameter = self.scene.rope.diameter
         self.layers = [layers_of(self.scene.path[i], diameter, layout.stretch) for i in self.drums]
         self.hung = layout.once("hung", self._hung)
+        self.hangs: np.ndarray | None = None
         self.compensator: Any = None
         if compensation is not None:
             self.compensator = compile_functions([FunctionRequest(compensation.place, end=self.scene.solver.end)])
@@ -208,19 +209,18 @@ class Observer:
         and has no bound as the mesh gets finer. What is left of it at any later time, the mesh does not change.
         """
         first = np.flatnonzero(np.asarray(frames.time) == 0.0)
-        if self.spans is None or self.scene.start != "static" or first.size == 0:
+        if self.spans is None or self.hangs is None or first.size == 0:
             return found
         found, rows = found.copy(), self.spans.rows
-        q, then = frames.q[first], found[first]
+        then = found[first]
         stretch = then[..., STRETCH]
         if self.scene.rope.strain == "engineering":
             strain, slope = stretch - 1.0, np.ones_like(stretch)
         else:
             strain, slope = 0.5 * (stretch**2 - 1.0), stretch
         force = np.where((rows.slack == 1) & (strain < 0.0), 0.0, rows.stiffness * strain * slope)
-        half = 0.5 * (q[:, rows.b + MATERIAL] - q[:, rows.a + MATERIAL])
-        half *= np.einsum("mni,ni->mn", then[..., RECORDED:], rows.load)
-        then[..., FORCE], then[..., FIRST], then[..., LAST] = force, force + half, force - half
+        then[..., FORCE] = force
+        then[..., FIRST], then[..., LAST] = force + self.hangs[:, 0], force + self.hangs[:, 1]
         found[first] = then
         return found
 
@@ -246,6 +246,8 @@ class Observer:
         """Tension in the equilibrium that was found last, (spans, 2) N: nothing moves, and no damping is in it."""
         if self.spans is None:
             return {}
+        # What hangs on the ends of an element beside its force in the middle: its weight, and what the water does.
+        self.hangs = self.spans.found[:, [FIRST, LAST]] - self.spans.found[:, [FORCE]]
         still = np.zeros((1, self.layout.degrees.value.size))
         return {"tension": self._tension(still, self.spans.found[None])[0]}
 
