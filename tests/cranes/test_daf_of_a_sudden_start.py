@@ -1,4 +1,4 @@
-"""The largest tension is amplified over the tension at rest: a sudden start puts the rope's damping in the first frame.
+"""The largest tension is amplified over the tension at rest, also where vessel or load start with a speed.
 
 At rest a rope that hangs straight down carries the load and its own weight below the place: m g + q g z.
 """
@@ -54,19 +54,16 @@ def heaving():
     return tautline.simulate(scene())
 
 
-# A start upwards stretches the rope at the tip and one downwards lets it go: the first frame is high or low.
+# A start upwards stretches the rope at the tip and one downwards lets it go.
 @pytest.mark.parametrize(("damping", "amplitude"), [("0.5 ms", 0.9), ("10 ms", 0.9), ("10 ms", -0.9)])
 def test_the_factor_is_over_the_weight_that_hangs_whatever_the_damping_does_at_a_sudden_start(damping, amplitude):
     result = tautline.simulate(scene(damping, amplitude))
     assert daf(result)["value"] == pytest.approx(of_hand(result), rel=1e-4)
     assert "first frame" not in daf(result)["text"] and "estimated" not in daf(result)["text"]
-    if damping == "10 ms":  # the case tells: the first frame carries another tension than hangs there
-        assert np.abs(result["tension"][0, 0] / AT_REST - 1.0).max() > 0.2
 
 
 def test_a_limit_on_the_factor_is_judged_by_the_tension_at_rest(heaving):
-    first = float((heaving["tension"] / heaving["tension"][0]).max())
-    assert of_hand(heaving) < MOST < first
+    assert of_hand(heaving) < MOST
     assert judged(heaving)["passed"] is True and judged(heaving)["value"] == daf(heaving)["value"]
 
 
@@ -119,8 +116,10 @@ def test_a_result_of_an_earlier_version_says_that_the_factor_is_over_the_first_f
         attributes = heaving.attributes | {"start": {"found": "static", "stable": True}}
 
     part = Earlier({name: heaving[name] for name in ("tension", "body_position", "position")})
+    # The first frame of an earlier version had the rope's damping in it.
+    part["tension"] = np.concatenate(([0.8 * heaving["tension"][0]], heaving["tension"][1:]))
     found = headline(part, scene(), names=["dynamic_amplification"])["dynamic_amplification"]
-    assert found["value"] == pytest.approx(float((heaving["tension"] / heaving["tension"][0]).max()), rel=1e-12)
+    assert found["value"] == pytest.approx(of_hand(heaving) / 0.8, rel=1e-4)
     assert "over the tension in the first frame" in found["text"]
 
 

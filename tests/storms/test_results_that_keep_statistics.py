@@ -272,8 +272,8 @@ def test_frames_before_begin_count_in_no_figure_and_no_limit(jump, every_frame):
     limits = [{"output": "tension", "above": 51.0e3, "name": "load"}, {"output": "max_tension", "above": 51.0e3}]
     kept = simulate(Crane().build(jump.replace({"output": KEEP | {"begin": begin}, "limits": limits})))
     some = every_frame.time >= begin - 1e-9
-    first, tension = every_frame["tension"][0], every_frame["tension"][some]
-    assert every_frame["tension"].max() > first.max() > tension.max() + 1.0e3
+    tension = every_frame["tension"][some]
+    assert every_frame["tension"].max() > tension.max() + 1.0e3 and tension.max() < 51.0e3
     figures = {name: one["value"] for name, one in kept.headline.items()}
     assert figures["max_tension"] == tension.max() and figures["min_tension"] == tension.min()
     # The start is what is hung from, and what a rise is measured from.

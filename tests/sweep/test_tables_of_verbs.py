@@ -67,6 +67,14 @@ def test_simulate_takes_no_options_in_a_sweep_and_other_verbs_no_outputs():
         )
 
 
+@pytest.mark.parametrize(("step", "sets"), [("2 ms", True), ([1, 2], False)])
+def test_an_option_of_simulate_with_several_values_is_one_to_vary_and_none_to_set(step, sets):
+    with pytest.raises(SceneError, match=r"vary solver\.step of the scene") as error:
+        tautline.sweep("data/hoist.yaml", {"solver.end": ["1 s"]}, collect=["max_tension"], options={"step": step})
+    assert ("--set 'solver.step=2 ms'" in str(error.value)) is sets
+    assert ("--set" in str(error.value)) is sets
+
+
 def test_places_that_differ_from_case_to_case_are_kept_with_each_case():
     # By default the speeds go up to that of the scene: the n-th is another one in each case.
     data = tautline.sweep(

@@ -130,6 +130,7 @@ class Observer:
         diameter = self.scene.rope.diameter
         self.layers = [layers_of(self.scene.path[i], diameter, layout.stretch) for i in self.drums]
         self.hung = layout.once("hung", self._hung)
+        self.hangs: np.ndarray | None = None
         self.compensator: Any = None
         if compensation is not None:
             self.compensator = compile_functions([FunctionRequest(compensation.place, end=self.scene.solver.end)])
@@ -177,6 +178,7 @@ class Observer:
         """The same, each variable made when it is asked for; the frames have to stay as they are."""
         q, v, three = frames.q, frames.v, np.arange(AXES)
         found = frames.own[:, : PER_SPAN * self.elements].reshape(len(q), self.elements, PER_SPAN)
+        found = self._before_anything_moves(frames, found)
         tension = together(("tension",), lambda: {"tension": self._tension(v, found)})
         made: dict[str, Callable[[], Any]] = {
             "position": lambda: q[:, self.stations[:, None] + three],
@@ -200,6 +202,28 @@ class Observer:
         made |= together(ENERGIES, lambda: energies_of(frames))
         return OnDemand(made)
 
+    def _before_anything_moves(self, frames: Any, found: np.ndarray) -> np.ndarray:
+        """What the spans found, with the forces at t = 0 as they are before anything moves: stretch and load alone.
+
+        Where a scene begins with a speed, one element alone takes all of the jump at t = 0: its damping is c EA v / L,
+        and has no bound as the mesh gets finer. What is left of it at any later time, the mesh does not change.
+        """
+        first = np.flatnonzero(np.asarray(frames.time) == 0.0)
+        if self.spans is None or self.hangs is None or first.size == 0:
+            return found
+        found, rows = found.copy(), self.spans.rows
+        then = found[first]
+        stretch = then[..., STRETCH]
+        if self.scene.rope.strain == "engineering":
+            strain, slope = stretch - 1.0, np.ones_like(stretch)
+        else:
+            strain, slope = 0.5 * (stretch**2 - 1.0), stretch
+        force = np.where((rows.slack == 1) & (strain < 0.0), 0.0, rows.stiffness * strain * slope)
+        then[..., FORCE] = force
+        then[..., FIRST], then[..., LAST] = force + self.hangs[:, 0], force + self.hangs[:, 1]
+        found[first] = then
+        return found
+
     def _of_bodies(self, x: np.ndarray) -> np.ndarray:
         """Places of the bodies in full vectors (m, n): (m, bodies, 3)."""
         bodies = np.array([self.layout.body[body.name] for body in self.scene.bodies], dtype=int)
@@ -222,6 +246,8 @@ class Observer:
         """Tension in the equilibrium that was found last, (spans, 2) N: nothing moves, and no damping is in it."""
         if self.spans is None:
             return {}
+        # What hangs on the ends of an element beside its force in the middle: its weight, and what the water does.
+        self.hangs = self.spans.found[:, [FIRST, LAST]] - self.spans.found[:, [FORCE]]
         still = np.zeros((1, self.layout.degrees.value.size))
         return {"tension": self._tension(still, self.spans.found[None])[0]}
 

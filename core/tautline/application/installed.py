@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Set
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from tautline import entry_points
 from tautline.errors import TautlineError
@@ -14,7 +14,7 @@ from tautline.scene.errors import Problem, SceneError
 if TYPE_CHECKING:
     from tautline.application.protocol import Application
     from tautline.results.result import Result
-    from tautline.scene.reading.document import Document
+    from tautline.scene.reading.document import Document, PartlyReplacedError
 
 GROUP = "tautline.applications"
 """Entry points of this group name the classes of applications."""
@@ -24,6 +24,8 @@ NEEDED = ("name", "title", "recognises", "read", "build", "schema", "templates")
 
 Change = Callable[["Application", "Document"], "Document"]
 """What another text than the file's is made with before a scene is validated: values of the command line."""
+
+S = TypeVar("S")
 
 _registered: dict[str, Any] = {}
 
@@ -65,20 +67,51 @@ def refuse_other_kind(path: Path, own: Callable[[dict[str, Any]], bool]) -> None
         raise SceneError([Problem(str(path), None, "", None, f"is a scene of {name}", cure)])
 
 
-def read_changed(application: Application, document: Document, change: Change) -> Any:
-    """The scene of a document with other values, validated with them; where they find no place, the file may be why.
+def read_changed(read: Callable[[Document], S], document: Document, change: Callable[[Document], Document]) -> S:
+    """The scene that `read` makes of a document with other values, validated with them.
 
     Raises
     ------
     SceneError
-        Of the scene with the values; and, where they cannot be put into the document, of the document or else of them.
+        Of the scene with the values. Where some cannot be put into the document, of these, and then of the document
+        with the others: what those replace is no fault.
     """
+    from tautline.scene.reading.document import PartlyReplacedError
+
     try:
-        document = change(application, document)
-    except SceneError:
-        application.read(document)
-        raise
-    return application.read(document)
+        document = change(document)
+    except PartlyReplacedError as error:
+        raise SceneError(_all_faults(error, read)) from None
+    return read(document)
+
+
+def _all_faults(error: PartlyReplacedError, read: Callable[[Document], Any]) -> list[Problem]:
+    """Faults of values that found no place, and of the document without them, which may be why they found none."""
+    others = _faults(read, error.document)
+    faulty = {other.key for other in others}
+    return [*(problem for problem in error.problems if not _innocent(problem, error.document, faulty, read)), *others]
+
+
+def _faults(read: Callable[[Document], Any], document: Document) -> list[Problem]:
+    """What is wrong with a document."""
+    try:
+        read(document)
+    except SceneError as found:
+        return found.problems
+    return []
+
+
+def _innocent(problem: Problem, document: Document, faulty: Set[str], read: Callable[[Document], Any]) -> bool:
+    """Whether a value found no place only because what it should be in is no mapping, or no list, but ought to be."""
+    from tautline.scene.reading.document import join_key, split_key
+
+    *above, part = split_key(problem.key) or ("",)
+    place = join_key(tuple(above))
+    if not above or place not in faulty:
+        return False
+    such = {part: None} if isinstance(part, str) else [None]
+    mended = document.replaced({tuple(above): (such, problem.file)})
+    return all(other.key != place for other in _faults(read, mended))
 
 
 def overridden(application: Application, document: Document, given: Mapping[str, Any]) -> Document | None:
@@ -209,7 +242,9 @@ class Single:
 
         try:
             if change is not None:
-                return self.application, read_changed(self.application, Document.read(path), change)
+                return self.application, read_changed(
+                    self.application.read, Document.read(path), functools.partial(change, self.application)
+                )
             return self.application, self.application.read(path)
         except SceneError:
             refuse_other_kind(path, self.application.recognises)
@@ -273,7 +308,7 @@ class Installed:
         document = Document.read(path)
         application = self.for_scene(document)
         if change is not None:
-            return application, read_changed(application, document, change)
+            return application, read_changed(application.read, document, functools.partial(change, application))
         return application, application.read(document)
 
     def of(self, scene: Any) -> Application:

@@ -48,6 +48,8 @@ SUMS_OVER_TIME = ("external_work", "dissipated_energy")
 """Outputs that grow with the run."""
 NOTHING = 1.0e-9
 """Share of an output's largest derivative below which one is rounding."""
+LATER = 1.0e-30
+"""A time, s, which is as good as 0, and not that of the first frame of a run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -446,7 +448,8 @@ class _Linearisation:
             self._residual()
             # What a law notes at the end of a step, such as a drive its torque and a contact its force, is of now.
             settle(self.laws, state, self.t)
-            record_now(method, self.system, state, self.t, frames.rows[0])
+            # The first frame of a run may tell of what was before any motion; a plant is of a state that moves.
+            record_now(method, self.system, state, self.t or LATER, frames.rows[0])
             frame = self.sim.model.observe(frames)
             for one in compiled:
                 value = np.array(one.value(frame), dtype=float)

@@ -70,7 +70,7 @@ def at_start(result: Any, name: str) -> Any:
 def at_rest(result: Any, name: str) -> np.ndarray | None:
     """Values of a variable in the static equilibrium that a run began from, before anything moved.
 
-    They are not those of the first frame where something is set moving at once: a rope's damping is in that frame.
+    They need not be those of the first frame where something is set moving at once: damping may be in that frame.
 
     Returns
     -------

@@ -55,7 +55,10 @@ def check_verb(read: SweepFile, application: Any) -> None:
         name, value = next(iter(read.options.items()))
         key = key_of_setting(application, name)
         cure = "fixed values are given with --set, and others under vary, by the keys of the scene"
-        cure = f"for all cases give --set '{key}={value}', or vary that key of the scene" if key else cure
+        if key:
+            cure = f"vary {key} of the scene"
+            # What has several values is no value of the key, but what it is to be varied over.
+            cure = cure if isinstance(value, (list, dict)) else f"for all cases give --set '{key}={value}', or {cure}"
         raise SceneError([read.problem_at(("options",), "simulate takes none in a sweep", cure)])
     if read.verb != SIMULATE:
         of_verb = tables_of(application)[read.verb].options

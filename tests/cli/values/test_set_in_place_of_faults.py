@@ -1,5 +1,6 @@
 """Values of the command line replace those of the file before the scene is validated: what is replaced is no fault."""
 
+import pickle
 from pathlib import Path
 
 import pytest
@@ -84,6 +85,67 @@ def test_where_a_value_finds_no_place_in_a_faulty_file_the_file_is_told(command)
     Path("flat.yaml").write_text(HOIST.replace(SOLVER, "solver: 5"), encoding="utf8")
     (problem,) = problems(command("check", "flat.yaml", "--set", "solver.end=2 s", "--json"))
     assert (problem["file"], problem["key"], problem["value"]) == ("flat.yaml", "solver", "5")
+
+
+def told(found):
+    """Where each problem is, and its key, or what was given where it has none."""
+    assert found[0] == 2
+    return [(one["file"], one["key"] or one["value"]) for one in problems(found)]
+
+
+def test_where_a_value_of_set_leaves_no_place_for_another_option_set_is_told(command):
+    bar = str(DATA / "cantilever_bar.yaml")
+    found = command("simulate", bar, "--set", "GeneralizedAlpha=3", "--end", "0.1", "-o", "a.nc", "--json")
+    assert told(found) == [("--set", "GeneralizedAlpha")]
+    Path("never.yaml").write_text(HOIST.replace("end: 12 s", "end: never"), encoding="utf8")
+    found = command("simulate", "never.yaml", "--set", "solver=3", "--end", "0.1", "-o", "a.nc", "--json")
+    assert told(found) == [("--set", "solver")]
+    assert not Path("a.nc").exists()
+
+
+WRONG = {
+    "bodies[7].mass=6 t": "bodies[7]",
+    "bodies[0].mass.x=6 t": "bodies[0].mass.x",
+    "path[9].sheave.law=no_slip": "path[9]",
+    "mass=[1,": "mass=[1,",
+    "=1": "=1",
+    "": "",
+    "a[=1": "a[",
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_faulty_option_is_told_and_not_the_fault_of_the_file_that_another_replaces(command, wrong):
+    for sets in (["bodies[0].mass=6 t", wrong], [wrong, "bodies[0].mass=6 t"]):
+        found = command("check", "heavy.yaml", "--set", sets[0], "--set", sets[1], "--json")
+        assert told(found) == [("--set", WRONG[wrong])]
+    # What nothing replaces is told after it.
+    found = command("check", "heavy.yaml", "--set", wrong, "--json")
+    assert told(found) == [("--set", WRONG[wrong]), ("heavy.yaml", "bodies[0].mass")]
+
+
+def test_all_faulty_options_are_told_at_once(command):
+    sets = ["--set", "bodies[0].mass=6 t", "--set", "bodies[7].mass=1", "--set", "=1", "--set", "path[9].x=2"]
+    assert set(told(command("check", "heavy.yaml", *sets, "--json"))) == {
+        ("--set", "bodies[7]"), ("--set", "=1"), ("--set", "path[9]"),
+    }  # fmt: skip
+
+
+def test_commands_that_read_scenes_themselves_tell_faulty_options_and_the_file_alike(command, capsys):
+    hose = own("gardenhose", capsys)
+    Path("hose.yaml").write_text((DATA / "hose.yaml").read_text(encoding="utf8") + "\nnone_such: 1\n", encoding="utf8")
+    found = hose("static", "hose.yaml", "--set", "none_such[3]=1", "--set", "=1", "--json")
+    assert ("--set", "=1") in told(found) and ("hose.yaml", "none_such") in told(found)
+
+
+def test_a_value_that_finds_no_place_changes_nothing_on_its_way():
+    from tautline.scene.reading.document import Document, PartlyReplacedError
+
+    with pytest.raises(PartlyReplacedError) as caught:
+        Document.parse("a: 1").changed({"b.c[0].d": 1, "a": 2, "e.f": 3}, "--set")
+    assert caught.value.document.root == {"a": 2, "e": {"f": 3}}
+    (problem,) = pickle.loads(pickle.dumps(caught.value)).problems
+    assert problem.key == "b.c[0]"
 
 
 def test_a_number_of_another_base_may_be_replaced(command):

@@ -19,6 +19,7 @@ from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.output.summary import limit_said, limits_of_scene, table, two_columns
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import option_error
+from tautline.scene.reading.document import in_turn
 from tautline.scene.values.printed import in_words, quantity
 
 if TYPE_CHECKING:
@@ -213,12 +214,14 @@ def _scene_of(
         overrides = {key: value for key, value in overrides.items() if key != "accuracy"}
 
     def change(application: Application, document: Document) -> Document:
-        nonlocal overrides
-        document = changed(document, changes)
-        made = overridden(application, document, overrides)
-        # What is done now need not be done to the scene.
-        overrides = overrides if made is None else {}
-        return document if made is None else made
+        def with_settings(document: Document) -> Document:
+            nonlocal overrides
+            made = overridden(application, document, overrides)
+            # What is done now need not be done to the scene.
+            overrides = overrides if made is None else {}
+            return document if made is None else made
+
+        return in_turn(document, lambda document: changed(document, changes), with_settings)
 
     some = changes or any(value is not None for value in overrides.values())
     application, found = catalogue.read(scene, change if some else None)

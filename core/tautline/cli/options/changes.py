@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+from tautline.application import installed
 from tautline.application.installed import Change, overridden
-from tautline.scene.errors import SceneError, option_error
-from tautline.scene.reading.document import Document
+from tautline.scene.errors import Problem, SceneError, option_error
+from tautline.scene.reading.document import Document, PartlyReplacedError, in_turn
 
 OPTION = "--set"
 EXAMPLE = "write --set 'solver.step=2 ms'"
@@ -29,17 +30,25 @@ def changed(document: Document, given: Sequence[str] | None) -> Document:
 
     Raises
     ------
-    SceneError
-        Naming the option, for what is no key with a value, and a key that leads nowhere.
+    PartlyReplacedError
+        Naming the option, for what is no key with a value, and a key that leads nowhere: of all that were given.
     """
-    values: dict[str, Any] = {}
+    values, wrong = dict[str, Any](), list[Problem]()
     for text in given or ():
-        key, equals, value = text.partition("=")
-        if not equals or not key.strip():
-            raise option_error(OPTION, text, "is no key with a value", EXAMPLE)
-        values.pop(key.strip(), None)
-        values[key.strip()] = _value(value, text)
-    return document.changed(values, OPTION) if values else document
+        try:
+            key, value = _key_and_value(text)
+        except SceneError as error:
+            wrong += error.problems
+            continue
+        values.pop(key, None)
+        values[key] = value
+    try:
+        made = document.changed(values, OPTION) if values else document
+    except PartlyReplacedError as error:
+        raise PartlyReplacedError([*wrong, *error.problems], error.document) from None
+    if wrong:
+        raise PartlyReplacedError(wrong, made)
+    return made
 
 
 def change_of(given: Sequence[str] | None, end: float | None = None) -> Change | None:
@@ -56,21 +65,33 @@ def change_of(given: Sequence[str] | None, end: float | None = None) -> Change |
         return None
 
     def change(application: Any, document: Document) -> Document:
-        document = changed(document, given)
-        made = None if end is None else overridden(application, document, {"end": end})
-        return document if made is None else made
+        def ended(document: Document) -> Document:
+            made = None if end is None else overridden(application, document, {"end": end})
+            return document if made is None else made
+
+        return in_turn(document, lambda document: changed(document, given), ended)
 
     return change
 
 
 def read_changed(read: Callable[[Path | Document], S], path: Path, given: Sequence[str] | None) -> S:
     """What `read` makes of a file with the values that were given in place of its own; raises SceneError."""
-    return read(changed(Document.read(path), given) if given else path)
+    if not given:
+        return read(path)
+    return installed.read_changed(read, Document.read(path), lambda document: changed(document, given))
 
 
 def as_given(given: Sequence[str] | None) -> str:
     """The options as a shell takes them, for the next command."""
     return "".join(f" {OPTION} {shlex.quote(text)}" for text in given or ())
+
+
+def _key_and_value(text: str) -> tuple[str, Any]:
+    """What was given, taken apart; raises SceneError for what is no key with a value."""
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise option_error(OPTION, text, "is no key with a value", EXAMPLE)
+    return key.strip(), _value(value, text)
 
 
 def _value(text: str, whole: str) -> Any:

@@ -10,7 +10,7 @@ import functools
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -175,25 +175,24 @@ class Document:
 
         Raises
         ------
-        SceneError
-            If a path leads through something that has no keys.
+        PartlyReplacedError
+            If a path leads through something that has no keys; it has the copy with all other values.
         """
         # What nothing is changed in stays the same object: it need not be read again.
         touched = {path[0] for path in values if path} if isinstance(self.root, dict) else set()
         root = {key: _copied(item) if key in touched else item for key, item in self.root.items()}
-        origins = dict(self.origins)
+        origins, wrong = dict(self.origins), list[Problem]()
         for path, (value, origin) in values.items():
-            place: Any = root
-            for i, part in enumerate(path):
-                if (wrong := _no_place(place, part)) is not None:
-                    raise SceneError([Problem(origin, None, join_key(path[: i + 1]), None, *wrong)])
-                if i == len(path) - 1:
-                    place[part] = plain(value, path, origin)
-                elif isinstance(place, dict) and place.get(part) is None:
-                    place[part] = {}
-                place = place[part]
-            origins[path] = origin
-        return replace(self, root=root, origins=origins)
+            try:
+                _put(root, path, value, origin)
+            except SceneError as error:
+                wrong += error.problems
+            else:
+                origins[path] = origin
+        made = replace(self, root=root, origins=origins)
+        if wrong:
+            raise PartlyReplacedError(wrong, made)
+        return made
 
     def changed(self, values: Mapping[str, Any], origin: str) -> Document:
         """Copy with other values.
@@ -207,10 +206,16 @@ class Document:
 
         Raises
         ------
-        SceneError
+        PartlyReplacedError
             For what is no name of a key, a value that no file could hold, and as `replaced` does.
         """
-        return self.replaced({key_named(key, origin): (value, origin) for key, value in values.items()})
+        named, wrong = dict[Path_, tuple[Any, str]](), list[Problem]()
+        for key, value in values.items():
+            try:
+                named[key_named(key, origin)] = value, origin
+            except SceneError as error:
+                wrong += error.problems
+        return in_turn(self, lambda document: _refuse(wrong, document), lambda document: document.replaced(named))
 
     def with_parts(self, known: Mapping[str, Any]) -> Document:
         """The same with objects, equal to its own, in the place of its parts: key -> object."""
@@ -223,6 +228,58 @@ class Document:
         if origin:
             return Problem(origin, None, join_key(path), shown, cause, cure)
         return Problem(str(self.path), self.line(path) or 1, join_key(path), shown, cause, cure)
+
+
+class PartlyReplacedError(SceneError):
+    """Values that cannot be put into a document.
+
+    Attributes
+    ----------
+    document : Document
+        The document with those values that can: what they replace is no fault any more.
+    """
+
+    def __init__(self, problems: Iterable[Problem], document: Document) -> None:
+        super().__init__(problems)
+        self.document = document
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.problems, self.document)
+
+
+def in_turn(document: Document, *changes: Callable[[Document], Document]) -> Document:
+    """The document with one change after another; PartlyReplacedError tells the faults of all of them."""
+    wrong: list[Problem] = []
+    for change in changes:
+        try:
+            document = change(document)
+        except PartlyReplacedError as error:
+            document, wrong = error.document, [*wrong, *error.problems]
+    return _refuse(wrong, document)
+
+
+def _refuse(wrong: Sequence[Problem], document: Document) -> Document:
+    """The document as it is; PartlyReplacedError where something is wrong with values that were to be put into it."""
+    if wrong:
+        raise PartlyReplacedError(wrong, document)
+    return document
+
+
+def _put(root: dict[str, Any], path: Path_, value: Any, origin: str) -> None:
+    """Put a value into a mapping, with the mappings that lack on the way; nothing changes where it finds no place."""
+    place: Any = root
+    for i, part in enumerate(path):
+        if (wrong := _no_place(place, part)) is not None:
+            raise SceneError([Problem(origin, None, join_key(path[: i + 1]), None, *wrong)])
+        below = place.get(part) if isinstance(place, dict) else place[part]
+        place = {} if below is None and isinstance(place, dict) else below
+    value, place = plain(value, path, origin), root
+    for part in path[:-1]:
+        if isinstance(place, dict) and place.get(part) is None:
+            place[part] = {}
+        place = place[part]
+    if path:
+        place[path[-1]] = value
 
 
 def _copied(value: Any) -> Any:
