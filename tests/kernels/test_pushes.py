@@ -45,10 +45,10 @@ def pushed(function, end, h=STEP, gamma=0.5):
     degrees.prescribe(0, 0)
     dofs = assemble((), degrees, functions, np.zeros(2), [], []).dofs
     q, v, a = (np.full(2, x) for x in value_at(functions, 0, 0.0))
-    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((4, 1))
+    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((4, 2))
     for k in range(round(end / h)):
         t, speed, place = h * k, v[0], q[0]
-        known[:2] = a[0]
+        known[:2, 0] = a[0]
         bends.append(_prescribe_end(dofs, functions, t + h, h, known, q, v, a))
         if bends[-1]:
             eased = known[BEFORE, 0] * np.ones(2)

@@ -68,7 +68,7 @@ class GeneralizedAlpha(NamedTuple):
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
     on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (4,
-    driven) is what is known in the step under way of what follows functions, see `prescribe_end`;
+    n_full) is what is known in the step under way of what follows functions, see `prescribe_end`;
     ``pushed`` (n,) and ``forces`` (n_full,) are accelerations and full residual at the end of a step with a push.
     """
 
@@ -289,9 +289,9 @@ def _look_ahead(a, auxiliary, before, pushed, lead, changed):
 def _stand_as_before(m, dofs, functions, state, t):
     """Write the state, which is that of the start t of a step, into the full vectors as they were."""
     stand_at(dofs, functions, state, t)
-    for k in range(dofs.driven.size):
+    for k in dofs.driven:
         # What was found with what lasts behind a bend is in balance with that alone.
-        state.full_a[dofs.held[dofs.driven[k]]] = m.driven[BEFORE, k]
+        state.full_a[dofs.held[k]] = m.driven[BEFORE, dofs.held[k]]
     expand_tied(dofs, state.a, state.full_a)
 
 
@@ -338,8 +338,9 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     jumped = m.corrector.changed[COUNT] > 0
     if jumped:
         _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
-    for k in range(dofs.driven.size):
-        m.driven[BEFORE, k] = m.driven[BEGIN, k] = state.full_a[dofs.held[dofs.driven[k]]]
+    for k in dofs.driven:
+        i = dofs.held[k]
+        m.driven[BEFORE, i] = m.driven[BEGIN, i] = state.full_a[i]
     stage, left = START if jumped else END, 1
     ahead, work, asked, bends, switched = 0.0, 0.0, False, False, False
     while True:
@@ -457,7 +458,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros((4, system.dofs.driven.size)), np.zeros(system.size), np.zeros(system.q.size),
+        np.zeros((4, system.q.size)), np.zeros(system.size), np.zeros(system.q.size),
     )  # fmt: skip
 
 

@@ -111,7 +111,7 @@ BESIDE = 1e-6
 GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
 BEFORE, BEGIN, BENDS, PUSH = range(4)
-"""Rows of what is known of driven coordinates in a step: their accelerations at its start, as they were and as they
+"""Rows of what is known in a step of what is driven: their accelerations at its start, as they were and as they
 count, 1 where the function bends in it, and the acceleration at its end that pushes then."""
 
 
@@ -122,16 +122,15 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
     The vectors hold the start of the step; ``equal`` says whether steps are all as long as this one. Between its ends a
     function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
     The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
-    it. ``known`` (4, driven) takes what is seen of each, see `PUSH`.
+    it. ``known`` (4, n_full) takes what is seen of each, see `PUSH`.
     """
     bends = False
-    for k in range(dofs.driven.size):
-        i = dofs.held[dofs.driven[k]]
-        motion = dofs.motion[dofs.driven[k]]
+    for k in dofs.driven:
+        i, motion = dofs.held[k], dofs.motion[k]
         value, rate, second = evaluate(functions, motion, t)
         lost = abs(rate - v[i] - 0.5 * h * (a[i] + second))
         few = BENT if equal else STRICT
-        known[BENDS, k] = 0.0
+        known[BENDS, i] = 0.0
         scale = h * max(abs(a[i]), abs(second))
         if lost > few * scale and lost > ROUNDED * max(abs(v[i]), abs(rate)):
             if (
@@ -139,9 +138,9 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
                 if equal
                 else lost > LARGE * scale or _bends_within(functions, motion, t, h, a[i])
             ):
-                known[BENDS, k] = 1.0
+                known[BENDS, i] = 1.0
                 bends = True
-        q[i] = dofs.offset[dofs.driven[k]] + value
+        q[i] = dofs.offset[k] + value
         v[i] = rate
         a[i] = second
     return bends
@@ -198,13 +197,13 @@ def ease(dofs, functions, t, h, known, a):
     They are neither of the step before nor of this one. Returns whether there are any.
     """
     eased = False
-    for k in range(dofs.driven.size):
-        motion, i = dofs.motion[dofs.driven[k]], dofs.held[dofs.driven[k]]
+    for k in dofs.driven:
+        i, motion = dofs.held[k], dofs.motion[k]
         v = _speed(functions, motion, t)
         most = max(abs(v - _speed(functions, motion, t - h)), abs(_speed(functions, motion, t + h) - v))
-        known[BEGIN, k] = a[i]
-        if known[BENDS, k] > 0.0 and abs(a[i]) * h > (1.0 + BENT) * most:
-            a[i] = known[BEGIN, k] = 0.0
+        known[BEGIN, i] = a[i]
+        if known[BENDS, i] > 0.0 and abs(a[i]) * h > (1.0 + BENT) * most:
+            a[i] = known[BEGIN, i] = 0.0
             eased = True
     return eased
 
@@ -236,11 +235,11 @@ def prescribe_push(dofs, functions, t, h, gamma, known, a):
 
     With it a step that counts the part ``gamma`` of the acceleration at its end makes all of the change of speed.
     """
-    for k in range(dofs.driven.size):
-        if known[BENDS, k] > 0.0:
-            motion = dofs.motion[dofs.driven[k]]
+    for k in dofs.driven:
+        i, motion = dofs.held[k], dofs.motion[k]
+        if known[BENDS, i] > 0.0:
             mean = (_speed(functions, motion, t + h) - _speed(functions, motion, t)) / h
-            known[PUSH, k] = a[dofs.held[dofs.driven[k]]] = (mean - (1.0 - gamma) * known[BEGIN, k]) / gamma
+            known[PUSH, i] = a[i] = (mean - (1.0 - gamma) * known[BEGIN, i]) / gamma
 
 
 @separate(float, DOFS, STATES, VECTOR, late=True)
@@ -248,29 +247,31 @@ def change_by_push(dofs, known, a):
     """How the accelerations a that last behind a push differ from those at the start of its step, over the push's own
     difference from a: of several things that bend the nearest number."""
     product = square = 0.0
-    for k in range(dofs.driven.size):
-        if known[BENDS, k] > 0.0:
-            last = a[dofs.held[dofs.driven[k]]]
-            product += (last - known[BEGIN, k]) * (known[PUSH, k] - last)
-            square += (known[PUSH, k] - last) ** 2
+    for k in dofs.driven:
+        i = dofs.held[k]
+        if known[BENDS, i] > 0.0:
+            product += (a[i] - known[BEGIN, i]) * (known[PUSH, i] - a[i])
+            square += (known[PUSH, i] - a[i]) ** 2
     return product / square if square > 0.0 else 0.0
 
 
 @separate(type(None), DOFS, FUNCTIONS, float, float, STATES, VECTOR, late=True)
 def prescribe_lasting(dofs, functions, t, h, known, a):
-    """Set the accelerations with which what bent in the step of length h before t goes on at t.
+    """Set the accelerations with which what is driven goes on at t, behind a step of length h in which some has bent.
 
-    That is zero where the acceleration does not show how speed changes in the next step, or a corner is at t.
+    Of that it is zero where the acceleration does not show how speed changes in the next step, or a corner is at t.
     """
-    for k in range(dofs.driven.size):
-        if known[BENDS, k] > 0.0:
-            motion = dofs.motion[dofs.driven[k]]
-            _, v0, a0 = evaluate(functions, motion, t)
+    for k in dofs.driven:
+        i, motion = dofs.held[k], dofs.motion[k]
+        _, v0, last = evaluate(functions, motion, t)
+        if known[BENDS, i] > 0.0:
             _, v1, a1 = evaluate(functions, motion, t + h)
             left, right = evaluate(functions, motion, t - BESIDE * h)[2], evaluate(functions, motion, t + BESIDE * h)[2]
             corner = abs(right - left) > BENT * max(abs(left), abs(right))
-            shown = abs(v1 - v0 - 0.5 * h * (a0 + a1)) <= BENT * h * max(abs(a0), abs(a1))
-            a[dofs.held[dofs.driven[k]]] = a0 if shown and not corner else 0.0
+            hidden = abs(v1 - v0 - 0.5 * h * (last + a1)) > BENT * h * max(abs(last), abs(a1))
+            if corner or hidden:
+                last = 0.0
+        a[i] = last
 
 
 @separate(type(None), DOFS, NUMBERS, VECTOR, VECTOR, late=True)
