@@ -79,7 +79,9 @@ def element_groups(layout: Layout, sections: Sections) -> list[Any]:
             sorts.setdefault((element.kind, flow), []).append(element)
     pipes = [element for element in scene.elements if element.conveyed is not None]
     groups: list[Any] = [
-        sections.of(_pipes(layout, some), some) for rule in RULES if (some := [e for e in pipes if _quadrature(e) == rule])
+        sections.of(_pipes(layout, some), some)
+        for rule in RULES
+        if (some := [e for e in pipes if e.axial_points == rule])
     ]
     for (kind, flow), elements in sorts.items():
         massive = [e for e in elements if e.rhoA > 0.0 or any(e.load)]
@@ -89,7 +91,7 @@ def element_groups(layout: Layout, sections: Sections) -> list[Any]:
         for moving in (False, True):
             some = [e for e in elements if (flow == MOVING or (flow == SHARED and e.damping > 0.0)) == moving]
             for quadrature in RULES:
-                stiff = [e for e in some if e.EA > 0.0 and _quadrature(e) == quadrature]
+                stiff = [e for e in some if e.EA > 0.0 and e.axial_points == quadrature]
                 if stiff:
                     groups.append(sections.of(_tension(layout, kind, moving, stiff, quadrature), stiff))
             bent = [e for e in some if e.EJ > 0.0 and kind == "cubic"]
@@ -108,13 +110,6 @@ def element_groups(layout: Layout, sections: Sections) -> list[Any]:
 
 
 RULES = ("gauss", "lobatto")
-
-
-def _quadrature(element: Element) -> str:
-    """Three Gauss points along a rope; with bending three Lobatto points, which do not lock."""
-    if element.kind == "linear":
-        return "gauss"
-    return element.quadrature or ("lobatto" if element.EJ > 0.0 else "gauss")
 
 
 def _ends(layout: Layout, elements: Sequence[Element]) -> dict[str, Any]:
@@ -204,7 +199,7 @@ def _pipes(layout: Layout, elements: list[Element]) -> Pipes:
         bending=[e.EJ for e in elements],
         damping=[e.damping for e in elements],
     )
-    axial = table(*(gauss(3) if _quadrature(elements[0]) == "gauss" else lobatto()))
+    axial = table(*(gauss(3) if elements[0].axial_points == "gauss" else lobatto()))
     scratch = np.zeros((1, 6)), np.zeros((6, 6)), np.zeros((9, 9)), np.zeros((12, 12))
     return Pipes(rows, axial, table(*gauss(3)), unit_matrices(), *scratch)
 

@@ -1,4 +1,4 @@
-"""Stiffnesses and damping of elements as they stand in the rows of the groups: a parameter that changes is seen here."""
+"""Stiffnesses and damping of elements as they stand in the rows of the groups, where parameters change them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Sections:
         found = Numbers(*np.zeros((4, len(self._place))))
         for rows, places in self._rows:
             names = rows.dtype.names or ()
-            # By fields that only its records have: of tension, of bending or of both in a pipe, of the latter's damping.
+            # By fields that only its records have: of tension (in pipes with bending), of bending, of damping of it.
             if "engineering" in names:
                 found.stiffness[places], found.damping[places] = rows["stiffness"], rows["damping"]
             bending = "bending" if "bending" in names else "stiffness" if "smoothing" in names else ""

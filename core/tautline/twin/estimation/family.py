@@ -107,7 +107,7 @@ class Family:
         return self.read_frames(self.frames(), names)
 
     def read_frames(self, frames: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
-        """Outputs of frames (..., 1 + p + b, width) of all: one array (..., 1 + p + b, shape of the output) for each name.
+        """Outputs of frames (..., 1 + p + b, width) of all: for each name (..., 1 + p + b, shape of the output).
 
         Where what a parameter changes is in the frames, the first member's model observes those of all.
         """
