@@ -141,7 +141,10 @@ class Observer:
         stress = strain + numbers.damping * factor * (e * e_d).sum(axis=-1)
         force = np.where(self.slack & (strain < 0.0), 0.0, numbers.stiffness * stress * factor * size)
         if (bent := self.bending.elements).size:
-            turned = self._middle(second, rates, length, 2) + self._carried(ends, turn, length, grown, u)
+            # It is of use to damping alone, and as much work as all of the above.
+            turned = turn
+            if numbers.viscosity.any():
+                turned = self._middle(second, rates, length, 2) + self._carried(ends, turn, length, grown, u)
             force[:, bent] += self.bending.of(
                 e[:, bent], e_d[:, bent], turn[:, bent], turned[:, bent], numbers.bending[bent], numbers.viscosity[bent]
             )

@@ -75,7 +75,8 @@ def massless(layout: Layout, tied: Iterable[int]) -> list[Problem]:
 
 def _massless(layout: Layout, found: dict[int, tuple[Element, str]]) -> Problem:
     node, (element, what) = next(iter(found.items()))
-    others = f", and that of {len(found) - 1} more nodes" if len(found) > 1 else ""
+    more = len(found) - 1
+    others = f", and so it is at {more} other node{'s' * (more > 1)}" if more else ""
     cause = f"the {what} of node {node} is free and has no mass{others}: the elements that end there have rhoA = 0"
     cure = "give them rhoA, or a small share of that of their neighbours where their mass does not count"
     if what == "position":
