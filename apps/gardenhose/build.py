@@ -78,6 +78,7 @@ def build(scene: HoseScene) -> Model:
             "relative to the hose, positive from root to tip",
         ),
         observe=observer.observe,
+        frames_tell_all=False,
         headline=headline,
         limits=limits,
         figure_units=FIGURES,

@@ -74,6 +74,25 @@ def test_three_ropes_that_end_at_nodes_of_their_own_tied_in_r_balance_their_load
     assert place == pytest.approx(fsolve(unbalanced, MIDDLE, xtol=1e-12), abs=1e-5)
 
 
+def laid_over(load):
+    """A bar of two spans clamped at one end: elements of two kinds lie over each other on the same nodes."""
+    nodes = [node(i, [float(i), 0, 0], [1] * 3 + [0] + [1] * 3 if i == 0 else FREE, [1.0, 0, 0]) for i in range(3)]
+    kinds = {"EA": 1e4, "EJ": 1.0}, {"EA": 3e3, "EJ": 2.0}
+    parts = [element(10 * k + i, (i, i + 1), **kinds[k]) for i in range(2) for k in range(2)]
+    items = [*nodes, *parts, {"PointForce": {"id": 0, "nodes7": [2], "force": load}}]
+    return tautline.simulate(scene(*items, start="static", eps_energy=1e-13))
+
+
+def test_ropes_laid_over_each_other_on_the_same_nodes_share_a_pull_by_their_stiffnesses():
+    result = laid_over([100.0, 0.0, 0.0])
+    assert result["axial_force"][0] == pytest.approx(100.0 * np.array([10, 3, 10, 3]) / 13, rel=1e-7)
+
+
+def test_bars_laid_over_each_other_on_the_same_nodes_bend_by_the_sum_of_their_stiffnesses():
+    result = laid_over([0.0, 0.0, 1e-3])
+    assert result["position"][0, 2, 2] == pytest.approx(1e-3 * 2.0**3 / (3 * (1.0 + 2.0)), rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("rhoA", "held", "what"),
     [((0, 1), HELD, "the slope of node 0"), ((0, 0), HELD, "the slope of node 0"), ((0, 0), [1] * 7, "of node 1")],

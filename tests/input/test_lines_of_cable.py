@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tautline.application.installed import Installed
-from tautline.cable import warnings as cable_warnings
+from tautline.cable import coarse_lines
 from tautline.cable.input.lines import hanging
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.scene import parse
@@ -201,13 +201,14 @@ def test_a_branch_from_a_node_between_the_ends_takes_its_slope_from_where_the_li
 
 @pytest.mark.parametrize(
     ("elements", "told"),
-    [(200, "one turns by 85 degrees. The forces near there"), (31, "turns by more than a right angle")],
+    [(200, "one turns by 85 degrees. Gauss points may"), (31, "turns by more than a right angle")],
 )
 def test_a_line_whose_elements_are_too_long_for_its_bend_is_warned_of_once_and_by_their_number(elements, told):
-    scene = parse(text(f"nodes7: [0, 1], elements: {elements}, length: 150, {SECTION}", last="[1, 0, 0]"))
+    line = f"nodes7: [0, 1], elements: {elements}, length: 150, quadrature: gauss, {SECTION}"
+    scene = parse(text(line, last="[1, 0, 0]"))
     (warned,) = Installed().of(scene).warnings(scene)
     assert warned.where == "CableModel[2].CableLine.elements (line 5)"
-    assert told in warned.text and re.search(r"Give \d+ or more", warned.text)
+    assert told in warned.text and re.search(r"[Gg]ive \d+ or more", warned.text)
 
 
 def test_a_line_of_enough_elements_for_its_bend_is_not_warned_of():
@@ -297,39 +298,66 @@ def test_moments_too_close_for_numbers_are_refused_by_their_place():
         parse(text(f"nodes7: [0, 1], elements: 4, {SECTION}", more=motion))
 
 
-def told_of_a_line(elements, length, last="[100, 0, 0]"):
-    scene = parse(text(f"nodes7: [0, 1], elements: {elements}, length: {length}, {SECTION}", last=last))
+def told_of_a_line(elements, length, last="[100, 0, 0]", points="gauss"):
+    line = f"nodes7: [0, 1], elements: {elements}, length: {length}, quadrature: {points}, {SECTION}"
+    scene = parse(text(line, last=last))
     return [one.text for one in Installed().of(scene).warnings(scene)]
 
 
+def static_force(source):
+    return simulate(build(parse(source.replace("0.05}", "0.05, start: static}"))))["axial_force"][0]
+
+
+@pytest.mark.parametrize("elements", [12, 40, 100])
+def test_a_line_that_hangs_folded_is_warned_of_where_its_points_make_its_forces_wrong(elements):
+    """10 m over 1 m; source: the catenary that does not stretch, in closed form."""
+    scale = brentq(lambda x: np.sinh(x) / x - 10.0, 1.0, 10.0)
+    a, arcs = 0.5 / scale, (np.arange(elements) + 0.5) * 10.0 / elements - 5.0
+    expected = 5 * 9.81 * np.hypot(a, arcs)
+    rope = SECTION.replace("EJ: 10", "EJ: 0")
+    for points in ("gauss", "lobatto"):
+        line = f"nodes7: [0, 1], elements: {elements}, length: 10, quadrature: {points}, {rope}"
+        source = text(line, last="[1, 0, 0]")
+        off = np.abs(static_force(source) / expected - 1.0).max()
+        said = told_of_a_line(elements, 10, "[1, 0, 0]", points)
+        if points == "lobatto":
+            assert off < 0.004 and said == []
+        else:
+            assert off > 0.1 and "Gauss points may" in said[0] and "Give `quadrature: lobatto`. " in said[0]
+            assert ("half or more" if elements < 100 else "by a tenth") in said[0]
+
+
 def test_a_hanging_line_of_many_elements_is_told_where_one_turns_by_more_than_30_degrees():
-    """10 m over 1 m in 40 elements: steepness grows by 52/40 for each; beside the bottom the force is a third off."""
+    """10 m over 1 m in 40 elements: steepness grows by 52/40 for each."""
     (said,) = told_of_a_line(40, 10, "[1, 0, 0]")
-    assert "one turns by 66 degrees. The forces near there may be off by a third. Give 168 or more" in said
+    assert "one turns by 66 degrees. Gauss points may make the forces near there wrong by half or more" in said
+    assert "Give `quadrature: lobatto`. Without it: give 168 or more" in said
     assert told_of_a_line(168, 10, "[1, 0, 0]") == []
 
 
 @pytest.mark.parametrize(("elements", "degrees"), [(1, 80), (2, 40), (3, 31), (4, None), (16, None)])
 def test_a_hanging_line_whose_elements_turn_far_is_told_by_how_much_and_how_many_are_better(elements, degrees):
     """110 m over 100 m: its ends slope by 40.1 degrees, sinh(50 / a) a = 55 m."""
-    scene = parse(text(f"nodes7: [0, 1], elements: {elements}, length: 110, {SECTION}", last="[100, 0, 0]"))
-    texts = [one.text for one in Installed().of(scene).warnings(scene) if "too few for the bend" in one.text]
+    texts = [said for said in told_of_a_line(elements, 110) if "too few for the bend" in said]
     if degrees is None:
         assert not texts
     else:
-        assert len(texts) == 1 and f"turns by {degrees} degrees" in texts[0] and "Give 4 or more" in texts[0]
+        assert len(texts) == 1 and f"turns by {degrees} degrees" in texts[0] and "give 4 or more" in texts[0]
 
 
 @pytest.mark.parametrize(
     ("length", "last"),
     [(200, "[100, 0, 0]"), (400, "[100, 0, 0]"), (400, "[100, 0, 200]"), (150, "[100, 0, -40]"), (150, "[20, 0, 0]")],
 )
-def test_a_line_too_coarse_for_its_bend_is_told_once_the_least_number_from_which_on_nothing_is_said(length, last):
-    found = {n: told_of_a_line(n, length, last) for n in range(1, 130)}
+@pytest.mark.parametrize("points", ["gauss", "lobatto"])
+def test_a_line_too_coarse_for_its_bend_is_told_once_the_least_number_from_which_on_nothing_is_said(
+    length, last, points
+):
+    found = {n: told_of_a_line(n, length, last, points) for n in range(1, 130)}
     assert all(len(texts) <= 1 for texts in found.values())
     most = max(n for n, texts in found.items() if texts)
     for texts in found.values():
-        assert not texts or f"Give {most + 1} or more" in texts[0]
+        assert not texts or f"ive {most + 1} or more" in texts[0]
     assert found[1] and found[2] and most < 120
 
 
@@ -341,7 +369,7 @@ def test_forces_of_a_coarse_line_lack_the_share_of_the_catenarys_mean_that_the_w
     arcs = np.linspace(-half, half, elements + 1)
     mean = [quad(lambda s: np.hypot(pull, weight * s), a, b)[0] / (b - a) for a, b in pairwise(arcs)]
     source = text(f"nodes7: [0, 1], elements: {elements}, length: 110, {SECTION}", last="[100, 0, 0]")
-    force = simulate(build(parse(source.replace("0.05}", "0.05, start: static}"))))["axial_force"][0]
+    force = static_force(source)
     worst = (force / mean - 1.0)[np.abs(force / mean - 1.0).argmax()]
     assert 100.0 * worst == pytest.approx(-lacking, abs=0.35 if elements == 1 else 0.06)
 
@@ -386,8 +414,8 @@ def test_warnings_of_many_coarse_lines_go_through_the_scene_as_often_as_those_of
 
 def test_the_elements_that_are_enough_are_looked_for_once_for_lines_that_hang_alike(monkeypatch):
     looked = Counter()
-    true = cable_warnings._is_quiet
-    monkeypatch.setattr(cable_warnings, "_is_quiet", lambda *asked: (looked.update([asked]), true(*asked))[1])
+    true = coarse_lines._is_quiet
+    monkeypatch.setattr(coarse_lines, "_is_quiet", lambda *asked: (looked.update([asked]), true(*asked))[1])
     scene = lines_beside_one_another(20, lambda i: 21.5)
     assert sum("too few for the bend" in one.text for one in Installed().of(scene).warnings(scene)) == 20
     assert set(looked.values()) == {1}

@@ -6,19 +6,18 @@ import functools
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from decimal import ROUND_FLOOR, Context
 from typing import Any
 
 import numpy as np
 
 import tautline.cable.held_forces  # noqa: F401  (warns too)
+from tautline.cable.coarse_lines import PRESTRETCHED, Sentences, cure_of, turned
 from tautline.cable.input.couplings import APART, coupling_gap, rates_at_start, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
-from tautline.cable.input.lines import TAUT, hanging
 from tautline.cable.input.material import element_lengths, material_coordinates, nodes_key
-from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
-from tautline.cable.input.syntax.models import MOST_OF_A_LINE
+from tautline.cable.input.parts import CableScene, Node, Place, Tie
 from tautline.cable.input.syntax.nodal import item_of
 from tautline.cable.model.magnitudes import (
     given_force,
@@ -42,22 +41,10 @@ AT_REST = 1.0e-9
 """Strain, and difference of slopes, below which an element is drawn as it is without a force."""
 SOFT_SHARE = 0.01
 """Stretch of a penalty spring over that of the rope on both sides, from which on it is told."""
-FEW = 12
-"""Elements of a line from which on a bend is short beside the line: what it spoils are the forces near it. A bend that
-is only that of a line's ends, as no number of elements cures it, is told of lines of fewer."""
-MOST_TURN = math.radians(30.0)
-"""Angle by which an element of a line may turn without a warning. The force of an element of a catenary of 110 m over
-100 m is below the closed one's mean over that element by 20 % with one element, which turns by 80 degrees, by 2.0 %
-with two, which turn by 40, by 1.3 % with three (31 degrees), by 0.7 % with four and by 0.3 % with six."""
-MOST_COUNTED = 500
-"""Elements up to which the least number that is enough is looked for; beyond, a number is told that is enough."""
-PRESTRETCHED = 0.05
-"""Strain at the start that is more likely a slip of the pen than meant."""
-RIGHT_ANGLE = 0.5 * math.pi
 RIGHT = -1.0e-9
 """Cosine below which an angle is more than a right one."""
-FASTEST, LINES = "fastest part", "lines"
-"""Where a scene keeps them."""
+FASTEST = "fastest part"
+"""Where a scene keeps it."""
 COUNTED = ("PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring")
 """Items on nodes that ``check`` counts by another name than their key."""
 WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
@@ -81,9 +68,6 @@ def figures(scene: CableScene) -> dict[str, Any]:
         "cable": counts | {"length": sum(lengths), "mass": ropes + points},
         "critical_step_rk4": RK4.reach_of_vibration / math.sqrt(square) if square > 0.0 else None,
     }
-
-
-Sentences = Iterator[tuple[Place, str]]
 
 
 @functools.cache
@@ -223,129 +207,6 @@ def _frames(scene: CableScene) -> Sentences:
 
 
 @warning("cable")
-def _coarse_lines(scene: CableScene) -> Sentences:
-    """Lines whose elements turn far: their forces are those of a shape that a cubic does not have."""
-    for place, (number, turn) in _turned(scene).items():
-        length = scene.elements[number].length
-        cure = _cure(scene, place)
-        if turn > RIGHT_ANGLE:
-            text = (
-                f"are too few for the bend of the hanging cable: an element of {length:.4g} m turns by more than a "
-                f"right angle. {cure}"
-            )
-        else:
-            wrong = "Its forces may be some per cent off"
-            if _lines(scene)[place][0] >= FEW:
-                wrong = "The forces near there may be off by a third"
-            text = (
-                f"are too few for the bend of the cable: one turns by {math.degrees(turn):.0f} degrees. {wrong}. {cure}"
-            )
-        yield (*place, "elements"), text
-
-
-def _turned(scene: CableScene) -> dict[Place, tuple[int, float]]:
-    """Lines that are warned of, by their key path: the element that turns most, and by how much, rad."""
-    drawn = drawn_of(scene)
-    sizes = np.linalg.norm(drawn.first, axis=1) * np.linalg.norm(drawn.second, axis=1)
-    cosine = (drawn.first * drawn.second).sum(axis=1) / np.where(sizes > 0.0, sizes, 1.0)
-    found: dict[Place, tuple[int, float]] = {}
-    for i in np.flatnonzero(~drawn.linear & (sizes > 0.0) & (cosine < math.cos(MOST_TURN))).tolist():
-        element, turn = scene.elements[i], math.acos(max(-1.0, float(cosine[i])))
-        # An element of no given length that turns so far is told of as one that begins stretched.
-        is_meant = turn <= RIGHT_ANGLE or element.length is not None
-        if element.place[-1] == "CableLine" and is_meant and turn > found.get(element.place, (0, 0.0))[1]:
-            found[element.place] = i, turn
-    return {place: one for place, one in found.items() if one[1] > RIGHT_ANGLE or _is_coarse(scene, place)}
-
-
-def _is_coarse(scene: CableScene, place: Place) -> bool:
-    """Whether more elements are better for a line of which one turns far."""
-    count, span = _lines(scene)[place][0], _span(scene, place)
-    return count < FEW or (_hangs(scene, *span) and not _is_quiet(*span, count))
-
-
-def _hangs(scene: CableScene, width: float, rise: float, length: float) -> bool:
-    """Whether a line of a span, rise and length, m, is drawn as a catenary."""
-    return any(scene.gravity) and math.hypot(width, rise) < length * (1.0 - TAUT)
-
-
-def _cure(scene: CableScene, place: Place) -> str:
-    """What to do about a line whose elements are too few."""
-    least = _enough(scene, place)
-    two = "draw two lines that end at the bottom, each at a node of its own, and tie r of these nodes"
-    if least <= MOST_OF_A_LINE:
-        return f"Give {least} or more" + (f", or {two}" if least > MOST_COUNTED else "")
-    width, _, length = _span(scene, place)
-    return (
-        f"The line hangs folded: at right angles to gravity its ends are only {width:.3g} m apart, too close for a "
-        f"length of {length:.6g} m. Even {MOST_OF_A_LINE} elements are too few for such a fold. Move the ends farther "
-        f"apart, or {two}"
-    )
-
-
-def _enough(scene: CableScene, place: Place) -> int:
-    """Elements from which on a line is not warned of, however many they are."""
-    width, rise, length = _span(scene, place)
-    if not _hangs(scene, width, rise, length):
-        # Its ends alone are bent, however many elements it has.
-        return FEW
-    return _enough_of_hanging(width, rise, length, _lines(scene)[place][0])
-
-
-def _span(scene: CableScene, place: Place) -> tuple[float, float, float]:
-    """How far the ends of a line are apart across gravity and against it, and its unstretched length, m."""
-    _, length, way = _lines(scene)[place]
-    gravity = np.array(scene.gravity)
-    rise = -float(way @ gravity) / (float(np.linalg.norm(gravity)) or 1.0)
-    return math.sqrt(max(0.0, float(way @ way) - rise**2)), rise, length
-
-
-def _lines(scene: CableScene) -> dict[Place, tuple[int, float, np.ndarray]]:
-    """Elements of each line, its unstretched length, m, and the vector (3,) between its ends, m; found once."""
-    kept = scene.__dict__.setdefault(MADE, {})
-    if LINES not in kept:
-        places = {node.id: node.position for node in scene.nodes}
-        own: dict[Place, list[Element]] = {}
-        for element in scene.elements:
-            if element.place[-1] == "CableLine":
-                own.setdefault(element.place, []).append(element)
-        kept[LINES] = {
-            place: (
-                len(elements),
-                sum(element.length or 0.0 for element in elements),
-                np.array(chord(places[elements[0].nodes[0]], places[elements[-1].nodes[1]])),
-            )
-            for place, elements in own.items()
-        }
-    return kept[LINES]
-
-
-@functools.lru_cache(maxsize=1024)
-def _enough_of_hanging(width: float, rise: float, length: float, own: int) -> int:
-    """Elements that are enough for a line of `own` that hangs; its span, rise and length in m."""
-    _, _, (begin, end) = hanging(width, rise, length, np.array([0.0, length]))
-    # Along a catenary the steepness grows evenly: an element turns most where it is level in its middle.
-    count = max(FEW, math.ceil((end - begin) / (2.0 * math.tan(0.5 * MOST_TURN))))
-    while MOST_COUNTED > count > own + 1 and _is_quiet(width, rise, length, count - 1):
-        count -= 1
-    return max(count, own + 1)
-
-
-def _is_quiet(width: float, rise: float, length: float, count: int) -> bool:
-    """Whether nothing is said of a hanging line of so many elements; its span, rise and length in m."""
-    along, up, steep = hanging(width, rise, length, length * np.arange(count + 1) / count)
-    turn = float(np.diff(np.arctan(steep)).max())
-    if turn > MOST_TURN:
-        return False
-    level = np.zeros(count + 1)
-    place = np.column_stack([along, up, level])
-    slope = np.column_stack([level + 1.0, steep, level]) / np.hypot(1.0, steep)[:, None]
-    lengths = np.full(count, length / count)
-    drawn = Drawn(np.zeros(count, bool), np.diff(place, axis=0), slope[:-1], slope[1:])
-    return float(np.abs(arc_lengths(drawn, lengths) / lengths - 1.0).max()) <= PRESTRETCHED
-
-
-@warning("cable")
 def _lengths(scene: CableScene) -> Sentences:
     """Elements that begin stretched or backwards, and ends without mass."""
     nodes = {node.id: node for node in scene.nodes}
@@ -357,7 +218,7 @@ def _lengths(scene: CableScene) -> Sentences:
     loose = {node.id for node in scene.nodes if node.id not in heavy and not all(node.held[:3])}
     massless: set[Place] = set()
     bent = ~drawn.linear & ((drawn.first * drawn.second).sum(axis=1) < 0.0)
-    told = set(_turned(scene))
+    told = set(turned(scene))
     for i in np.flatnonzero(bent | _odd(scene, drawn, lengths, arcs, loose)).tolist():
         element, length, arc = scene.elements[i], float(lengths[i]), float(arcs[i])
         first, second = (nodes[node] for node in element.nodes)
@@ -370,7 +231,7 @@ def _lengths(scene: CableScene) -> Sentences:
                 told.add(element.place)
                 text = (
                     f"are too few for the bend of the hanging cable: an element of {length:.4g} m is drawn {arc:.4g} m "
-                    f"long. {_cure(scene, element.place)}"
+                    f"long. {cure_of(scene, element.place)}"
                 )
                 yield (*element.place, "elements"), text
             continue

@@ -74,6 +74,9 @@ class Model:
         Largest change of an unknown in one iteration of the search for it, m or rad.
     own : int
         Numbers that the groups record each frame.
+    frames_tell_all : bool
+        Whether frames mean the same whatever the parameters are. Else they are observed by a model whose parameters are
+        those with which they were computed.
     notes : list of str
         What the builder decided that the user should know.
     confined : bool
@@ -123,6 +126,7 @@ class Model:
     start: str = "static"
     step_limit: float = 1.0
     own: int = 0
+    frames_tell_all: bool = True
     notes: list[str] = field(default_factory=list)
     confined: bool = False
     settle: Callable[[Any], Any] | None = None

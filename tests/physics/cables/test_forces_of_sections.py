@@ -124,14 +124,6 @@ output: {{interval: 1 ms}}
     assert result["axial_force"][0] == pytest.approx(turned - weight * along[:, 2], abs=1e-4 * weight[0])
 
 
-class Bent(BendingForce):
-    """One element with numbers of its own."""
-
-    def __init__(self, stiffness, damping, smoothing):
-        self.stiffness, self.damping = np.array([stiffness]), np.array([damping])
-        self.smoothing = np.array([smoothing])
-
-
 @pytest.mark.parametrize("smoothing", [0.0, 0.6])
 def test_damping_of_bending_pulls_on_a_section_as_the_moment_that_it_adds(smoothing):
     """r' = lambda (cos theta, sin theta, 0) with given lambda, lambda', theta' and rates: N = -kappa M / lambda."""
@@ -145,7 +137,10 @@ def test_damping_of_bending_pulls_on_a_section_as_the_moment_that_it_adds(smooth
     kappa = turning / stretch
     kappa_rate = turning_rate / stretch - turning * stretch_rate / stretch**2
     moment = EJ * kappa + EJ * c * kappa_rate * kappa**2 / (kappa**2 + smoothing**2)
-    found = Bent(EJ, c, smoothing).of(*(x[None, None] for x in (e, e_rate, turn, turn_rate)))
+    bent = BendingForce.__new__(BendingForce)
+    bent.smoothing = np.array([smoothing])
+    vectors = (x[None, None] for x in (e, e_rate, turn, turn_rate))
+    found = bent.of(*vectors, np.array([EJ]), np.array([EJ * c]))
     assert found[0, 0] == pytest.approx(-kappa * moment / stretch, rel=1e-12)
 
 

@@ -75,6 +75,13 @@ class Element(NamedTuple):
 
     holds_no_function = True
 
+    @property
+    def axial_points(self) -> Literal["gauss", "lobatto"]:
+        """Three Gauss points along a rope; with bending three Lobatto points, which do not lock."""
+        if self.kind == "linear":
+            return "gauss"
+        return self.quadrature or ("lobatto" if self.EJ > 0.0 else "gauss")
+
 
 @dataclass(frozen=True, slots=True)
 class Tie:

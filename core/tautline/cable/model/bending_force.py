@@ -23,31 +23,34 @@ class BendingForce:
     def __init__(self, layout: Layout, elements: Sequence[Element]) -> None:
         self.elements = np.array([k for k, e in enumerate(elements) if e.kind == "cubic" and e.EJ > 0.0], dtype=int)
         bent = [elements[k] for k in self.elements]
-        self.stiffness = np.array([e.EJ for e in bent])
-        self.damping = np.array([e.damping for e in bent])
         # A rope that does not spin about its own line is damped so only where no material moves through its nodes.
         spinless = np.array([e.spinless and flow_of(layout, e) == STILL for e in bent], dtype=bool)
         self.smoothing = np.where(spinless, 0.0, smoothing_of(lengths_of(layout, bent)) if bent else 0.0)
 
-    def of(self, slope: np.ndarray, slope_rate: np.ndarray, turn: np.ndarray, turn_rate: np.ndarray) -> np.ndarray:
+    def of(
+        self, slope: np.ndarray, slope_rate: np.ndarray, turn: np.ndarray, turn_rate: np.ndarray,
+        stiffness: np.ndarray, viscosity: np.ndarray,
+    ) -> np.ndarray:  # fmt: skip
         """Its part of the axial force, N, in a point of each element.
 
         Parameters
         ----------
         slope, slope_rate, turn, turn_rate : (m, elements, 3) array
             r' and r'' at the point and their rates for the particle there.
+        stiffness, viscosity : (elements,) array
+            EJ in N m^2, and EJ c in N m^2 s.
         """
         a = np.maximum(_dot(slope, slope), np.finfo(float).tiny)
         along = _dot(slope, turn) / a
         across = turn - along[..., None] * slope
         square = _dot(across, across) / a**2
-        moment = self.stiffness * square
-        if self.damping.any():
+        moment = stiffness * square
+        if viscosity.any():
             # Half of the rate of kappa^2: the vector of curvature, across / a, times its rate.
             rate = turn_rate - along[..., None] * slope_rate - 2.0 * (_dot(slope, slope_rate) / a)[..., None] * turn
             half = _dot(rate, across) / a**2
             share = square / np.maximum(square + self.smoothing**2, np.finfo(float).tiny)
-            moment = moment + self.stiffness * self.damping * share * half
+            moment = moment + viscosity * share * half
         return -moment / np.sqrt(a)
 
 

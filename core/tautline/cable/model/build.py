@@ -19,6 +19,7 @@ from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
 from tautline.cable.model.magnitudes import largest_force, mass_of, rounding_error
 from tautline.cable.model.observe import Observer, figure_units, headline, variables
+from tautline.cable.model.sections import Sections
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
 from tautline.constraints.multiplier import Multipliers
 from tautline.integrators.statics.attainable import MANY, within_rounding
@@ -61,7 +62,8 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
     layout = Layout(scene, material, force, float(np.median(lengths)))
     made = equations_of(layout)
     check_sound(layout, made)
-    elements = element_groups(layout)
+    sections = Sections(scene.elements)
+    elements = element_groups(layout, sections)
     whole, massive = stencils(layout, elements)
     constraints, notes = constraint_groups(layout, made, mass / max(1, len(scene.nodes)) or 1.0)
     loose = _node_groups(layout)
@@ -87,7 +89,7 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
     system.force, system.reach = force, FAR * float(np.ptp(layout.initial))
     system.neighbours = (layout.starts[layout.ends][:, None, :] + np.arange(3)[:, None]).reshape(-1, 2)
     system.slopes = layout.slopes
-    observer = Observer(layout, groups, [e.name for e in made if e.tie.method != "penalty"])
+    observer = Observer(layout, sections, groups, [e.name for e in made if e.tie.method != "penalty"])
     return Assembly(layout, system, observer, lengths, notes)
 
 
@@ -122,8 +124,9 @@ def build(scene: CableScene) -> Model:
             BESIDES_MODEL,
         ),
         observe=observer.observe,
+        frames_tell_all=False,
         headline=lambda result: headline(result, scene),
-        limits=lambda result: limits(result, scene),
+        limits=lambda result: limits(result, scene, observer.sections.numbers().stiffness),
         figure_units=figure_units(scene),
         start=solver.start,
         step_limit=max(0.5 * min(lengths), 1e-9),

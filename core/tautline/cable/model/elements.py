@@ -11,6 +11,7 @@ import numpy as np
 import tautline.elements.cable  # noqa: F401  (terms of the same elements run together)
 from tautline.cable.input.parts import Element
 from tautline.cable.model.layout import Layout
+from tautline.cable.model.sections import Sections
 from tautline.elements.bending import BENDING, FlowingBending, new_bending
 from tautline.elements.bending_damping import VISCOUS, BendingDamping
 from tautline.elements.flow import Flow
@@ -65,8 +66,11 @@ def steady_flow(layout: Layout) -> list[int]:
     return sorted({*places, *layout.flow.values()})
 
 
-def element_groups(layout: Layout) -> list[Any]:
-    """Groups of inertia, tension, bending and open ends, of the kinds that the scene has."""
+def element_groups(layout: Layout, sections: Sections) -> list[Any]:
+    """Groups of inertia, tension, bending and open ends, of the kinds that the scene has.
+
+    ``sections`` is told which rows hold the stiffnesses and the damping of which elements.
+    """
     scene, all_still = layout.scene, _all_still(layout)
     sorts: dict[tuple, list[Element]] = {}
     for element in scene.elements:
@@ -75,7 +79,9 @@ def element_groups(layout: Layout) -> list[Any]:
             sorts.setdefault((element.kind, flow), []).append(element)
     pipes = [element for element in scene.elements if element.conveyed is not None]
     groups: list[Any] = [
-        _pipes(layout, some) for rule in RULES if (some := [e for e in pipes if _quadrature(e) == rule])
+        sections.of(_pipes(layout, some), some)
+        for rule in RULES
+        if (some := [e for e in pipes if e.axial_points == rule])
     ]
     for (kind, flow), elements in sorts.items():
         massive = [e for e in elements if e.rhoA > 0.0 or any(e.load)]
@@ -85,15 +91,15 @@ def element_groups(layout: Layout) -> list[Any]:
         for moving in (False, True):
             some = [e for e in elements if (flow == MOVING or (flow == SHARED and e.damping > 0.0)) == moving]
             for quadrature in RULES:
-                stiff = [e for e in some if e.EA > 0.0 and _quadrature(e) == quadrature]
+                stiff = [e for e in some if e.EA > 0.0 and e.axial_points == quadrature]
                 if stiff:
-                    groups.append(_tension(layout, kind, moving, stiff, quadrature))
+                    groups.append(sections.of(_tension(layout, kind, moving, stiff, quadrature), stiff))
             bent = [e for e in some if e.EJ > 0.0 and kind == "cubic"]
             if bent:
-                groups.append(_bending(layout, moving, bent))
+                groups.append(sections.of(_bending(layout, moving, bent), bent))
             spinless = [e for e in bent if e.spinless and e.damping > 0.0 and not moving]
             if spinless:
-                groups.append(_bending_damping(layout, spinless))
+                groups.append(sections.of(_bending_damping(layout, spinless), spinless))
     open_ends = _outlets(layout)
     if open_ends:
         last = [element for element, _ in open_ends]
@@ -104,13 +110,6 @@ def element_groups(layout: Layout) -> list[Any]:
 
 
 RULES = ("gauss", "lobatto")
-
-
-def _quadrature(element: Element) -> str:
-    """Three Gauss points along a rope; with bending three Lobatto points, which do not lock."""
-    if element.kind == "linear":
-        return "gauss"
-    return element.quadrature or ("lobatto" if element.EJ > 0.0 else "gauss")
 
 
 def _ends(layout: Layout, elements: Sequence[Element]) -> dict[str, Any]:
@@ -200,7 +199,7 @@ def _pipes(layout: Layout, elements: list[Element]) -> Pipes:
         bending=[e.EJ for e in elements],
         damping=[e.damping for e in elements],
     )
-    axial = table(*(gauss(3) if _quadrature(elements[0]) == "gauss" else lobatto()))
+    axial = table(*(gauss(3) if elements[0].axial_points == "gauss" else lobatto()))
     scratch = np.zeros((1, 6)), np.zeros((6, 6)), np.zeros((9, 9)), np.zeros((12, 12))
     return Pipes(rows, axial, table(*gauss(3)), unit_matrices(), *scratch)
 

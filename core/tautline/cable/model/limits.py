@@ -43,14 +43,15 @@ def stretches_within(
     return np.concatenate([np.linalg.norm(each, axis=-1) for each in inside], axis=1)
 
 
-def limits(result: Any, scene: CableScene) -> list[dict[str, Any]]:
+def limits(result: Any, scene: CableScene, stiffness: np.ndarray) -> list[dict[str, Any]]:
     """Records of `tautline.results.assessment.limits`, from the stored frames.
 
-    |r'| is judged at cubic nodes and between them, and along linear elements.
+    |r'| is judged at cubic nodes and between them, and along linear elements. ``stiffness`` (elements,) is EA in N, by
+    which the axial force was made.
     """
     index = {node.id: i for i, node in enumerate(scene.nodes)}
     stiff = [k for k, element in enumerate(scene.elements) if element.EA > 0.0]
-    strain = np.asarray(result["axial_force"])[:, stiff] / np.array([scene.elements[k].EA for k in stiff])
+    strain = np.asarray(result["axial_force"])[:, stiff] / stiffness[stiff]
     bent = [i for i, k in enumerate(stiff) if scene.elements[k].kind == "cubic" and scene.elements[k].EJ > 0.0]
     if bent:
         # Their axial force has a part of bending, which stretches nothing.

@@ -10,6 +10,7 @@ from tautline.application.modelling import energies_of, energy_variables
 from tautline.cable.input.parts import CableScene
 from tautline.cable.model.bending_force import BendingForce
 from tautline.cable.model.layout import Layout
+from tautline.cable.model.sections import Sections
 from tautline.cable.model.ties import WORDS
 from tautline.constraints.multiplier import Multipliers
 from tautline.kernels.hermite import FIRST, SECOND, THIRD, table
@@ -67,7 +68,7 @@ def variables(observer: Observer) -> list[Variable]:
 class Observer:
     """Turns frames into variables; all of it vectorised over the frames of a batch."""
 
-    def __init__(self, layout: Layout, groups: tuple[Any, ...], names: list[str]) -> None:
+    def __init__(self, layout: Layout, sections: Sections, groups: tuple[Any, ...], names: list[str]) -> None:
         scene = layout.scene
         self.names = names
         self.multipliers = next((g for g in groups if isinstance(g, Multipliers)), None)
@@ -77,8 +78,7 @@ class Observer:
         self.cubic_nodes = np.array([i for i, node in enumerate(scene.nodes) if node.kind == 7], dtype=int)
         self.ends = layout.ends
         self.cubic = np.array([e.kind == "cubic" for e in scene.elements])
-        self.stiffness = np.array([e.EA for e in scene.elements])
-        self.damping = np.array([e.damping for e in scene.elements])
+        self.sections = sections
         self.engineering = np.array([e.strain == "engineering" for e in scene.elements])
         self.slack = np.array([not e.compression for e in scene.elements])
         self.bending = BendingForce(layout, scene.elements)
@@ -136,12 +136,18 @@ class Observer:
         square = (e**2).sum(axis=-1)
         size = np.sqrt(square)
         factor = np.where(self.engineering, 1.0 / np.maximum(size, 1e-300), 1.0)
+        numbers = self.sections.numbers()
         strain = np.where(self.engineering, size - 1.0, 0.5 * (square - 1.0))
-        stress = strain + self.damping * factor * (e * e_d).sum(axis=-1)
-        force = np.where(self.slack & (strain < 0.0), 0.0, self.stiffness * stress * factor * size)
+        stress = strain + numbers.damping * factor * (e * e_d).sum(axis=-1)
+        force = np.where(self.slack & (strain < 0.0), 0.0, numbers.stiffness * stress * factor * size)
         if (bent := self.bending.elements).size:
-            turned = self._middle(second, rates, length, 2) + self._carried(ends, turn, length, grown, u)
-            force[:, bent] += self.bending.of(e[:, bent], e_d[:, bent], turn[:, bent], turned[:, bent])
+            # It is of use to damping alone, and as much work as all of the above.
+            turned = turn
+            if numbers.viscosity.any():
+                turned = self._middle(second, rates, length, 2) + self._carried(ends, turn, length, grown, u)
+            force[:, bent] += self.bending.of(
+                e[:, bent], e_d[:, bent], turn[:, bent], turned[:, bent], numbers.bending[bent], numbers.viscosity[bent]
+            )
         across = np.linalg.norm(np.cross(e, turn), axis=-1)
         return force, across / np.maximum(size, SHORTEST_SLOPE) ** 3
 

@@ -1,4 +1,4 @@
-"""Scenes that no run can be right of: three cubic elements at a node, and degrees of freedom without inertia."""
+"""Scenes that no run can be right of: a cubic rope that forks at a node, and degrees of freedom without inertia."""
 
 from __future__ import annotations
 
@@ -11,21 +11,27 @@ from tautline.cable.model.layout import Layout
 from tautline.scene.errors import Problem
 
 RUNNING_ON = 2
-"""Cubic elements that may share the slope of a node: a curve comes from one and runs on along the other."""
+"""Nodes to which cubic elements may lead from one node: a curve comes from one and runs on to the other."""
 
 MASSLESS = ("PointForce", "OneNodeSpring", "TwoNodeSpring")
 """Items on nodes that have no mass."""
 
 
 def branches(layout: Layout) -> list[Problem]:
-    """Nodes whose slope three cubic elements share, or more."""
+    """Nodes from which cubic elements lead to three other nodes, or more.
+
+    Elements with the same two nodes are one curve, such as a core in its armour: their forces add up.
+    """
     scene = layout.scene
     cubic = np.array([element.kind == "cubic" for element in scene.elements], dtype=bool)
-    meet = np.bincount(layout.ends[cubic].ravel(), minlength=len(scene.nodes))
+    ways = np.unique(np.sort(layout.ends[cubic], axis=1), axis=0)
+    meet = np.bincount(ways.ravel(), minlength=len(scene.nodes))
     problems = []
     for place in np.flatnonzero(meet > RUNNING_ON).tolist():
         node = scene.nodes[place].id
-        ends = [e for e in scene.elements if e.kind == "cubic" and node in e.nodes]
+        # Of those laid over each other the first is named.
+        ways_on = {frozenset(e.nodes): e for e in reversed(scene.elements) if e.kind == "cubic" and node in e.nodes}
+        ends = list(reversed(ways_on.values()))
         names = ", ".join(str(element.id) for element in ends[:-1]) + f" and {ends[-1].id}"
         cause = (
             f"{len(ends)} cubic elements, {names}, end at node {node} and share its slope: all of them have one "
@@ -69,7 +75,8 @@ def massless(layout: Layout, tied: Iterable[int]) -> list[Problem]:
 
 def _massless(layout: Layout, found: dict[int, tuple[Element, str]]) -> Problem:
     node, (element, what) = next(iter(found.items()))
-    others = f", and that of {len(found) - 1} more nodes" if len(found) > 1 else ""
+    more = len(found) - 1
+    others = f", and so it is at {more} other node{'s' * (more > 1)}" if more else ""
     cause = f"the {what} of node {node} is free and has no mass{others}: the elements that end there have rhoA = 0"
     cure = "give them rhoA, or a small share of that of their neighbours where their mass does not count"
     if what == "position":

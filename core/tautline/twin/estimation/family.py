@@ -107,14 +107,14 @@ class Family:
         return self.read_frames(self.frames(), names)
 
     def read_frames(self, frames: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
-        """Outputs of frames (..., width) of any members: one array (..., shape of the output) for each name.
+        """Outputs of frames (..., 1 + p + b, width) of all: for each name (..., 1 + p + b, shape of the output).
 
-        What a parameter changes is in the frames: one member's model can observe those of all.
+        Where what a parameter changes is in the frames, the first member's model observes those of all.
         """
-        first = self.simulations[0]
-        rows = frames.reshape(-1, frames.shape[-1])
-        found = read_frames(first.model, first.outputs.handles, rows, names)
-        return [one.reshape(*frames.shape[:-1], *one.shape[1:]) for one in found]
+        if self.simulations[0].model.frames_tell_all:
+            return _read(self.simulations[0], frames, names)
+        each = [_read(sim, frames[..., i, :], names) for i, sim in enumerate(self.simulations)]
+        return [np.stack(of_all, axis=frames.ndim - 2) for of_all in zip(*each, strict=True)]
 
     def derivatives(self, values: np.ndarray) -> np.ndarray:
         """(..., p + b) of what `read` gave."""
@@ -243,6 +243,12 @@ class Blow:
     output: str
     by: tuple[float, ...]
     late: bool = False
+
+
+def _read(sim: Simulation, frames: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
+    """Outputs of frames (..., width), observed by one simulation's model."""
+    found = read_frames(sim.model, sim.outputs.handles, frames.reshape(-1, frames.shape[-1]), names)
+    return [one.reshape((*frames.shape[:-1], *one.shape[1:])) for one in found]
 
 
 def steps_to(begin: float, end: float) -> list[float]:
