@@ -198,8 +198,8 @@ def test_orbits_are_those_of_the_lumps_that_move_most_inside_the_clearance_of_th
 
 
 def test_orbits_of_lumps_that_are_named_tell_how_they_whirl():
-    # A turn of the pipe takes 5.3 s; a fifth of the run is 6 s, and 2 s of the short one.
-    run, short = (result(None, frames=frames, turning=True) for frames in (600, 200))
+    # A turn of the pipe takes 5.3 s; a fifth of the run is 6 s, and the short one lasts for less than a turn.
+    run, short = (result(None, frames=frames, turning=True) for frames in (600, 90))
     plots = draw([run], ["orbit:3,bit"])["orbit_3_bit"].axes
     assert [plot.get_title(loc="left").split(", ")[::2] for plot in plots] == [
         ["lump 3", "whirl ratio +0.67"],

@@ -153,6 +153,7 @@ def test_what_a_first_guess_left_unexplained_is_forgotten_and_noise_of_inputs_is
         return [Sample(0.1 * k, 3.0 + size * noise[k], np.zeros(1), row, np.ones(1, bool)) for k in range(40)]
 
     horizon = Horizon([unknown("a", 3.0, 5.0), unknown("swing", 0.0, 1.0)], [channel(1.0)], 5.0, free=1)
+    horizon.shaken = True
     for one in rows(left_before):
         horizon.add(one)
     # The same readings beside simulations that were begun anew with what was found: their own noise alone is left.

@@ -359,8 +359,9 @@ class Twin:
     def _is_astray(self, time: float) -> bool:
         """Whether the load bounces in the simulation as the machine's does not, with inputs that go as measured."""
         follows = time >= self.unsettled and not self.settling.catching_up and not self.readings.made_up
-        # The guess of the weight may set it bouncing, and is being found, but for a whole window at most.
-        found = self.estimate.converged or self.estimate.horizon.is_full
+        # Without noise of the inputs it is the guess of the weight that sets it bouncing, and that is being found. A
+        # bounce by noise may keep the weight from being found: then for a whole window at most.
+        found = self.estimate.converged or (self.readings.shaken and self.estimate.horizon.is_full)
         return follows and self._moved_wrongly and found and self.estimate.astray
 
     @property

@@ -419,8 +419,9 @@ class Horizon:
             part = (own - np.median(own)) / sd[use[:, i], i]
             power = float(np.median(np.abs(part)) / 0.6745) ** 2
             part = np.clip(part, -LARGEST_RESIDUAL * power**0.5, LARGEST_RESIDUAL * power**0.5)
-            if self._anew and FAR_LESS * power < self.spread[i]:
-                # A first guess far away has left it. Noise of inputs is left by every linearisation.
+            if self._anew and self.shaken and FAR_LESS * power < self.spread[i]:
+                # A first guess far away has left it. Noise of inputs is left by every linearisation. Without any a
+                # window whose weight is wrong may be explained by free motions alone.
                 self.learned[i] = 0.0
             self.learned[i] += 1.0
             keep = max(3.0 * share, 1.0 / self.learned[i])
