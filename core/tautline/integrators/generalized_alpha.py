@@ -9,6 +9,7 @@ import numpy as np
 
 from tautline.integrators.corrector.newton import DONE, SAME_STEP, Corrector, correct, corrector
 from tautline.integrators.state import (
+    STATE,
     STATES,
     WORST,
     book_losses,
@@ -25,6 +26,7 @@ from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
+    DOFS,
     change_by_push,
     drop_inertia,
     ease,
@@ -39,6 +41,7 @@ from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.memory import form_of
 from tautline.kernels.separate import separate
+from tautline.kernels.time_function import FUNCTIONS
 from tautline.kernels.vector import copy
 from tautline.system.model import SolverSettings
 from tautline.system.system import System
@@ -171,14 +174,11 @@ def _auxiliary(alpha_m, share, a, auxiliary, ratio):
     return last, share * (a - alpha_m * last)
 
 
-@kernel
-def _go_back(m, state):
-    """Go back to the start of the step."""
-    n, a0 = state.q.size, m.history[m.newest[0]]
-    for i in range(0, n, LANES):
-        scatter(state.q, i, n, gather(state.keep[0], i, n))
-        scatter(state.v, i, n, gather(state.keep[1], i, n))
-        scatter(state.a, i, n, gather(a0, i, n))
+@separate(type(None), STATE, VECTOR, late=True)
+def _go_back(state, a0):
+    """Go back to the start of the step, at which accelerations were ``a0``."""
+    for i in range(state.q.size):
+        state.q[i], state.v[i], state.a[i] = state.keep[0, i], state.keep[1, i], a0[i]
 
 
 @kernel
@@ -285,13 +285,13 @@ def _look_ahead(a, auxiliary, before, pushed, lead, changed):
         auxiliary[i] = a[i] + lead * (a[i] - before[i] - changed * (pushed[i] - a[i]))
 
 
-@kernel
-def _stand_as_before(m, dofs, functions, state, t):
+@separate(type(None), DOFS, FUNCTIONS, STATE, STATES, float, late=True)
+def _stand_as_before(dofs, functions, state, driven, t):
     """Write the state, which is that of the start t of a step, into the full vectors as they were."""
     stand_at(dofs, functions, state, t)
     for k in dofs.driven:
         # What was found with what lasts behind a bend is in balance with that alone.
-        state.full_a[dofs.held[k]] = m.driven[BEFORE, dofs.held[k]]
+        state.full_a[dofs.held[k]] = driven[BEFORE, dofs.held[k]]
     expand_tied(dofs, state.a, state.full_a)
 
 
@@ -350,8 +350,8 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
             bends = prescribe_end(dofs, functions, t + h, h, equal, m.driven, state.full_q, state.full_v, state.full_a)
             if bends and not asked:
                 asked = True
-                _go_back(m, state)
-                _stand_as_before(m, dofs, functions, state, t)
+                _go_back(state, m.history[m.newest[0]])
+                _stand_as_before(dofs, functions, state, m.driven, t)
                 if ease(dofs, functions, t, h, m.driven, state.full_a):
                     if not jumped:
                         _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
@@ -393,8 +393,8 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         if jumped:
             _take_start(state.q, state.v, state.a, state.auxiliary, state.keep)
         else:
-            _go_back(m, state)
-        _stand_as_before(m, dofs, functions, state, t)
+            _go_back(state, m.history[m.newest[0]])
+        _stand_as_before(dofs, functions, state, m.driven, t)
         return status
     for i in m.algebraic:
         state.q[i] = 0.0

@@ -8,10 +8,12 @@ import numpy as np
 
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, prescribe
+from tautline.kernels.dofs import DOFS, expand, prescribe
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, lane, larger, largest, spread, total, where, within
 from tautline.kernels.memory import form_of
+from tautline.kernels.separate import separate
+from tautline.kernels.time_function import FUNCTIONS
 from tautline.system.system import System
 
 STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST, ROWS = range(6)
@@ -30,6 +32,8 @@ the work since then (J), and in how many steps."""
 TOGETHER = 8
 """Steps of a steady flow whose work is booked together: its energy takes two evaluations of all energies."""
 STATES = form_of(np.zeros((0, 0)))
+ADDRESSES = form_of(np.zeros(0, np.int64))
+"""The form of groups as they are linked."""
 SAME_RATE = 1.0e-12
 """Change of a flow's rate over it that is rounding."""
 
@@ -63,6 +67,11 @@ class State(NamedTuple):
     counters: np.ndarray
 
 
+_ROOM = {name: np.zeros((0, 0)) for name in ("keep", "entered", "middle")} | {"counters": np.zeros(0, np.int64)}
+STATE = form_of(State(*(_ROOM.get(name, np.zeros(0)) for name in State._fields)))
+"""The form of :class:`State`."""
+
+
 def new_state(system: System) -> State:
     """State at t = 0 with zero acceleration; reduced unknowns are read off the free full ones."""
     n, full = system.size, system.q.size
@@ -74,7 +83,7 @@ def new_state(system: System) -> State:
     )  # fmt: skip
 
 
-@kernel
+@separate(type(None), DOFS, FUNCTIONS, STATE, float)
 def stand_at(dofs, functions, state, t):
     """Write the state, which is that of time t, into the full vectors that outputs are read of."""
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
@@ -158,7 +167,7 @@ def open_ledger(groups, dofs, state, t, power):
     state.ledger[POWER] = power[0] + power[1]
 
 
-@kernel
+@separate(bool, DOFS, STATE)
 def _leave_out_steady(dofs, state):
     """Velocities without the steady motion, as `middle[1]`; returns whether they are other than the state's.
 
@@ -202,7 +211,7 @@ def _rate_of_flow(dofs, state):
     return rate
 
 
-@kernel
+@separate(float, ADDRESSES, DOFS, STATE, float, late=True)
 def _energy_of_flow(groups, dofs, state, t):
     """Kinetic energy that there would not be without the flow and what moved at the start, J."""
     _leave_out_steady(dofs, state)

@@ -338,7 +338,7 @@ def copy_some_runs(runs, k, begin, end, source, read, target, written):
         b += stride
 
 
-@kernel(forceinline=True)
+@separate(type(None), DOFS, VECTOR, VECTOR)
 def expand(dofs, reduced, full):
     """Write reduced unknowns into the full vector; held degrees of freedom are left as they are."""
     _copy_runs(dofs.runs, reduced, UNKNOWNS, full, PLACES)

@@ -157,7 +157,7 @@ def clear(matrix):
     have_cleared(matrix, matrix.band.shape[0])
 
 
-@kernel
+@separate(type(None), MATRIX)
 def clear_as_filled(matrix):
     """Set all entries to zero, columns of the band when something is first added to them, or by `have_cleared`.
 
@@ -176,7 +176,7 @@ def have_cleared(matrix, columns):
         _clear_up_to(matrix, columns)
 
 
-@kernel
+@separate(type(None), MATRIX, int)
 def _clear_up_to(matrix, columns):
     """Clear the next columns, a few more than are asked for."""
     first, last = matrix.cleared[0], min(matrix.band.shape[0], columns + AHEAD)
@@ -215,7 +215,7 @@ def clear_columns(matrix, first, last):
             matrix.band[i, j] = 0.0
 
 
-@kernel
+@separate(type(None), MATRIX, MATRIX)
 def copy_matrix(source, target):
     """Write one matrix over another of its shape."""
     _copy(source.band, target.band)
