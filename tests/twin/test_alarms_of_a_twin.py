@@ -134,7 +134,10 @@ def test_a_sensor_that_fails_is_reported_and_the_estimate_stays(fault, settled):
     assert raised and FAULT < raised[0] <= FAULT + delay
     assert at(lines, end - 0.5)["health"] in ("degraded", "lost")
     for time in (end - 0.5, well):
-        assert at(lines, time)["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.005)
+        # With another noise (seeds 0 to 5) the weight is up to 0.44 % off, which is one deviation.
+        found = at(lines, time)["estimates"]["payload.mass"]
+        assert found["value"] == pytest.approx(5000.0, rel=0.005)
+        assert abs(found["value"] - 5000.0) < 2.5 * found["sd"]
     assert at(lines, well)["health"] == "good"
 
 

@@ -17,9 +17,8 @@ SHIPPED = tautline.read(HOIST).replace({"solver.step": 10e-3, "output.interval":
 
 @pytest.mark.parametrize("start", [2.0, *studies(0.5)])
 def test_the_weight_is_within_one_per_cent_after_ten_seconds_from_a_start_off_by_two(start):
-    # Of seeds 0 to 9 nine are within 0.6 % or two deviations. Seed 0 stays at 1.05 %, which is 24 deviations: known.
     within = 0
-    for seed in range(1, 1 + TRIALS // 2):
+    for seed in range(TRIALS // 2):
         truth = float(np.random.default_rng(100 + seed).uniform(3000.0, 7000.0))
         scene = SHIPPED.replace({"bodies[0].mass": truth})
         twin = Twin(SHIPPED, NOT_AHEAD.replace("START", f"{start * truth} kg"))
@@ -145,9 +144,7 @@ def test_a_weight_that_stands_at_the_end_of_its_range_is_told_once_and_health_is
     assert len(told) == 1 and told[0].startswith(
         "payload.mass stands at the end of its range, 6000 kg, and the sensors"
     )
-    # Later the derivatives of a simulation that bounces with a weight which is not the load's have grown wild, and tell
-    # less of how far beyond the range the sensors ask for: known, and not right.
-    assert {line["health"] for line in lines if 8.0 < line["time"] < 14.0} == {"degraded"}
+    assert {line["health"] for line in lines if line["time"] > 8.0} == {"degraded"}
 
 
 def test_a_weight_that_may_stand_near_the_end_of_its_range_is_told_with_good_health():

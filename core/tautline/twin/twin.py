@@ -42,8 +42,9 @@ NOISE_SHOWN = 12
 RESTED = 0.5
 """Time over which it is averaged by how much rows of a machine at rest miss what is computed, s: slips let go
 of a string within seconds."""
-BEYOND = 5.0
-"""Standard deviations that an estimate would stand beyond its range, from which on range or data are wrong."""
+BEYOND, NO_LONGER_BEYOND = 5.0, 1.0
+"""Standard deviations that an estimate would stand beyond its range, from which on range or data are wrong; and at
+which they are right again."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
 
@@ -426,8 +427,11 @@ class Twin:
         horizon.shaken = self.readings.shaken
         y0, J = estimate.compared(read)
         tells = estimate.alike(read)
-        believed = self._compare_units(row.time, y, y0, J, use, tells) & estimate.tame(J)
+        told = self._compare_units(row.time, y, y0, J, use, tells)
+        believed = told & estimate.tame(J)
         use = believed & tells
+        if (told & tells).any():
+            horizon.follow_wild(row.time, not use.any())
         residual, residual_sd = horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
         followed = self.readings.believed(values) if self.rests else use & estimate.converged
         horizon.miss(row.time, np.where(followed, residual, np.nan), y0, RESTED if self.rests else MISSED)
@@ -487,7 +491,7 @@ class Twin:
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)
         self.unsure |= self._moved_wrongly and not self.estimate.shown
-        self.unsure |= self._stands_at_an_end()
+        self.unsure |= self._stands_at_an_end() or horizon.starves
         return more
 
     def _stands_at_an_end(self) -> bool:
@@ -496,7 +500,8 @@ class Twin:
         for one, beyond, mean in zip(
             self.plan.unknowns, self.estimate.horizon.beyond, self.estimate.horizon.mean, strict=False
         ):
-            if not beyond > BEYOND:
+            # The longer it stands there, the less the simulation at the wrong value tells of how far beyond it would be.
+            if not beyond > (NO_LONGER_BEYOND if one.name in self._ends else BEYOND):
                 self._ends.pop(one.name, None)
                 continue
             begun = self._ends.setdefault(one.name, self.now)

@@ -602,7 +602,8 @@ class Estimate:
         h, p = self.horizon, self._parameters
         if not len(h.samples) or not self.blows:
             return np.zeros(len(p), bool)
-        J = np.array([one.J[:, p] for one in h.samples])
+        last = list(h.samples)[-max(FEWEST, len(h.samples) // 4) :]
+        J = np.array([one.J[:, p] for one in last])
         usual = np.array([np.median(past, axis=0) for past in self._slopes]) if self._slopes else np.abs(J[0])
         return np.any(np.median(np.abs(J), axis=0) > WILD * usual, axis=0)
 

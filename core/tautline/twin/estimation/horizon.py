@@ -58,6 +58,8 @@ MISSED, MOST_MISSED = 2.0, 100.0
 sensor that one counts as at most."""
 FAR_LESS = 4.0
 """How many times less a window leaves unexplained, linearised anew, where what was left before was no noise."""
+MANY_WILD = 0.25
+"""Share of a window's rows that are not used, as nothing in them can be believed, from which on it tells too little."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
@@ -126,6 +128,9 @@ class Horizon:
         Mean square by which rows missed lately what was expected of them, in variances of the sensor.
     told : (m,), missed_at : float
         How far that mean is known, 0 to 1, and the time at which it was last followed, s.
+    wild, wild_at : float
+        Share of the rows of about a window that were not used, as none of their derivatives could be believed; and the
+        time at which that was last followed, s.
     beyond : (k,)
         How far beyond its range each unknown would stand without it, in standard deviations.
     released : float
@@ -170,6 +175,7 @@ class Horizon:
         self.largest = np.zeros(m)
         self.shaken = False
         self.missed, self.told, self.missed_at = np.zeros(m), np.zeros(m), np.nan
+        self.wild, self.wild_at = 0.0, np.nan
         self.variance = np.zeros(m)
         self.alike, self.learned = np.ones(m), np.zeros(m)
         self._anew = False
@@ -490,6 +496,17 @@ class Horizon:
     def miss_anew(self, time: float) -> None:
         """Forget by how much rows have missed: the first one later than a time, s, begins a new mean."""
         self.missed, self.told, self.missed_at = np.zeros_like(self.missed), np.zeros_like(self.told), time
+
+    def follow_wild(self, time: float, wild: bool) -> None:
+        """Follow the share of rows that are not used, as none of their derivatives can be believed."""
+        passed = min(time - self.wild_at, self.window) if np.isfinite(self.wild_at) else 0.0
+        self.wild_at = time
+        self.wild += (1.0 - float(np.exp(-passed / self.window))) * (float(wild) - self.wild)
+
+    @property
+    def starves(self) -> bool:
+        """Whether so many rows are not used that the estimate stands where it was, whatever the machine does."""
+        return self.wild > MANY_WILD
 
     def own(self, residual_sd: np.ndarray, y0: np.ndarray) -> np.ndarray:
         """Standard deviations of residuals (m,) without what the sensors are believed to be worse than is given."""
