@@ -22,7 +22,7 @@ from tautline.integrators.state import (
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
-from tautline.kernels.changes import COUNT
+from tautline.kernels.changes import COUNT, EVER
 from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
@@ -319,16 +319,8 @@ def _push(m, groups, dofs, functions, state, t, h, impulse):
 
 
 @kernel(forceinline=True)
-def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
-    """Advance the state from t by h; on failure it is left as it was. Returns a status.
-
-    One corrector solves for accelerations at the start of the step where something jumps there, for its end, and for
-    the accelerations there behind a push, where a function has bent in it.
-    """
-    m = method
-    beta = (1.0 - m.alpha_m) / (m.beta * h * h * (1.0 - m.alpha_f))
-    gamma = m.gamma / (m.beta * h)
-    counted = m.gamma * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
+def _open_step(m, groups, dofs, state, t, h, beta, gamma):
+    """Begin a step: its length over that of the last one, and whether something jumps at its start."""
     over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
     ratio = h / m.last_step[0] if m.last_step[0] > 0.0 else 1.0
     if abs(ratio - 1.0) > SAME_STEP:
@@ -341,61 +333,22 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     for k in dofs.driven:
         i = dofs.held[k]
         m.driven[BEFORE, i] = m.driven[BEGIN, i] = state.full_a[i]
-    stage, left = START if jumped else END, 1
-    ahead, work, asked, bends, switched = 0.0, 0.0, False, False, False
-    while True:
-        if stage == END:
-            _predict(m, state, h, ratio)
-            equal = m.tolerance == 0.0
-            bends = prescribe_end(dofs, functions, t + h, h, equal, m.driven, state.full_q, state.full_v, state.full_a)
-            if bends and not asked:
-                asked = True
-                _go_back(state, m.history[m.newest[0]])
-                _stand_as_before(dofs, functions, state, m.driven, t)
-                if ease(dofs, functions, t, h, m.driven, state.full_a):
-                    if not jumped:
-                        _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
-                        ahead = 1.0
-                    jumped, stage, left = True, START, TWICE
-                else:
-                    continue
-            elif bends:
-                prescribe_push(dofs, functions, t, h, counted, m.driven, state.full_a)
-        end = t if stage == START else t + h
-        shrunk = 1.0 if stage == END else 1.0 / AT_ONCE
-        status = correct(m.corrector, groups, dofs, state, end, beta * shrunk * shrunk, gamma * shrunk)
-        if status != DONE:
-            break
-        if stage == START:
-            _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, ahead)
-            m.order[0] = min(m.order[0], 0)  # accelerations of before tell nothing of those to come
-            left -= 1
-            if left == 0:
-                if asked:
-                    work = work_of_easing(
-                        dofs, functions, t, h, state.residual, state.entered[1], state.middle[0]
-                    )  # fmt: skip
-                stage = END
-                over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
-        elif stage == END:
-            switched = m.corrector.changed[1] > 0
-            status = _judge(m, groups, dofs, state, t, h)
-            if status != DONE or not bends:
-                break
-            work += _push(m, groups, dofs, functions, state, t, h, h * counted)
-            prescribe_lasting(dofs, functions, t + h, h, m.driven, state.full_a)
-            stage, left = BEHIND, TWICE
-        else:
-            left -= 1
-            if left == 0:
-                break
-    if status != DONE:
-        if jumped:
-            _take_start(state.q, state.v, state.a, state.auxiliary, state.keep)
-        else:
-            _go_back(state, m.history[m.newest[0]])
-        _stand_as_before(dofs, functions, state, m.driven, t)
-        return status
+    return ratio, jumped
+
+
+@kernel(forceinline=True)
+def _undo_step(m, dofs, functions, state, t, jumped):
+    """Leave everything as it was at the start t of a step that failed."""
+    if jumped:
+        _take_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+    else:
+        _go_back(state, m.history[m.newest[0]])
+    _stand_as_before(dofs, functions, state, m.driven, t)
+
+
+@kernel(forceinline=True)
+def _close_step(m, groups, dofs, state, t, h, ratio, bends, switched, work):
+    """Accept a step, and write its books; ``work``, J, is that of what is driven, where something has bent."""
     for i in m.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0
@@ -411,6 +364,69 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         _forget_what_is_held(dofs, state)
     book_losses(groups, state, t, h, m.power)
     book_work(groups, dofs, state, t + h, m.power, work)
+
+
+@kernel(forceinline=True)
+def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
+    """Advance the state from t by h; on failure it is left as it was. Returns a status.
+
+    One corrector solves for accelerations at the start of the step where something jumps there, for its end, and for
+    the accelerations there behind a push, where a function has bent in it.
+    """
+    m = method
+    beta = (1.0 - m.alpha_m) / (m.beta * h * h * (1.0 - m.alpha_f))
+    gamma = m.gamma / (m.beta * h)
+    counted = m.gamma * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
+    ratio, jumped = _open_step(m, groups, dofs, state, t, h, beta, gamma)
+    stage, left = START if jumped else END, 1
+    ahead, work, asked, bends, switched = 0.0, 0.0, False, False, False
+    while True:
+        if stage == END:
+            _predict(m, state, h, ratio)
+            equal = m.tolerance == 0.0
+            bends = prescribe_end(dofs, functions, t + h, h, equal, m.driven, state.full_q, state.full_v, state.full_a)
+            if bends and not asked:
+                asked = True
+                _go_back(state, m.history[m.newest[0]])
+                _stand_as_before(dofs, functions, state, m.driven, t)
+                if not ease(dofs, functions, t, h, m.driven, state.full_a):
+                    continue
+                if not jumped:
+                    _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+                    ahead = 1.0
+                jumped, stage, left = True, START, TWICE
+            elif bends:
+                prescribe_push(dofs, functions, t, h, counted, m.driven, state.full_a)
+        end = t if stage == START else t + h
+        shrunk = 1.0 if stage == END else 1.0 / AT_ONCE
+        status = correct(m.corrector, groups, dofs, state, end, beta * shrunk * shrunk, gamma * shrunk)
+        if status != DONE:
+            break
+        left -= 1
+        if stage == START:
+            _take_settled(state.q, state.v, state.a, state.auxiliary, state.keep, ahead)
+            m.order[0] = min(m.order[0], 0)  # accelerations of before tell nothing of those to come
+            if left == 0:
+                if asked:
+                    work = work_of_easing(
+                        dofs, functions, t, h, state.residual, state.entered[1], state.middle[0]
+                    )  # fmt: skip
+                stage = END
+                over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
+        elif stage == END:
+            switched = m.corrector.changed[EVER] > 0
+            status = _judge(m, groups, dofs, state, t, h)
+            if status != DONE or not bends:
+                break
+            work += _push(m, groups, dofs, functions, state, t, h, h * counted)
+            prescribe_lasting(dofs, functions, t + h, h, m.driven, state.full_a)
+            stage, left = BEHIND, TWICE
+        elif left == 0:
+            break
+    if status != DONE:
+        _undo_step(m, dofs, functions, state, t, jumped)
+        return status
+    _close_step(m, groups, dofs, state, t, h, ratio, bends, switched, work)
     return DONE
 
 

@@ -500,7 +500,7 @@ class Twin:
         for one, beyond, mean in zip(
             self.plan.unknowns, self.estimate.horizon.beyond, self.estimate.horizon.mean, strict=False
         ):
-            # The longer it stands there, the less the simulation at the wrong value tells of how far beyond it would be.
+            # The longer it stands there, the less a simulation at the wrong value tells of how far beyond it would be.
             if not beyond > (NO_LONGER_BEYOND if one.name in self._ends else BEYOND):
                 self._ends.pop(one.name, None)
                 continue
