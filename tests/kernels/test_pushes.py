@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from tautline.kernels.dofs import BEFORE, BEGIN, ease, prescribe_end, prescribe_lasting, prescribe_push, work_of_push
+from tautline.kernels.dofs import (
+    BEFORE,
+    BEGIN,
+    SPEED,
+    ease,
+    prescribe_end,
+    prescribe_lasting,
+    prescribe_push,
+    work_of_push,
+)
 from tautline.kernels.jit import entry
 from tautline.kernels.time_function import value_at
 from tautline.scene.functions import Harmonic, Ramp, Table
@@ -14,8 +23,8 @@ STEP = 1e-3
 
 
 @entry
-def _prescribe_end(dofs, functions, t, h, known, q, v, a):
-    return prescribe_end(dofs, functions, t, h, True, known, q, v, a)
+def _prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
+    return prescribe_end(dofs, functions, t, h, equal, known, q, v, a)
 
 
 @entry
@@ -34,11 +43,11 @@ def _prescribe_lasting(dofs, functions, t, h, known, a):
 
 
 @entry
-def _work_of_push(dofs, functions, t, impulse, q, v, pushed, others, entered, scratch):
-    return work_of_push(dofs, functions, t, impulse, q, v, pushed, others, entered, scratch)
+def _work_of_push(dofs, impulse, known, q, v, pushed, others, entered, scratch):
+    return work_of_push(dofs, impulse, known, q, v, pushed, others, entered, scratch)
 
 
-def pushed(function, end, h=STEP, gamma=0.5):
+def pushed(function, end, h=STEP, gamma=0.5, equal=True):
     """Changes of speed by a step that counts parts of the accelerations at its ends, the true ones, and which bend."""
     functions = compile_functions([function])
     degrees = Degrees(["driven", "free"], np.zeros(2), np.ones(2))
@@ -48,8 +57,8 @@ def pushed(function, end, h=STEP, gamma=0.5):
     first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((4, 2))
     for k in range(round(end / h)):
         t, speed, place = h * k, v[0], q[0]
-        known[:2, 0] = a[0]
-        bends.append(_prescribe_end(dofs, functions, t + h, h, known, q, v, a))
+        known[:2, 0], known[SPEED, 0] = a[0], v[0]
+        bends.append(_prescribe_end(dofs, functions, t + h, h, equal, known, q, v, a))
         if bends[-1]:
             eased = known[BEFORE, 0] * np.ones(2)
             _ease(dofs, functions, t, h, known, eased)
@@ -62,7 +71,7 @@ def pushed(function, end, h=STEP, gamma=0.5):
             # Of a body of 2 kg on a spring of 3 N/m: inertia works by its impulse, the spring along the way.
             spring, entered = 3.0 * q, np.array([[place, 0.0], [3.0 * place, 0.0]])
             work = _work_of_push(
-                dofs, functions, t, gamma * h, q, v, 2.0 * a + spring, spring, entered, np.zeros((2, 2))
+                dofs, gamma * h, known, q, v, 2.0 * a + spring, spring, entered, np.zeros((2, 2))
             )  # fmt: skip
             inertia = 2.0 * gamma * h * a[0] * 0.5 * (speed + v[0])
             assert work == pytest.approx(inertia + 1.5 * (q[0] ** 2 - place**2))
@@ -101,6 +110,29 @@ def test_what_is_smooth_is_left_as_it_is_to_the_bit(steps):
     assert not bends.any()
     # One step makes too little of a change and another too much.
     assert found == pytest.approx(true, abs=max(0.06, 4.0 / steps**2) * np.ptp(true))
+
+
+@pytest.mark.parametrize("steps", [4, 4.3, 4.7, 5.1])
+def test_no_step_of_a_sine_of_four_to_five_steps_is_pushed_but_where_it_begins(steps):
+    # Some of them were, and what was carried was off by two to eleven times its range.
+    _, _, bends = pushed(FunctionRequest(Harmonic(amplitude=0.3, period=steps * STEP)), 0.4)
+    assert not bends[4:].any()
+
+
+@pytest.mark.parametrize("steps", [7, 9, 11, 12.5, 13, 50])
+def test_no_step_of_a_sine_bends_where_steps_change_their_length(steps):
+    # The mean of both ends leaves 2 % of one of 12.8 steps: those were pushed, and what was carried drifted away.
+    _, _, bends = pushed(FunctionRequest(Harmonic(amplitude=0.3, period=steps * STEP)), 0.4, equal=False)
+    assert not bends.any()
+
+
+@pytest.mark.parametrize("equal", [True, False])
+def test_a_smooth_motion_that_one_step_makes_from_rest_to_rest_bends(equal):
+    smooth = Ramp(**{"from": 0.0}, to=4.0, at=0.02, over=STEP)
+    found, true, bends = pushed(FunctionRequest(smooth, True, 1.0), 0.04, equal=equal)
+    # Accelerations are zero at both ends of its step, and two rules that integrate a cubic are right within it.
+    assert bends.sum() == 1
+    assert found[-1] == pytest.approx(true[-1], rel=1e-9)
 
 
 @pytest.mark.parametrize("over", [2, 20])

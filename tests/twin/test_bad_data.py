@@ -79,7 +79,7 @@ def test_loads_that_snap_again_and_again_as_the_simulation_does_are_no_jumps_and
     lines = lines_of(twin, knocked)
     assert twin.readings.rows.counts["with a reading that jumped away and back"] == 1
     assert at(lines, 1.5)["health"] == "degraded"
-    # No sensor is blamed for a snap. Health is not good all the same: snaps are chaos, and where the simulation computes
+    # No sensor is blamed for a snap. Health is not good all the same: snaps are chaos. Where the simulation computes
     # 316 kN and none is measured, next to no reading tells anything of the weight.
     assert not any(one.fault for one in twin.readings.health)
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)

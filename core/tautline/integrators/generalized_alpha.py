@@ -27,10 +27,11 @@ from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
     DOFS,
-    change_by_push,
+    SPEED,
     drop_inertia,
     ease,
     expand_tied,
+    prescribe_begun,
     prescribe_end,
     prescribe_lasting,
     prescribe_push,
@@ -53,8 +54,9 @@ DEPTH = 3
 """Steps whose accelerations are kept: a parabola goes through that of the state and two before it."""
 AT_ONCE = 1.0e-9
 """Length of a step, over that of the step under way, in which nothing but accelerations changes."""
-START, END, BEHIND = range(3)
-"""What is solved for in a step: accelerations at its start, its end, and accelerations there behind a push."""
+START, END, BEGUN, BEHIND = range(4)
+"""What is solved for in a step: accelerations at its start, its end, and accelerations there behind a push, as if what
+is driven had those with which the step began, and with those with which it goes on."""
 TWICE = 2
 """Solutions for accelerations behind a push: the force that holds what is driven is then that of those found."""
 STILL = -1
@@ -72,7 +74,8 @@ class GeneralizedAlpha(NamedTuple):
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
     on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (4,
     n_full) is what is known in the step under way of what follows functions, see `prescribe_end`;
-    ``pushed`` (n,) and ``forces`` (n_full,) are accelerations and full residual at the end of a step with a push.
+    ``begun`` (n,) are accelerations behind a push with those of what is driven from before it, and ``forces`` (n_full,)
+    the full residual at the end of a step with a push.
     """
 
     alpha_m: float
@@ -91,7 +94,7 @@ class GeneralizedAlpha(NamedTuple):
     newest: np.ndarray
     order: np.ndarray
     driven: np.ndarray
-    pushed: np.ndarray
+    begun: np.ndarray
     forces: np.ndarray
 
 
@@ -273,16 +276,15 @@ def _take_start(q, v, a, auxiliary, keep):
         q[i], v[i], a[i], auxiliary[i] = keep[0, i], keep[1, i], keep[2, i], keep[3, i]
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, float, float, late=True)
-def _look_ahead(a, auxiliary, before, pushed, lead, changed):
+@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, float, late=True)
+def _look_ahead(a, auxiliary, before, begun, lead):
     """Set the auxiliary accelerations behind a push: those a part ``lead`` of a step away from the ones found, a.
 
     So much of the change since the start of the step, ``before``, is ahead. Without it each bend of many would take a
-    share of the motion. What the change of what lasts has made of it is not: that is the part ``changed`` of what the
-    push has made of the accelerations, ``pushed``.
+    share of the motion. What changes of what is driven have made of it is not: ``begun`` are those without them.
     """
     for i in range(a.size):
-        auxiliary[i] = a[i] + lead * (a[i] - before[i] - changed * (pushed[i] - a[i]))
+        auxiliary[i] = a[i] + lead * (begun[i] - before[i])
 
 
 @separate(type(None), DOFS, FUNCTIONS, STATE, STATES, float, late=True)
@@ -290,8 +292,10 @@ def _stand_as_before(dofs, functions, state, driven, t):
     """Write the state, which is that of the start t of a step, into the full vectors as they were."""
     stand_at(dofs, functions, state, t)
     for k in dofs.driven:
+        i = dofs.held[k]
         # What was found with what lasts behind a bend is in balance with that alone.
-        state.full_a[dofs.held[k]] = driven[BEFORE, dofs.held[k]]
+        state.full_v[i], state.full_a[i] = driven[SPEED, i], driven[BEFORE, i]
+    expand_tied(dofs, state.v, state.full_v)
     expand_tied(dofs, state.a, state.full_a)
 
 
@@ -306,15 +310,14 @@ def _judge(m, groups, dofs, state, t, h):
 
 
 @kernel
-def _push(m, groups, dofs, functions, state, t, h, impulse):
-    """Remember accelerations at the end of a step that a push has made, and return the work of what is driven, J."""
-    copy(state.a, m.pushed)
+def _push(m, groups, dofs, state, t, impulse):
+    """Work of what is driven in a step with a push that ends at t, J."""
     copy(state.residual, m.forces)
     drop_inertia(dofs, m.algebraic, state.a, state.full_a)
     state.residual.fill(0.0)
-    over.residual(groups, t + h, state.full_q, state.full_v, state.full_a, state.residual)
+    over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     return work_of_push(
-        dofs, functions, t, impulse, state.full_q, state.full_v, m.forces, state.residual, state.entered, state.middle
+        dofs, impulse, m.driven, state.full_q, state.full_v, m.forces, state.residual, state.entered, state.middle
     )  # fmt: skip
 
 
@@ -333,6 +336,7 @@ def _open_step(m, groups, dofs, state, t, h, beta, gamma):
     for k in dofs.driven:
         i = dofs.held[k]
         m.driven[BEFORE, i] = m.driven[BEGIN, i] = state.full_a[i]
+        m.driven[SPEED, i] = state.full_v[i]
     return ratio, jumped
 
 
@@ -347,16 +351,19 @@ def _undo_step(m, dofs, functions, state, t, jumped):
 
 
 @kernel(forceinline=True)
-def _close_step(m, groups, dofs, state, t, h, ratio, bends, switched, work):
-    """Accept a step, and write its books; ``work``, J, is that of what is driven, where something has bent."""
+def _close_step(m, groups, dofs, state, t, h, ratio, bends, changes, switched, work):
+    """Accept a step, and write its books.
+
+    Where something has bent, ``changes`` says whether what is driven goes on with other accelerations than before, and
+    ``work``, J, is that of what is driven.
+    """
     for i in m.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0
     _accept(m, state, h, ratio, bends or switched)
     if bends:
         before = m.history[(m.newest[0] + 2) % DEPTH]
-        changed = change_by_push(dofs, m.driven, state.full_a)
-        _look_ahead(state.a, state.auxiliary, before, m.pushed, m.alpha_m - m.alpha_f, changed)
+        _look_ahead(state.a, state.auxiliary, before, m.begun if changes else state.a, m.alpha_m - m.alpha_f)
     else:
         work = work_of_means(dofs, state)
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
@@ -379,7 +386,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     counted = m.gamma * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
     ratio, jumped = _open_step(m, groups, dofs, state, t, h, beta, gamma)
     stage, left = START if jumped else END, 1
-    ahead, work, asked, bends, switched = 0.0, 0.0, False, False, False
+    ahead, work, asked, bends, changes, switched = 0.0, 0.0, False, False, False, False
     while True:
         if stage == END:
             _predict(m, state, h, ratio)
@@ -418,7 +425,14 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
             status = _judge(m, groups, dofs, state, t, h)
             if status != DONE or not bends:
                 break
-            work += _push(m, groups, dofs, functions, state, t, h, h * counted)
+            work += _push(m, groups, dofs, state, t + h, h * counted)
+            changes = prescribe_lasting(dofs, functions, t + h, h, m.driven, state.full_a)
+            stage, left = BEHIND, TWICE
+            if changes:
+                prescribe_begun(dofs, m.driven, state.full_a)
+                stage = BEGUN
+        elif stage == BEGUN:
+            copy(state.a, m.begun)
             prescribe_lasting(dofs, functions, t + h, h, m.driven, state.full_a)
             stage, left = BEHIND, TWICE
         elif left == 0:
@@ -426,7 +440,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     if status != DONE:
         _undo_step(m, dofs, functions, state, t, jumped)
         return status
-    _close_step(m, groups, dofs, state, t, h, ratio, bends, switched, work)
+    _close_step(m, groups, dofs, state, t, h, ratio, bends, changes, switched, work)
     return DONE
 
 

@@ -99,20 +99,23 @@ def prescribe(dofs, functions, t, q, v, a):
         a[i] = second
 
 
-BENT, STRICT, LARGE, ROUNDED = 0.055, 0.005, 0.02, 1e-6
+BENT, STRICT, ROUNDED = 0.055, 0.005, 1e-6
 """What accelerations at the ends of steps may leave of a change of speed, over the step and the accelerations nearby,
-before a function bends; the same where steps differ, of which one does not make up for another, and where it is smooth
-within the step; and over the speeds, below which that is rounding.
+before a function bends; the same of rules that are exact where it is smooth within the step; and over the speeds, below
+which that is rounding.
 
 The mean of both ends leaves 0.033 of a sine that takes ten steps in a period, a cubic 0.05 of one that takes five.
 """
+SHOWN = 0.5
+"""Share of the largest acceleration within a step that one at its ends is at least, or they do not show it."""
 BESIDE = 1e-6
 """How far beside an instant, over a step, both sides of a corner are seen."""
 GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
-BEFORE, BEGIN, BENDS, PUSH = range(4)
+BEFORE, BEGIN, BENDS, SPEED = range(4)
 """Rows of what is known in a step of what is driven: their accelerations at its start, as they were and as they
-count, 1 where the function bends in it, and the acceleration at its end that pushes then."""
+count, 1 where the function bends in it, and the speed at its start. That is kept, and not asked for again: where a step
+ends and the next begins, times differ by rounding, and a corner may lie between."""
 
 
 @kernel(forceinline=True)
@@ -122,7 +125,7 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
     The vectors hold the start of the step; ``equal`` says whether steps are all as long as this one. Between its ends a
     function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
     The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
-    it. ``known`` (4, n_full) takes what is seen of each, see `PUSH`.
+    it. ``known`` (4, n_full) takes what is seen of each, see `SPEED`.
     """
     bends = False
     for k in dofs.driven:
@@ -133,17 +136,35 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
         known[BENDS, i] = 0.0
         scale = h * max(abs(a[i]), abs(second))
         if lost > few * scale and lost > ROUNDED * max(abs(v[i]), abs(rate)):
-            if (
-                _bends(functions, motion, t, h, v[i], a[i])
-                if equal
-                else lost > LARGE * scale or _bends_within(functions, motion, t, h, a[i])
-            ):
+            if equal:
+                bent = _bends(functions, motion, t, h, v[i], a[i])
+            else:
+                bent = _bends_within(functions, motion, t, h, v[i], a[i])
+            if bent:
                 known[BENDS, i] = 1.0
                 bends = True
         q[i] = dofs.offset[k] + value
         v[i] = rate
         a[i] = second
     return bends
+
+
+@separate(bool, FUNCTIONS, int, float, float, float, float, late=True)
+def _bends_within(functions, motion, t, h, v0, a0):
+    """Whether the ends of the step before t do not show what a function does within: it is not smooth, or they are low.
+
+    It is not smooth where two rules that integrate a cubic miss its change of speed: no corner is where both are right
+    by accident. Nor is it where what the step begins with, ``v0`` and ``a0``, is not its own.
+    """
+    v1 = _speed(functions, motion, t)
+    first, last = evaluate(functions, motion, t - h)[2], evaluate(functions, motion, t)[2]
+    middle = evaluate(functions, motion, t - 0.5 * h)[2]
+    early, late = evaluate(functions, motion, t - h + GAUSS * h)[2], evaluate(functions, motion, t - GAUSS * h)[2]
+    simpson = abs(v1 - v0 - h * (first + 4.0 * middle + last) / 6.0)
+    gauss = abs(v1 - v0 - 0.5 * h * (early + late))
+    ends = max(abs(first), abs(last))
+    most = max(ends, abs(middle), abs(early), abs(late))
+    return ends < SHOWN * most or max(simpson, gauss, h * abs(first - a0)) > STRICT * h * most
 
 
 @separate(bool, FUNCTIONS, int, float, float, float, float, late=True)
@@ -159,30 +180,19 @@ def _bends(functions, motion, t, h, v0, a0):
     lost = abs(v1 - v0 - h * (13.0 * inner - outer) / 24.0)
     # Where a smooth motion begins or ends its accelerations are next to nothing, and any part of them is a large one:
     # what two steps nearby have in common counts. A jump nearby does not.
-    most = 0.0
+    most, own = 0.0, v1 - v0
+    returns = False
     before, last = _speed(functions, motion, t - 4.0 * h), 0.0
     for k in range(-3, 4):
         v = _speed(functions, motion, t + k * h)
         change = abs(v - before)
         most = max(most, min(change, last))
+        returns = returns or (own * (v - before) < 0.0 and change > SHOWN * abs(own))
         before, last = v, change
-    return lost > BENT * most and lost > ROUNDED * max(abs(v0), abs(v1))
-
-
-@separate(bool, FUNCTIONS, int, float, float, float, late=True)
-def _bends_within(functions, motion, t, h, a0):
-    """Whether a function is not smooth in the step before t: two rules that integrate a cubic miss its change of speed.
-
-    No corner is where both are right by accident. Nor is it smooth where what the step begins with, ``a0``, is not its.
-    """
-    v0, v1 = _speed(functions, motion, t - h), _speed(functions, motion, t)
-    first, last = evaluate(functions, motion, t - h)[2], evaluate(functions, motion, t)[2]
-    middle = evaluate(functions, motion, t - 0.5 * h)[2]
-    early, late = evaluate(functions, motion, t - h + GAUSS * h)[2], evaluate(functions, motion, t - GAUSS * h)[2]
-    simpson = abs(v1 - v0 - h * (first + 4.0 * middle + last) / 6.0)
-    gauss = abs(v1 - v0 - 0.5 * h * (early + late))
-    most = max(abs(first), abs(middle), abs(last), abs(early), abs(late))
-    return max(simpson, gauss, h * abs(first - a0)) > STRICT * h * most
+    if lost <= BENT * most or lost <= ROUNDED * max(abs(v0), abs(v1)):
+        return False
+    # A swing of four steps in a period makes up for what it loses, as one of ten does, if none of its steps is pushed.
+    return not returns or _bends_within(functions, motion, t, h, v0, a0)
 
 
 @kernel(forceinline=True)
@@ -238,29 +248,27 @@ def prescribe_push(dofs, functions, t, h, gamma, known, a):
     for k in dofs.driven:
         i, motion = dofs.held[k], dofs.motion[k]
         if known[BENDS, i] > 0.0:
-            mean = (_speed(functions, motion, t + h) - _speed(functions, motion, t)) / h
-            known[PUSH, i] = a[i] = (mean - (1.0 - gamma) * known[BEGIN, i]) / gamma
+            mean = (_speed(functions, motion, t + h) - known[SPEED, i]) / h
+            a[i] = (mean - (1.0 - gamma) * known[BEGIN, i]) / gamma
 
 
-@separate(float, DOFS, STATES, VECTOR, late=True)
-def change_by_push(dofs, known, a):
-    """How the accelerations a that last behind a push differ from those at the start of its step, over the push's own
-    difference from a: of several things that bend the nearest number."""
-    product = square = 0.0
+@separate(type(None), DOFS, STATES, VECTOR, late=True)
+def prescribe_begun(dofs, known, a):
+    """Set the accelerations of what bends to those with which its step began."""
     for k in dofs.driven:
         i = dofs.held[k]
         if known[BENDS, i] > 0.0:
-            product += (a[i] - known[BEGIN, i]) * (known[PUSH, i] - a[i])
-            square += (known[PUSH, i] - a[i]) ** 2
-    return product / square if square > 0.0 else 0.0
+            a[i] = known[BEGIN, i]
 
 
-@separate(type(None), DOFS, FUNCTIONS, float, float, STATES, VECTOR, late=True)
+@separate(bool, DOFS, FUNCTIONS, float, float, STATES, VECTOR, late=True)
 def prescribe_lasting(dofs, functions, t, h, known, a):
     """Set the accelerations with which what is driven goes on at t, behind a step of length h in which some has bent.
 
     Of that it is zero where the acceleration does not show how speed changes in the next step, or a corner is at t.
+    Returns whether any of that goes on with another acceleration than its step began with.
     """
+    changes = False
     for k in dofs.driven:
         i, motion = dofs.held[k], dofs.motion[k]
         _, v0, last = evaluate(functions, motion, t)
@@ -271,7 +279,9 @@ def prescribe_lasting(dofs, functions, t, h, known, a):
             hidden = abs(v1 - v0 - 0.5 * h * (last + a1)) > BENT * h * max(abs(last), abs(a1))
             if corner or hidden:
                 last = 0.0
+            changes = changes or last != known[BEGIN, i]
         a[i] = last
+    return changes
 
 
 @separate(type(None), DOFS, NUMBERS, VECTOR, VECTOR, late=True)
@@ -283,9 +293,9 @@ def drop_inertia(dofs, algebraic, reduced, a):
         a[dofs.free[k]] = reduced[k]
 
 
-@separate(float, DOFS, FUNCTIONS, float, float, VECTOR, VECTOR, VECTOR, VECTOR, STATES, STATES, late=True)
-def work_of_push(dofs, functions, t, impulse, q, v, pushed, others, entered, scratch):
-    """Work of what is driven in a step from t in which a function bends, J.
+@separate(float, DOFS, float, STATES, VECTOR, VECTOR, VECTOR, VECTOR, STATES, STATES, late=True)
+def work_of_push(dofs, impulse, known, q, v, pushed, others, entered, scratch):
+    """Work of what is driven in a step in which a function bends, J.
 
     The full residuals at its end are ``pushed``, and ``others`` without accelerations. Their difference is inertia, of
     which ``impulse``, s, times the force is the impulse: its work is that times the mean of the speeds at both ends.
@@ -296,7 +306,7 @@ def work_of_push(dofs, functions, t, impulse, q, v, pushed, others, entered, scr
     for k in dofs.driven:
         i = dofs.held[k]
         scratch[0, i] = q[i] - entered[0, i]
-        scratch[1, i] = 0.5 * impulse * (_speed(functions, dofs.motion[k], t) + v[i])
+        scratch[1, i] = 0.5 * impulse * (known[SPEED, i] + v[i])
     work = 0.0
     for k in dofs.driven:
         i = dofs.held[k]
