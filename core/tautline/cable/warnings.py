@@ -382,6 +382,23 @@ def _flow_at_ties(scene: CableScene) -> Sentences:
             yield tie.place, text
 
 
+@warning("cable")
+def _multipliers_on_what_is_driven(scene: CableScene) -> Sentences:
+    """Positions tied by multipliers to a node that follows a function: a change of its speed makes them swing."""
+    moving = {one.id for one in scene.motions if any(one.velocities) or one.rate or one.function}
+    driven = {one.id for one in scene.nodes if moving.intersection(one.functions[:3])}
+    for tie in scene.ties:
+        if tie.method == "multiplier" and tie.what == 0 and len(driven.intersection(tie.nodes)) == 1:
+            (first,) = driven.intersection(tie.nodes)
+            (other,) = set(tie.nodes) - {first}
+            text = (
+                f"node {first} is driven, and multipliers put node {other} at its place. Where the speed changes fast, "
+                f"`multiplier` and the velocity of node {other} swing from step to step about the right values. Axial "
+                "forces and energy are right. A LinearCoupl of the positions in place of this tie has none of that"
+            )
+            yield tie.place, text
+
+
 def _apart(tie: Tie, first: Node, second: Node, p: dict[int, float]) -> float:
     """Distance of two tied nodes from what their tie wants."""
     if tie.what == 1:

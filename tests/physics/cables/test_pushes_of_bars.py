@@ -5,6 +5,8 @@ import pytest
 from of_the_suite import studies
 
 import tautline
+import tautline.cable.warnings  # (its warnings are registered)
+from tautline.scene.warnings import warnings_of
 
 EA, LENGTH, RHOA, MASS = 1000.0, 1.0, 3.0, 0.5
 INERTIA, CARRIED = RHOA * LENGTH / 3.0 + MASS, RHOA * LENGTH / 6.0
@@ -22,8 +24,8 @@ SPEEDS = {
 }
 
 
-def moved(times, speeds, coupling=(), places=None, **solver):
-    """The result of a bar whose end is moved at these speeds, or by a table of places.
+def scene_of(times, speeds, coupling=(), places=None, **solver):
+    """A bar whose end is moved at these speeds, or by a table of places.
 
     With a node of its own before it where it is coupled.
     """
@@ -42,8 +44,12 @@ def moved(times, speeds, coupling=(), places=None, **solver):
         *coupling,
     ]
     settings = {"type": "G-alpha", "eps_energy": 1e-12, "time_step": STEP, "time_end": 0.3, "plotpoints": 300} | solver
-    scene = {"CableModelMaterial": {"Gravity": [0, 0, 0]}, "CableModel": items, "GeneralizedAlpha": settings}
-    return tautline.simulate(scene)
+    return {"CableModelMaterial": {"Gravity": [0, 0, 0]}, "CableModel": items, "GeneralizedAlpha": settings}
+
+
+def moved(*motion, **settings):
+    """The result of such a bar."""
+    return tautline.simulate(scene_of(*motion, **settings))
 
 
 def off(result, times, speeds):
@@ -129,6 +135,20 @@ def test_what_comes_through_a_joint_is_booked_by_the_way_that_the_joint_goes(kin
     result = moved(times, speeds, [{f"{kind}4": joint}], rho_inf=1.0)
     # As an impulse it was 0.8 % and 1.2 % of the energy, and at 0.8 it stopped the run.
     assert result.attributes["energy_error"] < 1e-4
+
+
+@pytest.mark.parametrize("coupled", ["LagMultipl4", "Penalty4"])
+def test_a_scene_with_multipliers_on_a_driven_node_is_told_that_they_swing_behind_a_change_of_speed(coupled):
+    told = coupled == "LagMultipl4"
+    joint = {"id": 0, "nodes4": [2, 0], "constr": 0} | ({} if told else {"p_spring": 1e6})
+    corner = {"time": [0.0, 0.05, 9.0], "value": [0.0, 0.0, 8.95], "interpolation": "linear"}
+    scene = tautline.read(scene_of((), (), [{coupled: joint}], corner, rho_inf=1.0))
+    texts = [one.text for one in warnings_of("cable", scene)]
+    assert any("multipliers put node 2 at its place" in one for one in texts) == told
+    if told:
+        velocity = np.asarray(tautline.simulate(scene)["velocity"])[-9:, :2, 0]
+        # That of the driven node is 1 m/s.
+        assert np.abs(velocity[:, 1] - velocity[:, 0]).max() > 0.5
 
 
 @pytest.mark.parametrize("method", ["Newmark", "G-alpha"])
