@@ -10,6 +10,7 @@ import h5py
 import pytest
 from cli.in_process import commands_of
 from matplotlib.figure import Figure
+from of_the_suite import studies
 
 import tautline
 from crane.application import Crane
@@ -92,7 +93,8 @@ FULL, CLOSED = ("> /dev/full", "No space left"), (">&-", "it is closed")
 @pytest.mark.parametrize(
     "words, told",
     [
-        *[(words, told) for words in (("check", SCENE, "--json"), ("schema",)) for told in (FULL, CLOSED)],
+        *[(("check", SCENE, "--json"), told) for told in (FULL, CLOSED)],
+        *studies(*[(("schema",), told) for told in (FULL, CLOSED)]),
         (("--help",), FULL),
         (("--version",), FULL),
     ],

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, one_fall
+from of_the_suite import studies
 
 import tautline
 from crane.assembly.estimates import estimate
@@ -84,8 +85,8 @@ def of_masses(of, speed, end, count=240):
 @pytest.mark.parametrize(
     ("mass", "height", "speed"),
     [
-        ("100 t", -970.0, -0.4), ("20 t", -970.0, -0.4), ("5 t", -970.0, -0.4), ("20 t", -970.0, 0.4),
-        ("50 t", 5.0, -0.4), ("5 t", 5.0, -0.4),
+        *studies(("100 t", -970.0, -0.4), ("20 t", -970.0, -0.4), ("50 t", 5.0, -0.4)),
+        ("5 t", -970.0, -0.4), ("20 t", -970.0, 0.4), ("5 t", 5.0, -0.4),
     ],
 )  # fmt: skip
 def test_front_and_bounce_are_told_with_the_sum_that_a_bar_with_a_load_shows(mass, height, speed):
@@ -99,7 +100,8 @@ def test_front_and_bounce_are_told_with_the_sum_that_a_bar_with_a_load_shows(mas
 
 
 @pytest.mark.parametrize(
-    ("mass", "height", "elements", "end"), [("20 t", -970.0, 30, 3.3), ("5 t", -970.0, 30, 2.2), ("5 t", 5.0, 4, 0.4)]
+    ("mass", "height", "elements", "end"),
+    [*studies(("20 t", -970.0, 30, 3.3)), ("5 t", -970.0, 30, 2.2), ("5 t", 5.0, 4, 0.4)],
 )
 def test_a_run_rises_as_is_told_of_a_winch_that_jumps(mass, height, elements, end):
     of = hung(mass, height, -0.4, end, elements=elements)
@@ -120,7 +122,7 @@ def heave(**more):
     return {"heave": {"harmonic": {"amplitude": 1.0, "period": 6.0, **more}}}
 
 
-@pytest.mark.parametrize("phase", [0.0, 45.0, 90.0])
+@pytest.mark.parametrize("phase", [*studies(0.0), 45.0, *studies(90.0)])
 def test_what_the_start_adds_is_the_run_less_the_same_sea_that_has_grown_before(phase):
     of = hung("50 t", end=1.2, motion=heave(phase=f"{phase} deg"))
     grown = hung("50 t", end=37.2, motion=heave(phase=f"{phase} deg", ramp=30))

@@ -348,7 +348,7 @@ def test_jumps_are_told_once_with_the_bounce_of_their_signed_sum(of, heave, winc
 
 @pytest.mark.parametrize(
     ("gain", "delay", "limits"),
-    [(0.95, 0.05, {}), (0.95, 0.2, {}), (0.95, 0.5, {}), (0.6, 0.2, {}), (0.95, 0.2, {"speed": 0.5})],
+    [*studies((0.95, 0.05, {}), (0.95, 0.2, {}), (0.6, 0.2, {})), (0.95, 0.5, {}), (0.95, 0.2, {"speed": 0.5})],
 )
 def test_a_compensator_that_starts_late_is_told_with_the_bounce_of_both_starts(gain, delay, limits):
     of = heaving({"gain": gain, "delay": delay, "limits": limits})

@@ -37,7 +37,7 @@ def ours(scene, end, step=None):
     read = tautline.read(scene)
     sim = tautline.Simulation(read, keep=False)
     if step is not None:
-        sim._step = step
+        sim._checked.step = step
     sim.advance_to(end)
     return sim._state.q.copy()
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from live.swinging_bar import swinging_bar
 
 import tautline
 from tautline.twin.estimation.family import Family
@@ -15,19 +16,9 @@ GIVEN = {"axial_stiffness": 1e3, "bending_stiffness": 3.0, "damping": 0.05}
 
 
 def bar(given):
-    """A clamped bar that swings under a load across its end."""
-    EA, EJ, damping = given.values()
-    line = {"id": 0, "nodes7": [0, 1], "elements": 4, "EA": EA, "EJ": EJ, "rhoA": 1.0, "cDamp": damping}
-    return {
-        "CableModelMaterial": {"Gravity": [0.0, 0.0, 0.0]},
-        "CableModel": [
-            {"Node7Dof": {"id": 0, "xyz": [0, 0, 0], "BC": [1, 1, 1, 0, 1, 1, 1], "xyz_d": [1, 0, 0]}},
-            {"Node7Dof": {"id": 1, "xyz": [2, 0, 0], "BC": [0, 0, 0, 0, 0, 0, 1]}},
-            {"CableLine": line},
-            {"PointForce": {"id": 0, "nodes7": [1], "force": [0, 0, 7.5]}},
-        ],
-        "GeneralizedAlpha": {"type": "G-alpha", "rho_inf": 0.5, "time_step": 0.004, "time_end": 1.0, "plotpoints": 250},
-    }
+    """A bar that swings about its clamp, with these numbers."""
+    solver = {"rho_inf": 0.5, "time_step": 0.004, "time_end": 1.0, "plotpoints": 250}
+    return swinging_bar(*given.values(), elements=4, load=7.5, **solver)
 
 
 def hose(given):

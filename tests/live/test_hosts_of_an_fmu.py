@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from of_the_suite import studies
 from young_processes import OF_COMMANDS, started, young_processes
 
 import crane
@@ -127,9 +128,18 @@ def host(path, acts=ONE_STEP, run=started, **environment):
     return ran.stdout + ran.stderr
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+NAMES = ("unit", "staticmethod", "class", "None", "fmi2", "super", "Fmi3Slave", "Unit", "a²", "1 кран", "x\x01")
+BY_FMI_3 = ("class", "Fmi3Slave", "a²")
+"""Names that say as much of FMI 3 as all do: of Python, of the script, and with a letter that C does not know."""
+
+
 @pytest.mark.parametrize(
-    "name", ["unit", "staticmethod", "class", "None", "fmi2", "super", "Fmi3Slave", "Unit", "a²", "1 кран", "x\x01"]
+    ("name", "fmi"),
+    [
+        *((name, 2) for name in NAMES),
+        *((name, 3) for name in BY_FMI_3),
+        *studies(*((name, 3) for name in NAMES if name not in BY_FMI_3)),
+    ],
 )
 def test_an_fmu_has_any_name_that_a_file_can_have(name, fmi, tmp_path, young):
     """Also one of Python, of the script itself, or with letters that C does not know in names."""

@@ -103,7 +103,9 @@ def test_a_thread_that_reads_in_the_middle_of_an_advance_reads_what_is_at_its_en
 
 @pytest.mark.parametrize("what", READS)
 def test_a_force_that_waits_for_a_thread_that_reads_is_told_so_and_does_not_hang(what, monkeypatch):
-    monkeypatch.setattr(turn, "PATIENCE", 0.2)
+    # The force is called again with each halving of the step, and waits as long each time.
+    monkeypatch.setattr(turn, "PATIENCE", 0.02)
+    monkeypatch.setattr(turn, "LOOK", 0.005)
     sim = tautline.Simulation(HOIST)
     with ThreadPoolExecutor(1) as pool:
 

@@ -162,7 +162,7 @@ def test_about_a_moving_state_a_small_disturbance_runs_as_the_linear_system_says
     other._state.full_v[other.model.system.dofs.free] += change
     ahead = 2e-4
     for one in (sim, other):
-        one._step = 1e-5
+        one._checked.step = 1e-5
         one.advance(ahead)
     got = other._state.q - sim._state.q
     wanted = (expm(plant.A * ahead) @ np.concatenate((np.zeros(n), change)))[:n]

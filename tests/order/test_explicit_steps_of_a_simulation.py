@@ -76,7 +76,7 @@ def test_a_warning_of_the_step_goes_with_the_state():
     sim, other = hoisted(), hoisted()
     sim.advance_to(0.5)
     before = sim.save()
-    sim._explicit.doubt(0.5)
+    sim._checked.explicit.doubt(0.5)
     doubted = pickle.loads(pickle.dumps(sim.save()))
     sim.restore(before)
     assert not said(sim)
@@ -99,4 +99,12 @@ def test_the_steps_before_a_parameter_is_changed_are_judged_by_what_they_were():
     sim.advance_to(0.5)
     sim.advance_to(4.4)
     sim.parameters["payload.mass"] = 2.0 * sim.parameters["payload.mass"]
-    assert sim._explicit.beyond == 4.4
+    assert sim._checked.explicit.beyond == 4.4
+
+
+def test_an_explicit_simulation_begins_with_the_parameters_it_is_given():
+    given = tautline.Simulation(tautline.read(DATA / "hoist.yaml").replace(HOISTED), parameters={"payload.mass": 9e3})
+    same = hoisted(**{"bodies[0].mass": "9 t", "solver.method": "generalized-alpha", "solver.step": "0.5 ms"})
+    for sim in (given, same):
+        sim.advance_to(0.2)
+    assert tension(given) == pytest.approx(tension(same), abs=3.0)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from cli.in_process import commands_of, leave_out_pixels
+from of_the_suite import studies
 from sweep.short_hoist import MASS, write_sweep
 
 from crane.application import Crane
@@ -102,7 +103,7 @@ def test_every_bar_of_a_tornado_has_its_value_with_its_unit_at_its_end_where_two
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("dpi", [50, 100, 220])
+@pytest.mark.parametrize("dpi", [50, *studies(100), 220])
 @pytest.mark.parametrize("key", ["mass", "vessel.motion.heave.harmonic.period", "a.very" + 8 * ".long_key"])
 @pytest.mark.parametrize("further", [1e-9, 0.2])
 def test_a_tornado_has_room_for_its_bars_and_texts_at_any_fineness_whatever_hardly_moves(dpi, key, further):
@@ -184,11 +185,8 @@ def test_numbers_that_differ_by_rounding_have_one_colour_one_height_and_no_bars(
 @pytest.mark.parametrize(
     ("size", "share"),
     [
-        (5.0, 1.5e-6),
-        (123.45, 1.7e-6),
+        *studies((5.0, 1.5e-6), (123.45, 1.7e-6), (0.5, 1.1e-6), (123.456, 3e-5)),
         (99.9999, 3.3e-6),
-        (0.5, 1.1e-6),
-        (123.456, 3e-5),
         (-5.0, 1e-4),
         (7.0, 0.2),
         (5.0e4, 2e-6),

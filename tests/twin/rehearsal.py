@@ -1,4 +1,4 @@
-"""Records of a hoist in waves, made by the simulation, and a twin that is fed with them."""
+"""Records of a hoist in waves, made by the simulation, a load that hangs still, and twins that are fed with rows."""
 
 import functools
 
@@ -31,6 +31,20 @@ watch:
 keep: [payload.position]
 """
 )
+
+STILL = """
+rope: {mass_per_length: 6.5, axial_stiffness: 8.0e7, bending_stiffness: 0, damping: 1.0e-4, diameter: 36 mm}
+bodies: [{name: payload, mass: 5 t, position: [0.5, 0, -20]}]
+path:
+  - drum: {name: winch, center: [0, 0, 0], radius: 0.5, axis: [0, 1, 0], wrap: over, pay_out: {constant: 0}}
+  - end: {name: hook, body: payload}
+mesh: {elements_per_span: 2}
+gravity: [0, 0, -9.81]
+start: static
+solver: {method: generalized-alpha, rho_inf: 0.6, step: 5 ms, end: 60 s}
+output: {interval: 50 ms}
+"""
+"""A load that hangs still from a winch, which rows are to move."""
 
 
 def hoist(pay_out, *, law=None, start_height=None, ground=None, heave=0.5, mass=5000.0, end=60.0):

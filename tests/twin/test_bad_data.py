@@ -44,7 +44,15 @@ BAD = {
     "clock 1 % fast": (lambda rows: [(1.01 * t, r) for t, r in rows], ""),
     "NaN now and then": (now_and_then_nan, ""),
 }
-LONG = ("doubled", "future stamps", "slower sampling", "clock 1 % fast", "NaN now and then")
+LONG = (
+    "nulls of a rig",
+    "a column that ends",
+    "doubled",
+    "future stamps",
+    "slower sampling",
+    "clock 1 % fast",
+    "NaN now and then",
+)
 
 
 @pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.study if k in LONG else ()) for k in BAD])

@@ -89,7 +89,7 @@ def zero_between(column, begin, end):
 
 
 def test_an_encoder_that_falls_to_zero_for_good_is_stuck_and_is_never_followed_to_there():
-    lines, twin = lines_with(zero_between("winch_pos", 6.0, np.inf))
+    lines, twin = lines_with(zero_between("winch_pos", 6.0, np.inf), end=10.0)
     # The load was let down by 11 m in the simulation, with good health at the end.
     assert {line["health"] for line in lines if line["time"] > 6.0} == {"degraded"}
     assert told_of(lines[-1], "winch_pos stuck") and told_of(lines[-1], "cannot look ahead")

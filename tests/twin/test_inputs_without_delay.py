@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from twin.rehearsal import HOIST
-from twin.test_inputs_that_come_back import MAP, finer_rows
+from twin.test_inputs_that_come_back import MAP, finer_rows, rows_until
 
 from tautline.twin.map import Channel
 from tautline.twin.signals.inputs import InputTrack
@@ -15,7 +15,7 @@ from tautline.twin.twin import Twin
 
 def lines_without_delay(every=1):
     twin = Twin(HOIST, MAP + "delay: 0 s\n")
-    rows = finer_rows()[::every]
+    rows = rows_until(8.0)[::every]
     return [line for stamp, readings in rows for line in twin.add(stamp, readings)] + twin.finish(), dict(rows)
 
 
@@ -58,7 +58,7 @@ def test_the_first_line_waits_for_the_noise_of_inputs_for_a_second_at_most_and_n
 
 def test_a_simulation_that_is_begun_again_does_not_say_that_the_first_reading_is_far_from_its_start():
     twin = Twin(HOIST, MAP)
-    rows = [row for row in finer_rows() if row[0] <= 6.0]
+    rows = rows_until(6.0)
     for stamp, readings in rows[:-10]:
         twin.add(stamp, readings)
     twin._rest()

@@ -22,17 +22,21 @@ TWO_BLOCKED = 12.982
 """When two blocks come together in the finer model, s."""
 
 
-def noisy(size, step=0.0):
-    """Lines of a twin of the finer model's rows, with noise of both inputs, m, and an encoder in steps, m."""
-    return twin_of_noise(size, step)[0]
+LONG_ENOUGH = 8.0
+"""When an estimate has settled after the noise of the start, s: rows behind that say the same."""
 
 
-def twin_of_noise(size, step=0.0, phase=0.0):
-    """The same, and the twin; the encoder's marks are off by a part of a step."""
+def noisy(size):
+    """Lines of a twin of the finer model's rows, with noise of both inputs, m."""
+    return twin_of_noise(size)[0]
+
+
+def twin_of_noise(size, step=0.0, phase=0.0, end=LONG_ENOUGH):
+    """The same, and the twin; an encoder in steps, m, has marks that are off by a part of a step."""
     fine = {"mesh.elements_per_span": 8, "solver.step": "2 ms", "bodies[0].mass": "5.3 t"}
     sensing = Sensing(seed=1, rate=RATE, input_noise={"winch_pos": size, "heave": size})
     twin, lines = Twin(HOIST, MAP), []
-    for stamp, readings in record(tautline.read(HOIST).replace(fine), read_map(MAP), sensing, 12.0):
+    for stamp, readings in record(tautline.read(HOIST).replace(fine), read_map(MAP), sensing, end):
         if step:
             readings["winch_pos"] = step * round(readings["winch_pos"] / step + phase)
         lines += twin.add(stamp, readings)
@@ -119,7 +123,7 @@ def test_health_is_degraded_where_rows_and_window_miss_by_many_deviations_though
 def test_a_step_that_is_not_recognised_is_in_no_good_health_until_the_simulation_begins_again(monkeypatch):
     # The first half second has too few rows for a window; after it began again the deviation is a memory of before.
     monkeypatch.setattr(Steps, "look", lambda steps, times, values: None)
-    lines, twin = twin_of_noise(0.0, 0.02, 0.25)
+    lines, twin = twin_of_noise(0.0, 0.02, 0.25, end=12.0)
     assert not any(track.steps.step for track in twin.readings.tracks)
     (begun,) = (float(note.split()[1]) for note in twin.notes if "started again from rest" in note)
     large = [line for line in lines if line["deviations"]["winch.tension"] > 5.0 * 500.0]
@@ -263,7 +267,7 @@ def test_a_replay_that_cannot_go_on_is_not_told_as_an_accident(monkeypatch):
 
 @pytest.mark.parametrize("step", [0.03, *studies(0.01, 0.045, 0.05)])
 def test_an_encoder_in_steps_moves_the_tension_by_little_and_two_blocking_is_told_a_second_before(step):
-    lines, twin = twin_of_noise(0.0, step)
+    lines, twin = twin_of_noise(0.0, step, end=12.0)
     late = [line for line in lines if line["time"] > QUIET]
     off = [line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late]
     assert np.std(off) < 2e3

@@ -5,6 +5,7 @@ import json
 import time as clock
 
 import pytest
+from twin.rehearsal import STILL
 
 from tautline.twin.signals.backlog import FALLS_BACK, LIMIT, Backlog
 from tautline.twin.sources.csv_file import CsvFile
@@ -14,18 +15,6 @@ from tautline.twin.sources.stream import Stream
 from tautline.twin.twin import Twin
 
 STEP = 0.1
-SCENE = """
-rope: {mass_per_length: 6.5, axial_stiffness: 8.0e7, bending_stiffness: 0, damping: 1.0e-4, diameter: 36 mm}
-bodies: [{name: payload, mass: 5 t, position: [0.5, 0, -20]}]
-path:
-  - drum: {name: winch, center: [0, 0, 0], radius: 0.5, axis: [0, 1, 0], wrap: over, pay_out: {constant: 0}}
-  - end: {name: hook, body: payload}
-mesh: {elements_per_span: 2}
-gravity: [0, 0, -9.81]
-start: static
-solver: {method: generalized-alpha, rho_inf: 0.6, step: 5 ms, end: 60 s}
-output: {interval: 50 ms}
-"""
 MAP = """
 sensors: [{column: winch, unit: m, input: winch.pay_out}]
 watch: [{output: winch.tension, above: 80 kN, ahead: 2 s, name: overload}]
@@ -177,7 +166,7 @@ def test_a_gap_of_the_stamps_hides_nothing():
 
 
 def test_the_alarm_of_a_twin_that_catches_up_says_so():
-    made, now = Twin(SCENE, MAP, live=True), [1030.0]
+    made, now = Twin(STILL, MAP, live=True), [1030.0]
     made.backlog = Backlog(now=lambda: now[0])
     lines = []
     for k in range(60):
@@ -189,7 +178,7 @@ def test_the_alarm_of_a_twin_that_catches_up_says_so():
 
 
 def test_the_alarm_ends_where_a_state_goes_on_with_a_source_that_is_not_live():
-    made = Twin(SCENE, MAP)
+    made = Twin(STILL, MAP)
     made.watch.judge_backlog(0.0, 4.0, True)
     lines = [line for k in range(60) for line in made.add(STEP * k, [0.0])]
     assert lines[0]["alarms"] and not lines[-1]["alarms"]
@@ -197,7 +186,7 @@ def test_the_alarm_ends_where_a_state_goes_on_with_a_source_that_is_not_live():
 
 def answered(late):
     """Lines of a twin whose rows are each taken so long after their arrival, s; the clock is simulated."""
-    made, now = Twin(SCENE, MAP, live=True), [0.0]
+    made, now = Twin(STILL, MAP, live=True), [0.0]
     made.backlog = Backlog(now=lambda: now[0])
     lines = []
     for k in range(30):
@@ -215,7 +204,7 @@ def test_the_lines_of_a_twin_that_is_behind_have_an_alarm_and_degraded_health():
 
 
 def test_rows_that_are_answered_in_a_silence_have_waited_for_other_rows_only():
-    made, now = Twin(SCENE, MAP, live=True), [0.0]
+    made, now = Twin(STILL, MAP, live=True), [0.0]
     made.backlog = Backlog(now=lambda: now[0])
     for k in range(30):
         now[0] = 1000.0 + STEP * k
@@ -226,7 +215,7 @@ def test_rows_that_are_answered_in_a_silence_have_waited_for_other_rows_only():
 
 
 def test_rows_from_python_without_a_time_of_arrival_are_not_behind():
-    made, lines = Twin(SCENE, MAP, live=True), []
+    made, lines = Twin(STILL, MAP, live=True), []
     for k in range(30):
         lines += made.add(STEP * k, [0.0])
     assert lines[-1]["health"] == "good" and not lines[-1]["alarms"]

@@ -1,6 +1,7 @@
 """A twin finds the bending stiffness of a bar by the axial force at its clamp, which tells of it."""
 
 import pytest
+from live.swinging_bar import swinging_bar
 from twin.rehearsal import lines_of, rows_of
 
 from tautline.twin.twin import Twin
@@ -17,20 +18,9 @@ window: 2 s
 
 
 def bar(EJ):
-    """A clamped bar that swings under a load across its end."""
-    line = {"id": 0, "nodes7": [0, 1], "elements": 6, "EA": 2e3, "EJ": EJ, "rhoA": 1.0, "cDamp": 0.02}
-    return {
-        "CableModelMaterial": {"Gravity": [0.0, 0.0, 0.0]},
-        "CableModel": [
-            {"Node7Dof": {"id": 0, "xyz": [0, 0, 0], "BC": [1, 1, 1, 0, 1, 1, 1], "xyz_d": [1, 0, 0]}},
-            {"Node7Dof": {"id": 1, "xyz": [2, 0, 0], "BC": [0, 0, 0, 0, 0, 0, 1]}},
-            {"CableLine": line},
-            {"PointForce": {"id": 0, "nodes7": [1], "force": [0, 0, 3]}},
-        ],
-        "GeneralizedAlpha": {
-            "type": "G-alpha", "rho_inf": 0.8, "time_step": 0.005, "time_end": 30, "plotpoints": 20, "massDamp": 0.3,
-        },
-    }  # fmt: skip
+    """A bar that swings about its clamp and comes to rest."""
+    solver = {"rho_inf": 0.8, "time_step": 0.005, "time_end": 30, "plotpoints": 20, "massDamp": 0.3}
+    return swinging_bar(2e3, EJ, 0.02, elements=6, load=3, **solver)
 
 
 @pytest.mark.study

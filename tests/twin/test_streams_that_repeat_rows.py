@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 
 from tautline.cli.commands import twin as command
 from tautline.twin.signals.rows import Rows
@@ -166,9 +167,9 @@ def read_and_gone_on(records, read, back):
     return rows, came
 
 
-@pytest.mark.parametrize("back", [100, 2500])
+@pytest.mark.parametrize("back", [100, *studies(2500)])
 @pytest.mark.parametrize("kind", ["late", "stamp twice"])
-@pytest.mark.parametrize("every", [20, 100])
+@pytest.mark.parametrize("every", [20, *studies(100)])
 def test_rows_that_were_late_or_had_a_stamp_twice_set_no_clock_back_when_they_are_repeated(kind, every, back):
     records = []
     for k, stamp in enumerate(STAMPS):
@@ -181,7 +182,7 @@ def test_rows_that_were_late_or_had_a_stamp_twice_set_no_clock_back_when_they_ar
     assert 90 < len(came) < 110 and {*came} <= {*STAMPS} and np.allclose(np.diff(came), STEP, atol=1e-6)
 
 
-@pytest.mark.parametrize("ahead", [2.0, 86400.0])
+@pytest.mark.parametrize("ahead", [2.0, *studies(86400.0)])
 @pytest.mark.parametrize("at", [300, READ - 100], ids=["before the last minute", "within it"])
 def test_a_repeated_row_with_a_stamp_from_the_future_does_not_end_what_a_stream_repeats(at, ahead):
     records = [(stamp, readings(k)) for k, stamp in enumerate(STAMPS)]

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from twin.rehearsal import WEIGHT, calm_rows, weight_twin
 
 from tautline.results.errors import ResultError
@@ -57,8 +58,14 @@ def whole(tmp_path_factory):
     return lines, kept
 
 
-@pytest.mark.parametrize("name", SAVED)
-@pytest.mark.parametrize("way", ["loaded", "copied"])
+@pytest.mark.parametrize(
+    ("way", "name"),
+    [
+        *(("loaded", name) for name in SAVED),
+        ("copied", "an alarm"),
+        *studies(*(("copied", name) for name in SAVED if name != "an alarm")),
+    ],
+)
 def test_what_goes_on_says_to_the_bit_what_one_says_that_was_not_stopped(whole, name, way):
     lines, kept = whole
     path, twin, before, time = kept[name]

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tautline.application.installed import Installed
-from tautline.integrators.explicit_step import ExplicitStep
 from tautline.integrators.method import method_for
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
@@ -31,6 +30,7 @@ from tautline.integrators.time_loop import (
 from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
 from tautline.live.arguments import names_of, span_of, values_of
+from tautline.live.checked_step import CheckedStep
 from tautline.live.equations import Equations
 from tautline.live.errors import SimulationError, seconds, unknown
 from tautline.live.forces import Force, Group, force_of, places_of
@@ -139,12 +139,12 @@ class Simulation:
         self._turn = Turn(self._forces)
         self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
         self._time, self._stopped, self._status = 0.0, "", ""
-        self._step = model.solver.step
         self._mark = (
             f"{model.attributes.get('application', '')} {model.attributes.get('model_hash', '')} {model.solver.method}"
         )
         self._frame_clock = FrameClock(model.solver)
         self._tolerance = self._frame_clock.tolerance
+        self._checked = CheckedStep(run, self._tolerance)
         self._clock = np.zeros(2)
         self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
@@ -185,7 +185,7 @@ class Simulation:
             *(pair for name, thing in self._memorable() for pair in arrays_of(thing, name)),
             *((f"input.{k}", array) for k, array in enumerate(self.inputs.arrays())),
             ("frame", self._frames.rows), ("clock", self._clock),
-            *([] if self._explicit is None else [("modes", self._explicit.critical.modes)]),
+            *self._checked.arrays(),
         ]  # fmt: skip
         self._memory = Memory(arrays)
 
@@ -302,7 +302,7 @@ class Simulation:
 
     def _go(self, begin: float, end: float, ear: Ear) -> None:
         """Take the steps from one time to the next; raises Interrupted where Ctrl-C was heard meanwhile."""
-        self._steps[0] = max(1, math.ceil((end - begin) / self._step - CLOSE))
+        self._steps[0] = max(1, math.ceil((end - begin) / self._checked.step - CLOSE))
         self._ends[0] = end
         counters = self._state.counters
         try:
@@ -341,40 +341,20 @@ class Simulation:
         self._clock[CPU] += clock.thread_time() - used
         return found
 
-    @property
-    def _explicit(self) -> ExplicitStep | None:
-        """The step of an explicit method; None where it is not to be compared with the critical one."""
-        return None if self._run.watch is None else self._run.watch.explicit
-
     def _due(self) -> float:
         """When an explicit step that is chosen is to be looked at again, s: now, where it is due."""
-        explicit = self._explicit
-        if explicit is None:
-            return math.inf
-        self._check_step(explicit)
-        return explicit.due if self.model.solver.automatic else math.inf
+        due = self._checked.due(self._time)
+        if refused := self._checked.refused:
+            self._stopped, self._status = "the explicit method is unstable at this step", Status.UNSTABLE.word
+            raise StoppedEarly(Status.UNSTABLE, self._time, *refused, self._so_far())
+        return due
 
     def _judge_step(self) -> None:
         """See whether the explicit steps up to now were beyond the critical one, where nothing looks at them later."""
-        # A function of the user's is called by steps alone: it may remember what it was asked.
-        if (explicit := self._explicit) is not None and not self._forces:
-            # Forces that are evaluated leave their mark in the memory of groups: to look at a run must not change it.
-            block = self._memory.read()
-            explicit.judge(self._state, self._time, self._step)
-            self._memory.write(block)
-            self.model.system.functions.frames.time[0] = np.nan
-
-    def _check_step(self, found: ExplicitStep) -> None:
-        """Refuse an explicit step that is longer than the critical one, or choose one, where it is due."""
-        found.follow(self._state, self._time, self._step, self._tolerance)
-        if self.model.solver.automatic:
-            self._step = found.step
-        if self._step > found.found:
-            detail = f"step {self._step:g} s, critical step {found.found:.4g} s"
-            self._stopped, self._status = "the explicit method is unstable at this step", Status.UNSTABLE.word
-            raise StoppedEarly(
-                Status.UNSTABLE, self._time, self.model.system.names[found.worst], detail, self._so_far()
-            )
+        # A function of the user's is called by steps alone: it may remember what it was asked. Before it has begun,
+        # where parameters are given for the start, there were no steps.
+        if self._begun and not self._forces:
+            self._checked.judge(self._time, self._memory)
 
     def _leave(self, begin: float, end: float) -> None:
         """Stand where an advance was left in its middle."""
@@ -392,8 +372,8 @@ class Simulation:
                 raise error
         self._stand_at(reached)
         self._judge_step()
-        if status in (Status.UNSTABLE, Status.NOT_FINITE) and self._explicit is not None:
-            self._explicit.doubt(reached)
+        if status in (Status.UNSTABLE, Status.NOT_FINITE):
+            self._checked.doubt(reached)
         status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
         self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
         raise StoppedEarly(status, reached, part, detail, self._so_far())
@@ -451,8 +431,7 @@ class Simulation:
         self._judge_step()
         before = self._energy() if counts else 0.0
         yield
-        if self._explicit is not None:
-            self._explicit.forget()
+        self._checked.forget()
         if counts:
             work = self._energy() - before
             self._state.ledger[WORK] += work
@@ -515,9 +494,8 @@ class Simulation:
         run.memory = remember(*(thing for _, thing in self._memorable()))
         status = status or self._status or run.end_status().word
         self._judge_step()
-        further = [] if self._explicit is None else self._explicit.warnings
         run.missing_until = self._kept.joined
-        made = run.finish(stored, status, {"end": self._time}, further)
+        made = run.finish(stored, status, {"end": self._time}, self._checked.warnings)
         assert made is not None
         return made
 
@@ -541,7 +519,7 @@ class Simulation:
             return State(
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
-                () if self._explicit is None else self._explicit.memory(),
+                self._checked.memory(),
                 self._kept.mark, self._kept.last, tuple(sorted(self._displaced)),
             )  # fmt: skip
 
@@ -571,9 +549,7 @@ class Simulation:
         if state.start:
             self._run.began = self._starts.get(state.start, Start())
         self._frame_clock.stand_at(state.time)
-        if self._explicit is not None:
-            self._explicit.recall(state.explicit)
-            self._step = self._explicit.step if self.model.solver.automatic else self._step
+        self._checked.recall(state.explicit)
 
     def displace(self, name: str, by: Sequence[float]) -> None:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.

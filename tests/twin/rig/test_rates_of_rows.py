@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from twin.rig.well_of_a_rig import VERTICAL, well
 
 import tautline
@@ -85,7 +86,7 @@ def run(over):
     return tuple(np.array(result[name]) for name in ("time", "block_position", "hook_load"))
 
 
-@pytest.mark.parametrize(("rate", "over", "within"), [(5.0, 0.5, 2e3), (2.5, 0.5, 4e3), (1.0, 2.0, 8e3)])
+@pytest.mark.parametrize(("rate", "over", "within"), [*studies((5.0, 0.5, 2e3)), (2.5, 0.5, 4e3), (1.0, 2.0, 8e3)])
 def test_a_lightly_damped_string_is_not_shaken_by_what_is_between_rows(rate, over, within):
     times, places, loads = run(over)
     twin, lines = Twin(tautline.read(LIGHT), MAP), []

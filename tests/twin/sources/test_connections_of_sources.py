@@ -7,6 +7,7 @@ import threading
 import time as clock
 
 import pytest
+from twin.sources.messages import Message, without_broker
 from twin.sources.test_sources_of_data import free_port, server
 
 from tautline.twin.sources.connection import PATIENCE, Connection, cause_of, without_password
@@ -87,15 +88,9 @@ def test_opc_ua_says_that_it_is_connected_what_the_server_lacks_and_that_it_was_
 
 
 def test_messages_that_find_no_room_are_counted():
-    pytest.importorskip("paho.mqtt.client")
-    source = open_source(f"mqtt://127.0.0.1:{free_port()}/crane/#", ["heave"])
-
-    class Message:
-        topic, payload = "crane/row", json.dumps({"time": 1.0, "heave": 0.5}).encode()
-        retain = False
-
+    source, message = without_broker(["heave"]), Message(json.dumps({"time": 1.0, "heave": 0.5}))
     for _ in range(MOST + 7):
-        source._take(None, None, Message)
+        source._take(None, None, message)
     source.close()
     assert source.dropped == 7 and source.refused == 0
 

@@ -5,6 +5,7 @@ import json
 import time as clock
 
 import pytest
+from twin.sources.messages import Message, without_broker
 from twin.sources.test_sources_of_data import all_of, free_port, written
 
 from tautline.twin.sources.csv_file import CsvFile
@@ -31,15 +32,9 @@ def test_a_line_with_an_endless_cell_is_counted_as_one_that_cannot_be_read(tmp_p
     assert [row.time for row in all_of(made)] == [0.0, 2.0] and made.refused == 1
 
 
-class Message:
-    def __init__(self, payload, topic="crane/row", retain=False):
-        self.topic, self.payload, self.retain = topic, payload.encode(), retain
-
-
 @pytest.fixture
 def mqtt():
-    pytest.importorskip("paho.mqtt.client")
-    source = open_source(f"mqtt://127.0.0.1:{free_port()}/crane/#", ["a"])
+    source = without_broker(["a"])
     yield source
     source.close()
 

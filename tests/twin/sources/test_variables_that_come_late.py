@@ -4,6 +4,7 @@ import math
 from itertools import groupby
 
 import pytest
+from of_the_suite import studies
 
 from tautline.twin.signals.rows import Rows
 from tautline.twin.sources.holding import Change, Holding
@@ -59,7 +60,7 @@ def off(row):
     return {name: abs(x - truth(name, row.time)) for name, x in zip(COLUMNS, row.values, strict=True)}
 
 
-@pytest.mark.parametrize("late", [{}, {"tension": 0.3}, {"winch": 0.5, "heave": 0.5}, {"heave": 0.75}])
+@pytest.mark.parametrize("late", [{}, *studies({"tension": 0.3}, {"heave": 0.75}), {"winch": 0.5, "heave": 0.5}])
 def test_with_a_delay_all_readings_have_the_stamps_at_which_they_were_measured(late):
     found, rows = answered(sent(late), delay=1.0)
     assert len(found) > 280
@@ -68,7 +69,7 @@ def test_with_a_delay_all_readings_have_the_stamps_at_which_they_were_measured(l
     assert not rows.counts["late"] and not rows.notes
 
 
-@pytest.mark.parametrize("late", [{"tension": 0.45}, {"winch": 0.5, "heave": 0.5}])
+@pytest.mark.parametrize("late", [*studies({"tension": 0.45}), {"winch": 0.5, "heave": 0.5}])
 def test_without_enough_delay_no_old_reading_has_a_new_stamp_and_it_is_said_which_delay_helps(late):
     found, rows = answered(sent(late))
     wrong = [row.time - BEGIN for row in found if any(by > 1e-9 for by in off(row).values())]
@@ -80,7 +81,7 @@ def test_without_enough_delay_no_old_reading_has_a_new_stamp_and_it_is_said_whic
     assert max(max(off(row).values()) for row in right) < 1e-9 and not again.counts["late"]
 
 
-@pytest.mark.parametrize("skew", [{"winch": 0.2, "heave": 0.2}, {"tension": 0.25}, {"tension": -0.2}])
+@pytest.mark.parametrize("skew", [{"winch": 0.2, "heave": 0.2}, *studies({"tension": 0.25}), {"tension": -0.2}])
 def test_a_variable_whose_clock_is_a_little_off_has_the_readings_of_its_own_stamps(skew):
     found, rows = answered(sent({}, skew=skew), delay=1.0)
     for row in found:

@@ -5,7 +5,7 @@ import json
 import math
 
 import pytest
-from twin.sources.test_messages_that_cannot_be_read import Message
+from twin.sources.messages import Message, without_broker
 from twin.sources.test_sources_of_data import all_of, free_port
 
 from tautline.twin.sources.connection import Connection
@@ -13,7 +13,6 @@ from tautline.twin.sources.holding import Change
 from tautline.twin.sources.nodes import units_of
 from tautline.twin.sources.objects import Remarks, factor_told, is_good
 from tautline.twin.sources.opcua import Lost, OpcUa
-from tautline.twin.sources.opening import open_source
 from tautline.twin.sources.reading_units import unit_of_code
 from tautline.twin.sources.stream import Stream
 
@@ -21,8 +20,7 @@ UNITS = {"a": "kN", "b": "m"}
 
 
 def mqtt_of(time=""):
-    pytest.importorskip("paho.mqtt.client")
-    return open_source(f"mqtt://127.0.0.1:{free_port()}/crane/#", list(UNITS), time=time, units=UNITS)
+    return without_broker(list(UNITS), time=time, units=UNITS)
 
 
 def take(source, found, topic="crane/row"):
