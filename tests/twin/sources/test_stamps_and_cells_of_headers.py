@@ -127,6 +127,8 @@ LONG = {
     "R with tabs": ("time\ta\n1\t0\t5\n2\t40\t6\n", "fills 3 cells, and the header has 2.*row.names = FALSE"),
     "R, one row": ('"time","a"\n"1",0,5\n', ":2: the row .* one cell less than this row"),
     "a decimal comma in a stamp": ("time,a\n1970-01-01 00:00:00,500,1\n", "has 2; if numbers have decimal commas"),
+    "milliseconds behind a comma": ("time,b,a\n2026-01-01 00:00:00,100,10.01,Bad\n", "has 3; if numbers have decimal"),
+    "row names and a missing value": ("time,b,a\n1,0.0,5.0,-\n2,1.0,6.0,7.0\n", "has 3.*row name"),
     "decimal commas": ("time,b,a\n0,00,0,00,49,05\n", "fills 6 cells, and the header has 3.*decimal commas"),
 }
 
@@ -163,6 +165,9 @@ REMARKS = {
     "event behind another column": "time,a,b\n0,2,1\n1,95,1,OVERLOAD\n2,4,1\n",
     "text with a comma": "time,a,remark\n0,2,\n1,95,too high, stopped\n2,4,\n",
     "text with a comma and a number": "time,a,remark\n0,2,ok\n1,95,too high, 2 falls, stopped\n2,4,ok\n",
+    "the same in the first row": "time,a,remark\n0,2,start, 2 stands\n1,95,\n2,4,\n",
+    "the same behind a row without a value": "time,a,b,remark\n0,2,3,\n1,95,,\n2,4,5,start, 2 stands\n",
+    "a dash behind a remark": "time,a\n0,2\n1,95,slip,-\n2,4\n",
 }
 
 
@@ -182,6 +187,9 @@ MOVED = {
     "a number with its unit": "time,b,a\n0,1,5\n1,1,5,5 kN\n",
     "a date": "time,b,a\n0,1,5\n1,1,5,1970-01-01T00:00:02Z\n",
     "no number": "time,b,a\n0,1,5\n1,1,5,NaN\n",
+    "a decimal comma before a bad sensor": "time,a,b\n0,5,7\n1,10,5,Bad\n",
+    "a sensor that is off": "time,b,a\n0,1,5\n1,1,5,OFF\n",
+    "milliseconds behind a comma": "time,b,a\n0,1,5\n1970-01-01 00:00:01,100,5,slip\n",
 }
 
 
@@ -194,6 +202,12 @@ def test_a_row_too_long_whose_numbers_may_have_moved_is_not_read_though_it_ends_
     except SceneError:
         return
     assert [row.time for row in rows] == [0.0] and source.refused == 1
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_value_that_is_missing_in_the_first_rows_says_nothing_of_those_with_text_behind_it(tmp_path, of):
+    source = of(tmp_path, "time,a,remark\n0,,\n1,,\n2,95,start, 2 stands\n")
+    assert [row.values["a"] for row in all_of(source)][-1] == 95.0 and source.refused == 0
 
 
 # -- masses for forces, alone and within torques and pressures
