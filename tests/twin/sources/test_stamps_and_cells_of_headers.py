@@ -248,3 +248,17 @@ def test_what_is_assumed_of_a_mass_or_a_weight_is_told(stated, asked):
 def test_a_mass_in_place_of_something_else_than_a_force_stays_another_quantity(stated, asked):
     with pytest.raises(OtherQuantity):
         factor_stated(stated, asked)
+
+
+@pytest.mark.parametrize("title", ["time_ms [s]", "Minutes since start [ms]"])
+def test_a_stamp_with_two_units_is_read_by_its_brackets_and_told_unless_the_map_says_it(tmp_path, title):
+    text = f"{title},a\n0,1\n40,2\n"
+    source = file(tmp_path, text, title.split(" [")[0])
+    assert stamps(source) == pytest.approx([0.0, 40.0 * (1e-3 if "[ms]" in title else 1.0)])
+    assert len(source.notes) == 1 and f"'{title}' have two units: that in brackets is read" in source.notes[0]
+    assert not file(tmp_path, text, title).notes
+
+
+@pytest.mark.parametrize("title", ["time_ms [msec]", "Time/h (hours)", "time_s [UTC]", "time [ms]"])
+def test_a_unit_that_is_said_twice_is_no_contradiction(tmp_path, title):
+    assert not any("two units" in note for note in file(tmp_path, f"{title},a\n0,1\n").notes)
