@@ -66,6 +66,12 @@ def test_half_a_row_with_the_header_behind_it_is_left_out_and_told_and_rows_behi
 
 
 @pytest.mark.parametrize("of", [file, stream])
+def test_a_header_whose_first_name_ends_as_that_of_the_first_one_is_a_new_header_and_no_half_row(tmp_path, of):
+    source = of(tmp_path, "time,winch,rope\n0,1,50\nDatetime,winch,rope\n1970-01-01T00:00:01Z,2,60\n")
+    assert [row.time for row in all_of(source)] == [0.0, 1.0] and not source.notes
+
+
+@pytest.mark.parametrize("of", [file, stream])
 def test_a_row_with_a_stamp_and_names_of_columns_in_a_long_remark_is_no_header_and_ends_no_source(tmp_path, of):
     source = of(tmp_path, f"{FIRST}1,1,50,2 t,winch,rope\n2,1,50\n")
     assert [row.time for row in all_of(source)] == [0.0, 2.0] and source.refused == 1

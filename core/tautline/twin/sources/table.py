@@ -307,8 +307,9 @@ class Header:
         What was written of the row stands before the titles, in their first cell too: ``1006.0,time,winch``.
         """
         titles, last = self._titles, list(cells[-len(self._titles) :])
-        behind = len(last) == len(titles) > 1 and last[1:] == titles[1:] and last[0].endswith(titles[0])
-        return behind and list(cells) != titles
+        if len(last) < 2 or last[1:] != titles[1:] or not last[0].endswith(titles[0]) or list(cells) == titles:
+            return False
+        return kind_of(last[0].removesuffix(titles[0])) != "word"  # `Datetime` is no half row before `time`
 
     def _tell_torn(self, line: str, at: int) -> None:
         """Tell once that half a row before the header is left out."""
@@ -476,8 +477,9 @@ class Header:
         if len(cells) > self.stamp:
             self._refuse_doubtful(cells[self.stamp])
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
-            if not math.isnan(number_of(cells[self.stamp])) and math.isnan(self._number(name, cells[self.stamp])):
-                stamp = math.nan  # one of thousands, or a decimal comma among commas
+            cell = cells[self.stamp]
+            if "," in cell and not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell)):
+                stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
             if self._is_torn(cells):
