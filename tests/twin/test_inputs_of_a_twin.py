@@ -7,7 +7,7 @@ import pytest
 
 from tautline.twin.map import Channel
 from tautline.twin.signals.inputs import InputTrack
-from tautline.twin.signals.rows import Row
+from tautline.twin.signals.row import Row
 from tautline.twin.signals.smoothing import joined, smooth
 from tautline.twin.signals.waves import Waves
 

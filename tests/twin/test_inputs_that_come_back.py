@@ -16,7 +16,7 @@ from tautline.twin.map import Channel, read_map
 from tautline.twin.record import Sensing, record
 from tautline.twin.settling import Settling
 from tautline.twin.signals.inputs import InputTrack
-from tautline.twin.signals.rows import Row
+from tautline.twin.signals.row import Row
 from tautline.twin.signals.waves import Waves
 from tautline.twin.twin import Twin
 

@@ -130,6 +130,47 @@ def test_rows_that_a_gateway_sends_together_are_of_now_where_their_stamps_are_th
     assert twin.readings.zeros == {0: 12.0}
 
 
+IN_BURSTS = [(DAY + 0.1 * k, 12.0 + 0.01 * k, 1000.0 + 1.0 * (k // 10)) for k in range(30)]
+"""Of a gateway that sends ten rows a second at once, of a winch that pays out 0.29 m."""
+LATE = [(DAY + 1.0 * k, 12.0, 1000.0 + 1e-3 * k) for k in range(60)]
+LATE += [(DAY + 60.0 + k, 12.0 + 0.1 * k, 1001.0 + k) for k in range(10)]
+"""Of a logger that sends a minute that it has kept, and goes on with rows as they are measured."""
+
+
+@pytest.mark.parametrize("rows", [IN_BURSTS, LATE], ids=["bursts", "a minute late"])
+def test_rows_of_now_that_come_late_or_in_bursts_are_known_by_those_behind_them_and_counted_from(rows):
+    twin, lines = lines_of([(0.0, 7.0, 990.0), *rows])
+    assert 12.0 <= twin.readings.zeros[0] < 12.3
+    paid_out = rows[-1][1] - twin.readings.zeros[0]
+    assert lines[-1]["inputs"]["winch.pay_out"] == pytest.approx(paid_out, abs=2e-3)
+    assert len([note for note in twin.notes if "winch counts from 12" in note and "from 7 m" in note]) == 1
+    assert sum("rows come as they are measured from now on" in note for note in twin.notes) == 1
+    alarms = {alarm["name"] for line in lines for alarm in line["alarms"]}
+    assert alarms <= {"behind the machine", "catching up"}  # arrivals are not those of this computer's clock here
+    assert len(lines) == len(rows) + 1
+
+
+def test_a_log_that_is_followed_counts_from_its_first_row_though_a_pause_was_in_it():
+    log = [(0.1 * k, 7.0, 990.0 + 1e-4 * k) for k in range(20)]
+    twin, _ = lines_of([*log, *((stamp, 12.0, came) for stamp, _, came in LATE)])
+    assert twin.readings.zeros == {0: 7.0}
+
+
+@pytest.mark.parametrize("live", [False, True])
+@pytest.mark.parametrize("step", [300.0, 3600.0, DAY])
+def test_two_alike_steps_before_rows_that_come_fast_are_gaps_and_are_not_simulated(step, live):
+    stamps = [0.0, step, *(2.0 * step + 0.1 * k for k in range(12))]
+    rows = Rows(["x"], live=live)
+    came = []
+    for stamp in stamps:
+        rows.add(stamp, {"x": 1.0}, 1000.0 + stamp)
+        while (row := rows.ready()) is not None:
+            came.append(row)
+    while (row := rows.ready(end=True)) is not None:
+        came.append(row)
+    assert gaps(came) == [1, 2] and [row.time for row in came] == stamps and rows.counts == {"gaps": 2}
+
+
 @pytest.mark.parametrize("live", [False, True])
 def test_a_file_counts_from_its_first_row_though_a_long_gap_comes_soon_also_where_it_is_piped(live):
     rows = [(0.0, 7.0), (0.1, 7.0), *((t, 10.0) for t in LIVE)]

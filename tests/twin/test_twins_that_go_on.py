@@ -10,7 +10,8 @@ from twin.rehearsal import WEIGHT, calm_rows, weight_twin
 
 from tautline.results.errors import ResultError
 from tautline.twin.packing import Held, Packing, Unpacking
-from tautline.twin.signals.rows import Row, Rows
+from tautline.twin.signals.row import Row
+from tautline.twin.signals.rows import Rows
 from tautline.twin.storage import load, save
 
 LOST, GAP = (4.0, 6.0), (8.0, 9.5)

@@ -19,7 +19,7 @@ from tautline.twin.estimation.passage import Passage
 from tautline.twin.forecast import Found
 from tautline.twin.packing import Packing, Unpacking
 from tautline.twin.restrictions import Departure
-from tautline.twin.signals.rows import Row
+from tautline.twin.signals.row import Row
 
 if TYPE_CHECKING:
     from tautline.twin.estimation.family import Family

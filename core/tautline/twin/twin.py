@@ -29,7 +29,8 @@ from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling
 from tautline.twin.signals.backlog import LIMIT, Backlog
 from tautline.twin.signals.readings import Readings
-from tautline.twin.signals.rows import LONG_GAP, Row
+from tautline.twin.signals.row import Row
+from tautline.twin.signals.rows import LONG_GAP
 from tautline.twin.signals.sensors import Health
 from tautline.twin.watch import Compared, Watch, said
 
@@ -266,7 +267,7 @@ class Twin:
             # What rows missed was missed by a simulation that is given up.
             self.estimate.horizon.miss_anew(self.now)
             self._rest()
-        if row.after_gap and row.time - self.now > LONG_GAP and self.estimate.log.begun:
+        if self.estimate.log.begun and (row.begins or (row.after_gap and row.time - self.now > LONG_GAP)):
             self._pass_over(row)
         inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
         self.notes += self.readings.remarks()
@@ -390,12 +391,15 @@ class Twin:
         self.settling.disturb(self.now)
 
     def _pass_over(self, row: Row) -> None:
-        """Begin again from rest behind a long gap, with the estimate as it is: an hour at rest is not simulated."""
+        """Begin again from rest behind a long gap, with the estimate as it is: an hour at rest is not simulated.
+
+        Behind rows that were old when they came, too.
+        """
         self.restarts += 1
-        self.notes.append(
-            f"no rows came for {row.time - self.now:.0f} s, or the clock was set forward: the simulation "
-            f"was begun again from rest at {stamp_said(row.time)}"
-        )
+        why = f"no rows came for {row.time - self.now:.0f} s, or the clock was set forward"
+        if row.time - self.now <= LONG_GAP:
+            why = "rows come as they are measured from now on"
+        self.notes.append(f"{why}: the simulation was begun again from rest at {stamp_said(row.time)}")
         self._rest()
         self.settling.disturb(row.time)
 

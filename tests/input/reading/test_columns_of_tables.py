@@ -251,6 +251,14 @@ def test_a_remark_beyond_the_header_in_some_rows_is_passed_over(text, tmp_path):
     assert Columns(tmp_path / "record.csv").values(1, "m") == (1.0, 2.0)
 
 
+def test_a_first_line_of_numbers_with_a_remark_is_no_header_and_is_not_lost(tmp_path):
+    """The row was taken for the header, and the table began a row later without a word."""
+    (tmp_path / "record.csv").write_text("0,1,start\n1,2\n2,3\n")
+    with pytest.raises(SceneError, match="begins with numbers as a row does") as error:
+        Columns(tmp_path / "record.csv")
+    assert error.value.problems[0].line == 1
+
+
 MOVED = ("time,x,note\n1,0,5,ok\n2,40,6,ok\n", "time,x,note\n0,1,ok\n1,2,5,ok\n", "time,x\n0,1\n1,2,5 m\n")
 
 

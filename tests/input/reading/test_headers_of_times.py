@@ -93,6 +93,7 @@ UNCLEAR = (
     "timer", "Time(ms)_1", "seconds_h", "h_min",
     "m_sec", "tick_10ms", "uptime_cs", "tenths of seconds", "1/10 sec", "0.1 sec", "100th sec", "5min", "10min",
     "100 ms", "x 10 ms", "hundredths_s", "kilo seconds", "half hours",
+    "deciseconds", "Centiseconds", "time_centisec", "Dezisekunden", "Std",
 )  # fmt: skip
 
 

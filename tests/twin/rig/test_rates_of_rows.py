@@ -9,7 +9,7 @@ from twin.rig.well_of_a_rig import VERTICAL, well
 
 import tautline
 from tautline.twin.signals.inputs import InputTrack
-from tautline.twin.signals.rows import Row
+from tautline.twin.signals.row import Row
 from tautline.twin.signals.smoothing import smooth
 from tautline.twin.twin import Twin
 

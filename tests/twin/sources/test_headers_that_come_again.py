@@ -49,6 +49,34 @@ def test_the_same_header_once_more_is_no_row_and_needs_no_word(tmp_path, of):
     assert source.refused == 0 and not source.notes
 
 
+TORN = {
+    "behind the stamp": "2,", "behind a cell": "2,7,", "in the last cell": "2,7,4", "in the stamp": "2.",
+    "in a cell": "2,7", "behind a date": "1970-01-01T00:00:02,",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("half", TORN.values(), ids=TORN)
+def test_half_a_row_with_the_header_behind_it_is_left_out_and_told_and_rows_behind_it_are_as_before(tmp_path, of, half):
+    """The number of a winch was read as the time, and a load as the place of the winch: a logger had lost its power."""
+    source = of(tmp_path, f"{FIRST}{half}{FIRST.replace('0,1,50', '8,2,60')}9,3,70\n")
+    rows = [(row.time, *row.values.values()) for row in all_of(source) if row.time == row.time]
+    assert rows == [(0.0, 1.0, 50.0), (8.0, 2.0, 60.0), (9.0, 3.0, 70.0)]
+    assert len(source.notes) == 1 and ":3: the row" in source.notes[0] and "breaks off" in source.notes[0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_header_whose_first_name_ends_as_that_of_the_first_one_is_a_new_header_and_no_half_row(tmp_path, of):
+    source = of(tmp_path, "time,winch,rope\n0,1,50\nDatetime,winch,rope\n1970-01-01T00:00:01Z,2,60\n")
+    assert [row.time for row in all_of(source)] == [0.0, 1.0] and not source.notes
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_row_with_a_stamp_and_names_of_columns_in_a_long_remark_is_no_header_and_ends_no_source(tmp_path, of):
+    source = of(tmp_path, f"{FIRST}1,1,50,2 t,winch,rope\n2,1,50\n")
+    assert [row.time for row in all_of(source)] == [0.0, 2.0] and source.refused == 1
+
+
 @pytest.mark.parametrize("of", [file, stream])
 @pytest.mark.parametrize(
     ("header", "said"),

@@ -42,3 +42,26 @@ def test_a_decimal_comma_is_one_where_commas_do_not_separate(tmp_path, of, separ
     source = source_of(of, tmp_path, text)
     (row,) = all_of(source)
     assert (row.time, row.values["tension"]) == (0.5, 49.053) and not source.notes
+
+
+DECIMALS = {
+    "header": ("time [min]", "", 60.0), "header in ms": ("time [ms]", "", 1e-3), "name": ("time_ms", "", 1e-3),
+    "line below": ("time", "min", 60.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize(("title", "below", "factor"), DECIMALS.values(), ids=DECIMALS)
+def test_stamps_with_decimal_commas_are_in_the_unit_of_their_column(tmp_path, of, separator, title, below, factor):
+    """Minutes were read as seconds where they had a comma, and as minutes where they had none."""
+    rows = [title + ";winch;tension", *([below + ";m;kN"] if below else []), "0;1;2", "0,5;1;2", "1;1;2", "1,5;1;2"]
+    source = source_of(of, tmp_path, "\n".join(rows).replace(";", separator) + "\n")
+    assert [row.time for row in all_of(source)] == pytest.approx([0.0, 0.5 * factor, factor, 1.5 * factor], rel=1e-12)
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+def test_stamps_of_milliseconds_since_1970_with_a_decimal_comma_are_told_as_those_without(tmp_path, of):
+    source = source_of(of, tmp_path, "time;winch;tension\n1764410000000,5;1;2\n")
+    assert not [row for row in all_of(source) if row.time == row.time]
+    assert len(source.notes) == 1 and "stamps such as 1764410000000 are no seconds" in source.notes[0]

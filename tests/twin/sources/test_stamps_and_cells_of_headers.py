@@ -127,6 +127,8 @@ LONG = {
     "R with tabs": ("time\ta\n1\t0\t5\n2\t40\t6\n", "fills 3 cells, and the header has 2.*row.names = FALSE"),
     "R, one row": ('"time","a"\n"1",0,5\n', ":2: the row .* one cell less than this row"),
     "a decimal comma in a stamp": ("time,a\n1970-01-01 00:00:00,500,1\n", "has 2; if numbers have decimal commas"),
+    "milliseconds behind a comma": ("time,b,a\n2026-01-01 00:00:00,100,10.01,Bad\n", "has 3; if numbers have decimal"),
+    "row names and a missing value": ("time,b,a\n1,0.0,5.0,-\n2,1.0,6.0,7.0\n", "has 3.*row name"),
     "decimal commas": ("time,b,a\n0,00,0,00,49,05\n", "fills 6 cells, and the header has 3.*decimal commas"),
 }
 
@@ -163,6 +165,9 @@ REMARKS = {
     "event behind another column": "time,a,b\n0,2,1\n1,95,1,OVERLOAD\n2,4,1\n",
     "text with a comma": "time,a,remark\n0,2,\n1,95,too high, stopped\n2,4,\n",
     "text with a comma and a number": "time,a,remark\n0,2,ok\n1,95,too high, 2 falls, stopped\n2,4,ok\n",
+    "the same in the first row": "time,a,remark\n0,2,start, 2 stands\n1,95,\n2,4,\n",
+    "the same behind a row without a value": "time,a,b,remark\n0,2,3,\n1,95,,\n2,4,5,start, 2 stands\n",
+    "a dash behind a remark": "time,a\n0,2\n1,95,slip,-\n2,4\n",
 }
 
 
@@ -182,6 +187,9 @@ MOVED = {
     "a number with its unit": "time,b,a\n0,1,5\n1,1,5,5 kN\n",
     "a date": "time,b,a\n0,1,5\n1,1,5,1970-01-01T00:00:02Z\n",
     "no number": "time,b,a\n0,1,5\n1,1,5,NaN\n",
+    "a decimal comma before a bad sensor": "time,a,b\n0,5,7\n1,10,5,Bad\n",
+    "a sensor that is off": "time,b,a\n0,1,5\n1,1,5,OFF\n",
+    "milliseconds behind a comma": "time,b,a\n0,1,5\n1970-01-01 00:00:01,100,5,slip\n",
 }
 
 
@@ -194,6 +202,12 @@ def test_a_row_too_long_whose_numbers_may_have_moved_is_not_read_though_it_ends_
     except SceneError:
         return
     assert [row.time for row in rows] == [0.0] and source.refused == 1
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_value_that_is_missing_in_the_first_rows_says_nothing_of_those_with_text_behind_it(tmp_path, of):
+    source = of(tmp_path, "time,a,remark\n0,,\n1,,\n2,95,start, 2 stands\n")
+    assert [row.values["a"] for row in all_of(source)][-1] == 95.0 and source.refused == 0
 
 
 # -- masses for forces, alone and within torques and pressures
@@ -234,3 +248,17 @@ def test_what_is_assumed_of_a_mass_or_a_weight_is_told(stated, asked):
 def test_a_mass_in_place_of_something_else_than_a_force_stays_another_quantity(stated, asked):
     with pytest.raises(OtherQuantity):
         factor_stated(stated, asked)
+
+
+@pytest.mark.parametrize("title", ["time_ms [s]", "Minutes since start [ms]"])
+def test_a_stamp_with_two_units_is_read_by_its_brackets_and_told_unless_the_map_says_it(tmp_path, title):
+    text = f"{title},a\n0,1\n40,2\n"
+    source = file(tmp_path, text, title.split(" [")[0])
+    assert stamps(source) == pytest.approx([0.0, 40.0 * (1e-3 if "[ms]" in title else 1.0)])
+    assert len(source.notes) == 1 and f"'{title}' have two units: that in brackets is read" in source.notes[0]
+    assert not file(tmp_path, text, title).notes
+
+
+@pytest.mark.parametrize("title", ["time_ms [msec]", "Time/h (hours)", "time_s [UTC]", "time [ms]"])
+def test_a_unit_that_is_said_twice_is_no_contradiction(tmp_path, title):
+    assert not any("two units" in note for note in file(tmp_path, f"{title},a\n0,1\n").notes)

@@ -85,6 +85,10 @@ class Columns:
         rows = self._read(largest)
         self.header_line, first = rows[0]
         self.headed = not all(_is_number(cell) for cell in first if cell)
+        if self.headed and len(first) > 2 and all(_is_number(cell) for cell in first[:2]):
+            cause = "begins with numbers as a row does, and has words as a header does"
+            cure = "write a header above it, such as time,value, and begin remarks with # in lines of their own"
+            self.stop(self.header_line, "", None, cause, cure)
         if headed and not self.headed:
             cause, cure = "the first line holds numbers where the names should be", "write a header above them"
             self.stop(self.header_line, "", None, cause, cure)

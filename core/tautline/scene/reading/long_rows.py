@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-NO_WORDS = frozenset("na n/a nan null none inf infinity".split())
-"""What programs write where a number is missing, in small letters."""
+NO_WORDS = frozenset("na n/a n.a. #n/a nan null none nil inf infinity bad off".split())
+"""What programs and loggers write where a number is missing, in small letters; dashes are such, too."""
 
 
 def filled(cells: Sequence[str]) -> int:
@@ -15,7 +15,8 @@ def filled(cells: Sequence[str]) -> int:
 
 def kind_of(cell: str) -> str:
     """What a cell holds: "word", "number" for all that begins as one, such as dates, or empty for what is missing."""
-    if not cell or cell.lower().lstrip("+-") in NO_WORDS:
+    bare = cell.lower().lstrip("+-")
+    if not bare or bare in NO_WORDS:
         return ""
     return "number" if cell.lstrip("+-.,").lstrip()[:1].isdecimal() else "word"
 
@@ -35,9 +36,19 @@ def has_remark(cells: Sequence[str], width: int, usual: Sequence[Collection[str]
 
 
 def only_words_behind(cells: Sequence[str], place: int) -> bool:
-    """Whether a cell is no word, and those behind it are: then its number cannot have been moved from behind it."""
-    behind = [cell for cell in cells[place + 1 :] if cell]
-    return kind_of(cells[place]) != "word" and all(kind_of(cell) == "word" for cell in behind)
+    """Whether a cell is no word, and those behind it are: then its number is not likely moved from behind it.
+
+    That is no proof: where numbers have moved by one cell, and the last sensor shows a word, it looks the same. So the
+    first word is none that stands for a missing number.
+    """
+    behind = [kind_of(cell) for cell in cells[place + 1 :] if cell]
+    return kind_of(cells[place]) != "word" and behind[:1] == ["word"] and "number" not in behind
+
+
+def has_half_a_second(cells: Sequence[str], stamp: int) -> bool:
+    """Whether a time of the day may go on behind a comma, in a cell of three digits: ``2026-01-01 00:00:00,100``."""
+    time, behind = cells[stamp], next(iter(cells[stamp + 1 :]), "")
+    return ":" in time and "." not in time and len(behind) == 3 and behind.isdecimal()
 
 
 def _is_usual(kind: str, usual: Collection[str]) -> bool:

@@ -1,8 +1,9 @@
 """Which column of a file holds the times, and in what unit, by the words of its header.
 
-Tables of scenes and data of twins are read by this. ``time``, ``t_ms``, ``Time/ms``, ``elapsed [s]``, ``TIME [MS]``,
-``minutes since start``. Letters that mean something else in the field are no times: ``T_min`` is a least tension,
-``T_h`` a horizontal one or a hot temperature.
+Tables of scenes are read by this: ``time``, ``t_ms``, ``Time/ms``, ``elapsed [s]``, ``TIME [MS]``, ``minutes since
+start``. Letters that mean something else in the field are no times: ``T_min`` is a least tension, ``T_h`` a horizontal
+one or a hot temperature. The stamps of twins have their names and units by this, too, but for columns that are called
+by a unit alone: among the many columns of a machine ``minutes since start`` may be a duration, and the map names it.
 """
 
 from __future__ import annotations
@@ -84,6 +85,8 @@ SCALES = frozenset("milli micro mikro nano kilo deci centi half quarter tenth te
 """Words beside a unit that make it another one."""
 PARTS = ("m", "u", "n", "k", "c", "d")
 """Letters that may do the same before seconds, and may be something else: ``m_sec``."""
+SCALED = re.compile(r"(deci|dezi|centi|zenti|deca|deka|hecto|hekto|kilo)s(ec|ek|eg)?[a-z]*")
+"""Parts and multiples of seconds in one word that no unit here has: ``deciseconds``."""
 COUNTED = re.compile(rf"\d+({'|'.join(UNITS_OF_NAMES)})")
 """So many of a unit in one word: ``10ms``."""
 RUN_TOGETHER = re.compile(
@@ -166,12 +169,14 @@ def _of_one_word(word: str, bare: str, since: bool) -> TimeHead:
         return TimeHead(words, UNITS_OF_NAMES[word], "unit")
     if word == "min":
         return TimeHead(words, "min", "min")
-    return TimeHead(words, "", _kind(words), word in ("h", "d") or word in UNSURE or _is_scaled(words))
+    return TimeHead(words, "", _kind(words), word in ("h", "d", "std") or word in UNSURE or _is_scaled(words))
 
 
 def _is_scaled(words: Sequence[str]) -> bool:
     """Whether a name has so many, or a part, of a unit: ``10ms``, ``1/100 s``, ``tenths of seconds``, ``uptime_cs``."""
-    if any(COUNTED.fullmatch(word) for word in words) or (len(words) > 1 and words[-1] in ("cs", "ds", "ks")):
+    if any(COUNTED.fullmatch(word) or SCALED.fullmatch(word) for word in words) or (
+        len(words) > 1 and words[-1] in ("cs", "ds", "ks")
+    ):
         return True
     for before, word in pairwise(words):
         if word in UNITS_OF_NAMES and (before[0].isdecimal() or (before in PARTS and UNITS_OF_NAMES[word] == "s")):
@@ -221,6 +226,12 @@ def unit_of_time(bracketed: str) -> str | None:
 def _bare_unit(text: str) -> str:
     """What is left of a text in brackets without words that are no unit: ``unix ms`` -> ``ms``; or nothing."""
     return "" if text in NO_UNITS else " ".join(word for word in text.split() if word not in NO_UNITS)
+
+
+def is_contradicted(title: str, bracketed: str) -> bool:
+    """Whether the name of a column of times has another unit of time than its brackets: ``time_ms [s]``."""
+    head, unit = time_head(title), unit_of_time(bracketed)
+    return bool(head.unit) and not head.doubtful and unit in UNITS_OF_NAMES.values() and unit != head.unit
 
 
 def unit_of_stamps(name: str, bracketed: str) -> tuple[str, str]:

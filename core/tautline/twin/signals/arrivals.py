@@ -51,6 +51,9 @@ class Arrivals:
         self._newest = (np.nan, np.nan)
         self._come_as_measured = False
         self._behind_old: list[float] = []
+        # Whether all rows before those were a few each; and the first of rows of which it is not known whose they are.
+        self._few, self._asked = True, np.nan
+        self._paced = 0  # rows in a row that came as measured
 
     def go_on(self) -> None:
         """Take notice that an earlier process has begun: the first rows that come now are not the first."""
@@ -65,17 +68,21 @@ class Arrivals:
         """Keep the stamp of a row that shows by its arrival that all before it were old."""
         if self._come_as_measured:
             return
-        later = (stamp - self._newest[0]) - (arrived - self._newest[1])
+        step, waited = stamp - self._newest[0], arrived - self._newest[1]
         self._newest = stamp, arrived
-        if later > LONG_GAP:
+        if step - waited > LONG_GAP:
             self._behind_old.append(stamp)
-        if later > LONG_GAP or not self._count:
-            self._since, self._count = (stamp, arrived), 1
+            self._few &= self._count < TYPICAL
+        if step - waited > LONG_GAP or not self._count:
+            self._since, self._count, self._paced = (stamp, arrived), 1, 0
             return
         self._count += 1
+        # One by one, or all of them: rows of now may come behind others that were kept, or in bursts.
+        self._paced = self._paced + 1 if step <= AT_ONCE * waited else 0
         stamps, passed = stamp - self._since[0], arrived - self._since[1]
         long_enough = self._count >= TYPICAL or passed >= TOLD_BY
-        self._come_as_measured = long_enough and passed > 0.0 and stamps <= AT_ONCE * passed
+        together = long_enough and passed > 0.0 and stamps <= AT_ONCE * passed
+        self._come_as_measured = together or self._paced >= TYPICAL
 
     def begin_now(self, rows: Sequence[Arrived], silent: bool) -> bool:
         """Whether with the first of some rows the rows of now begin, and all before it were old.
@@ -90,12 +97,25 @@ class Arrivals:
             Whether none has come for a while.
         """
         first, last = rows[0], rows[-1]
+        self._asked = np.nan
         if first.stamp not in self._behind_old:
             return False
         stamps, passed = last.stamp - first.stamp, last.arrived - first.arrived
         as_measured = silent if first is last else stamps <= AT_ONCE * passed
-        wall = clock.time() - clock.monotonic() + first.arrived
-        return as_measured or abs(first.stamp - wall) <= LONG_GAP
+        begin = as_measured or _is_of_this_clock(first)
+        self._asked = np.nan if begin else first.stamp
+        return begin
+
+    def begin_late(self, row: Arrived) -> bool:
+        """Whether a row shows that with the gap before it the rows of now had begun, as `begin_now` could not know.
+
+        So it is where rows of now come late or in bursts. Where more than a few rows were before the gap, they are a
+        log, and what is counted from its first row stays.
+        """
+        as_measured = self._come_as_measured and self._since[0] == self._asked
+        begin = self._few and np.isfinite(self._asked) and (as_measured or _is_of_this_clock(row))
+        self._asked = np.nan if begin else self._asked
+        return bool(begin)
 
     def _compare_clocks(self, stamp: float, arrived: float) -> str:
         """Find how fast the source's clock runs beside ours; gives the sentence where that is to be told."""
@@ -114,3 +134,9 @@ class Arrivals:
         if abs(self.clock_rate) <= CLOCK_WRONG or before:
             return ""
         return f"the source's clock runs {100.0 * self.clock_rate:+.2g} % beside ours; the twin goes by its stamps"
+
+
+def _is_of_this_clock(row: Arrived) -> bool:
+    """Whether the stamp of a row is the time of this computer's clock at which it came."""
+    wall = clock.time() - clock.monotonic() + row.arrived
+    return abs(row.stamp - wall) <= LONG_GAP

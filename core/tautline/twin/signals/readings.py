@@ -11,7 +11,8 @@ import numpy as np
 from tautline.scene.values.printed import quantity
 from tautline.twin.map import Channel, Plan
 from tautline.twin.signals.inputs import SLOW, InputTrack
-from tautline.twin.signals.rows import DELAY, Row, Rows
+from tautline.twin.signals.row import Row
+from tautline.twin.signals.rows import DELAY, Rows
 from tautline.twin.signals.sensors import Health
 from tautline.twin.signals.smoothing import smooth, smooth_widely
 from tautline.twin.signals.waves import Waves

@@ -31,6 +31,7 @@ import numpy as np
 
 from tautline.scene.values.moments import duration_said, stamp_said
 from tautline.twin.signals.arrivals import AT_ONCE, LONG_GAP, TOLD_BY, TYPICAL, Arrivals
+from tautline.twin.signals.row import Row
 
 REGULAR_GAPS, EQUAL = 5, 1.5
 """Gaps in a row that are the sample interval, as the longest of them is no more than so many times the shortest."""
@@ -73,44 +74,6 @@ ROUNDING = 1e-12
 """Relative rounding of a reading that was converted."""
 ABSURD = 1.0e30
 """Reading from which one is none: what other programs write for a missing value is one (9.97e36, 3.4e38)."""
-
-
-@dataclass
-class Row:
-    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` and ``stamp`` are what the source gave.
-
-    ``places`` are those of its records among all that the source gives; one that is ``new`` is known to repeat none.
-    ``repeated`` (c,) are columns whose readings are those of before, which held as nothing else was sent.
-    The data of now ``begin`` with one of a live source where those before it were old when they came.
-    """
-
-    time: float
-    values: np.ndarray
-    arrived: float = 0.0
-    after_gap: bool = False
-    places: list[int] = field(default_factory=list)
-    joined: bool = False
-    new: bool = False
-    begins: bool = False
-    repeated: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
-    raw: np.ndarray = field(init=False, compare=False)
-    stamp: float = field(init=False, compare=False)
-
-    def __post_init__(self) -> None:
-        self.raw, self.stamp = self.values.copy(), self.time
-        if not len(self.repeated):
-            self.repeated = np.zeros(len(self.values), bool)
-
-    @property
-    def measured(self) -> np.ndarray:
-        """Columns (c,) with readings that were measured at this stamp."""
-        return np.isfinite(self.values) & ~self.repeated
-
-    def fill(self, other: Row) -> None:
-        """Take readings of another row for what is empty here, and true ones for those that are repeated."""
-        mine = np.isfinite(self.values) & ~(self.repeated & other.measured)
-        self.values = np.where(mine, self.values, other.values)
-        self.repeated = np.where(mine, self.repeated, other.repeated)
 
 
 @dataclass
@@ -522,15 +485,19 @@ class Rows:
             return
         if self._join(row, k):
             return
+        limit = self._far
         if k < len(self.waiting):
             self.counts["out of order"] += 1
         elif self._learn_interval(row) and self._join(row, len(self.waiting)):
             return
         self.waiting.insert(min(k, len(self.waiting)), row)
         self.newest = max(self.newest, row.time)
-        for before, one in pairwise(self.waiting[max(k - 1, 0) : k + 2]):
+        near = self.waiting[max(k - 1, 0) : k + 2]
+        if max(LONG_GAP, self._far) < limit:  # rows come faster than it seemed by their first steps: these were gaps
+            near = [*list(self.past)[-1:], *self.waiting]
+        for before, one in pairwise(near):
             if not one.after_gap and one.time - before.time > max(LONG_GAP, self._far):
-                self._put_behind_gap(one)  # it came before those of long ago
+                self._put_behind_gap(one)  # or it came before those of long ago
 
     def _correct(self, row: Row) -> None:
         """Repeat what is measured at a row in later ones that wait: they repeat what held before it was known."""
@@ -630,6 +597,8 @@ class Rows:
         if self.live and row.after_gap:
             together = [row, *takewhile(lambda one: not one.after_gap, self.waiting[1:])]
             row.begins = self.arrivals.begin_now(together, silent and not end)
+        elif self.live and self.arrivals.begin_late(row):
+            row.begins = row.after_gap = True  # those before it do not go with it
         self.waiting.pop(0)
         self.past.append(row)
         self.reached = row.time

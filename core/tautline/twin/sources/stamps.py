@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from tautline.scene.reading.columns import HEADER, unit_named
-from tautline.scene.reading.time_columns import time_head, unit_of_stamps, unit_of_time
+from tautline.scene.reading.time_columns import is_contradicted, time_head, unit_of_stamps, unit_of_time
 from tautline.scene.values.moments import UNIX
 from tautline.scene.values.units import Unit, UnknownUnit, read_unit
 
@@ -79,6 +79,9 @@ class Stamps:
         unit, self.doubt = unit_of_stamps(name or self._bare or self.asked, bracketed)
         if self.doubt == "unit" and is_unit_of_time(bracketed):  # one that only the library of units knows
             unit, self.doubt = bracketed, ""
+        if not self.unit and is_contradicted(name, bracketed):  # else the map has said it
+            note = f"the name and the brackets of '{name} [{bracketed}]' have two units: that in brackets is read"
+            self._notes += [note] if note not in self._notes else []
         return math.nan if self.doubt == "unit" else seconds_in(unit)
 
     def unclear(self, name: str) -> tuple[str, str]:

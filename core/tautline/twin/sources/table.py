@@ -4,19 +4,29 @@ from __future__ import annotations
 
 import csv
 import math
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tautline.scene.errors import Problem, SceneError, shorten
 from tautline.scene.reading.columns import NO_UNIT
-from tautline.scene.reading.long_rows import cure_of_long_rows, filled, has_remark, kind_of, only_words_behind
+from tautline.scene.reading.long_rows import (
+    cure_of_long_rows,
+    filled,
+    has_half_a_second,
+    has_remark,
+    kind_of,
+    only_words_behind,
+)
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import OtherQuantity, factor_between
 from tautline.twin.sources.record import SourceStopped
-from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column
+from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column, stamp_of
 
 SEPARATORS = ";\t,"
+USUAL_ROWS = 100
+"""Rows before one that is longer than the header, by which it is judged together with those of earlier times."""
 
 
 class NewHeader(SourceStopped):
@@ -137,7 +147,7 @@ class Header:
         # Whether the next line may have its units: no row was read by it. And whether rows came before it.
         self._bare, self._behind, self._below = not below, False, below
         self.separator = separator_of(line)
-        titles = titles_of(line, self.separator)
+        titles = self._titles = titles_of(line, self.separator)
         self.names, self.units = heads(titles)
         self.width = self._before = len(titles)
         self._cells = max(len(cells_of(line, self.separator)), 1)  # with those that have no title, at its end
@@ -145,7 +155,9 @@ class Header:
         self._later: Later | None = None
         self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
         self._begun = False  # whether any row was read, also one in doubt
-        self._usual: list[str] | None = None  # the latest row that is no longer than the header
+        # The latest rows that are no longer than the header, and what they and those before them have had by column.
+        self._plain: deque[list[str]] = deque(maxlen=USUAL_ROWS)
+        self._kinds: list[set[str]] = [set() for _ in range(self._cells)]
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -245,13 +257,18 @@ class Header:
         Parameters
         ----------
         line : str
-            One that has no stamp which can be read.
+            One that is no row. Where its stamp is a number or a date it is no header, whatever stands behind that.
         number : int
             Of the line, for messages.
         whole : bool
             Whether it ends: half a line is none.
         """
         columns, time, where, units = self._given
+        if self._has_stamp(line):
+            return None
+        if self._is_torn(cells_of(line, self.separator)):
+            self._tell_torn(line, number)
+            return self
         if whole and (below := self._units_in(line)):
             return self._with_units(below)
         sure = self._is_header(line) if whole else False
@@ -278,6 +295,28 @@ class Header:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
+
+    def _has_stamp(self, line: str) -> bool:
+        """Whether what a line has in the place of the stamp is a number or a date."""
+        cell = next(iter(cells_of(line, self.separator)[self.stamp :]), "")
+        return not math.isnan(number_of(cell)) or math.isfinite(stamp_of(cell))
+
+    def _is_torn(self, cells: Sequence[str]) -> bool:
+        """Whether a row broke off and this header came behind it, as a logger writes that is begun anew.
+
+        What was written of the row stands before the titles, in their first cell too: ``1006.0,time,winch``.
+        """
+        titles, last = self._titles, list(cells[-len(self._titles) :])
+        if len(last) < 2 or last[1:] != titles[1:] or not last[0].endswith(titles[0]) or list(cells) == titles:
+            return False
+        return kind_of(last[0].removesuffix(titles[0])) != "word"  # `Datetime` is no half row before `time`
+
+    def _tell_torn(self, line: str, at: int) -> None:
+        """Tell once that half a row before the header is left out."""
+        if "torn" not in self._told:
+            self._told.add("torn")
+            shown = f"the row '{shorten(line)}' breaks off, and the header comes once more behind it"
+            self.notes.append(f"{self._given[2]}:{at}: {shown}. Such rows are left out")
 
     def _units_in(self, line: str) -> list[str]:
         """Units by cell of a line right below the header that has them; empty for any other line.
@@ -438,17 +477,22 @@ class Header:
         if len(cells) > self.stamp:
             self._refuse_doubtful(cells[self.stamp])
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
-            if "," in cells[self.stamp] and not math.isnan(number_of(cells[self.stamp])):
-                stamp = self._number(name, cells[self.stamp])
+            cell = cells[self.stamp]
+            if "," in cell and not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell)):
+                stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
+            if self._is_torn(cells):
+                self._tell_torn(line, at)
+                return None
             if not self._has_remark(cells):
                 self._too_long(line, number, at)
                 return None
             self._tell_remark(line, at)
         elif math.isfinite(stamp) and not doubtful:
             self._widths.add(count)
-            self._usual = cells if count <= self._cells else self._usual
+            if count <= self._cells:
+                self._plain.append(cells)
         if math.isfinite(stamp):
             self._bare, self._begun = False, True
             self._before = min(count, self._cells)  # that of a remark does not show that a row is whole
@@ -471,15 +515,26 @@ class Header:
         """
         if math.isfinite(self.factor) or math.isnan(number_of(cell)):
             return
-        cause, cure = self._stamps.unclear(titles_of(self._line, self.separator)[self.stamp])
+        cause, cure = self._stamps.unclear(self._titles[self.stamp])
         refused = SceneError([Problem(self._given[2], self._number_of_line, "", None, cause, cure)])
         raise NewHeader(refused) if self._behind else refused
 
     def _has_remark(self, cells: Sequence[str]) -> bool:
-        """Whether what a row has beyond the header is a remark, so that the cells before it are in their places."""
-        if only_words_behind(cells, max(self.stamp, *self.places.values(), 0)):
+        """Whether what a row has beyond the header is a remark, so that the cells before it are in their places.
+
+        The stamp and columns of the map have numbers also where no row has shown that yet.
+        """
+        if self.separator == "," and has_half_a_second(cells, self.stamp):
+            return False
+        places = [self.stamp, *self.places.values()]
+        if only_words_behind(cells, max(places)):
             return True
-        return self._usual is not None and has_remark(cells, self._cells, [{kind_of(one)} for one in self._usual])
+        for row in self._plain:
+            for kinds, cell in zip(self._kinds, row, strict=False):
+                kinds.add(kind_of(cell))
+        self._plain.clear()
+        usual = [kinds | {"number"} if i in places else kinds for i, kinds in enumerate(self._kinds)]
+        return has_remark(cells, self._cells, usual)
 
     def _tell_remark(self, line: str, at: int) -> None:
         """Tell once that words beyond the header are passed over."""
