@@ -12,9 +12,11 @@ from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoiste
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
+from crane.assembly.layout import orientation_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
+from crane.geometry.quaternion import quaternion_of
 from crane.results.limits import LEAST_RATIO
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
@@ -42,6 +44,8 @@ OF_A_WAVE = "the time of a wave of tension along an element"
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
 ENOUGH = 8
+ANOTHER_SIDE = 90.0
+"""Angle, deg, by which a body is turned from its drawing beyond which another side of it is up."""
 HELD_BACK = 0.01
 """Share of the run for which an actuator may be off its command without a word."""
 RELATIONS = (
@@ -65,7 +69,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
-        *_turns_on(scene), *_never(scene), *_record(scene),
+        *_turns_on(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
@@ -80,6 +84,35 @@ def _turns_on(scene: CraneScene) -> Sentences:
                 "with the moments that remain"
             )
             yield f"bodies[{k}].release", text
+
+
+def _turned(scene: CraneScene) -> Sentences:
+    """Bodies that the static start turns over, because the rope holds them below their centre."""
+    for k, body in enumerate(scene.bodies):
+        if body.inertia is None:
+            continue
+        drawn, laid = quaternion_of(body.orientation), orientation_of(scene, body)
+        angle = 2.0 * math.degrees(math.acos(min(1.0, abs(float(drawn @ laid)))))
+        if angle > ANOTHER_SIDE:
+            text = (
+                f"start: static turns {body.name} by {angle:.3g} deg, because the rope holds it below its centre of "
+                "mass. Give the `end` an offset above the centre, or give the body an `orientation:`, or write "
+                "start: as drawn"
+            )
+            yield f"bodies[{k}]", text
+
+
+def _without_moment(scene: CraneScene) -> Sentences:
+    """Bodies that turn, and may meet the ground, which does not resist that."""
+    for k, body in enumerate(scene.bodies if scene.ground is not None else ()):
+        if body.inertia is not None:
+            text = (
+                f"the ground pushes at the centre of {body.name} and gives it no moment. There it turns freely: it "
+                f"neither tips over an edge nor lies flat, and `bottom` stays {body.bottom:.4g} m below its centre. "
+                "Forces of lift-off and landing are right only if the rope pulls through the centre. Remove `inertia:` "
+                "if its rotation does not matter"
+            )
+            yield f"bodies[{k}].inertia", text
 
 
 def _never(scene: CraneScene) -> Sentences:

@@ -139,10 +139,10 @@ def assembled(scene: CraneScene) -> Assembly:
         velocity[place : place + AXES] = body.velocity
     still = [layout.material(i) for i, item in enumerate(scene.path) if isinstance(item, Drum) and not item.prescribed]
     turns = [turn + k for turn in layout.turn.values() for k in range(QUATERNION)]
-    at_rest = [*still, *layout.rim.values(), *turns]
+    at_rest = [*still, *layout.rim.values()]
     # Laws and sockets couple too: they are asked for each scene, also where its geometry was met before.
     stencils = _stencils(layout, contacts)
-    system = assemble(groups, layout.degrees, functions, velocity, *stencils, at_rest=at_rest)
+    system = assemble(groups, layout.degrees, functions, velocity, *stencils, at_rest=at_rest, turns=turns)
     driven = system.dofs.driven
     system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first[system.dofs.motion[driven]]
     # What is wrong with the path is among the scene's warnings, and is not said twice.
