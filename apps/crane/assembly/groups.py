@@ -24,7 +24,7 @@ from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
 from crane.groups.span import BETWEEN, MATERIAL, SPAN, STATION, Spans, new_spans
 from crane.groups.winch import DRUM, WOUND, Drums, Supplies, WoundRope
-from crane.scene.scene import Drum, End, Sheave
+from crane.scene.scene import Body, Drum, End, Sheave
 from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.functions import Constant
 from tautline.system.records import records_of
@@ -197,41 +197,80 @@ def _of_drum(drum: Drum) -> tuple[Steering, ...]:
 
 def _bodies(layout: Layout) -> list[Maker]:
     """Bodies, and what tells of their releases where there are any."""
-    scene, rows = layout.scene, []
-    gravity, ground = np.array(scene.gravity, dtype=float), scene.ground
-    for k, body in enumerate(scene.bodies):
-        functions = [-1, -1, -1]
-        driven = [f"{body.name}.force[{c}]" for c in range(AXES)]
-        forces = body.force or ((Constant(value=0.0),) * AXES if scene.driven.intersection(driven) else ())
-        for c, force in enumerate(forces):
-            steered = (Steering(driven[c], "N", f"force on {body.name} along {'xyz'[c]}"),)
-            functions[c] = layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].force[{c}]", inputs=steered))
-        rows.append(
-            {
-                "place": layout.body[body.name],
-                "mass": body.mass,
-                "remaining": body.release.remaining if body.release else body.mass,
-                "released": body.release.at if body.release else np.inf,
-                "added": body.added_mass,
-                "linear": body.drag.linear,
-                "quadratic": body.drag.quadratic,
-                "lift": -(scene.water.density if scene.water else 0.0) * body.volume * gravity,
-                "functions": functions,
-                "bottom": body.bottom,
-                "touches": int(ground is not None),
-            }
-        )
-    if not rows:
+    scene = layout.scene
+    if not scene.bodies:
         return []
+    gravity, ground = np.array(scene.gravity, dtype=float), scene.ground
     floor = np.array([ground.level, ground.stiffness, ground.damping, ground.friction] if ground else [0.0] * 4)
-    mass = np.array([row["mass"] for row in rows], dtype=float)
+    rows = [_row_of(layout, k, body, _forces(layout, k, body)) for k, body in enumerate(scene.bodies)]
+    releases = any(body.release is not None for body in scene.bodies)
+    left = [
+        row | (_left_of(layout, k, body, row["functions"]) if body.release is not None else {})
+        for k, (body, row) in enumerate(zip(scene.bodies, rows, strict=True))
+    ]
+    mass = np.array([body.mass for body in scene.bodies], dtype=float)
     kept = mass.copy()
 
     def bodies(functions: TimeFunctions) -> Bodies:
-        return Bodies(records_of(BODY, rows), gravity, floor, mass, kept, np.zeros((len(mass), 2)), functions)
+        made = records_of(BODY, rows)
+        gone, let_go = np.zeros((len(mass), 2), np.int64), np.zeros((len(mass), 2))
+        # Without a release nothing is ever left of a body, and both are one.
+        after = records_of(BODY, left) if releases else made
+        return Bodies(made, after, gravity, floor, gone, mass, kept, let_go, functions)
 
-    releases = any(body.release is not None for body in scene.bodies)
     return [bodies, *([partial(_constant, Releases(mass, kept))] if releases else [])]
+
+
+def _forces(layout: Layout, k: int, body: Body) -> list[int]:
+    """Numbers of the functions of time of the force on a body, or -1."""
+    driven = [f"{body.name}.force[{c}]" for c in range(AXES)]
+    forces = body.force or ((Constant(value=0.0),) * AXES if layout.scene.driven.intersection(driven) else ())
+    functions = [-1, -1, -1]
+    for c, force in enumerate(forces):
+        steered = (Steering(driven[c], "N", f"force on {body.name} along {'xyz'[c]}"),)
+        functions[c] = layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].force[{c}]", inputs=steered))
+    return functions
+
+
+def _row_of(layout: Layout, k: int, body: Body, functions: list[int]) -> dict[str, Any]:
+    """A body with all of its load."""
+    return {
+        "place": layout.body[body.name],
+        "mass": body.mass,
+        "remaining": body.release.remaining if body.release else body.mass,
+        "released": body.release.at if body.release else np.inf,
+        "added": body.added_mass,
+        "linear": body.drag.linear,
+        "quadratic": body.drag.quadratic,
+        "lift": _lift(layout, body.volume),
+        "functions": functions,
+        "bottom": body.bottom,
+        "touches": int(layout.scene.ground is not None),
+    }
+
+
+def _left_of(layout: Layout, k: int, body: Body, functions: list[int]) -> dict[str, Any]:
+    """What water, wind and ground find of a body after its release: what the scene says of it, and else all."""
+    left = body.after_release()
+    if body.release is not None and body.release.force is not None:
+        functions = [
+            layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].release.force[{c}]"))
+            for c, force in enumerate(body.release.force)
+        ]
+    return {
+        "added": left.added_mass,
+        "linear": left.drag.linear,
+        "quadratic": left.drag.quadratic,
+        "lift": _lift(layout, left.volume),
+        "functions": functions,
+        "bottom": left.bottom,
+    }
+
+
+def _lift(layout: Layout, volume: float) -> np.ndarray:
+    """Buoyancy (3,) of a volume in the scene's water, N."""
+    water = layout.scene.water
+    return -(water.density if water else 0.0) * volume * np.array(layout.scene.gravity, dtype=float)
 
 
 def _rims(layout: Layout) -> Rims | None:
