@@ -19,7 +19,8 @@ def dropped(load=None, damping=2.0e-2, end_at=4.0, left=None, **more):
     rope = {"mass_per_length": 0.01, "axial_stiffness": 1.0e7, "damping": damping}
     hung = body("load", MASS, (0.0, 0.0, -30.0), release=release, **(load or {}))
     return crane(
-        [anchor((0.0, 0.0, -10.0)), end("load")], [hung], rope, mesh={"elements_per_span": 1}, solver={"end": end_at}, interval=0.05, **more,
+        [anchor((0.0, 0.0, -10.0)), end("load")], [hung], rope, mesh={"elements_per_span": 1}, interval=0.05,
+        solver={"end": end_at}, **more,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.assembly.drum_supply import capacity_of
+from crane.assembly.drum_supply import capacity_of, hoisted_spans, reeled_of
 from crane.assembly.friction import contacts_of, couplings_of
 from crane.assembly.layout import AXES, Layout, has_rim
 from crane.assembly.mesh_damping import damping_of
@@ -33,7 +33,11 @@ from tautline.system.time_functions import FunctionRequest, Steering
 SMOOTHING = 0.01
 """Curvature below which the damping of bending fades, over that of an element bent to its own length."""
 STIFFER = 10.0
-"""Stiffness of a socket over that of a metre of the rope, 1/m."""
+"""Stiffness of a socket over that of a metre of the rope, 1/m: the least."""
+THAN_ITS_ROPE = 100.0
+"""Stiffness of a socket over that of the rope beside it where that is short: a snap is then at most 0.5 % too soft."""
+STIFFEST = 1000.0
+"""The most, 1/m: rope that is hoisted to nothing asks for no end of it."""
 Maker = Callable[[TimeFunctions], Any]
 
 
@@ -352,13 +356,23 @@ def _rigids(layout: Layout) -> Rigids | None:
     return new_rigids(records_of(RIGID, rows)) if rows else None
 
 
-def _socketed(layout: Layout) -> list[tuple[int, End]]:
+def socketed(layout: Layout) -> list[tuple[int, End]]:
     """Ends of the rope that hold a body away from its centre, which it turns about."""
     return [
         (i, item)
         for i, item in enumerate(layout.scene.path)
         if isinstance(item, End) and item.body in layout.turn and any(item.offset)
     ]
+
+
+def _stiffness_of_socket(layout: Layout, item: int) -> float:
+    """Stiffness of a socket, N/m: it counts with the rope beside it where that is shortest, as far as it is hoisted."""
+    scene, last = layout.scene, len(layout.spans) - 1
+    span = min(item, last)
+    hoisted = hoisted_spans(scene)
+    taken = float(reeled_of(scene)[2].max()) / len(hoisted) if span in hoisted else 0.0
+    shortest = max(layout.path.spans[span].length - taken, THAN_ITS_ROPE / STIFFEST)
+    return max(STIFFER, THAN_ITS_ROPE / shortest) * scene.rope.axial_stiffness
 
 
 def _sockets(layout: Layout) -> Sockets | None:
@@ -368,10 +382,10 @@ def _sockets(layout: Layout) -> Sockets | None:
             "place": layout.body[item.body],
             "turn": layout.turn[item.body],
             "offset": item.offset,
-            "stiffness": STIFFER * layout.scene.rope.axial_stiffness,
+            "stiffness": _stiffness_of_socket(layout, i),
             "damping": 0.0,
         }
-        for i, item in _socketed(layout)
+        for i, item in socketed(layout)
     ]
     return new_sockets(records_of(SOCKET, rows)) if rows else None
 
@@ -379,7 +393,7 @@ def _sockets(layout: Layout) -> Sockets | None:
 def _couplings(layout: Layout) -> list[np.ndarray]:
     """What bodies that turn couple: their quaternions, and with them what hangs in a socket."""
     stencils = [np.arange(turn, turn + QUATERNION)[None] for turn in layout.turn.values()]
-    for i, item in _socketed(layout):
+    for i, item in socketed(layout):
         station, place, turn = layout.station[layout.item[i]], layout.body[item.body], layout.turn[item.body]
         parts = (station + np.arange(STATION - 1), place + np.arange(AXES), turn + np.arange(QUATERNION))
         stencils.append(np.concatenate(parts)[None])
