@@ -74,7 +74,7 @@ def test_a_bodys_own_numbers_in_a_release_change_nothing():
         assert np.array_equal(runs[0][name], runs[1][name])
 
 
-@pytest.mark.parametrize("key, value", [("volume", 1.0), ("bottom", 0.5)])
-def test_water_and_ground_of_what_remains_are_refused_where_the_scene_has_none(key, value):
-    with pytest.raises(SceneError, match=f"release.{key}"):
+@pytest.mark.parametrize("key, value, lacks", [("volume", 1.0, "water"), ("bottom", 0.5, "ground")])
+def test_water_and_ground_of_what_remains_are_refused_where_the_scene_has_none(key, value, lacks):
+    with pytest.raises(SceneError, match=f"release.{key}.*the scene has no {lacks}"):
         parsed(dropped(left={key: value}))
