@@ -12,9 +12,11 @@ from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoiste
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
-from crane.assembly.loads import floating
+from crane.assembly.layout import orientation_of
+from crane.assembly.loads import buoyancy_of, floating
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
+from crane.geometry.quaternion import quaternion_of
 from crane.results.limits import LEAST_RATIO
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
@@ -42,6 +44,8 @@ OF_A_WAVE = "the time of a wave of tension along an element"
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
 ENOUGH = 8
+ANOTHER_SIDE = 90.0
+"""Angle, deg, by which a body is turned from its drawing beyond which another side of it is up."""
 HELD_BACK = 0.01
 """Share of the run for which an actuator may be off its command without a word."""
 RELATIONS = (
@@ -65,21 +69,82 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
-        *_turns_on(scene), *_never(scene), *_record(scene),
+        *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
 
-def _turns_on(scene: CraneScene) -> Sentences:
-    """Bodies that lose mass and keep the moments of inertia of all of it."""
+def _stays_on_the_hook(scene: CraneScene) -> Sentences:
+    """Bodies that lose mass and keep what inertia, water, wind and ground have found of all of it."""
     for k, body in enumerate(scene.bodies):
-        if body.release is not None and body.inertia is not None and body.release.inertia is None:
+        release = body.release
+        if release is None:
+            continue
+        if body.inertia is not None and release.inertia is None:
             text = (
                 f"{body.name} keeps the moments of inertia of all its {body.mass:.4g} kg when "
-                f"{body.release.remaining:.4g} kg of it remain. It then turns too slowly. Give `inertia:` in release, "
+                f"{release.remaining:.4g} kg of it remain. It then turns too slowly. Give `inertia:` in release, "
                 "with the moments that remain"
             )
             yield f"bodies[{k}].release", text
+        has = {
+            "volume": body.volume > 0.0,
+            "added_mass": any(body.added_mass),
+            "drag": any((*body.drag.linear, *body.drag.quadratic)),
+            "force": body.force is not None,
+            "bottom": body.bottom > 0.0,
+        }
+        stay = [key for key, some in has.items() if some and getattr(release, key) is None]
+        if stay:
+            keys = " and ".join(filter(None, (", ".join(f"`{key}`" for key in stay[:-1]), f"`{stay[-1]}`")))
+            text = (
+                f"{body.name} keeps all its {keys} when {release.remaining:.4g} kg of {body.mass:.4g} kg remain, as if "
+                f"the load that drops left them on the hook. Give {keys} in release, as "
+                f"{'it is' if len(stay) == 1 else 'they are'} of what remains: zero where nothing does"
+            )
+            yield f"bodies[{k}].release", text
+        yield from _floats_after(scene, k)
+
+
+def _floats_after(scene: CraneScene, k: int) -> Sentences:
+    """A body that the water lifts once its load has dropped."""
+    body, left = scene.bodies[k], scene.bodies[k].after_release()
+    lifted = buoyancy_of(scene, left)
+    if lifted > left.mass and buoyancy_of(scene, body) <= body.mass:
+        text = (
+            f"{body.name} floats up when its load has dropped: it takes the place of {lifted:.4g} kg of water, and "
+            f"{left.mass:.4g} kg of it remain. Give `volume:` in release, with that of what remains"
+        )
+        yield f"bodies[{k}].release", text
+
+
+def _turned(scene: CraneScene) -> Sentences:
+    """Bodies that the static start turns over, because the rope holds them below their centre."""
+    for k, body in enumerate(scene.bodies):
+        if body.inertia is None:
+            continue
+        drawn, laid = quaternion_of(body.orientation), orientation_of(scene, body)
+        angle = 2.0 * math.degrees(math.acos(min(1.0, abs(float(drawn @ laid)))))
+        if angle > ANOTHER_SIDE:
+            text = (
+                f"start: static turns {body.name} by {angle:.3g} deg, because the rope holds it below its centre of "
+                "mass. Give the `end` an offset above the centre, or give the body an `orientation:`, or write "
+                "start: as drawn"
+            )
+            yield f"bodies[{k}]", text
+
+
+def _without_moment(scene: CraneScene) -> Sentences:
+    """Bodies that turn, and may meet the ground, which does not resist that."""
+    for k, body in enumerate(scene.bodies if scene.ground is not None else ()):
+        if body.inertia is not None:
+            text = (
+                f"the ground pushes at the centre of {body.name} and gives it no moment. There it turns freely: it "
+                f"neither tips over an edge nor lies flat, and `bottom` stays {body.bottom:.4g} m below its centre. "
+                "Forces of lift-off and landing are right only if the rope pulls through the centre. Remove `inertia:` "
+                "if its rotation does not matter"
+            )
+            yield f"bodies[{k}].inertia", text
 
 
 def _never(scene: CraneScene) -> Sentences:
@@ -129,6 +194,8 @@ def _functions_of(scene: CraneScene) -> Iterator[tuple[str, Any]]:
     for k, body in enumerate(scene.bodies):
         for c, force in enumerate(body.force or ()):
             yield f"bodies[{k}].force[{c}]", force
+        for c, force in enumerate((body.release.force if body.release is not None else None) or ()):
+            yield f"bodies[{k}].release.force[{c}]", force
 
 
 def _ramps_of(function: Any) -> Iterator[Ramp]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.assembly.drum_supply import capacity_of
+from crane.assembly.drum_supply import capacity_of, hoisted_spans, reeled_of
 from crane.assembly.friction import contacts_of, couplings_of
 from crane.assembly.layout import AXES, Layout, has_rim
 from crane.assembly.mesh_damping import damping_of
@@ -24,7 +24,7 @@ from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
 from crane.groups.span import BETWEEN, MATERIAL, SPAN, STATION, Spans, new_spans
 from crane.groups.winch import DRUM, WOUND, Drums, Supplies, WoundRope
-from crane.scene.scene import Drum, End, Sheave
+from crane.scene.scene import Body, Drum, End, Sheave
 from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.functions import Constant
 from tautline.system.records import records_of
@@ -33,7 +33,11 @@ from tautline.system.time_functions import FunctionRequest, Steering
 SMOOTHING = 0.01
 """Curvature below which the damping of bending fades, over that of an element bent to its own length."""
 STIFFER = 10.0
-"""Stiffness of a socket over that of a metre of the rope, 1/m."""
+"""Stiffness of a socket over that of a metre of the rope, 1/m: the least."""
+THAN_ITS_ROPE = 100.0
+"""Stiffness of a socket over that of the rope beside it where that is short: a snap is then at most 0.5 % too soft."""
+STIFFEST = 1000.0
+"""The most, 1/m: rope that is hoisted to nothing asks for no end of it."""
 Maker = Callable[[TimeFunctions], Any]
 
 
@@ -197,41 +201,80 @@ def _of_drum(drum: Drum) -> tuple[Steering, ...]:
 
 def _bodies(layout: Layout) -> list[Maker]:
     """Bodies, and what tells of their releases where there are any."""
-    scene, rows = layout.scene, []
-    gravity, ground = np.array(scene.gravity, dtype=float), scene.ground
-    for k, body in enumerate(scene.bodies):
-        functions = [-1, -1, -1]
-        driven = [f"{body.name}.force[{c}]" for c in range(AXES)]
-        forces = body.force or ((Constant(value=0.0),) * AXES if scene.driven.intersection(driven) else ())
-        for c, force in enumerate(forces):
-            steered = (Steering(driven[c], "N", f"force on {body.name} along {'xyz'[c]}"),)
-            functions[c] = layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].force[{c}]", inputs=steered))
-        rows.append(
-            {
-                "place": layout.body[body.name],
-                "mass": body.mass,
-                "remaining": body.release.remaining if body.release else body.mass,
-                "released": body.release.at if body.release else np.inf,
-                "added": body.added_mass,
-                "linear": body.drag.linear,
-                "quadratic": body.drag.quadratic,
-                "lift": -(scene.water.density if scene.water else 0.0) * body.volume * gravity,
-                "functions": functions,
-                "bottom": body.bottom,
-                "touches": int(ground is not None),
-            }
-        )
-    if not rows:
+    scene = layout.scene
+    if not scene.bodies:
         return []
+    gravity, ground = np.array(scene.gravity, dtype=float), scene.ground
     floor = np.array([ground.level, ground.stiffness, ground.damping, ground.friction] if ground else [0.0] * 4)
-    mass = np.array([row["mass"] for row in rows], dtype=float)
+    rows = [_row_of(layout, k, body, _forces(layout, k, body)) for k, body in enumerate(scene.bodies)]
+    releases = any(body.release is not None for body in scene.bodies)
+    left = [
+        row | (_left_of(layout, k, body, row["functions"]) if body.release is not None else {})
+        for k, (body, row) in enumerate(zip(scene.bodies, rows, strict=True))
+    ]
+    mass = np.array([body.mass for body in scene.bodies], dtype=float)
     kept = mass.copy()
 
     def bodies(functions: TimeFunctions) -> Bodies:
-        return Bodies(records_of(BODY, rows), gravity, floor, mass, kept, np.zeros((len(mass), 2)), functions)
+        made = records_of(BODY, rows)
+        gone, let_go = np.zeros((len(mass), 2), np.int64), np.zeros((len(mass), 2))
+        # Without a release nothing is ever left of a body, and both are one.
+        after = records_of(BODY, left) if releases else made
+        return Bodies(made, after, gravity, floor, gone, mass, kept, let_go, functions)
 
-    releases = any(body.release is not None for body in scene.bodies)
     return [bodies, *([partial(_constant, Releases(mass, kept))] if releases else [])]
+
+
+def _forces(layout: Layout, k: int, body: Body) -> list[int]:
+    """Numbers of the functions of time of the force on a body, or -1."""
+    driven = [f"{body.name}.force[{c}]" for c in range(AXES)]
+    forces = body.force or ((Constant(value=0.0),) * AXES if layout.scene.driven.intersection(driven) else ())
+    functions = [-1, -1, -1]
+    for c, force in enumerate(forces):
+        steered = (Steering(driven[c], "N", f"force on {body.name} along {'xyz'[c]}"),)
+        functions[c] = layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].force[{c}]", inputs=steered))
+    return functions
+
+
+def _row_of(layout: Layout, k: int, body: Body, functions: list[int]) -> dict[str, Any]:
+    """A body with all of its load."""
+    return {
+        "place": layout.body[body.name],
+        "mass": body.mass,
+        "remaining": body.release.remaining if body.release else body.mass,
+        "released": body.release.at if body.release else np.inf,
+        "added": body.added_mass,
+        "linear": body.drag.linear,
+        "quadratic": body.drag.quadratic,
+        "lift": _lift(layout, body.volume),
+        "functions": functions,
+        "bottom": body.bottom,
+        "touches": int(layout.scene.ground is not None),
+    }
+
+
+def _left_of(layout: Layout, k: int, body: Body, functions: list[int]) -> dict[str, Any]:
+    """What water, wind and ground find of a body after its release: what the scene says of it, and else all."""
+    left = body.after_release()
+    if body.release is not None and body.release.force is not None:
+        functions = [
+            layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].release.force[{c}]"))
+            for c, force in enumerate(body.release.force)
+        ]
+    return {
+        "added": left.added_mass,
+        "linear": left.drag.linear,
+        "quadratic": left.drag.quadratic,
+        "lift": _lift(layout, left.volume),
+        "functions": functions,
+        "bottom": left.bottom,
+    }
+
+
+def _lift(layout: Layout, volume: float) -> np.ndarray:
+    """Buoyancy (3,) of a volume in the scene's water, N."""
+    water = layout.scene.water
+    return -(water.density if water else 0.0) * volume * np.array(layout.scene.gravity, dtype=float)
 
 
 def _rims(layout: Layout) -> Rims | None:
@@ -313,13 +356,23 @@ def _rigids(layout: Layout) -> Rigids | None:
     return new_rigids(records_of(RIGID, rows)) if rows else None
 
 
-def _socketed(layout: Layout) -> list[tuple[int, End]]:
+def socketed(layout: Layout) -> list[tuple[int, End]]:
     """Ends of the rope that hold a body away from its centre, which it turns about."""
     return [
         (i, item)
         for i, item in enumerate(layout.scene.path)
         if isinstance(item, End) and item.body in layout.turn and any(item.offset)
     ]
+
+
+def _stiffness_of_socket(layout: Layout, item: int) -> float:
+    """Stiffness of a socket, N/m: it counts with the rope beside it where that is shortest, as far as it is hoisted."""
+    scene, last = layout.scene, len(layout.spans) - 1
+    span = min(item, last)
+    hoisted = hoisted_spans(scene)
+    taken = float(reeled_of(scene)[2].max()) / len(hoisted) if span in hoisted else 0.0
+    shortest = max(layout.path.spans[span].length - taken, THAN_ITS_ROPE / STIFFEST)
+    return max(STIFFER, THAN_ITS_ROPE / shortest) * scene.rope.axial_stiffness
 
 
 def _sockets(layout: Layout) -> Sockets | None:
@@ -329,10 +382,10 @@ def _sockets(layout: Layout) -> Sockets | None:
             "place": layout.body[item.body],
             "turn": layout.turn[item.body],
             "offset": item.offset,
-            "stiffness": STIFFER * layout.scene.rope.axial_stiffness,
+            "stiffness": _stiffness_of_socket(layout, i),
             "damping": 0.0,
         }
-        for i, item in _socketed(layout)
+        for i, item in socketed(layout)
     ]
     return new_sockets(records_of(SOCKET, rows)) if rows else None
 
@@ -340,7 +393,7 @@ def _sockets(layout: Layout) -> Sockets | None:
 def _couplings(layout: Layout) -> list[np.ndarray]:
     """What bodies that turn couple: their quaternions, and with them what hangs in a socket."""
     stencils = [np.arange(turn, turn + QUATERNION)[None] for turn in layout.turn.values()]
-    for i, item in _socketed(layout):
+    for i, item in socketed(layout):
         station, place, turn = layout.station[layout.item[i]], layout.body[item.body], layout.turn[item.body]
         parts = (station + np.arange(STATION - 1), place + np.arange(AXES), turn + np.arange(QUATERNION))
         stencils.append(np.concatenate(parts)[None])

@@ -34,6 +34,8 @@ T = TypeVar("T")
 AXES = 3
 ROUNDING = 1.0e-9
 """Share of its length by which a rope that is as long as its path may seem shorter."""
+TOUCHES = 1.0e-6
+"""Height over the ground, m, that rounding may leave of a body that is drawn on it."""
 IDENTITY = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
 
 
@@ -144,18 +146,26 @@ def has_rim(item: Any) -> bool:
     return isinstance(item, Sheave) and item.law == "capstan" and item.inertia > 0.0 and not item.locked
 
 
-def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
-    """Quaternion (4,) of a body that turns at t = 0: as drawn, or at rest with its rope's end above its centre.
+def stands(scene: CraneScene, body: Body) -> bool:
+    """Whether the ground is to carry a body from the start. Where the scene gives no length of rope, the rope does."""
+    if scene.ground is None or scene.rope.length is None:
+        return False
+    return body.lowest <= scene.ground.level + TOUCHES
 
-    It is turned from the drawing by the least angle, the rope's ends taken together.
+
+def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
+    """Quaternion (4,) of a body that turns, as it is laid out: as drawn, or with its rope's end above its centre.
+
+    A search for rest goes on from there. A body is turned only if its scene does not say how it is turned: it hangs by
+    one end, nothing carries it from below, and no `orientation` is given. It is turned by the least angle.
     """
     drawn = quaternion_of(body.orientation)
     ends = [item.offset for item in scene.path if isinstance(item, End) and item.body == body.name]
     up = -np.array(scene.gravity, dtype=float)
-    held = np.sum(ends, axis=0) if ends else np.zeros(AXES)
-    if scene.start != "static" or not held.any() or not up.any():
+    said = stands(scene, body) or len(ends) != 1 or "orientation" in body.model_fields_set
+    if scene.start != "static" or said or not any(ends[0]) or not up.any():
         return drawn
-    one, other = rotation_of(drawn) @ held / np.linalg.norm(held), up / np.linalg.norm(up)
+    one, other = rotation_of(drawn) @ ends[0] / np.linalg.norm(ends[0]), up / np.linalg.norm(up)
     cosine = float(one @ other)
     across = np.cross(one, other)
     if cosine < -1.0 + 1e-12:
@@ -186,7 +196,8 @@ def lay_out(scene: CraneScene) -> Layout:
 
 def _geometry(scene: CraneScene, motion: FrameMotion) -> tuple[Any, ...]:
     """All that a layout follows from: scenes with other masses, drags, forces or solvers have the same."""
-    bodies = tuple((body.name, body.position, body.guide, body.inertia, body.orientation) for body in scene.bodies)
+    turned = [tuple(orientation_of(scene, body)) if body.inertia is not None else None for body in scene.bodies]
+    bodies = tuple((body.name, body.position, body.guide, body.inertia) for body in scene.bodies), tuple(turned)
     still = scene.vessel is None
     return motion, still, scene.path, bodies, scene.rope, scene.elements, scene.gravity, scene.start
 

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
-from crane.assembly.layout import AXES, Layout
+from crane.assembly.layout import AXES, Layout, stands
+from crane.geometry.quaternion import QUATERNION
 from crane.groups.capstan_friction import TORQUE, Slips
+from crane.groups.rigid import Rigids
+from crane.groups.sockets import Sockets
 from crane.groups.span import FORCE, MATERIAL, STRETCH, Spans
 from crane.groups.winch import Drums, Supplies, WoundRope
 from crane.scene.bodies import XYZ
 from crane.scene.scene import Drum, End, Sheave
+from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.time_function import value_at
 from tautline.system.system import System
@@ -23,6 +30,13 @@ CLOSE = 1.0e-9
 """Height, as a share of the longest piece of rope, within which the drawing is true."""
 TRUE = 1.0e-6
 """The same, beyond which it is not: a search that ends there has failed."""
+ACROSS = 2
+"""Axes along the ground."""
+TURNED = 90.0
+"""Angle, deg, between a body as its scene gives it and at rest beyond which another side of it is up."""
+STEADY = 1.0e-4
+"""Moment, over that of a rope's pull, against which a body turns by a radian in an iteration of the search, and not at
+rest. An iteration is off by as much; what rounding leaves of a moment turns nothing."""
 SHORTEST_WAY = 0.3
 """Share of the shortest piece of rope by which its length may change in one iteration."""
 
@@ -60,12 +74,105 @@ def draw_true(layout: Layout, system: System, state: State) -> None:
         NO_EQUILIBRIUM, naming the unknown that is worst, or a load that no length of rope brings to where it is drawn.
     """
     limit = SHORTEST_WAY * float(layout.path.chords.min())
-    _rest(system, state, limit)
-    if finds_rope(layout):
-        _lengthen(layout, system, state, _hanging(layout), limit)
+    with _kept_as_drawn(system):
+        on_ground = _Standing(layout, system)
+        _rest_as_drawn(layout, system, state, limit)
+        while on_ground.lets_go(state):
+            _rest_as_drawn(layout, system, state, limit)
+        if system.turns.size and count_negative(system, state).negative > 0:
+            find_stable_equilibrium(system, state, limit)
+            _rest_as_drawn(layout, system, state, limit)
+    _refuse_turned(layout, system, state)
     spans = next(group for group in system.groups if isinstance(group, Spans))
     spans.laid[:] = state.full_q[np.array(layout.station) + MATERIAL]
     _hold(layout, system, state)
+
+
+@contextmanager
+def _kept_as_drawn(system: System) -> Iterator[None]:
+    """Within it rest is sought: a body that nothing turns stays as it is drawn."""
+    rigids = next((group for group in system.groups if isinstance(group, Rigids)), None)
+    sockets = next((group for group in system.groups if isinstance(group, Sockets)), None)
+    if rigids is None:
+        yield
+        return
+    for n, turn in enumerate(rigids.rows["turn"]):
+        # A pull turns a body by its moment about the centre. Without a lever nothing does, whatever resists it.
+        arms = [] if sockets is None else [row.offset for row in sockets.rows if row.turn == turn]
+        arm = max((float(np.linalg.norm(one)) for one in arms), default=1.0)
+        rigids.steady[n] = STEADY * float(system.scale.max()) * arm
+    try:
+        yield
+    finally:
+        rigids.steady[:] = 0.0
+
+
+class _Standing:
+    """What the ground holds of bodies that are drawn on it while rest is sought: how they are turned, and by friction
+    where they are.
+
+    They are among what stays at rest, until the rope has lifted the body, or pulls more than friction holds. The ground
+    gives the model no moment, but a crate that stands on it does not turn.
+    """
+
+    def __init__(self, layout: Layout, system: System) -> None:
+        self.layout, self.system = layout, system
+        scene = layout.scene
+        bodies = [body for body in scene.bodies if stands(scene, body)]
+        self.turns = {body.name: self._rows(layout.turn[body.name], QUATERNION) for body in bodies if body.inertia}
+        self.places = {body.name: self._rows(layout.body[body.name], ACROSS) for body in bodies}
+        # A run before may have found that it holds something else.
+        own = [row for held in (*self.turns.values(), *self.places.values()) for row in held]
+        self.driven = [row for row in system.at_rest.tolist() if row not in own]
+        self._hold()
+
+    def _rows(self, place: int, count: int) -> list[int]:
+        """Unknowns among ``count`` degrees of freedom from a place on."""
+        return np.flatnonzero((self.system.free >= place) & (self.system.free < place + count)).tolist()
+
+    def _hold(self) -> None:
+        held = [row for rows in (*self.turns.values(), *self.places.values()) for row in rows]
+        self.system.at_rest = np.array([*self.driven, *held], dtype=np.int64)
+
+    def lets_go(self, state: State) -> bool:
+        """Let go what the ground does not hold at the rest that was found; whether that is anything."""
+        scene, system, before = self.layout.scene, self.system, self.system.at_rest.size
+        ground = scene.ground
+        if ground is None or before == len(self.driven):
+            return False
+        force = np.zeros(system.size)
+        evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, system.spare_factors().matrix, force)
+        for name in {**self.turns, **self.places}:
+            height = float(state.full_q[self.layout.body[name] + 2])
+            push = ground.stiffness * (ground.level + scene.body(name).bottom - height)
+            pull = float(np.linalg.norm(force[self.places.get(name, [])]))
+            if push <= 0.0:
+                self.turns.pop(name, None)
+            if push <= 0.0 or pull > ground.friction * push:
+                self.places.pop(name, None)
+        self._hold()
+        return system.at_rest.size < before
+
+
+def _rest_as_drawn(layout: Layout, system: System, state: State, limit: float) -> None:
+    """Find rest with the length of rope that there is, or with that which lets the load hang as high as drawn."""
+    _rest(system, state, limit)
+    if finds_rope(layout):
+        _lengthen(layout, system, state, _hanging(layout), limit)
+
+
+def _refuse_turned(layout: Layout, system: System, state: State) -> None:
+    """Refuse a rest at which a body is turned to another side than its scene gives: it is not what was meant."""
+    for name, turn in layout.turn.items():
+        drawn, found = system.q[turn : turn + QUATERNION], state.full_q[turn : turn + QUATERNION]
+        cosine = abs(float(drawn @ found)) / float(np.linalg.norm(drawn) * np.linalg.norm(found))
+        angle = 2.0 * math.degrees(math.acos(min(1.0, cosine)))
+        if angle > TURNED:
+            detail = (
+                f"near its initial orientation it is not at rest, or stands on its head: it would turn by {angle:.3g} "
+                "deg. Let the rope hold it above its centre of mass, or give an `orientation:` close to that at rest"
+            )
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, name, detail)
 
 
 def finds_rope(layout: Layout) -> bool:

@@ -24,52 +24,31 @@ BODY = np.dtype(
 """A body: the place of its position, mass kg, what remains of it from a time (s) on, infinite once that is past, added
 mass kg and drag N s/m, N s^2/m^2 along each axis, buoyancy N, numbers of functions of time of a force (N) or -1, the
 depth of its bottom below its position m, and whether there is ground below it."""
+NOW, BEFORE = range(2)
+"""Places in ``gone``: in the step under way, and after the last."""
 STILL = 1.0e-3
 """Speed, m/s, below which friction on the ground fades, so that a load at rest stays there."""
 
 
 class Bodies(NamedTuple):
-    """Bodies (n,) of ``BODY`` under ``gravity`` (3,) m/s^2, and ``ground`` (4,): level m, stiffness N/m, damping N s/m
-    and friction. ``mass`` (n,) is what each has in the step under way and ``kept`` (n,) what it had after the last;
-    ``let_go`` (n, 2) is the power, W, at which energy leaves with what is released: at the start of the step of its
-    release, where an explicit method keeps its books, and at the end, where an implicit one does."""
+    """Bodies (n,) of ``BODY``, and what is ``left`` (n,) of each after its release.
+
+    ``gravity`` (3,) m/s^2 acts on them, and below is ``ground`` (4,): level m, stiffness N/m, damping N s/m, friction.
+    ``gone`` (n, 2) is 1 for those that were released. ``mass`` (n,) is what each has in the step under way and ``kept``
+    (n,) what it had after the last; ``let_go`` (n, 2) is the power, W, at which energy leaves with what is released: at
+    the start of the step of its release, where an explicit method keeps its books, and at the end, where an implicit
+    one does.
+    """
 
     rows: np.recarray
+    left: np.recarray
     gravity: np.ndarray
     ground: np.ndarray
+    gone: np.ndarray
     mass: np.ndarray
     kept: np.ndarray
     let_go: np.ndarray
     functions: TimeFunctions
-
-
-@kernel
-def _body_begin(g, t, h, beta, gamma, q, v, a):
-    """A load drops at the beginning of the step that its time is nearest to."""
-    for n in range(g.rows.size):
-        b = g.rows[n]
-        g.let_go[n, 0] = g.let_go[n, 1] = 0.0
-        if beta < 0.0:
-            # An equilibrium is one with all of the load.
-            g.mass[n] = g.kept[n]
-            continue
-        g.mass[n] = b.remaining if t + 0.5 * h >= b.released else g.kept[n]
-        if h > 0.0 and gamma >= 0.0 and g.mass[n] < g.kept[n]:
-            energy = 0.0
-            for c in range(AXES):
-                energy += (g.kept[n] - g.mass[n]) * (0.5 * v[b.place + c] ** 2 - g.gravity[c] * q[b.place + c])
-            # The ledger takes the mean of the powers at both ends of a step: twice it at one end is all of it.
-            g.let_go[n, 1 if beta > 0.0 else 0] = 2.0 * energy / h
-
-
-@kernel
-def _body_commit(g, t, h, q, v, a):
-    for n in range(g.rows.size):
-        if h > 0.0:
-            if g.mass[n] < g.kept[n]:
-                # It happens once: what is changed later stays.
-                g.rows[n].released = np.inf
-            g.kept[n] = g.mass[n]
 
 
 @kernel
@@ -82,9 +61,49 @@ def _ground(g, b, q, v):
 
 
 @kernel
-def _body_residual(g, t, q, v, a, r):
+def _energy_of(g, b, mass, q, v):
+    """Energy of a body as a row of ``BODY`` has it, J: of its motion, in gravity and water, and of the ground below."""
+    energy = 0.0
+    for c in range(AXES):
+        o = b.place + c
+        energy += 0.5 * (mass + b.added[c]) * v[o] ** 2 - (mass * g.gravity[c] + b.lift[c]) * q[o]
+    depth, _ = _ground(g, b, q, v)
+    return energy + 0.5 * g.ground[1] * depth * depth
+
+
+@kernel
+def _body_begin(g, t, h, beta, gamma, q, v, a):
+    """A load drops at the beginning of the step that its time is nearest to."""
     for n in range(g.rows.size):
         b = g.rows[n]
+        g.let_go[n, 0] = g.let_go[n, 1] = 0.0
+        if beta < 0.0:
+            # An equilibrium is one with all of the load.
+            g.mass[n], g.gone[n, NOW] = g.kept[n], g.gone[n, BEFORE]
+            continue
+        drops = t + 0.5 * h >= b.released
+        g.mass[n] = b.remaining if drops else g.kept[n]
+        g.gone[n, NOW] = 1 if drops else g.gone[n, BEFORE]
+        if h > 0.0 and gamma >= 0.0 and g.gone[n, NOW] != g.gone[n, BEFORE]:
+            energy = _energy_of(g, b, g.kept[n], q, v) - _energy_of(g, g.left[n], g.mass[n], q, v)
+            # The ledger takes the mean of the powers at both ends of a step: twice it at one end is all of it.
+            g.let_go[n, 1 if beta > 0.0 else 0] = 2.0 * energy / h
+
+
+@kernel
+def _body_commit(g, t, h, q, v, a):
+    for n in range(g.rows.size):
+        if h > 0.0:
+            if g.gone[n, NOW] != g.gone[n, BEFORE]:
+                # It happens once: what is changed later stays.
+                g.rows[n].released = np.inf
+            g.kept[n], g.gone[n, BEFORE] = g.mass[n], g.gone[n, NOW]
+
+
+@kernel
+def _body_residual(g, t, q, v, a, r):
+    for n in range(g.rows.size):
+        b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
         for c in range(AXES):
             o = b.place + c
             r[o] += (g.mass[n] + b.added[c]) * a[o] - g.mass[n] * g.gravity[c] - b.lift[c]
@@ -104,7 +123,7 @@ def _body_residual(g, t, q, v, a, r):
 @kernel
 def _body_mass(g, q, matrix, dofs):
     for n in range(g.rows.size):
-        b = g.rows[n]
+        b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
         for c in range(AXES):
             add_entry(matrix, dofs, b.place + c, b.place + c, g.mass[n] + b.added[c])
 
@@ -112,7 +131,7 @@ def _body_mass(g, q, matrix, dofs):
 @kernel
 def _body_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
-        b = g.rows[n]
+        b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
         for c in range(AXES):
             o = b.place + c
             x = cm * (g.mass[n] + b.added[c]) + cc * (b.linear[c] + 2.0 * b.quadratic[c] * abs(v[o]))
@@ -138,19 +157,19 @@ def _body_switch(g, t, q, v, converged, changed):
     if converged:
         return
     for n in range(g.rows.size):
-        b = g.rows[n]
+        b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
         if b.touches > 0:
             _, push = _ground(g, b, q, v)
             now = 2 if push > 0.0 else 1
             if now != b.touches:
-                g.rows[n].touches = now
+                g.rows[n].touches = g.left[n].touches = now
                 changed[0] += 1
 
 
 @kernel
 def _body_energy(g, t, q, v, energy):
     for n in range(g.rows.size):
-        b = g.rows[n]
+        b = g.rows[n] if g.gone[n, BEFORE] == 0 else g.left[n]
         for c in range(AXES):
             o = b.place + c
             energy[0] += 0.5 * (g.kept[n] + b.added[c]) * v[o] * v[o]
@@ -162,7 +181,7 @@ def _body_energy(g, t, q, v, energy):
 @kernel
 def _body_dissipation(g, t, q, v, p):
     for n in range(g.rows.size):
-        b = g.rows[n]
+        b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
         for c in range(AXES):
             o = b.place + c
             p[0] += (b.linear[c] + b.quadratic[c] * abs(v[o])) * v[o] * v[o]
@@ -176,7 +195,7 @@ def _body_dissipation(g, t, q, v, p):
 @kernel
 def _body_supply(g, t, q, v, p):
     for n in range(g.rows.size):
-        b = g.rows[n]
+        b = g.rows[n] if g.gone[n, NOW] == 0 else g.left[n]
         # At the end of the step, and no longer at the start of the next.
         p[0] -= g.let_go[n, 1]
         p[1] += g.let_go[n, 1]

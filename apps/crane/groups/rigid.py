@@ -43,13 +43,15 @@ class Rigids(NamedTuple):
 
     ``inertia`` (n, 3) is what each has in the step under way, ``kept`` (n, 3) what it had after the last, and
     ``let_go`` (n, 2) W as in `crane.groups.masses.Bodies`: a load that is released takes its rotation with it.
-    Mass, weight and drag of the centre belong to other groups.
+    Mass, weight and drag of the centre belong to other groups. ``steady`` (n,) N m is added to the tangent, and to no
+    moment, while rest is sought: where nothing resists a turn, as about the rope, the body then stays as it is drawn.
     """
 
     rows: np.recarray
     inertia: np.ndarray
     kept: np.ndarray
     let_go: np.ndarray
+    steady: np.ndarray
     vector: np.ndarray
     number: np.ndarray
     block: np.ndarray
@@ -178,7 +180,7 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
     d_kept = 2.0 * number[MASS] * (d_norm_dd + stiffness * d_norm)
     for k in range(QUATERNION):
         block[k, column] = d_kept * q[j + k] - 2.0 / (norm * norm) * d_norm * x[TURNED, k]
-    block[column, column] += ck * kept
+    block[column, column] += ck * (kept + g.steady[n])
     out_of_body(q, j, x[D_TORQUE], x[D_SPIN])
     out_of_body(x[CHANGE], 0, x[TORQUE], x[D_SPIN_D])
     for k in range(QUATERNION):
@@ -236,5 +238,6 @@ def new_rigids(rows: np.recarray) -> Rigids:
     """Group of rotating bodies with its scratch."""
     inertia = np.array(rows["inertia"], dtype=float)
     return Rigids(
-        rows, inertia, inertia.copy(), np.zeros((len(rows), 2)), np.zeros((10, 4)), np.zeros(4), np.zeros((4, 4))
-    )
+        rows, inertia, inertia.copy(), np.zeros((len(rows), 2)), np.zeros(len(rows)), np.zeros((10, 4)), np.zeros(4),
+        np.zeros((4, 4)),
+    )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.drum_supply import check_supply
-from crane.assembly.groups import groups_of
+from crane.assembly.groups import groups_of, socketed
 from crane.assembly.layout import AXES, Layout, lay_out
 from crane.assembly.prepared import compensation_of
 from crane.assembly.static_start import draw_true, finds_rope, stretch_of
@@ -137,12 +137,16 @@ def assembled(scene: CraneScene) -> Assembly:
     for body in scene.bodies:
         place = layout.body[body.name]
         velocity[place : place + AXES] = body.velocity
+    for i, item in socketed(layout):
+        # Else the body would hit the rope's end at once.
+        place = layout.station[layout.item[i]]
+        velocity[place : place + AXES] = scene.body(item.body).velocity
     still = [layout.material(i) for i, item in enumerate(scene.path) if isinstance(item, Drum) and not item.prescribed]
     turns = [turn + k for turn in layout.turn.values() for k in range(QUATERNION)]
-    at_rest = [*still, *layout.rim.values(), *turns]
+    at_rest = [*still, *layout.rim.values()]
     # Laws and sockets couple too: they are asked for each scene, also where its geometry was met before.
     stencils = _stencils(layout, contacts)
-    system = assemble(groups, layout.degrees, functions, velocity, *stencils, at_rest=at_rest)
+    system = assemble(groups, layout.degrees, functions, velocity, *stencils, at_rest=at_rest, turns=turns)
     driven = system.dofs.driven
     system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first[system.dofs.motion[driven]]
     # What is wrong with the path is among the scene's warnings, and is not said twice.

@@ -149,7 +149,11 @@ def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
                 ("quadratic", "quadratic_drag", "N s^2/m^2"),
             ):  # fmt: skip
                 text = f"{what.replace('_', ' ')} of {body.name} along {axis}"
-                yield number(f"{body.name}.{what}[{c}]", unit, text, [rows[field][one, c]], positive=False)
+                # What a release does not change is the same before and after it.
+                key = "added_mass" if field == "added" else "drag"
+                stays = body.release is not None and getattr(body.release, key) is None
+                places = [rows[field][one, c], *([bodies.left[field][one, c]] if stays else [])]
+                yield number(f"{body.name}.{what}[{c}]", unit, text, places, positive=False)
 
 
 def _of_rope(spans: Spans) -> Iterator[Parameter]:

@@ -23,6 +23,18 @@ def hook_span(scene: CraneScene) -> tuple[int, int] | None:
     return None
 
 
+def legs_of(scene: CraneScene, hook: int) -> list[tuple[int, bool]]:
+    """Spans by which the body that an item rides on hangs, and whether it is at the span's last end: legs of a sling,
+    falls of a block."""
+    on = [item.body if isinstance(item, (End, Sheave)) else None for item in scene.path]
+    ends = [(k, on[k], on[k + 1]) for k in range(len(on) - 1)]
+    return [
+        (k, last is not None)
+        for k, first, last in ends
+        if (first is None) != (last is None) and on[hook] in (first, last)
+    ]
+
+
 def across_plumb(axis: np.ndarray, gravity: Sequence[float]) -> np.ndarray:
     """What of an axis (..., 3) lies across plumb."""
     down = _down(gravity)
@@ -35,7 +47,7 @@ def leads(e: np.ndarray, axis: np.ndarray, gravity: Sequence[float]) -> tuple[np
     Parameters
     ----------
     e : (m, 3) array
-        Direction of the rope, from the wheel to the hook.
+        Direction of the rope, from the wheel to the hook; of any length.
     axis : (m, 3) array
         Unit axis of the wheel.
     gravity : sequence of 3 floats

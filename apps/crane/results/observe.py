@@ -16,7 +16,7 @@ from crane.geometry.quaternion import QUATERNION
 from crane.groups.capstan_friction import BEARING, NONE, Slips
 from crane.groups.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH, Spans
 from crane.groups.winch import Drums
-from crane.results.angles import UPRIGHT, across_plumb, hook_span, leads, out_of_plane
+from crane.results.angles import UPRIGHT, across_plumb, hook_span, leads, legs_of, out_of_plane
 from crane.scene.scene import Drum, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.modelling import energies_of, energy_variables
@@ -254,9 +254,13 @@ class Observer:
     def _leads(self, q: np.ndarray, found: np.ndarray) -> dict[str, np.ndarray]:
         assert self.hung is not None
         wheel, hook = self.hung
-        # The end at the load is what swings; a heavy rope between is another angle.
-        station = self.layout.item[hook]
-        e = found[:, station - 1, RECORDED:] if hook > wheel else -found[:, station, RECORDED:]
+        # The end at the load is what swings; a heavy rope between is another angle. Of several legs or falls each has
+        # its own inclination: what they pull with together is the load's.
+        legs = self.layout.once("legs", lambda: legs_of(self.scene, hook))
+        spans = [self.layout.spans[k] for k, _ in legs]
+        elements = [end - 1 if last else first for (first, end), (_, last) in zip(spans, legs, strict=True)]
+        away = np.array([1.0 if last else -1.0 for _, last in legs])[:, None] * found[:, elements, RECORDED:]
+        e = away[:, 0] if len(legs) == 1 else _together(away, np.maximum(found[:, elements, FORCE], 0.0))
         offlead, sidelead = leads(e, self._axes(q, [wheel])[:, 0], self.scene.gravity)
         return {"offlead": offlead, "sidelead": sidelead}
 
@@ -336,3 +340,9 @@ class Observer:
             "winch_power": -(tension * stretch + bent) * speed,
             "drum_fleet_angle": np.abs(out_of_plane(found[:, element, RECORDED:], self._axes(frames.q, self.drums))),
         }
+
+
+def _together(directions: np.ndarray, tension: np.ndarray) -> np.ndarray:
+    """What legs (m, legs, 3) pull with together, (m, 3), of tensions (m, legs) N; where all are slack, alike."""
+    slack = ~(tension > 0.0).any(axis=1, keepdims=True)
+    return np.einsum("ml,mlc->mc", np.where(slack, 1.0, tension), directions)

@@ -15,6 +15,8 @@ from tautline.scene.vector import Position, Velocity, listed, three
 
 FORCES = listed(3, "three forces: along x, y and z", "[0, 0, {ramp: {to: 1 kN, over: 2}}]")
 XYZ = "xyz"
+LEFT = ("inertia", "volume", "added_mass", "drag", "force", "bottom")
+"""Keys of a release that say what remains of the body's own."""
 
 Mass = Annotated[float, quantity("kg", nonnegative=True, of="mass")]
 Masses = Annotated[tuple[Annotated[float, quantity("kg", nonnegative=True, of="mass")], ...], three("[0, 0, 60 t]")]
@@ -66,11 +68,19 @@ class Spring(Model):
 
 
 class Release(Model):
-    """The load drops: at a time, s, the mass becomes what remains, kg, and so do the moments of inertia, kg m^2."""
+    """The load drops: at a time, s, the mass becomes what remains, kg, and so do the moments of inertia, kg m^2.
+
+    The others are those of what remains, as `Body` has them. Where one is None nothing changes.
+    """
 
     at: Annotated[float, quantity("s", nonnegative=True, of="moment")]
     remaining: Mass
     inertia: Inertias | None = None
+    volume: Annotated[float, quantity("m^3", nonnegative=True, of="volume")] | None = None
+    added_mass: Masses | None = None
+    drag: Drag | None = None
+    force: Forces | None = None
+    bottom: Annotated[float, quantity("m", nonnegative=True, of="distance")] | None = None
 
 
 class Body(Model):
@@ -113,6 +123,13 @@ class Body(Model):
     def lowest(self) -> float:
         """Height of its lowest point at the start, m."""
         return self.position[2] - self.bottom
+
+    def after_release(self) -> Body:
+        """What is on the hook after the load has dropped."""
+        if self.release is None:
+            return self
+        given = {key: getattr(self.release, key) for key in LEFT if getattr(self.release, key) is not None}
+        return self.model_copy(update={"mass": self.release.remaining, **given})
 
     @model_validator(mode="after")
     def _rigid(self) -> Body:

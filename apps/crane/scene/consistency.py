@@ -181,11 +181,12 @@ def _water(scene: Scene) -> Iterator[Fault]:
     """Water acts where there is any, on a rope whose diameter is known."""
     if scene.water is None:
         for i, body in enumerate(scene.bodies):
-            acting = {"added_mass": body.added_mass, "volume": (body.volume,)}
-            acting["drag"] = (*body.drag.linear, *body.drag.quadratic)
-            for key, values in acting.items():
-                if any(values):
-                    yield ("bodies", i, key), "is given, and the scene has no water", "add `water:`, or remove this"
+            for at, one in ((("bodies", i), body), (("bodies", i, "release"), body.after_release())):
+                acting = {"added_mass": one.added_mass, "volume": (one.volume,)}
+                acting["drag"] = (*one.drag.linear, *one.drag.quadratic)
+                for key, values in acting.items():
+                    if any(values) and (one is body or getattr(body.release, key) is not None):
+                        yield (*at, key), "is given, and the scene has no water", "add `water:`, or remove this"
         return
     for key in ("rope_drag", "added_mass"):
         if getattr(scene.water, key) and scene.rope.diameter is None:
@@ -196,8 +197,10 @@ def _ground(scene: Scene) -> Iterator[Fault]:
     """The ground is below everything."""
     if scene.ground is None:
         for i, body in enumerate(scene.bodies):
-            if body.bottom:
-                yield ("bodies", i, "bottom"), "is given, and the scene has no ground", "add `ground:`, or remove this"
+            left = body.release.bottom if body.release is not None else None
+            for at, bottom in ((("bodies", i, "bottom"), body.bottom), (("bodies", i, "release", "bottom"), left)):
+                if bottom:
+                    yield at, "is given, and the scene has no ground", "add `ground:`, or remove this"
         return
     level = scene.ground.level
     lowest = level - 1e-9 * max(1.0, abs(level))

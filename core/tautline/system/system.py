@@ -136,6 +136,8 @@ class System:
         How far such may move at once, their neighbours with them, m.
     slopes : (m,) int array
         Full degrees of freedom where the slope r' of a rope's node begins, behind its place r.
+    turns : (m,) int array
+        Reduced unknowns that are numbers of quaternions: half a turn changes one by as much as one.
     window : (2,) or (0,) int array
         First and past the last full degree of freedom that residuals, tangents and laws are asked for; groups that know
         it share it, and go over those of their members only that touch one of these. Empty where none does, or where
@@ -166,6 +168,7 @@ class System:
     neighbours: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     reach: float = 0.0
     slopes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    turns: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     window: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
     lasting: Lasting = field(default_factory=Lasting, repr=False, compare=False)
@@ -236,6 +239,7 @@ def assemble(
     algebraic: Sequence[int] = (),
     flowing: Sequence[int] = (),
     window: np.ndarray | None = None,
+    turns: Sequence[int] = (),
 ) -> System:
     """Number the unknowns and order them for a narrow band.
 
@@ -259,6 +263,8 @@ def assemble(
         Held or tied full degrees of freedom whose rate counts while all else is at rest: material that flows steadily.
     window : (2,) int array, optional
         What the groups take from it which of their members are asked for; see `System.window`.
+    turns : sequence of int
+        Free full degrees of freedom that are numbers of quaternions.
 
     Returns
     -------
@@ -288,6 +294,7 @@ def assemble(
         border=border,
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
         places=list(degrees.names),
+        turns=np.array([rank[number[i]] for i in turns], dtype=np.int64),
         window=window if window is not None and numbering.in_one_piece else np.zeros(0, np.int64),
     )
 

@@ -37,6 +37,8 @@ AHEAD = 160
 PART_ITERATIONS = 100
 """Iterations over a part of the rows between two over all of them: a front passes a lump in each."""
 
+TURN = 0.1
+"""Largest change of a quaternion of length one in an iteration: a fifth of a radian."""
 FAR = 20.0
 """Extents of a scene by which no part of it moves into balance."""
 
@@ -155,6 +157,7 @@ def _search(
     """One search, of ``most`` iterations."""
     n, in_parts = system.size, system.window.size > 0 and system.size > 4 * AHEAD
     lever, origin = levers(system), state.q.copy()
+    lever[system.turns] = np.maximum(lever[system.turns], step_limit / TURN)
     lever[system.algebraic] = 0.0  # a multiplier is no way gone: it may change as it must
     extent = max(float(np.ptp(origin)) if n else 0.0, step_limit)
     pairs, far = neighbours(system)

@@ -140,6 +140,7 @@ def _nothing(system: System, state: State, matrix: Matrix) -> np.ndarray:
     element. A rope without tension would else be pressed by rounding.
     """
     is_slope = levers(system) < 1.0
+    is_slope[system.turns] = True
     extent = max(float(np.ptp(np.delete(state.q, system.algebraic))), 1e-300)
     none = UNBALANCED * system.scale * np.where(is_slope, 1.0, 1.0 / extent)
     pairs, _ = neighbours(system)

@@ -1,0 +1,160 @@
+"""Rigid bodies that start at rest: their moments vanish, they stand as drawn on the ground, and none is turned over."""
+
+import numpy as np
+import pytest
+from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, model_of, parsed, ran, sheave
+from scipy.spatial.transform import Rotation
+
+from crane.assembly.layout import lay_out
+from crane.warnings import warnings
+from tautline.integrators.state import new_state
+from tautline.integrators.status import StoppedEarly
+
+MASS, INERTIA = 2000.0, [900.0, 1700.0, 1500.0]
+LIGHT = {"mass_per_length": 0.01, "axial_stiffness": 2.0e7}
+TOP = anchor((0.0, 0.0, 10.0))
+GROUND = {"level": -0.5, "stiffness": 1.0e7, "damping": 5.0e4, "friction": 0.5}
+
+
+def load(**more):
+    return body("load", MASS, (0.0, 0.0, 0.0), **{"inertia": INERTIA} | more)
+
+
+def hung(offset, top=TOP, rope=None, **more):
+    """A load on one rope, by a point off its centre."""
+    ground = {key: more.pop(key) for key in ("ground", "solver") if key in more}
+    path = [top, end("load", offset=offset)]
+    return crane(path, [load(**more)], LIGHT | (rope or {}), mesh={"elements_per_span": 2}, start="static", **ground)
+
+
+def slung(one, other, radius=0.01, **more):
+    """A load in a sling that runs over a hook 6 m above."""
+    hook = sheave((0.0, 0.0, 6.0), radius, name="hook", **more)
+    path = [end("load", name="left", offset=one), hook, end("load", name="right", offset=other)]
+    return crane(path, [load()], LIGHT, mesh={"elements_per_span": 1}, start="static")
+
+
+def at_rest(scene):
+    """Position of the load, and its axes in space as a rotation, in the static start."""
+    model = model_of(scene)
+    state = new_state(model.system)
+    model.settle(state)
+    layout = lay_out(parsed(scene))
+    turn, place = layout.turn["load"], layout.body["load"]
+    return state.full_q[place : place + 3], Rotation.from_quat(np.roll(state.full_q[turn : turn + 4], -1)), state
+
+
+def tilt(turned):
+    """Angle of the load's own z to plumb, in the plane of x and z, rad."""
+    x, _, z = turned.as_matrix()[:, 2]
+    return np.arctan2(x, z)
+
+
+@pytest.mark.parametrize("arm", [0.3, 3.0])
+@pytest.mark.parametrize("wind", [5.0e3, 12.0e3])
+def test_a_load_in_wind_hangs_in_line_with_its_rope(arm, wind):
+    _, turned, _ = at_rest(hung((0.0, 0.0, arm), force=[wind, 0.0, 0.0]))
+    # The rope weighs 1e-5 of the load, and bends by about as much.
+    assert tilt(turned) == pytest.approx(-np.arctan(wind / (MASS * GRAVITY)), abs=1.0e-5)
+
+
+def test_nothing_moves_from_a_static_start_in_wind():
+    result = ran(hung((0.0, 0.0, 3.0), force=[5.0e3, 0.0, 0.0], solver={"end": 0.2}))
+    assert result["kinetic_energy"].max() < 1.0e-9
+    assert result.attributes["headline"]["dynamic_amplification"]["value"] == pytest.approx(1.0, abs=1.0e-6)
+
+
+def test_a_load_in_a_running_sling_tilts_as_far_as_the_ellipse_of_its_pad_eyes():
+    """The hook is on the ellipse about both pad eyes, and the load hangs lowest where the hook is farthest from it."""
+    left, right, height = 1.4, 1.5, 0.5
+    scene = slung((-left, 0.0, height), (right, 0.0, height))
+    _, turned, state = at_rest(scene)
+    spots = [turned.apply((x, 0.0, height)) for x in (-left, right)]
+    rope = sum(np.linalg.norm(np.array([0.0, 0.0, 6.0]) - state.full_q[place(scene)] - spot) for spot in spots)
+    half, focus = 0.5 * rope, 0.5 * (left + right)
+    angle = np.linspace(0.0, np.pi, 200_001)
+    across, up = 0.5 * (right - left) + half * np.cos(angle), height + np.sqrt(half**2 - focus**2) * np.sin(angle)
+    far = np.hypot(across, up)
+    inner = np.flatnonzero((far[1:-1] >= far[:-2]) & (far[1:-1] > far[2:])) + 1
+    expected = [np.arctan2(across[k], up[k]) for k in inner]
+    assert min(abs(tilt(turned) + one) for one in expected) < np.radians(0.3)
+
+
+def place(scene):
+    start = lay_out(parsed(scene)).body["load"]
+    return slice(start, start + 3)
+
+
+def test_about_its_rope_a_load_stays_as_it_is_drawn():
+    _, turned, _ = at_rest(hung((0.0, 0.0, 1.0), orientation=[0.0, 0.0, 1.2]))
+    assert (turned.inv() * Rotation.from_euler("z", 1.2)).magnitude() < 1.0e-9
+
+
+def test_an_orientation_that_is_given_is_where_the_search_begins():
+    """Drawn at rest in the wind, the load stays as it is; a roll of 0.4 rad of one that hangs plumb is taken back."""
+    lean = float(np.arctan(5.0e3 / (MASS * GRAVITY)))
+    _, turned, _ = at_rest(hung((0.0, 0.0, 3.0), force=[5.0e3, 0.0, 0.0], orientation=[0.0, -lean, 0.0]))
+    assert tilt(turned) == pytest.approx(-lean, abs=1.0e-5)
+    _, turned, _ = at_rest(hung((0.0, 0.0, 3.0), orientation=[0.4, 0.0, 0.0]))
+    assert turned.magnitude() < 1.0e-6
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        slung((-1.5, 0.0, -0.5), (1.5, 0.0, -0.5), 0.2, law="capstan", friction=0.5, locked=True),
+        hung((0.0, 0.0, -1.0), orientation=[0.0, 0.0, 0.0]),
+    ],
+    ids=["slung below its centre", "on its head"],
+)
+def test_a_load_that_would_turn_over_is_refused(scene):
+    """A sling under the centre is a hinge that the load falls about, like an inverted pendulum."""
+    with pytest.raises(StoppedEarly, match="it would turn by 180 deg") as stop:
+        at_rest(scene)
+    assert stop.value.part == "load"
+
+
+def test_a_load_that_the_drawing_turns_over_is_warned_of():
+    (text,) = [w.text for w in warnings(parsed(hung((0.0, 0.0, -1.0)))) if "turn" in w.text]
+    assert "180 deg" in text and "orientation" in text
+    assert not [w for w in warnings(parsed(hung((0.0, 0.0, 1.0)))) if "turn" in w.text]
+
+
+def standing(**more):
+    """A crate on the deck under a slack rope."""
+    rope = {"length": 11.6}
+    return hung((0.5, 0.0, 1.0), anchor((0.0, 0.0, 12.0)), rope, ground=GROUND, bottom=0.5, **more)
+
+
+@pytest.mark.parametrize("wind, stays", [(0.0, True), (9.0e3, True), (11.0e3, False)])
+def test_a_load_stands_where_and_as_it_is_drawn_as_long_as_friction_holds_it(wind, stays):
+    """Friction of 0.5 holds 9.8 kN."""
+    where, turned, _ = at_rest(standing(force=[wind, 0.0, 0.0], orientation=[0.3, 0.0, 0.0]))
+    assert (abs(where[0]) < 1.0e-12) == stays
+    if stays:
+        assert turned.as_rotvec() == pytest.approx([0.3, 0.0, 0.0], abs=1.0e-12)
+
+
+@pytest.mark.parametrize("shorter, stays", [(0.0003, True), (0.004, False)])
+def test_a_rope_that_pulls_more_than_friction_drags_its_load_on_the_deck(shorter, stays):
+    """A rope 45 deg from plumb: 0.5 (m g - T cos 45) = T sin 45 is T = 9.25 kN, a strain of 4.6e-4 of 10 m.
+
+    The load sinks into the deck by 1.4 mm, which strains the rope by 1e-4.
+    """
+    side = float(10.0 / np.sqrt(2.0))
+    path = [anchor((side, 0.0, side)), end("load")]
+    rope = LIGHT | {"length": 10.0 - 10.0 * shorter}
+    made = crane(
+        path, [body("load", MASS, (0.0, 0.0, 0.0), bottom=0.5)], rope, mesh={"elements_per_span": 1}, start="static",
+        ground=GROUND,
+    )  # fmt: skip
+    model = model_of(made)
+    state = new_state(model.system)
+    model.settle(state)
+    assert (abs(state.full_q[lay_out(parsed(made)).body["load"]]) < 1.0e-12) == stays
+
+
+def test_a_load_that_the_rope_lifts_off_the_deck_hangs_plumb():
+    rope = {"length": 10.5}
+    _, turned, _ = at_rest(hung((0.5, 0.0, 1.0), anchor((0.5, 0.0, 12.0)), rope, ground=GROUND, bottom=0.5))
+    assert turned.apply((0.5, 0.0, 1.0))[:2] == pytest.approx([0.0, 0.0], abs=1.0e-6)
