@@ -133,16 +133,20 @@ def _fed3(path, table):
     return found
 
 
-def test_fmi_3_validates_and_gives_what_fmi_2_gives(fed, tmp_path):
+def _both(path, path3, table):
+    return _fed(path, table), _fed3(path3, table)
+
+
+def test_fmi_3_validates_and_gives_what_fmi_2_gives_of_the_same_file_name_in_the_same_process(hoist, fed, tmp_path):
     pytest.importorskip("pythonfmu3", reason="PythonFMU3 is not installed")
     from fmpy.validation import validate_fmu
 
-    path = tmp_path / "three.fmu"
+    path = tmp_path / hoist.name
     write_fmu(DATA / "hoist.yaml", path, INPUTS, OUTPUTS, fmi=3)
     assert validate_fmu(str(path)) == []
     assert fmpy.read_model_description(str(path)).coSimulation.canHandleVariableCommunicationStepSize
     table, found = fed[0][:21], fed[1][:20]
-    assert hosted(_fed3, str(path), table) == found
+    assert hosted(_both, str(hoist), str(path), table) == (found, found)
 
 
 def _started_late(path, start):
