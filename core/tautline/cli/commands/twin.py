@@ -7,7 +7,6 @@ import json
 import logging
 import math
 import re
-import shlex
 import time as clock
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.options.changes import as_given, change_of
-from tautline.cli.output.called import typed
+from tautline.cli.output.called import quoted, typed
 from tautline.cli.output.console import finite, print_json, print_text, say
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.run import Ended, ExitCode
@@ -545,7 +544,7 @@ def record(
         cause = "it is no part of the simulation, or a fault takes it away"
         say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
     following = typed(catalogue.name, "twin", path, "--map", map) + as_given(changes)
-    following += f" --source {shlex.quote(str(output))}"
+    following += f" --source {quoted(str(output))}"
     kept = "" if written.status == "done" else ", what there was until then"
     say(f"wrote {output}: {written.rows} rows{kept}. Next: {following}", "green")
     if as_json:

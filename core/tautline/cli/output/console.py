@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from tautline.errors import TautlineWarning
+from tautline.whole_file import legible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -46,7 +47,7 @@ def console(width: int | None = None) -> Console:
 
 def say(text: str, style: str = "") -> None:
     """Print a line for people; brackets in it are just brackets."""
-    console().print(text, style=style or None, markup=False)
+    console().print(legible(text), style=style or None, markup=False)
 
 
 @contextmanager
