@@ -102,6 +102,11 @@ def test_fmpy_finds_nothing_to_complain_of_in_any_application(name, inputs, outp
         assert "resources/scene.yaml" in file.namelist() and "documentation/index.txt" in file.namelist()
 
 
+def test_no_value_of_a_model_description_is_minus_zero(hoist):
+    starts = [str(one.start) for one in fmpy.read_model_description(str(hoist)).modelVariables if one.start]
+    assert starts and not [start for start in starts if float(start) == 0.0 and start.startswith("-")]
+
+
 @pytest.fixture(scope="module")
 def fed(hoist):
     """Speeds by time, and what the unit of FMI 2 gives where it is fed with them."""
