@@ -177,7 +177,7 @@ def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
             (check_state if option == "--state" else check_folder)(path)
             if option == "-o":
                 continue  # a result has a lock of its own
-            lock = Lock(path)
+            lock = Lock(path.resolve())  # through a link the file that it leads to is written
             writer = lock.take()
             if writer is not None:
                 who = f"process {writer}" if writer else "another process"
