@@ -10,13 +10,14 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from uuid import uuid4
+from zlib import crc32
 
 DEVICES = (("/", "dev"), ("/", "proc"))
 """Where names are that lead to what a process has open: /dev/stdout may be a file, which others write too."""
 KEPT = (errno.EPERM, errno.EACCES, errno.EBUSY, errno.EXDEV)
 """Errors of a name that may not be taken, though its file may be written."""
-LONGEST = 200
-"""Bytes of a name that its waiting file has too: names may have 255."""
+LONGEST, LONGEST_ENDING = 190, 30
+"""Bytes of a name, and of its ending, that hidden files beside it have too: names may have 255."""
 
 
 @contextlib.contextmanager
@@ -65,8 +66,20 @@ def name_beside(path: Path) -> Path:
     place = Path(os.path.realpath(path))  # a link stays one
     if path.exists() and not (path.is_file() and os.access(place.parent, os.W_OK) and path.parts[:2] not in DEVICES):
         return path
-    stem = place.stem.encode()[:LONGEST].decode(errors="ignore")
-    return place.with_name(f".{stem}.{uuid4().hex[:8]}.part{path.suffix}")
+    ending = path.suffix if len(os.fsencode(path.suffix)) <= LONGEST_ENDING else ""
+    return place.with_name(f".{for_hidden(place.stem)}.{uuid4().hex[:8]}.part{ending}")
+
+
+def for_hidden(name: str) -> str:
+    """A name as hidden files beside it begin: one that is long or no UTF-8 is cut, and has a number of its own then."""
+    told = os.fsencode(name)
+    short = told[:LONGEST].decode(errors="ignore")
+    return short if os.fsencode(short) == told else f"{short}.{crc32(told):08x}"
+
+
+def legible(name: str) -> str:
+    """A name as a text that any file can hold: bytes that are no UTF-8 are written as numbers."""
+    return name.encode(errors="backslashreplace").decode()
 
 
 def take_name(waiting: Path, path: Path) -> None:

@@ -108,12 +108,18 @@ def test_standard_output_that_cannot_be_written_is_told_in_one_sentence(words, t
     assert "Traceback" not in found.stderr and "fault of the program" not in found.stderr
 
 
-def test_a_run_goes_on_where_the_reader_of_its_words_goes_away(tmp_path):
+@pytest.mark.parametrize("way", ["2>&1 | head -c 1", "2> /dev/full"])
+def test_a_run_goes_on_where_the_reader_of_its_words_goes_away_or_has_no_room_for_them(tmp_path, way):
     target = tmp_path / "hoist.nc"
     run = f"{sys.executable} -m crane.main simulate {SCENE} --no-verify --end 0.5 -o {target}"
-    script = f"({run}; echo $? > {tmp_path}/code) 2>&1 | head -c 1"
-    subprocess.run(["bash", "-c", script], capture_output=True, timeout=120)
+    subprocess.run(["bash", "-c", f"({run}; echo $? > {tmp_path}/code) {way}"], capture_output=True, timeout=120)
     assert (tmp_path / "code").read_text().strip() == "0" and target.exists()
+
+
+@pytest.mark.parametrize("words, code", [(("check", SCENE), 0), (("check", "none.yaml"), 2)])
+def test_the_exit_code_is_that_of_the_command_where_its_words_cannot_be_written(words, code):
+    command = " ".join([sys.executable, "-m", "crane.main", *words, "2> /dev/full"])
+    assert subprocess.run(["bash", "-c", command], capture_output=True, timeout=120).returncode == code
 
 
 @pytest.mark.parametrize("option", ["--exaggerate=inf", "--exaggerate=1e300", "--radius=inf"])

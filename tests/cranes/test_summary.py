@@ -209,6 +209,13 @@ def test_a_result_whose_scene_names_files_that_are_gone_says_so(tmp_path):
         scene_of(run)
 
 
+def test_a_result_of_another_version_whose_scene_has_keys_of_that_names_the_key_and_the_version():
+    run = result(one_fall())
+    run.attributes["scene"], run.attributes["version"] = run.attributes["scene"] + "\nof_later: 3\n", "99.0"
+    with pytest.raises(ResultError, match=r"of_later: unknown key; read it with Tautline 99.0, which wrote it"):
+        scene_of(run)
+
+
 def test_a_vessel_whose_record_is_gone_is_taken_to_rest():
     vessel = {"reference": [0, 0, 0], "motion": {"file": "gone.csv"}}
     assert laid_out(one_fall(vessel=vessel)).path.length == laid_out(one_fall()).path.length

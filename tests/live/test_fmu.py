@@ -102,6 +102,11 @@ def test_fmpy_finds_nothing_to_complain_of_in_any_application(name, inputs, outp
         assert "resources/scene.yaml" in file.namelist() and "documentation/index.txt" in file.namelist()
 
 
+def test_no_value_of_a_model_description_is_minus_zero(hoist):
+    starts = [str(one.start) for one in fmpy.read_model_description(str(hoist)).modelVariables if one.start]
+    assert starts and not [start for start in starts if float(start) == 0.0 and start.startswith("-")]
+
+
 @pytest.fixture(scope="module")
 def fed(hoist):
     """Speeds by time, and what the unit of FMI 2 gives where it is fed with them."""
@@ -133,16 +138,20 @@ def _fed3(path, table):
     return found
 
 
-def test_fmi_3_validates_and_gives_what_fmi_2_gives(fed, tmp_path):
+def _both(path, path3, table):
+    return _fed(path, table), _fed3(path3, table)
+
+
+def test_fmi_3_validates_and_gives_what_fmi_2_gives_of_the_same_file_name_in_the_same_process(hoist, fed, tmp_path):
     pytest.importorskip("pythonfmu3", reason="PythonFMU3 is not installed")
     from fmpy.validation import validate_fmu
 
-    path = tmp_path / "three.fmu"
+    path = tmp_path / hoist.name
     write_fmu(DATA / "hoist.yaml", path, INPUTS, OUTPUTS, fmi=3)
     assert validate_fmu(str(path)) == []
     assert fmpy.read_model_description(str(path)).coSimulation.canHandleVariableCommunicationStepSize
     table, found = fed[0][:21], fed[1][:20]
-    assert hosted(_fed3, str(path), table) == found
+    assert hosted(_both, str(hoist), str(path), table) == (found, found)
 
 
 def _started_late(path, start):

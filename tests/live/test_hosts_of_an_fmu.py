@@ -203,13 +203,35 @@ def test_a_log_message_of_fmi_3_is_the_message(of_percents):
     assert PERCENT in slave.log_queue[0].msg
 
 
+def module_in(path):
+    """The name of the module that the host imports."""
+    with zipfile.ZipFile(path) as file:
+        return file.read("resources/slavemodule.txt").decode()
+
+
 def rewritten(source, target, change):
     """A copy of an FMU whose script is changed."""
+    script = f"resources/{module_in(source)}.py"
     with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
         for name in old.namelist():
             data = old.read(name)
-            new.writestr(name, change(data.decode()).encode() if name.endswith("_unit.py") else data)
+            new.writestr(name, change(data.decode()).encode() if name == script else data)
     return target
+
+
+@pytest.mark.parametrize("of", ["standard", "Tautline"])
+def test_fmus_of_one_file_name_and_of_different_versions_have_modules_of_different_names(of, tmp_path, monkeypatch):
+    """Python imports a name once, and would run the script of the first for both."""
+    written = []
+    for k, fmi in enumerate((2, 3 if of == "standard" else 2)):
+        if k and of == "Tautline":
+            monkeypatch.setattr("tautline.live.fmu.scripts.__version__", "0.0.7")
+            monkeypatch.setattr("tautline.version.__version__", "0.0.7")
+        path = tmp_path / str(k) / "same.fmu"
+        path.parent.mkdir()
+        write_fmu(DATA / "hoist.yaml", path, [], ["winch.tension"], fmi=fmi)
+        written.append(module_in(path))
+    assert written[0] != written[1]
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -3,10 +3,13 @@
 import errno
 import json
 import os
+import subprocess
+import sys
 
 import pytest
 import yaml
 from cli.in_process import commands_of
+from of_the_suite import studies
 from twin.rehearsal import SENSORS, hoist
 
 from crane.application import Crane
@@ -102,3 +105,27 @@ def test_a_folder_that_has_vanished_is_told_to_be_made_again_and_no_space_is_ask
     assert code == 3 and len(lines) == ROWS and [(one["file"], one["saved"]) for one in saved] == [(what, False)]
     told = " ".join(told.split())
     assert f"the folder {folder} is gone: make it again" in told and "free some space" not in told
+
+
+@pytest.mark.parametrize("way, cause", [("> /dev/full", "No space left on device"), *studies((">&-", "it is closed"))])
+def test_where_lines_cannot_be_printed_the_twin_tells_it_once_goes_on_stores_all_and_ends_with_3(
+    files, tmp_path, way, cause
+):
+    words = ["twin", "--json", "-q", files / "scene.yaml", "--map", files / "map.yaml", "--source", files / "rows.csv"]
+    words += ["-o", tmp_path / "all.nc", "--state", tmp_path / "all.st"]
+    command = " ".join([sys.executable, "-m", "crane.main", *map(str, words), way])
+    found = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
+    assert found.returncode == 3 and found.stderr.count("standard output: cannot be written") == 1
+    assert cause in found.stderr and "The twin goes on" in found.stderr and "ALARM heavy" in found.stderr
+    result = Result.read(tmp_path / "all.nc")
+    assert len(result["time"]) == ROWS and result.attributes["status"] == "done"
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["all.nc", "all.st"]
+
+
+@pytest.mark.study
+def test_a_twin_goes_on_where_neither_its_lines_nor_its_words_can_be_written(files, tmp_path):
+    words = ["twin", "--json", files / "scene.yaml", "--map", files / "map.yaml", "--source", files / "rows.csv"]
+    words += ["-o", tmp_path / "all.nc"]
+    command = " ".join([sys.executable, "-m", "crane.main", *map(str, words), "> /dev/full 2>&1"])
+    assert subprocess.run(["bash", "-c", command], timeout=120).returncode == 3
+    assert len(Result.read(tmp_path / "all.nc")["time"]) == ROWS

@@ -161,20 +161,21 @@ def test_the_result_of_a_twin_is_plotted_and_one_that_shows_nothing_is_refused(r
     assert not (tmp_path / "none").exists()
 
 
-@pytest.mark.parametrize("option", ["--state", "--account"])
-def test_two_twins_do_not_keep_their_state_or_account_in_one_file(rehearsal, here, tmp_path, option):
+@pytest.mark.parametrize("option, name", [("--state", "one"), ("--account", "one"), ("--state", "link to it")])
+def test_two_twins_do_not_keep_their_state_or_account_in_one_file(rehearsal, here, tmp_path, option, name):
     from tautline.results.disk import Lock
 
+    (tmp_path / "link to it").symlink_to(tmp_path / "one")
     other = Lock(tmp_path / "one")
     assert other.take() is None
     arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv"]
     try:
-        code, _, told = here(*arguments, option, tmp_path / "one")
+        code, _, told = here(*arguments, option, tmp_path / name)
     finally:
         other.give_back()
     assert code == 2 and "is writing there" in told and option in told
     assert here(*arguments, "--state", tmp_path / "none" / "one")[0] == 2
-    assert not list(tmp_path.iterdir())
+    assert [one.name for one in tmp_path.iterdir()] == ["link to it"]
 
 
 def test_a_state_does_not_replace_a_file_that_is_none(rehearsal, here, tmp_path):

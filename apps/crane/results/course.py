@@ -21,6 +21,7 @@ from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
 from tautline.system.time_functions import compile_functions
+from tautline.version import __version__
 
 SETTLED, MOST_ITERATIONS = 1.0e-9, 30
 AXES, COLUMN = 3, 3
@@ -39,8 +40,12 @@ def scene_of(result: Any) -> CraneScene:
     try:
         return validate(CraneScene, Document.parse(str(result.attributes.get("scene", "")), place))
     except SceneError as error:
-        cause = f"its scene cannot be read: {error.problems[0].cause}"
-        raise ResultError(place, cause, "put the files that the scene names beside the result") from None
+        first = error.problems[0]
+        cause = f"its scene cannot be read: {': '.join(filter(None, (first.key, first.cause)))}"
+        cure, by = "put the files that the scene names beside the result", result.attributes.get("version")
+        if by and by != __version__:
+            cure = f"read it with Tautline {by}, which wrote it, or {cure}"
+        raise ResultError(place, cause, cure) from None
 
 
 def laid_out(scene: CraneScene) -> Layout:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from tautline.cli.output import called, duration
-from tautline.cli.output.console import abandon_output, print_json, say, unwritable, warnings_said
+from tautline.cli.output.console import abandon_output, flush_words, print_json, say, unwritable, warnings_said
 from tautline.interruption import ended_by_signal
 from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
 from tautline.results.errors import WriteError
@@ -90,11 +90,7 @@ def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
         left_at_exit()
     with collected_rarely() if ours else nullcontext(), ended_by_signal() if ours else nullcontext():
         code = _outcome(app, given)
-    try:
-        if sys.stdout is not None:
-            sys.stdout.flush()
-    except OSError:
-        abandon_output()
+    flush_words()
     sys.exit(int(code))
 
 

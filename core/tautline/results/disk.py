@@ -9,6 +9,8 @@ import shutil
 import signal
 from pathlib import Path
 
+from tautline.whole_file import for_hidden
+
 UNSUPPORTED = {errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES, errno.EPERM}
 
 
@@ -46,7 +48,7 @@ class Lock:
 
     def __init__(self, path: Path) -> None:
         folder = path.parent.resolve()
-        self.file = folder / f".{path.name}.lock"
+        self.file = folder / f".{for_hidden(path.name)}.lock"
         self._number: int | None = None
 
     def take(self) -> int | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from tautline.errors import ArgumentError
 from tautline.results.headline import to_json
 from tautline.results.variable import Variable
 from tautline.version import __version__
+from tautline.whole_file import legible
 
 FORMAT = "tautline-result 1"
 """The attribute ``format`` by which a result is known for one of ours."""
@@ -142,7 +144,7 @@ def append(path: Path, batches: Sequence[tuple[int, Mapping[str, np.ndarray]]]) 
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
     access.set_fclose_degree(h5py.h5f.CLOSE_STRONG)
     access.set_libver_bounds(h5py.h5f.LIBVER_EARLIEST, h5py.h5f.LIBVER_V110)
-    file = h5py.h5f.open(str(path).encode(), h5py.h5f.ACC_RDWR, access)
+    file = h5py.h5f.open(os.fsencode(path), h5py.h5f.ACC_RDWR, access)
     try:
         for name in batches[0][1]:
             dataset = h5py.h5d.open(file, name.encode())
@@ -177,6 +179,8 @@ def encoded(attributes: Mapping[str, Any]) -> dict[str, Any]:
             continue
         if isinstance(value, bool):
             value = int(value)
+        if isinstance(value, str):
+            value = legible(value)
         held[key] = value if isinstance(value, (str, bytes, int, float)) else to_json(value)
     return held
 

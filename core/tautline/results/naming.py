@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tautline.results.output_path import TWIN
 from tautline.results.result import Result
+from tautline.whole_file import legible
 
 DONE, IMBALANCE = "done", "imbalance"
 WORDS = {
@@ -20,8 +21,8 @@ def stem(result: Result, otherwise: str = "result") -> str:
 
 
 def title_of(result: Result, otherwise: str = "result") -> str:
-    """Title of a result, or the name of its file where it has none."""
-    return str(result.attributes.get("title") or stem(result, otherwise))
+    """Title of a result, or the name of its file where it has none, as letters that can be drawn."""
+    return str(result.attributes.get("title") or legible(stem(result, otherwise)))
 
 
 def shortfall(result: Result) -> str:

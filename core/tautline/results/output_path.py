@@ -13,6 +13,7 @@ from shlex import quote
 from uuid import uuid4
 
 from tautline.results.errors import FULL, ResultError, WriteError
+from tautline.whole_file import for_hidden
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of every HDF5 file, which NetCDF-4 is."""
@@ -73,7 +74,7 @@ def check_target(path: str | Path) -> Path:
         elif path.suffix.lower() in OTHER_KINDS:
             cure = f"name it {path.with_suffix('.nc').name}; `export --csv` writes tables, `plot` and `render` pictures"
             raise ResultError(path, "is the name of another kind of file, and a result is a NetCDF file", cure)
-        probe = path.parent / f".{path.name}.{uuid4().hex[:8]}.part"
+        probe = path.parent / f".{for_hidden(path.name)}.{uuid4().hex[:8]}.part"
         probe.touch()
         probe.unlink()
     except OSError as error:

@@ -38,6 +38,7 @@ from tautline.results.errors import ResultError, WriteError
 from tautline.results.output_path import check_target
 from tautline.results.result import Result
 from tautline.results.variable import Variable
+from tautline.whole_file import for_hidden
 
 TIME = Variable("time", ("time",), "s", "simulated time")
 
@@ -290,7 +291,7 @@ class _Copies:
     def __init__(self, path: Path) -> None:
         self.path = path
         host = re.sub(r"\W", "_", platform.node())[:32]
-        self.prefix = f".{path.name}.{host}."
+        self.prefix = f".{for_hidden(path.name)}.{host}."
         stem = f"{self.prefix}{os.getpid()}-{next(_numbers)}"
         self.files = [path.parent / f"{stem}{letter}.part" for letter in "ab"]
         self.link = path.parent / f"{stem}n.part"

@@ -31,6 +31,7 @@ from tautline.view.space.appearance import (
 )  # fmt: skip
 from tautline.view.space.cubic import Chain, at_a_frame, facing, steps_for
 from tautline.view.space.mesh import moved
+from tautline.whole_file import legible
 
 VIEWS: Mapping[str, str] = {"space": "the cables as they lie in space"}
 """Names for ``--view``."""
@@ -82,7 +83,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     signs = [text for text, some in (("supports", held), ("springs", springs), ("masses", masses)) if some]
     notes = [f"{_listed(signs)} are signs, not to scale"] if signs else []
     return Appearance(
-        title=str(result.attributes.get("title") or scene.title or stem(result, "cables")),
+        title=str(result.attributes.get("title") or scene.title or legible(stem(result, "cables"))),
         time=np.asarray(result.time),
         lines=(*lines, *springs),
         solids=(*held, *masses),

@@ -214,11 +214,8 @@ def machine(load: Sequence[float]) -> str:
 
 def show(table: Table) -> None:
     """Print a table in full: on a narrow terminal its lines run on, and nothing is cut off."""
-    from rich.console import Console
-
-    wide = Console(stderr=True, highlight=False, emoji=False, width=WIDEST)
-    needed = wide.measure(table).maximum
-    Console(stderr=True, highlight=False, emoji=False, width=max(console().width, needed)).print(table)
+    needed = console(WIDEST).measure(table).maximum
+    console(max(console().width, needed)).print(table)
 
 
 def percentage(text: str, option: str) -> float:

@@ -7,7 +7,6 @@ import json
 import logging
 import math
 import re
-import shlex
 import time as clock
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -19,10 +18,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.options.changes import as_given, change_of
-from tautline.cli.output.called import typed
+from tautline.cli.output.called import quoted, typed
 from tautline.cli.output.console import finite, print_json, print_text, say
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.run import Ended, ExitCode
+from tautline.results.errors import WriteError
 from tautline.scene.errors import SceneError, option_error
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
             (check_state if option == "--state" else check_folder)(path)
             if option == "-o":
                 continue  # a result has a lock of its own
-            lock = Lock(path)
+            lock = Lock(path.resolve())  # through a link the file that it leads to is written
             writer = lock.take()
             if writer is not None:
                 who = f"process {writer}" if writer else "another process"
@@ -308,16 +308,15 @@ class _Loop:
         while self.source.notes:
             note = self.source.notes.pop(0)
             say(note, "yellow")
-            if self.as_json and isinstance(note, Notice):
+            if isinstance(note, Notice):
                 # Whoever reads the time of each line finds it: that of the last row.
                 time = self.last["time"] if self.last else None
-                print_text(json.dumps({"time": time, "connection": note.status, "text": str(note)}) + "\n")
+                self._print({"time": time, "connection": note.status, "text": str(note)})
 
     def _give(self, lines: Sequence[dict[str, Any]]) -> None:
         for line in lines:
             self.lines, self.last = self.lines + 1, line
-            if self.as_json:
-                print_text(json.dumps(finite(line), allow_nan=False) + "\n")
+            self._print(line)
             if self.series is not None:
                 self._keep("result", partial(self.series.add, line))
             if self.page is not None:
@@ -328,6 +327,20 @@ class _Loop:
         now = clock.monotonic()
         if lines and now - self.saved > SAVE_EVERY:
             self._save()
+
+    def _print(self, line: dict[str, Any]) -> None:
+        """Print a line for programs, where such lines are asked for and can be written.
+
+        A twin goes on to warn and to store where they cannot. It does not try again: half a line may stand there.
+        """
+        if not self.as_json:
+            return
+        try:
+            print_text(json.dumps(finite(line), allow_nan=False) + "\n")
+        except WriteError as error:
+            self.as_json = False
+            self.unsaved.add("lines")
+            say(f"{error}. The twin goes on, and prints no more lines there", "red")
 
     def _remark(self, notes: list[str]) -> None:
         """Print sentences, and take them out."""
@@ -394,9 +407,8 @@ class _Loop:
     def _tell_saved(self, what: str, saved: bool, text: str) -> None:
         """Print whether a file can be written."""
         say(text, "green" if saved else "red")
-        if self.as_json:
-            time = self.last["time"] if self.last else None
-            print_text(json.dumps({"time": time, "file": what, "saved": saved, "text": text}) + "\n")
+        time = self.last["time"] if self.last else None
+        self._print({"time": time, "file": what, "saved": saved, "text": text})
 
     def _end(self, status: str) -> None:
         self._pass_on()
@@ -532,7 +544,7 @@ def record(
         cause = "it is no part of the simulation, or a fault takes it away"
         say(f"warning: {name} is empty in all rows: {cause}. A twin of this record will call it lost", "yellow")
     following = typed(catalogue.name, "twin", path, "--map", map) + as_given(changes)
-    following += f" --source {shlex.quote(str(output))}"
+    following += f" --source {quoted(str(output))}"
     kept = "" if written.status == "done" else ", what there was until then"
     say(f"wrote {output}: {written.rows} rows{kept}. Next: {following}", "green")
     if as_json:
@@ -581,7 +593,6 @@ def _write_rows(
         Time, s, and a value for each column, NaN where its sensor shows nothing.
     """
     from tautline.integrators.status import Interrupted, StoppedEarly
-    from tautline.results.errors import WriteError
     from tautline.results.tables.lines import WholeLines
 
     columns = list(units)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 import sys
 
@@ -21,9 +22,17 @@ def begin(of_process: bool, name: str) -> None:
 
 def typed(name: str, *words: object) -> str:
     """A command line that runs as it stands: blanks in names of files are quoted."""
-    return " ".join((called(name), *(shlex.quote(str(word)) for word in words)))
+    return " ".join((called(name), *(quoted(str(word)) for word in words)))
+
+
+def quoted(word: str) -> str:
+    """A word for a shell; one of bytes that are no UTF-8, as a name of a file may be, as bash and zsh read it."""
+    if word.isascii() or word == os.fsencode(word).decode(errors="ignore"):
+        return shlex.quote(word)
+    letters = (f"\\x{one:02x}" if one > 126 or one < 32 or one in b"'\\" else chr(one) for one in os.fsencode(word))
+    return f"$'{''.join(letters)}'"
 
 
 def called(name: str) -> str:
     """The words for a shell: ``python script.py`` for a command that is a script, else its name."""
-    return f"python {shlex.quote(_script)}" if _script else name
+    return f"python {quoted(_script)}" if _script else name

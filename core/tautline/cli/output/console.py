@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from tautline.errors import TautlineWarning
+from tautline.whole_file import legible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,24 +24,30 @@ if TYPE_CHECKING:
 
 
 @functools.cache
-def console() -> Console:
-    """Return the console on standard error."""
+def console(width: int | None = None) -> Console:
+    """Return the console on standard error; with a width, the one whose lines are as long as that."""
     from rich.console import Console
 
     class Lasting(Console):
-        """One whose reader may go away: what is computed goes on."""
+        """One whose reader may go away, and whose disk may be full: what is computed goes on."""
 
         def on_broken_pipe(self) -> None:
             self.quiet = True
             _point_at_nothing(sys.stderr)
 
+        def _check_buffer(self) -> None:
+            try:
+                super()._check_buffer()
+            except OSError:
+                self.on_broken_pipe()
+
     # What stands between two colons, as in 60:100:20, is no emoji.
-    return Lasting(stderr=True, highlight=False, soft_wrap=True, emoji=False)
+    return Lasting(stderr=True, highlight=False, soft_wrap=width is None, emoji=False, width=width)
 
 
 def say(text: str, style: str = "") -> None:
     """Print a line for people; brackets in it are just brackets."""
-    console().print(text, style=style or None, markup=False)
+    console().print(legible(text), style=style or None, markup=False)
 
 
 @contextmanager
@@ -122,6 +129,19 @@ def unwritable(error: OSError) -> WriteError:
 def abandon_output() -> None:
     """Point standard output at nothing, so that the interpreter's last flush cannot fail either."""
     _point_at_nothing(sys.stdout)
+
+
+def flush_words() -> None:
+    """Write what waits for standard output and standard error; what cannot be written is left out.
+
+    The interpreter would end with an exit code of its own, 120, where its last flush fails.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            if stream is not None:
+                stream.flush()
+        except OSError:
+            _point_at_nothing(stream)
 
 
 def _point_at_nothing(stream: Any) -> None:

@@ -101,7 +101,8 @@ def folder_to_write() -> Path | None:
         atexit.register(shutil.rmtree, base, ignore_errors=True)
         folder = Path(base) / OWN / name()
         _make(folder)
-        say(f"compiled code cannot be kept ({_cause(cause)}): this run keeps it in a temporary folder")
+        kept = "this run keeps it in a temporary folder, and each run compiles anew"
+        say(f"compiled code cannot be kept ({_cause(cause)}): {kept}")
         return folder
     say(f"compiled code cannot be kept ({_cause(cause)}): this run compiles anew what it needs")
     return None

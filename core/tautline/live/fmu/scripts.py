@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from hashlib import sha256
+
 from tautline.version import __version__
 
 HEAD = '''"""Written by Tautline: the class that the host makes."""
@@ -100,3 +102,12 @@ def script_of(fmi: int) -> str:
     for word, told in {**NAMES[fmi], "VERSION": __version__}.items():
         script = script.replace(word, told)
     return script
+
+
+def module_of(script: str) -> str:
+    """The name of a script's module, which no other script has.
+
+    A host's Python imports by name, once: of two scripts of one name it would run the first for both FMUs, though the
+    second is of another version of the standard, or of Tautline and is to be refused.
+    """
+    return f"tautline_unit_{sha256(script.encode()).hexdigest()[:16]}"

@@ -124,7 +124,7 @@ class Core:
             for known in (self.given, self.held if self.stale else self.sent):
                 if name in known:
                     return known[name]
-            return float(self.sim.inputs[name])
+            return float(self.sim.inputs[name]) + 0.0  # minus zero, of a winch at rest, becomes zero
         if name in self.outputs:
             output, at = self.outputs[name]
             with suppress(SimulationError):

@@ -15,7 +15,7 @@ from typing import Any
 
 from tautline.live.errors import SimulationError
 from tautline.live.fmu.needs import host_needs, page_of
-from tautline.live.fmu.scripts import script_of
+from tautline.live.fmu.scripts import module_of, script_of
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
 from tautline.results.errors import ResultError, unwritten
@@ -75,7 +75,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     with tempfile.TemporaryDirectory() as work:
         folder = Path(work)
         files = _files(sim.scene, folder)
-        script = folder / f"{name}_unit.py"
+        script = folder / f"{module_of(script_of(fmi))}.py"
         script.write_text(script_of(fmi), encoding="utf8")
         told = {
             "inputs": list(inputs), "outputs": list(outputs), "name": name, "title": _title(path),
@@ -113,7 +113,7 @@ def _builder(path: Path, fmi: int) -> Any:
 
 
 def _model_name(path: Path) -> str:
-    """The name of a file as one that C allows: that of the library, and of the script beside it."""
+    """The name of a file as one that C allows: that of the library."""
     named = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
     return named if named[:1].isalpha() else f"fmu_{named}"
 
@@ -126,12 +126,14 @@ def _title(path: Path) -> str:
 @contextmanager
 def _modules_as_before(script: str) -> Iterator[None]:
     """Undo what PythonFMU leaves: the folder of the script among those of modules, the script among the modules."""
-    known = sys.path.copy()
+    known, loaded = sys.path.copy(), sys.modules.get(script)
     try:
         yield
     finally:
         sys.path[:] = known
         sys.modules.pop(script, None)
+        if loaded is not None:  # this process is the host of an FMU too
+            sys.modules[script] = loaded
 
 
 def _refuse_rivals(sim: Simulation, inputs: Sequence[str]) -> None:

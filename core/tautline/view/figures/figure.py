@@ -39,7 +39,7 @@ from tautline.results.errors import ResultError, unwritten
 from tautline.results.output_path import check_drawn
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.view.figures.missing_letters import missing_letters_told
-from tautline.whole_file import whole_file
+from tautline.whole_file import legible, whole_file
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours (jfly.uni-koeln.de/color), told apart by colour-blind readers; yellow is left out."""
@@ -410,6 +410,14 @@ def _power(x: float) -> str:
     return str(LogFormatterSciNotation(minor_thresholds=(np.inf, np.inf))(x))
 
 
+def _spell(figure: Figure) -> None:
+    """Write names of files that are no UTF-8 in letters that can be drawn."""
+    for text in figure.findobj(Text):
+        told = text.get_text()
+        if not told.isascii() and legible(told) != told:
+            text.set_text(legible(told))
+
+
 @styled
 def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure; the ending of the name says the format.
@@ -422,6 +430,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     """
     path = check_drawn(Path(path))
     try:
+        _spell(figure)
         thin_logarithms(figure)
         with powers_in_labels(figure), missing_letters_told(), whole_file(path) as waiting:
             figure.savefig(waiting)

@@ -25,6 +25,7 @@ from tautline.results.errors import ResultError, WriteError
 from tautline.results.output_path import check_folder
 from tautline.results.result import Result
 from tautline.view.space.appearance import Appearance
+from tautline.whole_file import for_hidden, legible
 
 if TYPE_CHECKING:
     from tautline.view.files.parts import Part
@@ -72,7 +73,7 @@ def write_paraview(
     path = path if path.suffix.lower() == ".pvd" else path.with_name(path.name + ".pvd")
     folder = path.with_name(path.stem)
     _check_target(path, folder)
-    waiting = path.with_name(f".{path.stem}.{uuid4().hex[:8]}.part")
+    waiting = path.with_name(f".{for_hidden(path.stem)}.{uuid4().hex[:8]}.part")
     listed = path.with_name(f"{waiting.name}.pvd")
     try:
         waiting.mkdir()
@@ -96,6 +97,8 @@ def write_paraview(
 
 def _check_target(path: Path, folder: Path) -> None:
     check_folder(path)
+    if legible(folder.name) != folder.name:
+        raise ResultError(path, "the XML in it cannot hold a name that is not UTF-8", "name another file with -o")
     if path.is_dir():
         raise ResultError(path, "is a folder", "name a file with -o")
     if path.exists() and _files_of(path) is None:
