@@ -99,26 +99,25 @@ def prescribe(dofs, functions, t, q, v, a):
         a[i] = second
 
 
-BENT, STRICT, ROUNDED = 0.055, 0.005, 1e-6
-"""What accelerations at the ends of a step may leave of a change of speed, over the step and the larger of them, before
-it is asked whether a function bends; the same of rules that are exact where it is smooth within; and over the speeds,
-below which that is rounding."""
-SHOWN = 0.1
-"""Share of the largest acceleration within a step that one at its ends is at least, or they do not show it."""
-AHEAD = 3
-"""Steps for which what is driven has next to no acceleration when its motion is over."""
+BENT, STRICT, LARGE, ROUNDED = 0.055, 0.005, 0.02, 1e-6
+"""What accelerations at the ends of steps may leave of a change of speed, over the step and the accelerations nearby,
+before a function bends; the same where steps differ, of which one does not make up for another, and where it is smooth
+within the step; and over the speeds, below which that is rounding.
+
+The mean of both ends leaves 0.033 of a sine that takes ten steps in a period, a cubic 0.05 of one that takes five.
+"""
+CALM = 4
+"""Steps that accelerations at their ends show well, behind which a motion that has bent is at rest again."""
 BESIDE = 1e-6
 """How far beside an instant, over a step, both sides of a corner are seen."""
 GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
-BEFORE, BEGIN, BENDS, SPEED, LOST, DEBT, LARGEST = range(7)
+BEFORE, BEGIN, BENDS, SPEED, LOST, QUIET, DEBT, UNREST = range(8)
 """Rows of what is known of what is driven. In a step: their accelerations at its start, as they were and as they count,
-1 where the function bends in it, the speed at its start, and what accelerations at both ends leave of the change of
-speed. That speed is kept, and not asked for again: where a step ends and the next begins, times differ by rounding, and
-a corner may lie between. From step to step: what all steps since the last payment have left, and the largest change of
-speed in one of them."""
-WAITS, CORNER, PAYS = range(3)
-"""Marks in the row `BENDS`: nothing, the function bends, and its motion is over and what was left of it is made up."""
+1 where it is pushed, the speed at its start, what accelerations at both ends leave of the change of speed, and 1 where
+that is next to nothing. That speed is kept, not asked for again: where a step ends and the next begins, times differ
+by rounding, and a corner may lie between. From step to step: what all steps since the last push have left, and how many
+calm ones have to follow."""
 
 
 @kernel(forceinline=True)
@@ -128,8 +127,9 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
     The vectors hold the start of the step; ``equal`` says whether steps are all as long as this one. Between its ends a
     function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
     The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
-    it. Of a smooth motion one step makes too little of the change and the next too much: a push of some of them would
-    stay. What is left of it in the end is made up when it is over. ``known`` (7, n_full) takes what is seen, see `LOST`.
+    it. All steps of one motion are pushed, or none: of a smooth one each makes too little of the change or too much,
+    which is nothing in the end, and a push of some of them would stay. ``known`` (8, n_full) takes what is seen, see
+    `UNREST`.
     """
     bends = False
     for k in dofs.driven:
@@ -137,15 +137,17 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
         value, rate, second = evaluate(functions, motion, t)
         left = rate - v[i] - 0.5 * h * (a[i] + second)
         scale, fast = h * max(abs(a[i]), abs(second)), ROUNDED * max(abs(v[i]), abs(rate))
-        debt = left + known[DEBT, i]
-        known[LOST, i], known[BENDS, i] = left, WAITS
-        if abs(left) > (BENT if equal else STRICT) * scale and abs(left) > fast:
-            if _bends_within(functions, motion, t, h, v[i], a[i]):
-                known[BENDS, i] = CORNER
-        elif abs(debt) > scale and abs(debt) > STRICT * known[LARGEST, i] and abs(debt) > fast:
-            if _is_over(functions, motion, t, h, debt):
-                known[BENDS, i] = PAYS
-        bends = bends or known[BENDS, i] != WAITS
+        bent = False
+        if known[UNREST, i] > 0.0:
+            bent = max(abs(left), scale) > fast
+        elif abs(left) > (BENT if equal else STRICT) * scale and abs(left) > fast:
+            if equal:
+                bent = _bends(functions, motion, t, h, v[i], a[i])
+            else:
+                bent = abs(left) > LARGE * scale or _bends_within(functions, motion, t, h, v[i], a[i])
+        known[LOST, i], known[BENDS, i] = left, 1.0 if bent else 0.0
+        known[QUIET, i] = 1.0 if abs(left) <= max(STRICT * scale, fast) else 0.0
+        bends = bends or bent
         q[i] = dofs.offset[k] + value
         v[i] = rate
         a[i] = second
@@ -153,23 +155,47 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
 
 
 @kernel(forceinline=True)
-def book_speeds(dofs, known, v):
-    """Book what the step that is accepted has left of changes of speed, of what does not bend in it."""
+def book_speeds(dofs, known):
+    """Book what the step that is accepted has left of changes of speed, and how long motions are to be pushed."""
     for k in dofs.driven:
         i = dofs.held[k]
-        if known[BENDS, i] == WAITS:
-            known[DEBT, i] += known[LOST, i]
-            known[LARGEST, i] = max(known[LARGEST, i], abs(v[i] - known[SPEED, i]))
-        elif known[BENDS, i] == PAYS:
-            known[DEBT, i] = known[LARGEST, i] = 0.0
+        pushed = known[BENDS, i] > 0.0
+        known[DEBT, i] = 0.0 if pushed else known[DEBT, i] + known[LOST, i]
+        if known[QUIET, i] > 0.0:
+            known[UNREST, i] = max(known[UNREST, i] - 1.0, 0.0)
+        elif pushed:
+            known[UNREST, i] = float(CALM)
+
+
+@separate(bool, FUNCTIONS, int, float, float, float, float, late=True)
+def _bends(functions, motion, t, h, v0, a0):
+    """Whether a function changes its speed in the step before t as accelerations at the ends of steps do not show.
+
+    Of a smooth motion one step makes too little of the change and another too much: nothing is lost of all of them. Its
+    change is that of a cubic through the accelerations at the ends of this step and of the steps beside it.
+    """
+    v1 = _speed(functions, motion, t)
+    inner = a0 + evaluate(functions, motion, t)[2]
+    outer = evaluate(functions, motion, t - 2.0 * h)[2] + evaluate(functions, motion, t + h)[2]
+    lost = abs(v1 - v0 - h * (13.0 * inner - outer) / 24.0)
+    # Where a smooth motion begins or ends its accelerations are next to nothing, and any part of them is a large one:
+    # what two steps nearby have in common counts. A jump nearby does not.
+    most = 0.0
+    before, last = _speed(functions, motion, t - 4.0 * h), 0.0
+    for k in range(-3, 4):
+        v = _speed(functions, motion, t + k * h)
+        change = abs(v - before)
+        most = max(most, min(change, last))
+        before, last = v, change
+    return lost > BENT * most and lost > ROUNDED * max(abs(v0), abs(v1))
 
 
 @separate(bool, FUNCTIONS, int, float, float, float, float, late=True)
 def _bends_within(functions, motion, t, h, v0, a0):
-    """Whether the ends of the step before t do not show what a function does within: it is not smooth, or they are low.
+    """Whether a function is not smooth in the step before t: two rules that integrate a cubic miss its change of speed.
 
-    It is not smooth where two rules that integrate a cubic miss its change of speed: no corner is where both are right
-    by accident. Nor is it where what the step begins with, ``v0`` and ``a0``, is not its own.
+    No corner is where both are right by accident. Nor is it smooth where what the step begins with, ``v0`` and ``a0``,
+    is not its own.
     """
     v1 = _speed(functions, motion, t)
     first, last = evaluate(functions, motion, t - h)[2], evaluate(functions, motion, t)[2]
@@ -177,18 +203,8 @@ def _bends_within(functions, motion, t, h, v0, a0):
     early, late = evaluate(functions, motion, t - h + GAUSS * h)[2], evaluate(functions, motion, t - GAUSS * h)[2]
     simpson = abs(v1 - v0 - h * (first + 4.0 * middle + last) / 6.0)
     gauss = abs(v1 - v0 - 0.5 * h * (early + late))
-    ends = max(abs(first), abs(last))
-    most = max(ends, abs(middle), abs(early), abs(late))
-    return ends < SHOWN * most or max(simpson, gauss, h * abs(first - a0)) > STRICT * h * most
-
-
-@separate(bool, FUNCTIONS, int, float, float, float, late=True)
-def _is_over(functions, motion, t, h, debt):
-    """Whether a motion is over at t: for some steps its accelerations are next to nothing beside what is left of it."""
-    for k in range(1, AHEAD + 1):
-        if h * abs(evaluate(functions, motion, t + k * h)[2]) > abs(debt):
-            return False
-    return True
+    most = max(abs(first), abs(middle), abs(last), abs(early), abs(late))
+    return max(simpson, gauss, h * abs(first - a0)) > STRICT * h * most
 
 
 @kernel(forceinline=True)
@@ -208,7 +224,7 @@ def ease(dofs, functions, t, h, known, a):
         v = _speed(functions, motion, t)
         most = max(abs(v - _speed(functions, motion, t - h)), abs(_speed(functions, motion, t + h) - v))
         known[BEGIN, i] = a[i]
-        if known[BENDS, i] != WAITS and abs(a[i]) * h > (1.0 + BENT) * most:
+        if known[BENDS, i] > 0.0 and abs(a[i]) * h > (1.0 + BENT) * most:
             a[i] = known[BEGIN, i] = 0.0
             eased = True
     return eased
@@ -244,9 +260,8 @@ def prescribe_push(dofs, functions, t, h, gamma, known, a):
     """
     for k in dofs.driven:
         i, motion = dofs.held[k], dofs.motion[k]
-        if known[BENDS, i] != WAITS:
-            made_up = known[DEBT, i] if known[BENDS, i] == PAYS else 0.0
-            mean = (_speed(functions, motion, t + h) - known[SPEED, i] + made_up) / h
+        if known[BENDS, i] > 0.0:
+            mean = (_speed(functions, motion, t + h) - known[SPEED, i] + known[DEBT, i]) / h
             a[i] = (mean - (1.0 - gamma) * known[BEGIN, i]) / gamma
 
 
@@ -255,7 +270,7 @@ def prescribe_begun(dofs, known, a):
     """Set the accelerations of what bends to those with which its step began."""
     for k in dofs.driven:
         i = dofs.held[k]
-        if known[BENDS, i] != WAITS:
+        if known[BENDS, i] > 0.0:
             a[i] = known[BEGIN, i]
 
 
@@ -270,7 +285,7 @@ def prescribe_lasting(dofs, functions, t, h, known, a):
     for k in dofs.driven:
         i, motion = dofs.held[k], dofs.motion[k]
         _, v0, last = evaluate(functions, motion, t)
-        if known[BENDS, i] != WAITS:
+        if known[BENDS, i] > 0.0:
             _, v1, a1 = evaluate(functions, motion, t + h)
             left, right = evaluate(functions, motion, t - BESIDE * h)[2], evaluate(functions, motion, t + BESIDE * h)[2]
             corner = abs(right - left) > BENT * max(abs(left), abs(right))
