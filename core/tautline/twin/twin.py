@@ -107,7 +107,7 @@ class Twin:
             *(self.operation.reads if self.operation else ()),
         ]))  # fmt: skip
         self.now, self.unsettled = np.nan, -np.inf
-        self.settling, self.unsure, self.rests = Settling(), False, False
+        self.settling, self.unsure, self.rests, self.starved = Settling(), False, False, False
         self._ends, self._ends_told = dict[str, float](), set[str]()
         self.restarts = 0
         self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
@@ -436,6 +436,12 @@ class Twin:
         use = believed & tells
         if (told & tells).any():
             horizon.follow_wild(row.time, not use.any())
+            if horizon.starves and not self.starved:
+                self.notes.append(
+                    f"from {stamp_said(row.time)} on most readings cannot be used: what is simulated moves out of step "
+                    "with the machine. Estimates stand still, and health is not good until that is over"
+                )
+            self.starved = horizon.starves
         residual, residual_sd = horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
         followed = self.readings.believed(values) if self.rests else use & estimate.converged
         horizon.miss(row.time, np.where(followed, residual, np.nan), y0, RESTED if self.rests else MISSED)

@@ -44,6 +44,10 @@ DOUBTFUL = 0.1
 """The same from which on what is computed of a machine that sticks and slips is in doubt."""
 WILD = 4.0
 """Size of derivatives over their usual one from which on a neighbour is begun anew."""
+SLIGHT = 0.01
+"""Share of a sensor's deviation that a parameter changes within its own, below which a reading tells nothing of it."""
+LASTS = 0.6
+"""Share of the rows of a window that were wild from which on they are no exceptions."""
 NOT_SHOWN = 0.5
 """Standard deviation of an unknown, over that at the start, from which on the data have not shown it."""
 KNOWN, TENTH = 0.25, 0.1
@@ -263,13 +267,17 @@ class Estimate:
         p = self._parameters
         if not p or not self.blows:
             return np.ones(len(J), bool)
-        size = np.abs(J[:, p])
+        h, size = self.horizon, np.abs(J[:, p])
         if not self._slopes:
             self._slopes = [deque(maxlen=SLOPES) for _ in range(len(J))]
+        # Below this one reading tells next to nothing of a parameter, however much the derivative grows.
+        least = SLIGHT * h.deviations(h.largest)[:, None] / h.first_sd[p]
         good = np.ones(len(J), bool)
         for m, past in enumerate(self._slopes):
+            if h.wild > LASTS:
+                past.clear()  # what has been wild for so long is what is usual now
             if len(past) >= FEWEST:
-                good[m] = np.all(size[m] <= 2.0 * WILD * np.maximum(np.median(past, axis=0), 1e-12))
+                good[m] = np.all(size[m] <= 2.0 * WILD * np.maximum(np.median(past, axis=0), least[m]))
             if good[m]:
                 past.append(size[m])
         return good
