@@ -24,8 +24,8 @@ SPEEDS = {
 }
 
 
-def scene_of(times, speeds, coupling=(), places=None, **solver):
-    """A bar whose end is moved at these speeds, or by a table of places.
+def scene_of(times, speeds, coupling=(), places=None, value=None, **solver):
+    """A bar whose end is moved at these speeds, by a table of places or by another function.
 
     With a node of its own before it where it is coupled.
     """
@@ -40,7 +40,9 @@ def scene_of(times, speeds, coupling=(), places=None, **solver):
         {"Node4Dof": {"id": 1, "xyz": [LENGTH, 0.0, 0.0], "BC": [0, 1, 1, 1], "p": LENGTH}},
         {"CableALEelementLin": {"id": 0, "nodes4": [first, 1], "EA": EA, "rhoA": RHOA, "strain": "engineering"}},
         {"PointMass": {"id": 0, "nodes4": [1], "mass": MASS}},
-        {"Function": {"id": 1, "value": {"table": places}}} if places else {"Function_VelocityDefined": speed},
+        {"Function": {"id": 1, "value": value or {"table": places}}}
+        if places or value
+        else {"Function_VelocityDefined": speed},
         *coupling,
     ]
     settings = {"type": "G-alpha", "eps_energy": 1e-12, "time_step": STEP, "time_end": 0.3, "plotpoints": 300} | solver
@@ -102,6 +104,56 @@ def test_a_corner_between_the_end_of_a_step_and_the_begin_of_the_next_pushes_as_
     # All of its push was lost: 25 to 31 % of the motion, or a run that stopped as one that creates energy.
     assert off(result, [0.0, corner, corner + 1e-9, 9.0], [0.0, 0.0, 1.0, 1.0]) < 0.015
     assert result.attributes["energy_error"] < 0.01
+
+
+def ways(steps, off):
+    """There and back within so many steps each: the function, and its place."""
+    first, length = 0.02 + off * STEP, steps * STEP
+    ramps = [{"from": 0.0, "to": to, "at": at, "over": length} for to, at in ((1e-3, first), (-1e-3, first + length))]
+
+    def place(t):
+        x = [np.clip((t - one["at"]) / length, 0.0, 1.0) for one in ramps]
+        return sum(one["to"] * y**3 * (10.0 - 15.0 * y + 6.0 * y * y) for one, y in zip(ramps, x, strict=True))
+
+    return {"sum": [{"ramp": one} for one in ramps]}, place
+
+
+def spectrum(count=60):
+    """Waves of 3 to 30 steps in a period: the function, and its place."""
+    phases = np.random.default_rng(3).uniform(0.0, 6.28, count)
+    periods, size = np.linspace(3.0, 30.0, count) * STEP, 1e-3 / np.sqrt(count)
+    both = list(zip(periods.tolist(), phases.tolist(), strict=True))
+
+    def place(t):
+        x = np.minimum(t / 0.05, 1.0)
+        return x**3 * (10.0 - 15.0 * x + 6.0 * x * x) * sum(size * np.sin(2.0 * np.pi * t / T + p) for T, p in both)
+
+    wave = {"amplitude": size, "ramp": 0.05}
+    return {"sum": [{"harmonic": wave | {"period": T, "phase": p}} for T, p in both]}, place
+
+
+@pytest.mark.parametrize("settings", [{}, {"control": "error", "tolerance": 1e-4}])
+@pytest.mark.parametrize(
+    ("motion", "most"),
+    [
+        (ways(3, 0.2), 0.04),
+        (ways(5, 0.66), 0.05),
+        *studies((ways(3, 0.66), 0.05), (ways(5, 0.0), 0.05)),
+        (spectrum(), 0.06),
+    ],
+)
+def test_a_motion_that_is_coarse_beside_the_step_moves_what_it_carries_as_it_should(motion, most, settings):
+    function, place = motion
+    result = tautline.simulate(scene_of((), (), value=function, time_end=0.15, plotpoints=150, **settings))
+    t, x = np.asarray(result["time"]), np.asarray(result["position"])[:, 1, 0] - LENGTH
+    # x'' = OMEGA^2 (u - x) - CARRIED / INERTIA u''; of x + CARRIED / INERTIA u no derivative of u is asked for.
+    share, fine = CARRIED / INERTIA, np.linspace(0.0, t[-1], 60001)
+    force, h = OMEGA**2 * (1.0 + share) * place(fine), fine[1]
+    turned = np.exp(-1j * OMEGA * fine) * force
+    sums = np.concatenate([[0.0], np.cumsum(0.5 * h * (turned[1:] + turned[:-1]))])
+    true = np.interp(t, fine, np.imag(np.exp(1j * OMEGA * fine) * sums) / OMEGA - share * place(fine))
+    # Where some steps were pushed and others not it was up to 6.8 times the range.
+    assert np.max(np.abs(x - true)) < most * np.ptp(true)
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.3, *studies(0.8)])
