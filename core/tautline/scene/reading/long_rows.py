@@ -55,6 +55,11 @@ def _is_usual(kind: str, usual: Collection[str]) -> bool:
     return not kind or kind in usual or (kind == "word" and "number" not in usual)
 
 
+def is_number_or_date(cell: str) -> bool:
+    """Whether a cell is a number, a date, or the beginning of one: no title that begins with a number, ``1 (kN)``."""
+    return kind_of(cell) == "number" and not _may_be_text(cell)
+
+
 def _may_be_text(cell: str) -> bool:
     """Whether a cell has a letter or is a word: no number, and no date of digits."""
     return kind_of(cell) == "word" or any(one.isalpha() for one in cell.lstrip("+-.,0123456789eETZ:"))

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tautline.scene.errors import Problem, SceneError, shorten
+from tautline.scene.reading.broken_rows import BrokenRow, broken_row
 from tautline.scene.reading.columns import NO_UNIT
 from tautline.scene.reading.long_rows import (
     cure_of_long_rows,
@@ -264,11 +265,10 @@ class Header:
             Whether it ends: half a line is none.
         """
         columns, time, where, units = self._given
+        if broken := self._broken(line):
+            return self._behind_torn(broken, line, number)
         if self._has_stamp(line):
             return None
-        if self._is_torn(cells_of(line, self.separator)):
-            self._tell_torn(line, number)
-            return self
         if whole and (below := self._units_in(line)):
             return self._with_units(below)
         sure = self._is_header(line) if whole else False
@@ -301,22 +301,40 @@ class Header:
         cell = next(iter(cells_of(line, self.separator)[self.stamp :]), "")
         return not math.isnan(number_of(cell)) or math.isfinite(stamp_of(cell))
 
-    def _is_torn(self, cells: Sequence[str]) -> bool:
-        """Whether a row broke off and this header came behind it, as a logger writes that is begun anew.
+    def _broken(self, line: str) -> BrokenRow | None:
+        """Half a row with a header behind it."""
+        columns = self._given[0]
+        if not columns or columns[0] not in line:
+            return None
+        cells = cells_of(line, self.separator)
+        return broken_row(cells, self._titles, self._has_stamp(line), self._begins_header)
 
-        What was written of the row stands before the titles, in their first cell too: ``1006.0,time,winch``.
+    def _begins_header(self, titles: Sequence[str]) -> bool:
+        """Whether titles have all columns, and the first of them names a stamp."""
+        return self._stamped(titles[:1]) and {*heads(titles)[0], *titles}.issuperset(self._given[0])
+
+    def _behind_torn(self, broken: BrokenRow, line: str, number: int) -> Header | None:
+        """The header in the midst of a line, behind a row that broke off; this one where it is the same once more.
+
+        Where words stand between, it is not known with which of them the header begins: `read` raises at the next row.
         """
-        titles, last = self._titles, list(cells[-len(self._titles) :])
-        if len(last) < 2 or last[1:] != titles[1:] or not last[0].endswith(titles[0]) or list(cells) == titles:
-            return False
-        return kind_of(last[0].removesuffix(titles[0])) != "word"  # `Datetime` is no half row before `time`
-
-    def _tell_torn(self, line: str, at: int) -> None:
-        """Tell once that half a row before the header is left out."""
+        where = self._given[2]
+        if broken.words:
+            cause = f"in '{shorten(line)}' a header stands in the midst of a row that broke off"
+            cure = "put the header on a line of its own, and delete the row"
+            stop = NewHeader(SceneError([Problem(where, number, "", None, cause, cure)]))
+            self._later = Later(stop, self.separator, self.width, sure=True, named=True, told="")
+            return self
+        again = broken.titles == self._titles
         if "torn" not in self._told:
             self._told.add("torn")
-            shown = f"the row '{shorten(line)}' breaks off, and the header comes once more behind it"
-            self.notes.append(f"{self._given[2]}:{at}: {shown}. Such rows are left out")
+            shown = f"the row '{shorten(line)}' breaks off, and {'the' if again else 'a'} header comes"
+            end = " once more behind it" if again else " behind it"
+            self.notes.append(f"{where}:{number}: {shown}{end}. Such rows are left out")
+        if not again:
+            return self.next_header(broken.header(self.separator), number)
+        self._bare = self._behind = True  # units may stand below it once more
+        return self
 
     def _units_in(self, line: str) -> list[str]:
         """Units by cell of a line right below the header that has them; empty for any other line.
@@ -471,6 +489,8 @@ class Header:
         cells = cells_of(line, self.separator)
         count = len(cells)
         number = filled(cells) if count > self._cells else count
+        if self._broken(line) and self._has_stamp(line):
+            return None
         if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
         name, stamp = self.names[self.stamp] or "time", float("nan")
@@ -482,9 +502,6 @@ class Header:
                 stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
-            if self._is_torn(cells):
-                self._tell_torn(line, at)
-                return None
             if not self._has_remark(cells):
                 self._too_long(line, number, at)
                 return None
