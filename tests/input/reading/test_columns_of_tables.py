@@ -242,7 +242,12 @@ def test_a_row_with_more_cells_than_the_header_is_refused_with_both_counts(text,
     assert cure in problem.cure and problem.line == line
 
 
-REMARKS = ("time,x\n0,1\n1,2,ream\n", "time,x,note\n0,1,\n1,2,ream, 2 stands\n", "time;x\n0;1\n1;2;ream;stop\n")
+REMARKS = (
+    "time,x,state\n0,1,ON\n1,2,OFF, 2 stands\n",
+    "time,x\n0,1\n1,2,ream\n",
+    "time,x,note\n0,1,\n1,2,ream, 2 stands\n",
+    "time;x\n0;1\n1;2;ream;stop\n",
+)
 
 
 @pytest.mark.parametrize("text", REMARKS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,10 +14,13 @@ from tautline.scene.reading.columns import NO_UNIT
 from tautline.scene.reading.long_rows import (
     cure_of_long_rows,
     filled,
+    first_beyond,
     has_half_a_second,
     has_remark,
     kind_of,
     only_words_behind,
+    shows_nothing,
+    usual_kinds,
 )
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
@@ -158,7 +161,9 @@ class Header:
         self._begun = False  # whether any row was read, also one in doubt
         # The latest rows that are no longer than the header, and what they and those before them have had by column.
         self._plain: deque[list[str]] = deque(maxlen=USUAL_ROWS)
-        self._kinds: list[set[str]] = [set() for _ in range(self._cells)]
+        self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
+        # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
+        self._whole_times = self._status = False
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -502,12 +507,14 @@ class Header:
                 stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
-            if not self._has_remark(cells):
-                self._too_long(line, number, at)
+            if not self._has_remark(line, cells):
+                self._too_long(line, cells, at)
                 return None
+            self._status |= not shows_nothing(first_beyond(cells, self._cells))
             self._tell_remark(line, at)
         elif math.isfinite(stamp) and not doubtful:
             self._widths.add(count)
+            self._whole_times |= ":" in cells[self.stamp] and count >= self.width
             if count <= self._cells:
                 self._plain.append(cells)
         if math.isfinite(stamp):
@@ -536,22 +543,26 @@ class Header:
         refused = SceneError([Problem(self._given[2], self._number_of_line, "", None, cause, cure)])
         raise NewHeader(refused) if self._behind else refused
 
-    def _has_remark(self, cells: Sequence[str]) -> bool:
+    def _has_remark(self, line: str, cells: Sequence[str]) -> bool:
         """Whether what a row has beyond the header is a remark, so that the cells before it are in their places.
 
         The stamp and columns of the map have numbers also where no row has shown that yet.
         """
-        if self.separator == "," and has_half_a_second(cells, self.stamp):
+        quoted = f'"{cells[self.stamp]}"' in line
+        if self.separator == "," and not (quoted or self._whole_times) and has_half_a_second(cells, self.stamp):
             return False
         places = [self.stamp, *self.places.values()]
-        if only_words_behind(cells, max(places)):
+        # A column of the map has no status: `Bad` is a missing number there.
+        cells = ["" if i in places and shows_nothing(cell) else cell for i, cell in enumerate(cells)]
+        if only_words_behind(cells, max(places), self._cells, self._status):
             return True
         for row in self._plain:
             for kinds, cell in zip(self._kinds, row, strict=False):
-                kinds.add(kind_of(cell))
+                kinds[kind_of(cell)] += 1
         self._plain.clear()
-        usual = [kinds | {"number"} if i in places else kinds for i, kinds in enumerate(self._kinds)]
-        return has_remark(cells, self._cells, usual)
+        numbers = [{"number"} if i in places else set() for i in range(self._cells)]
+        usual = [usual_kinds(kinds) | number for kinds, number in zip(self._kinds, numbers, strict=True)]
+        return has_remark(cells, self._cells, usual, self._status)
 
     def _tell_remark(self, line: str, at: int) -> None:
         """Tell once that words beyond the header are passed over."""
@@ -560,7 +571,7 @@ class Header:
             shown = f"the row '{shorten(line)}' has words in more cells than the header has"
             self.notes.append(f"{self._given[2]}:{at}: {shown}: they are passed over, and the cells before them count")
 
-    def _too_long(self, line: str, number: int, at: int) -> None:
+    def _too_long(self, line: str, cells: Sequence[str], at: int) -> None:
         """Tell once that a row fills more cells than the header has: which cell is whose is not known.
 
         Raises
@@ -568,11 +579,15 @@ class Header:
         SceneError
             Where no row was read yet: by such a header none can be.
         """
-        where = self._given[2]
+        where, number = self._given[2], filled(cells)
         cause = f"the row '{shorten(line)}' fills {number} cells, and the header has {self._cells}"
         first = line.split(self.separator, 1)[0]  # one with the time of a day is no row name: its second has a comma
         one_more = number == self._cells + 1 and not self._begun and ":" not in first
         cure = cure_of_long_rows(self.separator, one_more, "this row")
+        if self.separator == "," and kind_of(cells[self._cells - 1]) == "word":
+            cure += "; or, if commas are part of a text, put it in quotes"
+        elif one_more and kind_of(cells[number - 1]) != "number":
+            cure += "; or, if the last cell is a status or a remark, give its column a title"
         if not self._begun and not self._behind:
             raise SceneError([Problem(where, at or self._number_of_line, "", None, cause, cure)])
         if "long" not in self._told:
