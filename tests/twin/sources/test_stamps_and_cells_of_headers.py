@@ -204,13 +204,26 @@ def test_a_row_too_long_whose_numbers_may_have_moved_is_not_read_though_it_ends_
     assert [row.time for row in rows] == [0.0] and source.refused == 1
 
 
+DAYS = '"VarName";"TimeString";"a";"Validity";"Time_ms"\n"load";"2026-01-01 00:00:00";1,5;1;46023000000,0\n'
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("time", ["", "Time_ms"])
+def test_days_of_a_spreadsheet_that_are_called_milliseconds_are_refused_with_the_cure(tmp_path, of, time):
+    """46023 days after 1899-12-30 are 2026-01-01: a second is 11.574 of `Time_ms`, and was read as 0.0116 s."""
+    with pytest.raises(SceneError, match=r"days of a spreadsheet.*`time: TimeString`"):
+        stamps(of(tmp_path, DAYS, time))
+    assert stamps(of(tmp_path, DAYS, "TimeString")) == [1767225600.0]
+    assert stamps(of(tmp_path, DAYS, "Time_ms [ms]")) == [46023000.0]
+
+
 DAY = "1970-01-01 00:00:0"
 STATES = {
     "whole seconds and three digits": f"time,b,a\n{DAY}0,120,2\n{DAY}1,121,95,slip\n{DAY}2,119,4\n",
     "the same before a text": f"time,b,a,note\n{DAY}0,120,2,\n{DAY}1,121,95,stop, 2 stands\n{DAY}2,119,4,\n",
     "a stamp in quotes": f'time,b,a\n"{DAY}0",120,2,start\n"{DAY}1",121,95\n"{DAY}2",119,4\n',
     "a zone behind the stamp": f"time,b,a\n{DAY}0Z,120,2,start\n{DAY}1Z,121,95\n{DAY}2Z,119,4\n",
-    "a stamp without seconds": "time,b,a\n1970-01-01T00:00,120,2,start\n1970-01-01T00:00:01,121,95\n1970-01-01T00:00:02,119,4\n",
+    "a stamp without seconds": f"time,b,a\n1970-01-01T00:00,120,2,start\n{DAY}1,121,95\n{DAY}2,119,4\n",
     "a status that is off": "time,a,state\n0,2,ON\n1,95,OFF, 2 stands\n2,4,ON\n",
     "a status without a title": "time,a\n0,2,ON\n1,95,OFF\n2,4,ON\n",
     "a sensor that is bad before a remark": "time,b,a\n0,1,2\n1,1,95\n2,1,4,slip\n3,1,Bad,slip\n",

@@ -178,6 +178,8 @@ class Header:
             problems += self._twice(stamp, titles, where, number)
             self.stamp = self._places(stamp, titles)[0]
             problems += self._other_units(stamp, self.stamp)
+            if dated := self._stamps.dated(stamp, self.names):
+                problems.append(Problem(where, number, "", None, *dated))
         for column in columns:
             problems += self._twice(column, titles, where, number) if column != stamp else []
             place = next(iter(self._places(column, titles)), None)
