@@ -264,6 +264,11 @@ def test_a_first_line_of_numbers_with_a_remark_is_no_header_and_is_not_lost(tmp_
     assert error.value.problems[0].line == 1
 
 
+def test_a_header_whose_first_titles_are_numbers_is_one_where_the_row_below_has_numbers_in_all_cells(tmp_path):
+    (tmp_path / "record.csv").write_text("5,10,Depth,Time\n1,2,3,0\n1,2,4,1\n")
+    assert Columns(tmp_path / "record.csv").names == ["5", "10", "depth", "time"]
+
+
 MOVED = ("time,x,note\n1,0,5,ok\n2,40,6,ok\n", "time,x,note\n0,1,ok\n1,2,5,ok\n", "time,x\n0,1\n1,2,5 m\n")
 
 

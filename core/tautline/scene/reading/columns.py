@@ -94,7 +94,8 @@ class Columns:
         rows = self._read(largest)
         self.header_line, first = rows[0]
         self.headed = not all(_is_number(cell) for cell in first if cell)
-        if self.headed and len(first) > 2 and all(_is_number(cell) for cell in first[:2]):
+        filled_below = len(rows) > 1 and all(_is_number(_cell(rows[1][1], i)) for i in range(len(first)))
+        if self.headed and len(first) > 2 and all(_is_number(cell) for cell in first[:2]) and not filled_below:
             cause = "begins with numbers as a row does, and has words as a header does"
             cure = "write a header above it, such as time,value, and begin remarks with # in lines of their own"
             self.stop(self.header_line, "", None, cause, cure)
