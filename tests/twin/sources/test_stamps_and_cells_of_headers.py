@@ -246,6 +246,16 @@ def test_one_number_in_a_column_of_states_lets_no_decimal_comma_pass_later(tmp_p
 
 
 @pytest.mark.parametrize("of", [file, stream])
+def test_a_first_row_whose_stamp_may_go_on_behind_a_comma_is_refused_with_a_zone_as_the_cure_that_reads_it(
+    tmp_path, of
+):
+    text = f"time,b,a\n{DAY}0,120,2,start\n"
+    with pytest.raises(SceneError, match=f"write them with a zone: {DAY}0Z"):
+        all_of(of(tmp_path, text))
+    assert [row.values["a"] for row in all_of(of(tmp_path, text.replace(f"{DAY}0", f"{DAY}0Z")))] == [2.0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
 def test_a_first_row_with_text_that_has_commas_is_refused_with_quotes_as_the_cure(tmp_path, of):
     with pytest.raises(SceneError, match="if commas are part of a text, put it in quotes"):
         all_of(of(tmp_path, "time,a,d,note\n0,1,5,start, 2 stands\n"))

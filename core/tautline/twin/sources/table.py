@@ -311,7 +311,7 @@ class Header:
     def _broken(self, line: str) -> BrokenRow | None:
         """Half a row with a header behind it."""
         columns = self._given[0]
-        if not columns or columns[0] not in line:
+        if not columns or not all(column in line for column in columns):
             return None
         cells = cells_of(line, self.separator)
         return broken_row(cells, self._titles, self._has_stamp(line), self._begins_header)
@@ -588,6 +588,8 @@ class Header:
         cure = cure_of_long_rows(self.separator, one_more, "this row")
         if self.separator == "," and kind_of(cells[self._cells - 1]) == "word":
             cure += "; or, if commas are part of a text, put it in quotes"
+        if self.separator == "," and has_half_a_second(cells, self.stamp):
+            cure += f"; or, if stamps are whole seconds, write them with a zone: {cells[self.stamp]}Z"
         elif one_more and kind_of(cells[number - 1]) != "number":
             cure += "; or, if the last cell is a status or a remark, give its column a title"
         if not self._begun and not self._behind:
