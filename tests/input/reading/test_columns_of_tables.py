@@ -242,7 +242,12 @@ def test_a_row_with_more_cells_than_the_header_is_refused_with_both_counts(text,
     assert cure in problem.cure and problem.line == line
 
 
-REMARKS = ("time,x\n0,1\n1,2,ream\n", "time,x,note\n0,1,\n1,2,ream, 2 stands\n", "time;x\n0;1\n1;2;ream;stop\n")
+REMARKS = (
+    "time,x,state\n0,1,ON\n1,2,OFF, 2 stands\n",
+    "time,x\n0,1\n1,2,ream\n",
+    "time,x,note\n0,1,\n1,2,ream, 2 stands\n",
+    "time;x\n0;1\n1;2;ream;stop\n",
+)
 
 
 @pytest.mark.parametrize("text", REMARKS)
@@ -257,6 +262,11 @@ def test_a_first_line_of_numbers_with_a_remark_is_no_header_and_is_not_lost(tmp_
     with pytest.raises(SceneError, match="begins with numbers as a row does") as error:
         Columns(tmp_path / "record.csv")
     assert error.value.problems[0].line == 1
+
+
+def test_a_header_whose_first_titles_are_numbers_is_one_where_the_row_below_has_numbers_in_all_cells(tmp_path):
+    (tmp_path / "record.csv").write_text("5,10,Depth,Time\n1,2,3,0\n1,2,4,1\n")
+    assert Columns(tmp_path / "record.csv").names == ["5", "10", "depth", "time"]
 
 
 MOVED = ("time,x,note\n1,0,5,ok\n2,40,6,ok\n", "time,x,note\n0,1,ok\n1,2,5,ok\n", "time,x\n0,1\n1,2,5 m\n")

@@ -65,6 +65,53 @@ def test_half_a_row_with_the_header_behind_it_is_left_out_and_told_and_rows_behi
     assert len(source.notes) == 1 and ":3: the row" in source.notes[0] and "breaks off" in source.notes[0]
 
 
+MORE = {
+    "a number": ("no,", "7,"), "no number in a row": ("no,", ","), "a word": ("state,", "run,"),
+    "two": ("date,no,", "x,7,"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(("title", "cell"), MORE.values(), ids=MORE)
+def test_a_new_header_with_columns_added_in_front_is_no_broken_row_and_rows_are_read_by_it(tmp_path, of, title, cell):
+    """Number of the row, time and winch were read as time, winch and load."""
+    later = "".join(f"{cell}{row}\n" for row in ("8,2,60", "9,3,", "10,4,80"))
+    source = of(tmp_path, f"{FIRST}{title}{FIRST.splitlines()[0]}\n{later}")
+    rows = [(row.time, row.values["winch"]) for row in all_of(source)]
+    assert rows == [(0.0, 1.0), (8.0, 2.0), (9.0, 3.0), (10.0, 4.0)]
+    assert "a new header" in source.notes[0]
+
+
+CHANGED = {
+    "another order": ("2,time [s],rope [kN],winch [m]\n8,60,2\n", 60.0),
+    "other units": ("2,time [s],winch [m],rope [N]\n8,2,60000\n", 60.0),
+    "stamps in other units": ("2,time [ms],winch [m],rope [kN]\n8000,2,60\n", 60.0),
+    "a column more": ("2,1,time [s],winch [m],rope [kN],C\n8,2,60,1\n", 60.0),
+    "in the stamp": ("2.time [s],rope [kN],winch [m]\n8,60,2\n", 60.0),
+}
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(("later", "rope"), CHANGED.values(), ids=CHANGED)
+def test_rows_behind_half_a_row_and_another_header_are_read_by_that_header(tmp_path, of, later, rope):
+    source = of(tmp_path, FIRST + later)
+    rows = [(row.time, *row.values.values()) for row in all_of(source)]
+    assert rows == [(0.0, 1.0, 50.0), (8.0, 2.0, rope)]
+    assert "breaks off, and a header comes behind it" in source.notes[0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "later",
+    ["2,no,time [s],winch [m],rope [kN]\n7,8,2,60\n", "2,time [s],winch [m],rope [kN]\ns,m,N\n8,2,60000\n"],
+    ids=["words before the stamp", "other units below it"],
+)
+def test_where_it_is_not_clear_how_rows_behind_half_a_row_and_a_header_are_read_the_source_ends(tmp_path, of, later):
+    source = of(tmp_path, FIRST + later)
+    with pytest.raises(SourceStopped, match=r"in the midst of a row|the unit is \[kN\] in the header and N"):
+        all_of(source)
+
+
 @pytest.mark.parametrize("of", [file, stream])
 def test_a_header_whose_first_name_ends_as_that_of_the_first_one_is_a_new_header_and_no_half_row(tmp_path, of):
     source = of(tmp_path, "time,winch,rope\n0,1,50\nDatetime,winch,rope\n1970-01-01T00:00:01Z,2,60\n")

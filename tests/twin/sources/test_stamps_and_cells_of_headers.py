@@ -204,6 +204,63 @@ def test_a_row_too_long_whose_numbers_may_have_moved_is_not_read_though_it_ends_
     assert [row.time for row in rows] == [0.0] and source.refused == 1
 
 
+DAYS = '"VarName";"TimeString";"a";"Validity";"Time_ms"\n"load";"2026-01-01 00:00:00";1,5;1;46023000000,0\n'
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("time", ["", "Time_ms"])
+def test_days_of_a_spreadsheet_that_are_called_milliseconds_are_refused_with_the_cure(tmp_path, of, time):
+    """46023 days after 1899-12-30 are 2026-01-01: a second is 11.574 of `Time_ms`, and was read as 0.0116 s."""
+    with pytest.raises(SceneError, match=r"days of a spreadsheet.*`time: TimeString`"):
+        stamps(of(tmp_path, DAYS, time))
+    assert stamps(of(tmp_path, DAYS, "TimeString")) == [1767225600.0]
+    assert stamps(of(tmp_path, DAYS, "Time_ms [ms]")) == [46023000.0]
+
+
+DAY = "1970-01-01 00:00:0"
+STATES = {
+    "whole seconds and three digits": f"time,b,a\n{DAY}0,120,2\n{DAY}1,121,95,slip\n{DAY}2,119,4\n",
+    "the same before a text": f"time,b,a,note\n{DAY}0,120,2,\n{DAY}1,121,95,stop, 2 stands\n{DAY}2,119,4,\n",
+    "a stamp in quotes": f'time,b,a\n"{DAY}0",120,2,start\n"{DAY}1",121,95\n"{DAY}2",119,4\n',
+    "a zone behind the stamp": f"time,b,a\n{DAY}0Z,120,2,start\n{DAY}1Z,121,95\n{DAY}2Z,119,4\n",
+    "a stamp without seconds": f"time,b,a\n1970-01-01T00:00,120,2,start\n{DAY}1,121,95\n{DAY}2,119,4\n",
+    "a status that is off": "time,a,state\n0,2,ON\n1,95,OFF, 2 stands\n2,4,ON\n",
+    "a status without a title": "time,a\n0,2,ON\n1,95,OFF\n2,4,ON\n",
+    "a sensor that is bad before a remark": "time,b,a\n0,1,2\n1,1,95\n2,1,4,slip\n3,1,Bad,slip\n",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize("text", STATES.values(), ids=STATES)
+def test_rows_with_events_are_not_lost_by_three_digits_behind_a_stamp_or_by_a_status_that_is_off(tmp_path, of, text):
+    """At 99 rpm the row with the event was read, at 100 rpm it was left out."""
+    source = of(tmp_path, text)
+    rows = [(row.time, row.values["a"]) for row in all_of(source) if row.time < 3.0]
+    assert rows == [(0.0, 2.0), (1.0, 95.0), (2.0, 4.0)] and source.refused == 0
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_one_number_in_a_column_of_states_lets_no_decimal_comma_pass_later(tmp_path, of):
+    source = of(tmp_path, "time,a,b,state\n0,10,1,run\n1,10,1,7\n2,10,1,run\n3,11,5,1,run\n4,12,1,run\n")
+    assert [row.time for row in all_of(source)] == [0.0, 1.0, 2.0, 4.0] and source.refused == 1
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_first_row_whose_stamp_may_go_on_behind_a_comma_is_refused_with_a_zone_as_the_cure_that_reads_it(
+    tmp_path, of
+):
+    text = f"time,b,a\n{DAY}0,120,2,start\n"
+    with pytest.raises(SceneError, match=f"write them with a zone: {DAY}0Z"):
+        all_of(of(tmp_path, text))
+    assert [row.values["a"] for row in all_of(of(tmp_path, text.replace(f"{DAY}0", f"{DAY}0Z")))] == [2.0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_first_row_with_text_that_has_commas_is_refused_with_quotes_as_the_cure(tmp_path, of):
+    with pytest.raises(SceneError, match="if commas are part of a text, put it in quotes"):
+        all_of(of(tmp_path, "time,a,d,note\n0,1,5,start, 2 stands\n"))
+
+
 @pytest.mark.parametrize("of", [file, stream])
 def test_a_value_that_is_missing_in_the_first_rows_says_nothing_of_those_with_text_behind_it(tmp_path, of):
     source = of(tmp_path, "time,a,remark\n0,,\n1,,\n2,95,start, 2 stands\n")

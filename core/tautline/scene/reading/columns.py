@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -19,7 +20,15 @@ import numpy as np
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.force_units import not_a_force, unit_of_force
-from tautline.scene.reading.long_rows import cure_of_long_rows, filled, has_remark, kind_of
+from tautline.scene.reading.long_rows import (
+    cure_of_long_rows,
+    filled,
+    first_beyond,
+    has_remark,
+    kind_of,
+    shows_nothing,
+    usual_kinds,
+)
 from tautline.scene.reading.text import decode
 from tautline.scene.refusal import nearest
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE
@@ -85,7 +94,8 @@ class Columns:
         rows = self._read(largest)
         self.header_line, first = rows[0]
         self.headed = not all(_is_number(cell) for cell in first if cell)
-        if self.headed and len(first) > 2 and all(_is_number(cell) for cell in first[:2]):
+        filled_below = len(rows) > 1 and all(_is_number(_cell(rows[1][1], i)) for i in range(len(first)))
+        if self.headed and len(first) > 2 and all(_is_number(cell) for cell in first[:2]) and not filled_below:
             cause = "begins with numbers as a row does, and has words as a header does"
             cure = "write a header above it, such as time,value, and begin remarks with # in lines of their own"
             self.stop(self.header_line, "", None, cause, cure)
@@ -158,8 +168,9 @@ class Columns:
         long = [(line, n, row) for line, row in self.rows if len(row) > width and (n := filled(row)) > width]
         if long:
             plain = [row for _, row in self.rows if len(row) <= width][:USUAL_ROWS]
-            usual = [{kind_of(_cell(row, i)) for row in plain} for i in range(width)]
-            long = [one for one in long if not plain or not has_remark(one[2], width, usual)]
+            usual = [usual_kinds(Counter(kind_of(_cell(row, i)) for row in plain)) for i in range(width)]
+            status = any(not shows_nothing(first_beyond(row, width)) for _, _, row in long)
+            long = [one for one in long if not plain or not has_remark(one[2], width, usual, status)]
         if not long:
             return
         line, number, row = long[0]

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Collection, Sequence
 
-NO_WORDS = frozenset("na n/a n.a. #n/a nan null none nil inf infinity bad off".split())
+NO_WORDS = frozenset("na n/a n.a. #n/a nan null none nil inf infinity".split())
 """What programs and loggers write where a number is missing, in small letters; dashes are such, too."""
+STATES = frozenset(("bad", "off"))
+"""What a sensor without a number may show, and a status, too."""
+TO_THE_SECOND = re.compile(r"(.*[T ])?\d\d?:\d\d:\d\d")
+"""A time of the day that may go on with parts of a second: no zone is behind it."""
 
 
 def filled(cells: Sequence[str]) -> int:
@@ -21,38 +27,69 @@ def kind_of(cell: str) -> str:
     return "number" if cell.lstrip("+-.,").lstrip()[:1].isdecimal() else "word"
 
 
-def has_remark(cells: Sequence[str], width: int, usual: Sequence[Collection[str]]) -> bool:
+def shows_nothing(cell: str) -> bool:
+    """Whether a cell is, or may be, that of a sensor that has no number; of a titled column `OFF` is a word."""
+    return not kind_of(cell) or cell.lower() in STATES
+
+
+def first_beyond(cells: Sequence[str], width: int) -> str:
+    """The first cell beyond the header that has something in it; empty where none has."""
+    return next((cell for cell in cells[width:] if cell), "")
+
+
+def usual_kinds(shown: Counter[str]) -> set[str]:
+    """Kinds of cells that a column shows: a status that was a number once, `7` among `run`, is one of words."""
+    kinds = {kind for kind, count in shown.items() if count}
+    return kinds if shown["number"] > shown["word"] else kinds - {"number"}
+
+
+def has_remark(cells: Sequence[str], width: int, usual: Sequence[Collection[str]], status: bool = False) -> bool:
     """Whether the cells of a row beyond the `width` of the header are a remark, and those before it in their places.
 
     Cells beyond it are words. Behind a last cell of words they may begin with a number, as text with a comma in it
     does: ``started, 2 stands``. The others are of the kinds that other rows show in their columns (`usual`, of each
-    column): a row name before them, or a decimal comma among them, moves a number to where words are.
+    column): a row name before them, or a decimal comma among them, moves a number to where words are. Where the first
+    cell beyond is known to be a `status`, `OFF` is a word there, and no sensor's that was moved.
     """
     text = kind_of(cells[width - 1]) == "word"
-    beyond = [cell for cell in cells[width:] if cell]
-    if not all(_may_be_text(cell) if text else kind_of(cell) == "word" for cell in beyond):
+    if text and not all(_may_be_text(cell) for cell in cells[width:] if cell):
+        return False
+    if not text and any(kind != "word" for kind in _kinds_beyond(cells, width, status)):
         return False
     return all(_is_usual(kind_of(cell), kinds) for cell, kinds in zip(cells[:width], usual, strict=False))
 
 
-def only_words_behind(cells: Sequence[str], place: int) -> bool:
+def _kinds_beyond(cells: Sequence[str], width: int, status: bool) -> list[str]:
+    """Kinds of the cells beyond the header that have something in them."""
+    kinds = [kind_of(cell) for cell in cells[width:] if cell]
+    if shows_nothing(first_beyond(cells, width)):
+        kinds[:1] = ["word" if status else ""]
+    return kinds
+
+
+def only_words_behind(cells: Sequence[str], place: int, width: int, status: bool = False) -> bool:
     """Whether a cell is no word, and those behind it are: then its number is not likely moved from behind it.
 
     That is no proof: where numbers have moved by one cell, and the last sensor shows a word, it looks the same. So the
-    first word is none that stands for a missing number.
+    first word is none that stands for a missing number, unless the first cell beyond the header is a `status`.
     """
-    behind = [kind_of(cell) for cell in cells[place + 1 :] if cell]
+    behind = [kind_of(cell) for cell in cells[place + 1 : width] if cell] + _kinds_beyond(cells, width, status)
     return kind_of(cells[place]) != "word" and behind[:1] == ["word"] and "number" not in behind
 
 
 def has_half_a_second(cells: Sequence[str], stamp: int) -> bool:
     """Whether a time of the day may go on behind a comma, in a cell of three digits: ``2026-01-01 00:00:00,100``."""
     time, behind = cells[stamp], next(iter(cells[stamp + 1 :]), "")
-    return ":" in time and "." not in time and len(behind) == 3 and behind.isdecimal()
+    return TO_THE_SECOND.fullmatch(time) is not None and len(behind) == 3 and behind.isdecimal()
 
 
 def _is_usual(kind: str, usual: Collection[str]) -> bool:
     return not kind or kind in usual or (kind == "word" and "number" not in usual)
+
+
+def is_number_or_date(cell: str) -> bool:
+    """Whether a cell is a number, a date, or the beginning of one: no title that begins with a number, ``1 (kN)``."""
+    return kind_of(cell) == "number" and not _may_be_text(cell)
 
 
 def _may_be_text(cell: str) -> bool:

@@ -18,6 +18,8 @@ NAMES = ("time", "t", "timestamp", "stamp", "ts", "datetime")
 DOUBTFUL = ("ts",)
 """Those of them that may be something else, such as a temperature or a torque."""
 LAST_BRACKET = re.compile(r"\s*(?P<name>.*[^\s])\s*[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])]\s*")
+DATED = frozenset(("timestring", "varname"))
+"""Columns of an export of WinCC, in small letters."""
 FINER = ((1e14, "ms", "milliseconds"), (1e17, "us", "microseconds"), (math.inf, "ns", "nanoseconds"))
 """Units of stamps since 1970 that are no seconds: below which number a stamp is likely in each."""
 
@@ -83,6 +85,19 @@ class Stamps:
             note = f"the name and the brackets of '{name} [{bracketed}]' have two units: that in brackets is read"
             self._notes += [note] if note not in self._notes else []
         return math.nan if self.doubt == "unit" else seconds_in(unit)
+
+    def dated(self, name: str, names: Sequence[str]) -> tuple[str, str] | None:
+        """Cause and cure where a column is no milliseconds, as its name says, but the days of a spreadsheet; else None.
+
+        So WinCC writes `Time_ms`: days since 1900 times a million, beside the same moment as a text.
+        """
+        if name.casefold() != "time_ms" or self.unit or DATED.isdisjoint(one.casefold() for one in names):
+            return None
+        cause = f"'{name}' beside TimeString or VarName has the days of a spreadsheet times a million, as WinCC writes"
+        cure = (
+            "write the moments as `2026-01-01 00:00:00`, and name their column in the map, such as `time: TimeString`"
+        )
+        return cause, f'{cure}; if these are milliseconds, write `time: "{name} [ms]"` there'
 
     def unclear(self, name: str) -> tuple[str, str]:
         """Cause and cure where numbers are stamps whose unit is doubtful."""

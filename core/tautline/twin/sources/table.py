@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import csv
 import math
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tautline.scene.errors import Problem, SceneError, shorten
+from tautline.scene.reading.broken_rows import BrokenRow, broken_row
 from tautline.scene.reading.columns import NO_UNIT
 from tautline.scene.reading.long_rows import (
     cure_of_long_rows,
     filled,
+    first_beyond,
     has_half_a_second,
     has_remark,
     kind_of,
     only_words_behind,
+    shows_nothing,
+    usual_kinds,
 )
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
@@ -157,7 +161,9 @@ class Header:
         self._begun = False  # whether any row was read, also one in doubt
         # The latest rows that are no longer than the header, and what they and those before them have had by column.
         self._plain: deque[list[str]] = deque(maxlen=USUAL_ROWS)
-        self._kinds: list[set[str]] = [set() for _ in range(self._cells)]
+        self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
+        # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
+        self._whole_times = self._status = False
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -172,6 +178,8 @@ class Header:
             problems += self._twice(stamp, titles, where, number)
             self.stamp = self._places(stamp, titles)[0]
             problems += self._other_units(stamp, self.stamp)
+            if dated := self._stamps.dated(stamp, self.names):
+                problems.append(Problem(where, number, "", None, *dated))
         for column in columns:
             problems += self._twice(column, titles, where, number) if column != stamp else []
             place = next(iter(self._places(column, titles)), None)
@@ -264,11 +272,10 @@ class Header:
             Whether it ends: half a line is none.
         """
         columns, time, where, units = self._given
+        if broken := self._broken(line):
+            return self._behind_torn(broken, line, number)
         if self._has_stamp(line):
             return None
-        if self._is_torn(cells_of(line, self.separator)):
-            self._tell_torn(line, number)
-            return self
         if whole and (below := self._units_in(line)):
             return self._with_units(below)
         sure = self._is_header(line) if whole else False
@@ -301,22 +308,40 @@ class Header:
         cell = next(iter(cells_of(line, self.separator)[self.stamp :]), "")
         return not math.isnan(number_of(cell)) or math.isfinite(stamp_of(cell))
 
-    def _is_torn(self, cells: Sequence[str]) -> bool:
-        """Whether a row broke off and this header came behind it, as a logger writes that is begun anew.
+    def _broken(self, line: str) -> BrokenRow | None:
+        """Half a row with a header behind it."""
+        columns = self._given[0]
+        if not columns or not all(column in line for column in columns):
+            return None
+        cells = cells_of(line, self.separator)
+        return broken_row(cells, self._titles, self._has_stamp(line), self._begins_header)
 
-        What was written of the row stands before the titles, in their first cell too: ``1006.0,time,winch``.
+    def _begins_header(self, titles: Sequence[str]) -> bool:
+        """Whether titles have all columns, and the first of them names a stamp."""
+        return self._stamped(titles[:1]) and {*heads(titles)[0], *titles}.issuperset(self._given[0])
+
+    def _behind_torn(self, broken: BrokenRow, line: str, number: int) -> Header | None:
+        """The header in the midst of a line, behind a row that broke off; this one where it is the same once more.
+
+        Where words stand between, it is not known with which of them the header begins: `read` raises at the next row.
         """
-        titles, last = self._titles, list(cells[-len(self._titles) :])
-        if len(last) < 2 or last[1:] != titles[1:] or not last[0].endswith(titles[0]) or list(cells) == titles:
-            return False
-        return kind_of(last[0].removesuffix(titles[0])) != "word"  # `Datetime` is no half row before `time`
-
-    def _tell_torn(self, line: str, at: int) -> None:
-        """Tell once that half a row before the header is left out."""
+        where = self._given[2]
+        if broken.words:
+            cause = f"in '{shorten(line)}' a header stands in the midst of a row that broke off"
+            cure = "put the header on a line of its own, and delete the row"
+            stop = NewHeader(SceneError([Problem(where, number, "", None, cause, cure)]))
+            self._later = Later(stop, self.separator, self.width, sure=True, named=True, told="")
+            return self
+        again = broken.titles == self._titles
         if "torn" not in self._told:
             self._told.add("torn")
-            shown = f"the row '{shorten(line)}' breaks off, and the header comes once more behind it"
-            self.notes.append(f"{self._given[2]}:{at}: {shown}. Such rows are left out")
+            shown = f"the row '{shorten(line)}' breaks off, and {'the' if again else 'a'} header comes"
+            end = " once more behind it" if again else " behind it"
+            self.notes.append(f"{where}:{number}: {shown}{end}. Such rows are left out")
+        if not again:
+            return self.next_header(broken.header(self.separator), number)
+        self._bare = self._behind = True  # units may stand below it once more
+        return self
 
     def _units_in(self, line: str) -> list[str]:
         """Units by cell of a line right below the header that has them; empty for any other line.
@@ -471,6 +496,8 @@ class Header:
         cells = cells_of(line, self.separator)
         count = len(cells)
         number = filled(cells) if count > self._cells else count
+        if self._broken(line) and self._has_stamp(line):
+            return None
         if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
         name, stamp = self.names[self.stamp] or "time", float("nan")
@@ -482,15 +509,14 @@ class Header:
                 stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
-            if self._is_torn(cells):
-                self._tell_torn(line, at)
+            if not self._has_remark(line, cells):
+                self._too_long(line, cells, at)
                 return None
-            if not self._has_remark(cells):
-                self._too_long(line, number, at)
-                return None
+            self._status |= not shows_nothing(first_beyond(cells, self._cells))
             self._tell_remark(line, at)
         elif math.isfinite(stamp) and not doubtful:
             self._widths.add(count)
+            self._whole_times |= ":" in cells[self.stamp] and count >= self.width
             if count <= self._cells:
                 self._plain.append(cells)
         if math.isfinite(stamp):
@@ -519,22 +545,26 @@ class Header:
         refused = SceneError([Problem(self._given[2], self._number_of_line, "", None, cause, cure)])
         raise NewHeader(refused) if self._behind else refused
 
-    def _has_remark(self, cells: Sequence[str]) -> bool:
+    def _has_remark(self, line: str, cells: Sequence[str]) -> bool:
         """Whether what a row has beyond the header is a remark, so that the cells before it are in their places.
 
         The stamp and columns of the map have numbers also where no row has shown that yet.
         """
-        if self.separator == "," and has_half_a_second(cells, self.stamp):
+        quoted = f'"{cells[self.stamp]}"' in line
+        if self.separator == "," and not (quoted or self._whole_times) and has_half_a_second(cells, self.stamp):
             return False
         places = [self.stamp, *self.places.values()]
-        if only_words_behind(cells, max(places)):
+        # A column of the map has no status: `Bad` is a missing number there.
+        cells = ["" if i in places and shows_nothing(cell) else cell for i, cell in enumerate(cells)]
+        if only_words_behind(cells, max(places), self._cells, self._status):
             return True
         for row in self._plain:
             for kinds, cell in zip(self._kinds, row, strict=False):
-                kinds.add(kind_of(cell))
+                kinds[kind_of(cell)] += 1
         self._plain.clear()
-        usual = [kinds | {"number"} if i in places else kinds for i, kinds in enumerate(self._kinds)]
-        return has_remark(cells, self._cells, usual)
+        numbers = [{"number"} if i in places else set() for i in range(self._cells)]
+        usual = [usual_kinds(kinds) | number for kinds, number in zip(self._kinds, numbers, strict=True)]
+        return has_remark(cells, self._cells, usual, self._status)
 
     def _tell_remark(self, line: str, at: int) -> None:
         """Tell once that words beyond the header are passed over."""
@@ -543,7 +573,7 @@ class Header:
             shown = f"the row '{shorten(line)}' has words in more cells than the header has"
             self.notes.append(f"{self._given[2]}:{at}: {shown}: they are passed over, and the cells before them count")
 
-    def _too_long(self, line: str, number: int, at: int) -> None:
+    def _too_long(self, line: str, cells: Sequence[str], at: int) -> None:
         """Tell once that a row fills more cells than the header has: which cell is whose is not known.
 
         Raises
@@ -551,11 +581,17 @@ class Header:
         SceneError
             Where no row was read yet: by such a header none can be.
         """
-        where = self._given[2]
+        where, number = self._given[2], filled(cells)
         cause = f"the row '{shorten(line)}' fills {number} cells, and the header has {self._cells}"
         first = line.split(self.separator, 1)[0]  # one with the time of a day is no row name: its second has a comma
         one_more = number == self._cells + 1 and not self._begun and ":" not in first
         cure = cure_of_long_rows(self.separator, one_more, "this row")
+        if self.separator == "," and kind_of(cells[self._cells - 1]) == "word":
+            cure += "; or, if commas are part of a text, put it in quotes"
+        if self.separator == "," and has_half_a_second(cells, self.stamp):
+            cure += f"; or, if stamps are whole seconds, write them with a zone: {cells[self.stamp]}Z"
+        elif one_more and kind_of(cells[number - 1]) != "number":
+            cure += "; or, if the last cell is a status or a remark, give its column a title"
         if not self._begun and not self._behind:
             raise SceneError([Problem(where, at or self._number_of_line, "", None, cause, cure)])
         if "long" not in self._told:
