@@ -30,7 +30,8 @@ GAUSS_POINTS = 5
 """Of a piece of a numerical integral."""
 WAVE_COLUMNS = 5
 OVERLAP, OF_PIECE = 1.0e-10, 1.0e-6
-"""By how much of its time, and of the piece before it, the last row is overlapped: a sum of steps is this much beside."""
+"""By how much of its time, and of the piece before it, at most, the piece before the last row goes on behind it: a time
+that is a sum of many is beside what was meant by as much."""
 MANY_WAVES = 8
 """Waves of one function from which their Taylor series is shorter."""
 
