@@ -22,8 +22,8 @@ def test_what_a_part_with_a_slash_in_its_name_measures_is_found_by_all_readers(t
     twin = SimpleNamespace(plan=plan, plan_names=names, units={}, scene=SimpleNamespace(units="si"))
     series = Series(tmp_path / "tw.nc", twin)
     numbers = {
-        "measured": {beside: 1.0, name: 2.0}, "residuals": {beside: 3.0, name: 4.0}, "outputs": {beside: 5.0, name: 6.0},
-        "estimates": {name: {"value": 7.0, "sd": 8.0}},
+        "measured": {beside: 1.0, name: 2.0}, "residuals": {beside: 3.0, name: 4.0},
+        "outputs": {beside: 5.0, name: 6.0}, "estimates": {name: {"value": 7.0, "sd": 8.0}},
     }  # fmt: skip
     series.add({"time": 0.0, **numbers, "inputs": {}, "alarms": [], "health": "good", "lag": 0.0})
     series.finish("done")

@@ -6,7 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tautline.results.result import Result
+    from tautline.scene.values.printed import printed_in
+from tautline.results.result import Result
     from tautline.view.space.appearance import Appearance, Look
 
 LARGEST = 1.0e6
@@ -70,7 +71,7 @@ def appearance_of(application: Any, result: Result, look: Look) -> Appearance:
 
 def in_units_of(result: Result, look: Look) -> Look:
     """A look whose legends have the units that the scene asks for."""
-    return replace(look, units=str(result.attributes.get("units") or "si"))
+    return replace(look, units=printed_in(result.attributes))
 
 
 def look_of(view: str | None, exaggerate: float | None) -> Look:

@@ -84,7 +84,7 @@ class Series:
         document = getattr(twin.scene, "document", None)
         attributes = {
             "scene": document.text if document else "", "version": __version__, "application": "twin",
-            "units": getattr(twin.scene, "units", "si"),
+            "printed_in": getattr(twin.scene, "units", "si"),
         }  # fmt: skip
         earlier = None if begin is None or not path.exists() else self._earlier(path, begin)
         self._store = Store(path, variables, coordinates, attributes, resumable=False)
@@ -147,7 +147,7 @@ def _take(*path: str) -> Any:
 
 
 def _name_in_file(name: str, taken: Collection[str]) -> str:
-    """A name without ``/``, which NetCDF takes for a group in which a variable would be lost; its text has it in full."""
+    """A name without ``/``, of which NetCDF makes a group where no reader looks; the variable's text has it in full."""
     name = name.replace("/", "_")
     while name in taken:
         name += "_"
