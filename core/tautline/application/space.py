@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from tautline.scene.values.printed import printed_in
+
 if TYPE_CHECKING:
-    from tautline.scene.values.printed import printed_in
-from tautline.results.result import Result
+    from tautline.results.result import Result
     from tautline.view.space.appearance import Appearance, Look
 
 LARGEST = 1.0e6
