@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -260,7 +260,14 @@ class Run:
             self.look(self.state, self.time, self.method)
 
     def advance(self, store: FrameStore) -> None:
-        """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``."""
+        """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``.
+
+        Ctrl-C waits for its end: what was computed counts, and is kept. One of many runs leaves it to who makes them.
+        """
+        with undisturbed() if self.brief is None else nullcontext():
+            self._advance(store)
+
+    def _advance(self, store: FrameStore) -> None:
         under_way, first = self._under_way(), self.done + self.waiting
         most = self.most_rows()
         until = self.ends.size - first if self.watch is None else self.watch.frames_until(first)
@@ -291,8 +298,7 @@ class Run:
         if stopped and self.watch is not None and self.watch.tries_again(Status(status), reached):
             return
         if self.waiting and (stopped or not self._under_way()):
-            made, self.waiting = self.waiting, 0
-            self.done, self.ahead = self.done + made, self.ahead + made
+            made = self._count_waiting()
             if not stopped:
                 self._remember()
                 if self.watch is not None and not self.watch.holds():
@@ -306,6 +312,12 @@ class Run:
             worst = int(self.state.counters[WORST])
             end, part, detail = self.model.end_of(self.state, Status(status), worst)
             raise StoppedEarly(end, reached, part, detail)
+
+    def _count_waiting(self) -> int:
+        """Have frames that wait for the one that is under way be done, to be stored next; returns how many."""
+        made, self.waiting = self.waiting, 0
+        self.done, self.ahead = self.done + made, self.ahead + made
+        return made
 
     @contextmanager
     def _turn_of_others(self) -> Iterator[None]:
@@ -420,8 +432,10 @@ class Run:
         self, store: FrameStore, status: str, further: dict[str, Any] | None = None, warnings: Sequence[str] = ()
     ) -> Result | None:
         """Close the file with what is known at the end, further attributes and warnings; None if it holds nothing."""
-        if status == INTERRUPTED and self.watch is not None:
-            self.watch.leave()
+        if status == INTERRUPTED:
+            if self.watch is not None:
+                self.watch.leave()
+            self._count_waiting()
         if self.ahead and self.brief is None:
             self._store(store)
         result = store.result

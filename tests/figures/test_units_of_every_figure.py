@@ -41,7 +41,7 @@ RUNS = {
 
 
 def in_field(run):
-    run.attributes["units"] = "field"
+    run.attributes["printed_in"] = "field"
     return run
 
 

@@ -14,7 +14,7 @@ FOOT, KIP, POUND_FOOT = 0.3048, 4448.2216152605, 1.3558179483
 
 def field(**changes):
     run = result(None, **({"frames": 100} | changes))
-    run.attributes["units"] = "field"
+    run.attributes["printed_in"] = "field"
     return run
 
 

@@ -7,6 +7,7 @@ from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
     SPEED,
+    UNREST,
     book_speeds,
     ease,
     prescribe_end,
@@ -60,7 +61,7 @@ def pushed(function, end, h=STEP, gamma=0.5, equal=True):
     degrees.prescribe(0, 0)
     dofs = assemble((), degrees, functions, np.zeros(2), [], []).dofs
     q, v, a = (np.full(2, x) for x in value_at(functions, 0, 0.0))
-    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((8, 2))
+    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((UNREST + 1, 2))
     for k in range(round(end / h)):
         t, speed, place = h * k, v[0], q[0]
         known[:2, 0], known[SPEED, 0] = a[0], v[0]
@@ -109,6 +110,25 @@ def test_a_table_of_places_that_jumps_in_speed_pushes_by_each_jump():
     found, true, bends = pushed(FunctionRequest(zigzag), 0.04)
     assert found == pytest.approx(true, abs=1e-9)
     assert bends.sum() == 3
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "cubic"])
+@pytest.mark.parametrize("at", [0.02, 0.02 * (1.0 + 1e-15), 0.02 * (1.0 - 1e-15), 0.0203])
+def test_a_table_that_ends_in_motion_before_the_run_does_is_stopped_by_one_push(at, interpolation):
+    time = np.linspace(0.0, at, 41)
+    table = Table(time=tuple(time), value=tuple(0.3 * time), interpolation=interpolation)
+    found, true, bends = pushed(FunctionRequest(table), 0.04)
+    assert found == pytest.approx(true, abs=1e-9)
+    assert true[-1] == pytest.approx(-0.3)
+    assert bends.sum() == 1
+
+
+@pytest.mark.parametrize("end", [0.04, 0.04 * (1.0 + 1e-15), 0.04 * (1.0 - 1e-15)])
+def test_no_step_stops_a_table_whose_last_row_is_at_the_end_of_the_run(end):
+    time = np.linspace(0.0, end, 41)
+    found, true, bends = pushed(FunctionRequest(Table(time=tuple(time), value=tuple(0.3 * time))), 0.04)
+    assert (found[-1], true[-1]) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert not bends.any()
 
 
 @pytest.mark.parametrize("steps", [6, 7, 9.3, 10, 50, 1000])

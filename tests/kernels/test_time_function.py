@@ -135,6 +135,32 @@ def test_a_table_is_held_outside():
         assert value(functions, 2.0) == pytest.approx(1.0, abs=1e-13)
 
 
+@pytest.mark.parametrize("beside", [0.0, 4.0e-15, -4.0e-15, 1.0e-10])
+@pytest.mark.parametrize("interpolation", ["linear", "cubic"])
+def test_at_its_last_row_and_within_rounding_of_it_a_table_still_moves_and_behind_it_is_held(interpolation, beside):
+    time = np.linspace(0.0, 12.0, 241)
+    table = Table(time=tuple(time), value=tuple(0.5 * np.sin(0.25 * np.pi * time)), interpolation=interpolation)
+    functions, end = compiled(table), 12.0 * (1.0 + 0.5 * beside)
+    # Half a meter at a period of 8 s, and 12 s are one and a half of them.
+    speed = -0.125 * np.pi
+    assert value_at(functions, 0, end) == (
+        pytest.approx(0.0, abs=1e-9), pytest.approx(speed, rel=1e-3), pytest.approx(0.0, abs=0.05),
+    )  # fmt: skip
+    assert sample(functions, 0, np.full(MANY, end))[-1, 1] == pytest.approx(speed, rel=1e-3)
+    assert value_at(functions, 0, 12.0 + 1e-6) == (table.value[-1], 0.0, 0.0)
+
+
+def test_at_its_last_row_a_table_of_speeds_still_changes_them():
+    functions = compiled(Velocity(velocity=Table(time=(0.0, 1.0, 3.0), value=(0.0, 2.0, 1.0))))
+    assert value_at(functions, 0, 3.0) == pytest.approx((4.0, 1.0, -0.5), abs=1e-14)
+    assert value_at(functions, 0, 3.1) == pytest.approx((4.1, 1.0, 0.0), abs=1e-14)
+
+
+def test_a_run_that_begins_at_the_last_row_of_a_table_begins_held():
+    functions = compiled(Table(time=(-2.0, -1.0, 0.0), value=(3.0, 1.0, 5.0)))
+    assert value_at(functions, 0, 0.0) == (5.0, 0.0, 0.0)
+
+
 def test_a_cubic_table_follows_a_sampled_wave_with_fourth_order():
     errors = []
     for n in (20, 40):

@@ -113,6 +113,34 @@ def test_a_frame_of_a_hundred_thousand_steps_lets_ctrl_c_through(method):
     assert 0.0 < heard[0] < heard[-1] < 0.1
 
 
+@pytest.mark.parametrize("batches", [3, 4, 5])
+@pytest.mark.parametrize("method", METHODS)
+def test_ctrl_c_in_compiled_code_loses_none_of_the_frames_that_were_computed(monkeypatch, method, batches):
+    """Python hears it as that code returns: steps, times and frames of a result are those of one state."""
+    import signal
+
+    whole, real, count = simulate(model(method, frames=100)), running.run_steps, []
+
+    def pressed(*arguments):
+        found = real(*arguments)
+        count.append(found[2])
+        if len(count) == batches:
+            signal.raise_signal(signal.SIGINT)
+        return found
+
+    monkeypatch.setattr(running, "run_steps", pressed)
+    with pytest.raises(Interrupted) as stop:
+        simulate(model(method, frames=100))
+    kept, reached = stop.value.result, count[-1]
+    assert len(count) == batches and stop.value.time == reached
+    # A frame each hundredth of a second, the state at the start too: none that the run has passed is missing.
+    assert len(kept.time) == np.count_nonzero(whole.time <= reached * (1.0 + 1e-12)) and len(kept.time) > 1
+    np.testing.assert_array_equal(kept["position"], whole["position"][: len(kept.time)])
+    if method != "divided":
+        assert kept.attributes["steps"] * 2e-3 == pytest.approx(reached, rel=1e-9)
+    assert_equal(simulate(model(method, frames=100), resume=kept), whole)
+
+
 def test_ctrl_c_that_python_drops_is_heard_after_the_batch(monkeypatch):
     """What is raised in a callback of the garbage collector is printed and forgotten."""
     import signal

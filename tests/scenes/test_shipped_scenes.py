@@ -60,7 +60,7 @@ def field_well(report, result):
     assert report["hook_load_start"] == pytest.approx(weight * mud * pound * 9.81, rel=1e-3)
     # 30 ft/min up for 6 s less half of the ramp's 2 s, in SI whatever is printed; the bit follows, later and less
     assert result["block_position"][-1] == pytest.approx(-2.5 * foot, rel=1e-9)
-    assert 0.0 < report["bit_displacement"] < 2.5 * foot and result.attributes["units"] == "field"
+    assert 0.0 < report["bit_displacement"] < 2.5 * foot and result.attributes["printed_in"] == "field"
 
 
 def drilling(report, result):

@@ -11,7 +11,7 @@ from drillstring.drilling.bit_group import OWN
 from drillstring.drilling.bit_rock import BladeBit, RockBit
 from drillstring.drilling.top_drive import TopDrive
 from tautline.results.variable import Variable, at_start, late_start
-from tautline.scene.values.printed import shown
+from tautline.scene.values.printed import printed_in, shown
 
 LAST = 0.5
 """Part of a run, at its end, that tells of stick-slip and of means: what was before is how it came to that."""
@@ -59,7 +59,7 @@ def observed_at_ends(frames: Any, groups: Sequence[Any]) -> dict[str, np.ndarray
 
 def _per_hour(rate: float, result: Any) -> str:
     """A rate of penetration as drillers write it, in the units of the result."""
-    system = str(getattr(result, "attributes", {}).get("units") or "si")
+    system = printed_in(getattr(result, "attributes", {}))
     return shown(3600.0 * rate, "m/h", system, digits=3)
 
 

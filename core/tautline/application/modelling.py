@@ -66,7 +66,7 @@ def attributes_of(scene: Any, application: str, conventions: str, besides: Any =
             "application": lambda: application,
             "model_hash": lambda: model_hash(scene, besides, folder),
             "conventions": lambda: conventions,
-            "units": lambda: getattr(scene, "units", "si"),
+            "printed_in": lambda: getattr(scene, "units", "si"),
         }
     )
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from tautline.scene.values.printed import printed_in
+
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.view.space.appearance import Appearance, Look
@@ -70,7 +72,7 @@ def appearance_of(application: Any, result: Result, look: Look) -> Appearance:
 
 def in_units_of(result: Result, look: Look) -> Look:
     """A look whose legends have the units that the scene asks for."""
-    return replace(look, units=str(result.attributes.get("units") or "si"))
+    return replace(look, units=printed_in(result.attributes))
 
 
 def look_of(view: str | None, exaggerate: float | None) -> Look:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.scene.values.printed import printed_in
 from tautline.scene.values.printed import shown as printed
 from tautline.sweeps.indices import PARAMETER
 from tautline.sweeps.missing import Missing, listed_shortly
@@ -171,7 +172,7 @@ def _scaled(data: Variables, name: str) -> tuple[np.ndarray, str]:
 
 
 def _system(data: Variables) -> str:
-    return str(data.attrs.get("units") or "si")
+    return printed_in(data.attrs)
 
 
 def _title(data: Variables, name: str, cases: Cases | None = None) -> str:

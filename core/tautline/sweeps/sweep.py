@@ -449,7 +449,7 @@ class _Sweep:
         attributes = {
             "scene": self.scene.document.told, "application": self.application.name, "verb": self.read.verb,
             "sweep": self.read.document.told, "title": self.read.title or self.scene.title or "",
-            "units": str(getattr(self.scene, "units", "si")),
+            "printed_in": str(getattr(self.scene, "units", "si")),
         }  # fmt: skip
         data = dataset(self.cases, columns | self.columns, self._all_rows(), attributes)
         if self.cases.indices and not interrupted:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,9 @@ MOST_PIECES = 2_000_000
 GAUSS_POINTS = 5
 """Of a piece of a numerical integral."""
 WAVE_COLUMNS = 5
+OVERLAP, OF_PIECE = 1.0e-10, 1.0e-6
+"""By how much of its time, and of the piece before it, at most, the piece before the last row goes on behind it: a time
+that is a sum of many is beside what was meant by as much."""
 MANY_WAVES = 8
 """Waves of one function from which their Taylor series is shorter."""
 
@@ -163,11 +166,15 @@ class Samples:
 
 @dataclass
 class Track:
-    """A piecewise polynomial: `breaks` (n,) s, `origins` (n + 1,) s, `coefficients` (n + 1, 8)."""
+    """A piecewise polynomial: `breaks` (n,) s, `origins` (n + 1,) s, `coefficients` (n + 1, 8).
+
+    The last break stands `overlap` s behind the last row of what is held from there on.
+    """
 
     breaks: np.ndarray
     origins: np.ndarray
     coefficients: np.ndarray
+    overlap: float = 0.0
 
     @classmethod
     def of(cls, breaks: Any, origins: Any, rows: Any) -> Track:
@@ -179,11 +186,16 @@ class Track:
 
     @classmethod
     def held(cls, time: np.ndarray, rows: np.ndarray, first: float, last: float) -> Track:
-        """Pieces between times, about their left ends, and constant before and after."""
+        """Pieces between times, about their left ends, and constant before and after.
+
+        At the last time, and within rounding of it, the piece on its left counts: a run that ends there ends in motion.
+        """
         coefficients = np.zeros((len(time) + 1, DEGREES))
         coefficients[1:-1, : rows.shape[1]] = rows
         coefficients[0, 0], coefficients[-1, 0] = first, last
-        return cls(time, np.concatenate((time[:1], time)), coefficients)
+        overlap = _overlap(time)
+        breaks = np.append(time[:-1], time[-1] + overlap)
+        return cls(breaks, np.concatenate((time[:1], time)), coefficients, overlap)
 
     def value(self, t: float) -> float:
         """Value at a time."""
@@ -195,9 +207,11 @@ class Track:
 
         They are exact where every piece is straight or a ramp. A curve's may be somewhat wider.
         """
-        inside = self.breaks[(self.breaks > 0.0) & (self.breaks < end)]
+        breaks = self.breaks.copy()
+        breaks[-1:] -= self.overlap
+        inside = breaks[(breaks > 0.0) & (breaks < end)]
         edges = np.concatenate(([0.0], inside, [max(end, 0.0)]))
-        pieces = np.searchsorted(self.breaks, edges[:-1], side="right")
+        pieces = np.searchsorted(breaks, edges[:-1], side="right")
         # About the left edge of each piece, in units of its length.
         begins, lengths = edges[:-1] - self.origins[pieces], np.diff(edges)
         order = DEGREES - 1
@@ -226,9 +240,20 @@ class Track:
         left = _rows_at(rows[:-1], self.breaks - self.origins[:-1])
         right = _rows_at(rows[1:], self.breaks - self.origins[1:])
         rows[1:, 0] = np.cumsum(left - right)
-        track = Track(self.breaks, self.origins, rows)
+        track = Track(self.breaks, self.origins, rows, self.overlap)
         rows[:, 0] -= track.value(0.0)
         return track
+
+
+def _overlap(time: np.ndarray) -> float:
+    """How far behind the last of these times the piece before it goes on, s: what steps and units leave of rounding.
+
+    Not where the run begins there, or later: it begins held.
+    """
+    last = float(time[-1])
+    if time.size < 2 or last <= 0.0:
+        return 0.0
+    return max(8.0 * float(np.spacing(last)), min(OVERLAP * last, OF_PIECE * (last - float(time[-2]))))
 
 
 @dataclass
@@ -245,7 +270,7 @@ class Parts:
 
     def times(self, factor: float) -> Parts:
         """All of it times a number."""
-        tracks = [Track(track.breaks, track.origins, factor * track.coefficients) for track in self.tracks]
+        tracks = [replace(track, coefficients=factor * track.coefficients) for track in self.tracks]
         return Parts(tracks, [(factor * a, *rest) for a, *rest in self.waves])
 
     def integral(self, request: FunctionRequest) -> Parts:

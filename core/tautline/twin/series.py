@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -53,7 +53,7 @@ class Series:
         coordinates: dict[str, Any] = {}
 
         def add(name: str, unit: str, text: str, take: Any, shape: tuple[int, ...] = ()) -> None:
-            dims = []
+            name, dims = _name_in_file(name, self._columns), []
             for size in shape:
                 dim = "axis" if size == 3 else f"of_{size}"
                 coordinates.setdefault(dim, np.arange(size))
@@ -84,7 +84,7 @@ class Series:
         document = getattr(twin.scene, "document", None)
         attributes = {
             "scene": document.text if document else "", "version": __version__, "application": "twin",
-            "units": getattr(twin.scene, "units", "si"),
+            "printed_in": getattr(twin.scene, "units", "si"),
         }  # fmt: skip
         earlier = None if begin is None or not path.exists() else self._earlier(path, begin)
         self._store = Store(path, variables, coordinates, attributes, resumable=False)
@@ -144,6 +144,14 @@ def _take(*path: str) -> Any:
         return value
 
     return take
+
+
+def _name_in_file(name: str, taken: Collection[str]) -> str:
+    """A name without ``/``, of which NetCDF makes a group where no reader looks; the variable's text has it in full."""
+    name = name.replace("/", "_")
+    while name in taken:
+        name += "_"
+    return name
 
 
 def _filled(value: Any, shape: tuple[int, ...]) -> np.ndarray:

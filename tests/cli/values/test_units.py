@@ -13,7 +13,7 @@ from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
-from tautline.scene.values.printed import in_words, shown
+from tautline.scene.values.printed import in_words, printed_in, shown
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.scene.values.units import pint_registry
 
@@ -78,6 +78,18 @@ def test_every_conversion_equals_pint_s(system, unit):
 )
 def test_a_figure_is_written_as_a_driller_would(value, unit, text):
     assert shown(value, unit, "field") == text
+
+
+@pytest.mark.parametrize("text", ["5 N m/rad", "1200 N m s/rad", "soft torque of 1.2 kN m s/rad", "40 N m²"])
+def test_no_part_of_a_unit_that_has_no_other_is_converted(text):
+    assert in_words(text, "field") == text
+
+
+@pytest.mark.parametrize(
+    ("attributes", "system"), [({"printed_in": "field"}, "field"), ({"units": "metric"}, "metric"), ({}, "si")]
+)
+def test_results_say_in_which_units_they_are_printed_and_those_of_earlier_versions_do(attributes, system):
+    assert printed_in(attributes) == system
 
 
 @pytest.mark.parametrize(
@@ -163,7 +175,8 @@ def test_the_summary_of_a_run_is_in_field_units_and_json_and_file_are_si(drillst
     stretch = float(re.search(r"elongation of the string at the start +([\d.]+) ft", err)[1])
     assert stretch == pytest.approx(report["stretch_start"] / FOOT, rel=1e-3)
     assert re.search(r"surface torque at the end +[\d.]+ k?ft-lbf", err) and not re.search(r"\d k?N( m)?\b", err)
-    assert Result.read("field.nc").attributes["units"] == "field"
+    attributes = Result.read("field.nc").attributes
+    assert attributes["printed_in"] == "field" and "units" not in attributes
 
 
 def test_units_change_what_is_printed_and_nothing_that_is_computed(drillstring):

@@ -219,6 +219,16 @@ def test_motions_that_jump_are_refused_by_name(motion, words):
     assert caught.value.problems[0].key in ("frames[0].slew", "frames[0]")
 
 
+@pytest.mark.parametrize("beside", [0.0, 1e-15, -1e-15])
+def test_a_frame_whose_table_ends_with_the_run_moves_to_the_end_as_the_motion_that_was_tabled(beside):
+    time = np.linspace(0.0, 12.0, 241)
+    heave = Table(time=tuple(time), value=tuple(0.5 * np.sin(0.25 * np.pi * time)))
+    frame = Frame("vessel", GROUND, (0.0, 0.0, -10.0), (NIL, NIL, heave, NIL, NIL, NIL))
+    end = 12.0 * (1.0 + beside)
+    got = between(compile_functions(requests_of((frame,), end)), np.array([end]), (frame,))
+    assert got[:2, 0, 0, 2] == pytest.approx([0.0, -0.125 * np.pi], abs=1e-6)
+
+
 @pytest.mark.parametrize("end", [400.0, 800.0, 1200.0, 3600.0])
 def test_a_smooth_motion_is_not_refused_where_the_run_is_a_multiple_of_its_period(end):
     """At hundredths of such a run, and where its ramp ends, the sine of 8 s is nothing but rounding."""

@@ -33,13 +33,14 @@ SHORTEST_SLOPE = 1.0e-90
 AXIAL = "axial force of the section, of strain and bending, in the middle of an element, with damping"
 
 
-def _multiplier(names: list[str]) -> Variable:
+TIE = "of a tie on its first node, along the global axis that is named; its opposite on the second"
+
+
+def _multipliers(observer: Observer) -> list[Variable]:
     """Of an equation between r or p a force, N; of one between r' a moment, N m, as r' has no unit."""
-    turning = [name.startswith(SLOPES) for name in names]
-    unit = "N m" if all(turning) else "N"
-    mixed = f", N m where the constraint is {SLOPES}" if any(turning) and not all(turning) else ""
-    text = f"force of a tie on its first node, along the global axis that is named{mixed}; its opposite on the second"
-    return Variable("multiplier", ("time", "constraint"), unit, text)
+    force = Variable("multiplier", ("time", "constraint"), "N", f"force {TIE}")
+    moment = Variable("multiplier_moment", ("time", "slope_constraint"), "N m", f"moment {TIE}")
+    return [one for one, some in ((force, ~observer.turning), (moment, observer.turning)) if some.any()]
 
 
 def variables(observer: Observer) -> list[Variable]:
@@ -55,7 +56,7 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("material_velocity", node, "m/s", "rate of the material coordinate"),
         Variable("axial_force", element, "N", AXIAL),
         *(curved if observer.cubic_nodes.size else []),
-        *([_multiplier(observer.names)] if observer.names else []),
+        *_multipliers(observer),
         *energy_variables(
             ", of springs too",
             " of weight and loads",
@@ -70,7 +71,8 @@ class Observer:
 
     def __init__(self, layout: Layout, sections: Sections, groups: tuple[Any, ...], names: list[str]) -> None:
         scene = layout.scene
-        self.names = names
+        self.names = np.array(names, dtype=str)
+        self.turning = np.array([name.startswith(SLOPES) for name in names], dtype=bool)
         self.multipliers = next((g for g in groups if isinstance(g, Multipliers)), None)
         self.ids = np.array([node.id for node in scene.nodes])
         self.element_ids = np.array([e.id for e in scene.elements])
@@ -86,7 +88,10 @@ class Observer:
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
-        named = {"constraint": ("constraint", np.array(self.names), "", "equation")} if self.names else {}
+        named = {}
+        for dim, some in (("constraint", ~self.turning), ("slope_constraint", self.turning)):
+            if some.any():
+                named[dim] = (dim, self.names[some], "", "equation")
         return {
             "node": ("node", self.ids, "", "node's id in the scene"),
             "element": ("element", self.element_ids, "", "element's id in the scene"),
@@ -111,7 +116,10 @@ class Observer:
         if self.cubic_nodes.size:
             made["slope"], made["curvature"] = slope, curvature
         if self.multipliers is not None:
-            made["multiplier"] = frames.a[:, self.multipliers.unknown] * self.multipliers.weight
+            forces = frames.a[:, self.multipliers.unknown] * self.multipliers.weight
+            for name, some in (("multiplier", ~self.turning), ("multiplier_moment", self.turning)):
+                if some.any():
+                    made[name] = forces[:, some]
         return made | energies_of(frames)
 
     def _forces(

@@ -20,7 +20,7 @@ from tautline.cli.output.summary import limit_said, limits_of_scene, table, two_
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import option_error
 from tautline.scene.reading.document import in_turn
-from tautline.scene.values.printed import in_words, quantity
+from tautline.scene.values.printed import in_words, printed_in, quantity
 
 if TYPE_CHECKING:
     from tautline.application.protocol import Application
@@ -387,7 +387,7 @@ def _print_limits(report: dict[str, Any], attributes: dict[str, Any]) -> None:
     if not records:
         return
     console().print()
-    system = str(attributes.get("units") or "si")
+    system = printed_in(attributes)
     console().print(limits_of_scene(records, system, attributes.get("statistics_begin")))
     if report["status"] != "done" and records[0]["until"] is not None:
         say(
@@ -415,7 +415,7 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         else:
             following = typed(catalogue.name, "plot", result.path)
             say(f"wrote {result.path}: {frames}. Next: {following}", "green")
-    system = str(result.attributes.get("units") or "si") if result is not None else "si"
+    system = printed_in(result.attributes) if result is not None else "si"
     for warning in report["warnings"]:
         say(f"warning: {in_words(warning, system)}", "yellow")
     for record in report["limits"]:

@@ -18,7 +18,7 @@ from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.output.summary import two_columns
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import SceneError, option_error
-from tautline.scene.values.printed import quantity, shown, significant
+from tautline.scene.values.printed import printed_in, quantity, shown, significant
 
 if TYPE_CHECKING:
     from tautline.scene.errors import SceneWarning
@@ -152,7 +152,7 @@ def _rows(outcome: Outcome) -> list[tuple[str, str]]:
 
     from tautline.sweeps.table import TIMES
 
-    data, system, rows = outcome.data, str(outcome.data.attrs.get("units") or "si"), []
+    data, system, rows = outcome.data, printed_in(outcome.data.attrs), []
     for name, one in data.data_vars.items():
         if name in TIMES or one.dims != outcome.cases.dims or not one.is_number:
             continue
@@ -232,7 +232,7 @@ def _place(data: Variables, one: Any) -> str:
     k, axis = int(one.values.argmin()), data.coords.get(one.dims[0])
     if axis is None:
         return str(k)
-    return shown(float(axis.values[k]), str(axis.attrs.get("units") or ""), str(data.attrs.get("units") or "si"))
+    return shown(float(axis.values[k]), str(axis.attrs.get("units") or ""), printed_in(data.attrs))
 
 
 def _percentiles(data: Variables, system: str) -> list[tuple[str, str]]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from tautline.cli.output.console import console
-from tautline.scene.values.printed import in_percent, in_words, quantity, shown, significant
+from tautline.scene.values.printed import in_percent, in_words, printed_in, quantity, shown, significant
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -51,11 +51,11 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
     report : dict
         The keys of ``simulate --json``.
     attributes : dict
-        Attributes of the result; `units` says which units the figures are printed in.
+        Attributes of the result; `printed_in` says which units the figures are printed in.
     headline : dict
         The application's figures: name -> {value, unit, text}.
     """
-    system = str(attributes.get("units") or "si")
+    system = printed_in(attributes)
     rows = []
     for name, figure in headline.items():
         label = in_words(str(figure.get("text") or name.replace("_", " ")), system)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from typing import Any
 
 from tautline.scene.values.systems import SYSTEMS, in_system
@@ -85,6 +86,14 @@ def converted(value: float, word: str, system: str) -> tuple[float, str]:
     return in_system(value * known[0], known[1], system) if known else (value, word)
 
 
+def printed_in(attributes: Mapping[str, Any]) -> str:
+    """In which units a result of these attributes is printed: ``si``, ``metric`` or ``field``; its numbers are SI.
+
+    Files of earlier versions call it `units`.
+    """
+    return str(attributes.get("printed_in") or attributes.get("units") or "si")
+
+
 def in_words(text: str, system: str) -> str:
     """A heading or a sentence with its figures converted: ``drill pipe at 1240 m`` -> ``drill pipe at 4068 ft``.
 
@@ -104,5 +113,6 @@ def in_words(text: str, system: str) -> str:
         written = iter(f"{x:.0f}" if abs(x) >= 1000.0 else f"{x:.4g}" for x in (share * value for value in values))
         return f"{re.sub(FIGURE, lambda _: next(written), found[1])} {unit}"
 
-    pattern = rf"(?<![\w.])({FIGURE}(?:{BETWEEN}{FIGURE})*) ({units})(?![\w/²³^])"
+    # Of a unit that is written as a product or a quotient, N m/rad, no part is one.
+    pattern = rf"(?<![\w.])({FIGURE}(?:{BETWEEN}{FIGURE})*) ({units})(?!\w|(?: (?:m|s|kg|N|rad))*[/²³^])"
     return re.sub(pattern, put, text)

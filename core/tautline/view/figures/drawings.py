@@ -13,6 +13,7 @@ from typing import Any
 from tautline.results.errors import ResultError
 from tautline.results.naming import stem
 from tautline.results.result import Result
+from tautline.scene.values.printed import printed_in
 from tautline.view.figures.choice import split
 from tautline.view.figures.comparison import listed, names, nearest, one_kind, title
 from tautline.view.figures.curves import variable_figure
@@ -104,7 +105,7 @@ def drawn(
         except ResultError:
             if what:
                 raise
-    system = str(results[0].attributes.get("units") or "si")
+    system = printed_in(results[0].attributes)
     for figure in found.values():
         use_units(figure, system)
     return found
