@@ -106,7 +106,7 @@ def test_no_tension_of_ten_deviations_of_its_sensor_is_in_good_health_where_inpu
     lines, twin = twin_of_noise(0.007)
     assert twin.readings.shaken
     large = [line for line in lines if line["deviations"]["winch.tension"] > 10.0 * 500.0]
-    assert len(large) > 80 and not [line for line in large if line["health"] == "good"]
+    assert len(large) > 50 and not [line for line in large if line["health"] == "good"]
 
 
 def test_health_is_degraded_where_rows_and_window_miss_by_many_deviations_though_no_noise_is_seen():
@@ -212,7 +212,7 @@ def test_a_computed_overload_is_told_and_known_only_where_it_is_beyond_doubt(com
 
 
 def test_a_simulation_that_bounces_by_itself_begins_again_from_rest_and_goes_on_as_the_load_does():
-    lines, twin = twin_of_noise(0.005)
+    lines, twin = twin_of_noise(0.007)
     late = [line for line in lines if line["time"] > QUIET]
     off = [line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late]
     # The bounce of the first seconds stayed: 12 kN, where the readings swing by 4 kN.
