@@ -164,7 +164,4 @@ class Body(Model):
         if self.release is not None and self.release.remaining >= self.mass:
             cause = f"is no less than the body has, {self.mass:g} kg: nothing drops"
             raise fault(("release", "remaining"), cause, "give what remains on the hook, such as 0")
-        if self.release is not None and (self.release.bottom or 0.0) > self.bottom:
-            cause = f"is more than the whole body has, {self.bottom:g} m: what remains would be in the ground at once"
-            raise fault(("release", "bottom"), cause, "give the way down to the lowest point of what remains")
         return self
