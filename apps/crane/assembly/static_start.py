@@ -34,8 +34,8 @@ TRUE = 1.0e-6
 ACROSS = 2
 """Axes along the ground."""
 TURNED = 95.0
-"""Angle, deg, between the axis of a body that is up as it is laid out and at rest, beyond which another side of it is up.
-A body that lies on its side may have been meant so, and rounding decides nothing."""
+"""Angle, deg, between the axis of a body that is up as it is laid out and at rest, beyond which another side is up. A
+body that lies on its side may have been meant so, and rounding decides nothing."""
 ASKEW = 5.0
 """The same beyond which a load in a sling that has slipped is no longer as it is drawn."""
 SLIPPED = 5.0e-3
@@ -226,10 +226,9 @@ def _rest_where_held(held: _Held, limit: float) -> None:
 
 def _leave_unstable(held: _Held, limit: float) -> None:
     """Leave a rest that is unstable because a body turns over; any other is left to who drew it."""
-    layout, system, state = held.layout, held.system, held.state
-    if not held.only_turns(state):
+    if not held.only_turns(held.state):
         return
-    find_stable_equilibrium(system, state, limit)
+    find_stable_equilibrium(held.system, held.state, limit)
     _rest_where_held(held, limit)
 
 
@@ -248,9 +247,10 @@ def _refuse_turned(layout: Layout, state: State) -> None:
         return
     up /= np.linalg.norm(up)
     for name, turn in layout.turn.items():
-        drawn = rotation_of(layout.degrees.value[turn : turn + QUATERNION])
         found = rotation_of(state.full_q[turn : turn + QUATERNION])
-        cosine = float(up @ (found @ (drawn.T @ up)))
+        # One that the ground has come to carry stands as it is drawn, not as it was laid out to hang.
+        begins = layout.degrees.value[turn : turn + QUATERNION], quaternion_of(scene.body(name).orientation)
+        cosine = max(float(up @ (found @ (rotation_of(begin).T @ up))) for begin in begins)
         angle = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
         if angle > TURNED:
             detail = (
