@@ -8,7 +8,9 @@ from scipy.spatial.transform import Rotation
 from crane.assembly.layout import lay_out
 from crane.warnings import warnings
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.stability import count_negative
 from tautline.integrators.status import StoppedEarly
+from tautline.scene.errors import SceneError
 
 MASS, INERTIA = 2000.0, [900.0, 1700.0, 1500.0]
 LIGHT = {"mass_per_length": 0.01, "axial_stiffness": 2.0e7}
@@ -109,7 +111,7 @@ def test_an_orientation_that_is_given_is_where_the_search_begins():
 )
 def test_a_load_that_would_turn_over_is_refused(scene):
     """A sling under the centre is a hinge that the load falls about, like an inverted pendulum."""
-    with pytest.raises(StoppedEarly, match="it would turn by 180 deg") as stop:
+    with pytest.raises(StoppedEarly, match="upper side would turn by 180 deg") as stop:
         at_rest(scene)
     assert stop.value.part == "load"
 
@@ -152,6 +154,101 @@ def test_a_rope_that_pulls_more_than_friction_drags_its_load_on_the_deck(shorter
     state = new_state(model.system)
     model.settle(state)
     assert (abs(state.full_q[lay_out(parsed(made)).body["load"]]) < 1.0e-12) == stays
+
+
+@pytest.mark.parametrize("height", [2.0e-6, 1.0e-4, 5.0e-3, 0.05])
+@pytest.mark.parametrize("offset", [(0.0, 0.0, 1.0), (0.5, 0.0, 1.0), (2.0, 0.0, -0.3)])
+def test_a_load_that_a_slack_rope_sets_down_stands_as_it_is_drawn(offset, height):
+    """It sinks into the deck by m g over its stiffness. The end of the slack rope, of 2 kg, would topple it."""
+    rope = {"length": 11.0, "mass_per_length": 0.5}
+    scene = hung(offset, anchor((0.0, 0.0, 10.0 + height)), rope, ground=GROUND, bottom=0.5)
+    scene["bodies"][0]["position"] = (0.0, 0.0, height)
+    where, turned, _ = at_rest(scene)
+    assert where == pytest.approx([0.0, 0.0, -MASS * GRAVITY / GROUND["stiffness"]], abs=1.0e-5)
+    assert turned.magnitude() < 1.0e-9
+
+
+def test_a_point_load_drawn_just_above_the_deck_is_held_there_by_friction():
+    """2 kN of wind against 0.5 m g = 9.8 kN; on a rope that is 0.4 m longer than its path it could be 2.9 m away."""
+    path = [anchor((0.0, 0.0, 10.0)), end("load")]
+    drawn = body("load", MASS, (0.0, 0.0, 0.005), bottom=0.5, force=[2.0e3, 0.0, 0.0])
+    rope = LIGHT | {"length": 10.4}
+    made = crane(path, [drawn], rope, mesh={"elements_per_span": 1}, start="static", ground=GROUND)
+    model = model_of(made)
+    state = new_state(model.system)
+    model.settle(state)
+    assert abs(state.full_q[lay_out(parsed(made)).body["load"]]) < 1.0e-12
+
+
+@pytest.mark.parametrize("height", [0.01, 0.1, 0.3])
+def test_a_locked_hook_holds_a_symmetric_sling_by_friction(height):
+    """Upright both legs pull alike. If the sling could slip, that would be stable only for h > 1.5^2 / (6 - h)."""
+    pads = (-1.5, 0.0, height), (1.5, 0.0, height)
+    held = slung(*pads, 0.2, law="capstan", friction=0.5, locked=True)
+    where, turned, _ = at_rest(held)
+    assert turned.magnitude() < 1.0e-6 and abs(where[0]) < 1.0e-6
+    _, free, _ = at_rest(slung(*pads, 0.2))
+    assert height * (6.0 - height) < 1.5**2 and free.magnitude() > np.radians(20.0)
+
+
+def test_a_sling_that_slips_over_a_locked_hook_in_the_search_is_refused():
+    with pytest.raises(StoppedEarly, match=r"slips over the locked sheave hook.*askew.*law: frictionless") as stop:
+        at_rest(slung((-1.4, 0.0, 0.2), (1.5, 0.0, 0.2), 0.2, law="capstan", friction=0.5, locked=True))
+    assert stop.value.part == "load"
+
+
+def test_wind_along_the_axis_of_a_locked_hook_swings_the_load_without_slip():
+    wind = 4.0e3
+    scene = slung((-1.5, 0.0, 0.5), (1.5, 0.0, 0.5), 0.2, law="capstan", friction=0.5, locked=True)
+    scene["bodies"][0]["force"] = [0.0, wind, 0.0]
+    _, turned, _ = at_rest(scene)
+    up = turned.as_matrix()[:, 2]
+    # The wind pulls at the centre: sling and load are in one plane.
+    assert np.arctan2(up[1], up[2]) == pytest.approx(-np.arctan(wind / (MASS * GRAVITY)), abs=1.0e-4)
+
+
+def test_a_load_that_turns_about_plumb_keeps_its_upper_side_and_is_not_refused():
+    """A spreader on two falls, drawn 100 deg askew about plumb."""
+    tips = [sheave((x, 0.0, 10.0), 0.3, name=name) for x, name in ((-3.0, "port"), (3.0, "starboard"))]
+    path = [end("load", name="a", offset=(-1.5, 0.0, 0.4)), *tips, end("load", name="b", offset=(1.5, 0.0, 0.4))]
+    drawn = load(orientation=[0.0, 0.0, 1.75])
+    _, turned, _ = at_rest(crane(path, [drawn], LIGHT, mesh={"elements_per_span": 1}, start="static"))
+    assert turned.magnitude() < 1.0e-3
+
+
+def test_a_pipe_that_is_hung_by_its_end_may_be_given_a_heading():
+    """It turns by 90 deg, whatever rounding says of that."""
+    _, turned, _ = at_rest(hung((2.0, 0.0, 0.0), orientation=[0.0, 0.0, 0.5 * np.pi]))
+    assert turned.apply((2.0, 0.0, 0.0)) == pytest.approx([0.0, 0.0, 2.0], abs=1.0e-4)
+
+
+def test_blocks_in_neutral_balance_are_not_let_run_away_because_one_of_them_could_turn():
+    """Atwood's machine: 4 t on two falls against 2 t. What is unstable there is no turn, with `inertia` or without."""
+    block, load_ = body("block", 2.0 * MASS, (0.2, 0.0, 2.0)), body("load", MASS, (1.3, 0.0, 2.0))
+    path = [
+        anchor((0.0, 0.0, 10.0)),
+        {"sheave": {"name": "moving", "body": "block", "radius": 0.2, "axis": [0, 1, 0], "wrap": "under"}},
+        sheave((1.0, 0.0, 10.0), 0.3, name="tip"),
+        end("load", offset=(0.2, 0.0, 0.3)),
+    ]
+    for one in (load_, load_ | {"inertia": [9.0, 17.0, 15.0]}):
+        rope = LIGHT | {"mass_per_length": 0.5}
+        scene = crane(path, [block, one], rope, mesh={"elements_per_span": 1}, start="static")
+        model = model_of(scene)
+        state = new_state(model.system)
+        model.settle(state)
+        assert count_negative(model.system, state).negative == 1
+
+
+def test_no_unknown_of_a_body_that_turns_is_called_a_place_or_material():
+    layout = lay_out(parsed(hung((0.0, 0.0, 1.0))))
+    assert {layout.degrees.names[layout.turn["load"] + k] for k in range(4)} == {"load: orientation"}
+
+
+def test_a_release_that_leaves_more_below_the_centre_than_there_was_is_refused():
+    drops = {"at": 0.5, "remaining": 100.0, "bottom": 3.0}
+    with pytest.raises(SceneError, match=r"release\.bottom.*more than the whole body has, 0.5 m"):
+        parsed(hung((0.0, 0.0, 1.0), ground=GROUND, bottom=0.5, release=drops))
 
 
 def test_a_load_that_the_rope_lifts_off_the_deck_hangs_plumb():

@@ -363,14 +363,14 @@ class _Builder:
                     self.value[self.frame[k] + i] = 0.0
         self.body = {body.name: self._add_body(body) for body in scene.bodies}
         self.turn = {
-            body.name: self._add(f"{body.name}: turn", QUATERNION, orientation_of(scene, body))
+            # The four numbers of a quaternion have no names that a user knows.
+            body.name: self._add(f"{body.name}: orientation", QUATERNION, orientation_of(scene, body), words=())
             for body in scene.bodies
             if body.inertia is not None
         }
 
-    def _add(self, name: str, count: int, value: Any) -> int:
+    def _add(self, name: str, count: int, value: Any, words: Sequence[str] = ("x", "y", "z", "material")) -> int:
         first = len(self.names)
-        words = ("x", "y", "z", "material")
         self.names += [f"{name}: {words[i]}" if count <= len(words) else name for i in range(count)]
         self.value += [float(x) for x in value]
         return first

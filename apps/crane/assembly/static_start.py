@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
 
+from crane.assembly.friction import slips
 from crane.assembly.layout import AXES, Layout, stands
-from crane.geometry.quaternion import QUATERNION
+from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of
 from crane.groups.capstan_friction import TORQUE, Slips
 from crane.groups.rigid import Rigids
 from crane.groups.sockets import Sockets
@@ -32,8 +33,13 @@ TRUE = 1.0e-6
 """The same, beyond which it is not: a search that ends there has failed."""
 ACROSS = 2
 """Axes along the ground."""
-TURNED = 90.0
-"""Angle, deg, between a body as its scene gives it and at rest beyond which another side of it is up."""
+TURNED = 95.0
+"""Angle, deg, between the axis of a body that is up as it is laid out and at rest, beyond which another side is up. A
+body that lies on its side may have been meant so, and rounding decides nothing."""
+ASKEW = 5.0
+"""The same beyond which a load in a sling that has slipped is no longer as it is drawn."""
+SLIPPED = 5.0e-3
+"""Share of a sling by which one leg has become longer than drawn, beyond which it has slipped."""
 STEADY = 1.0e-4
 """Moment, over that of a rope's pull, against which a body turns by a radian in an iteration of the search, and not at
 rest. An iteration is off by as much; what rounding leaves of a moment turns nothing."""
@@ -75,14 +81,11 @@ def draw_true(layout: Layout, system: System, state: State) -> None:
     """
     limit = SHORTEST_WAY * float(layout.path.chords.min())
     with _kept_as_drawn(system):
-        on_ground = _Standing(layout, system)
-        _rest_as_drawn(layout, system, state, limit)
-        while on_ground.lets_go(state):
-            _rest_as_drawn(layout, system, state, limit)
-        if system.turns.size and count_negative(system, state).negative > 0:
-            find_stable_equilibrium(system, state, limit)
-            _rest_as_drawn(layout, system, state, limit)
-    _refuse_turned(layout, system, state)
+        held = _Held(layout, system, state)
+        _rest_where_held(held, limit)
+        if system.turns.size and count_negative(system, state).negative > 0 and not held.by_sheaves(state):
+            _leave_unstable(held, limit)
+    _refuse_turned(layout, state)
     spans = next(group for group in system.groups if isinstance(group, Spans))
     spans.laid[:] = state.full_q[np.array(layout.station) + MATERIAL]
     _hold(layout, system, state)
@@ -107,44 +110,104 @@ def _kept_as_drawn(system: System) -> Iterator[None]:
         rigids.steady[:] = 0.0
 
 
-class _Standing:
-    """What the ground holds of bodies that are drawn on it while rest is sought: how they are turned, and by friction
-    where they are.
+class _Held:
+    """What friction and the ground hold while rest is sought.
 
-    They are among what stays at rest, until the rope has lifted the body, or pulls more than friction holds. The ground
-    gives the model no moment, but a crate that stands on it does not turn.
+    The ground holds how a body is turned that it carries, and by friction where it is: from the start if it is drawn
+    there, else once a search has set it down. They are among what stays at rest, until the rope has lifted the body, or
+    pulls more than friction holds. The ground gives the model no moment, but a crate that stands on it does not turn.
+
+    A locked sheave holds its rope by friction where a rest would be unstable without.
     """
 
-    def __init__(self, layout: Layout, system: System) -> None:
-        self.layout, self.system = layout, system
-        scene = layout.scene
-        bodies = [body for body in scene.bodies if stands(scene, body)]
-        self.turns = {body.name: self._rows(layout.turn[body.name], QUATERNION) for body in bodies if body.inertia}
-        self.places = {body.name: self._rows(layout.body[body.name], ACROSS) for body in bodies}
+    def __init__(self, layout: Layout, system: System, state: State) -> None:
+        self.layout, self.system, self.state = layout, system, state
+        scene, self.begin = layout.scene, state.q.copy()
+        carries = scene.ground is not None and scene.rope.length is not None
+        bodies = scene.bodies if carries else []
+        self.of_turns = {body.name: self._rows(layout.turn[body.name], QUATERNION) for body in bodies if body.inertia}
+        self.of_places = {body.name: self._rows(layout.body[body.name], ACROSS) for body in bodies}
+        self.of_sheaves = [
+            row
+            for i, item in enumerate(layout.scene.path)
+            if isinstance(item, Sheave) and item.locked and slips(item)
+            for row in self._rows(layout.material(i), 1)
+        ]
         # A run before may have found that it holds something else.
-        own = [row for held in (*self.turns.values(), *self.places.values()) for row in held]
+        own = {row for rows in (*self.of_turns.values(), *self.of_places.values(), self.of_sheaves) for row in rows}
         self.driven = [row for row in system.at_rest.tolist() if row not in own]
+        self.lying = [body.name for body in bodies if stands(scene, body)]
+        self.turns = {name: rows for name, rows in self.of_turns.items() if name in self.lying}
+        self.places = {name: rows for name, rows in self.of_places.items() if name in self.lying}
+        self.sheaves: list[int] = []
         self._hold()
 
     def _rows(self, place: int, count: int) -> list[int]:
         """Unknowns among ``count`` degrees of freedom from a place on."""
         return np.flatnonzero((self.system.free >= place) & (self.system.free < place + count)).tolist()
 
-    def _hold(self) -> None:
-        held = [row for rows in (*self.turns.values(), *self.places.values()) for row in rows]
-        self.system.at_rest = np.array([*self.driven, *held], dtype=np.int64)
+    def _hold(self, more: Sequence[int] = ()) -> None:
+        held = [row for rows in (*self.turns.values(), *self.places.values(), self.sheaves, more) for row in rows]
+        self.system.at_rest = np.array([*self.driven, *dict.fromkeys(held)], dtype=np.int64)
+
+    def by_sheaves(self, state: State) -> bool:
+        """Hold the rope on locked sheaves if it then is a stable rest; whether it is.
+
+        The rest was found without friction: both sides pull alike there, and any friction holds that.
+        """
+        if not self.of_sheaves:
+            return False
+        self.sheaves = self.of_sheaves
+        self._hold()
+        if count_negative(self.system, state).negative == 0:
+            return True
+        self.sheaves = []
+        self._hold()
+        return False
+
+    def only_turns(self, state: State) -> bool:
+        """Whether all motions that lower the energy turn a body: without its turning, none does."""
+        self._hold(self.system.turns.tolist())
+        try:
+            return count_negative(self.system, state).negative <= 0
+        finally:
+            self._hold()
+
+    def sets_down(self, state: State) -> bool:
+        """Hold bodies that the ground has come to carry, and begin again from the drawing; whether there are any."""
+        layout, scene = self.layout, self.layout.scene
+        new = [name for name in self.of_places if name not in self.lying and self._push(name, state) > 0.0]
+        if not new:
+            return False
+        state.q[:] = self.begin
+        self.lying += new
+        for name in new:
+            self.places[name] = self.of_places[name]
+            if name in self.of_turns:
+                rows, drawn = self.of_turns[name], quaternion_of(scene.body(name).orientation)
+                self.turns[name] = rows
+                state.q[rows] = drawn[self.system.free[rows] - layout.turn[name]]
+        self._hold()
+        return True
+
+    def _push(self, name: str, state: State) -> float:
+        """How hard the ground pushes a body up, N; negative above it."""
+        ground = self.layout.scene.ground
+        if ground is None:
+            return 0.0
+        height = float(state.full_q[self.layout.body[name] + 2])
+        return ground.stiffness * (ground.level + self.layout.scene.body(name).bottom - height)
 
     def lets_go(self, state: State) -> bool:
         """Let go what the ground does not hold at the rest that was found; whether that is anything."""
-        scene, system, before = self.layout.scene, self.system, self.system.at_rest.size
-        ground = scene.ground
+        system, before = self.system, self.system.at_rest.size
+        ground = self.layout.scene.ground
         if ground is None or before == len(self.driven):
             return False
         force = np.zeros(system.size)
         evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, system.spare_factors().matrix, force)
         for name in {**self.turns, **self.places}:
-            height = float(state.full_q[self.layout.body[name] + 2])
-            push = ground.stiffness * (ground.level + scene.body(name).bottom - height)
+            push = self._push(name, state)
             pull = float(np.linalg.norm(force[self.places.get(name, [])]))
             if push <= 0.0:
                 self.turns.pop(name, None)
@@ -154,6 +217,21 @@ class _Standing:
         return system.at_rest.size < before
 
 
+def _rest_where_held(held: _Held, limit: float) -> None:
+    """Find rest, and what friction and the ground hold there. Each body is set down and let go once."""
+    _rest_as_drawn(held.layout, held.system, held.state, limit)
+    while held.lets_go(held.state) or held.sets_down(held.state):
+        _rest_as_drawn(held.layout, held.system, held.state, limit)
+
+
+def _leave_unstable(held: _Held, limit: float) -> None:
+    """Leave a rest that is unstable because a body turns over; any other is left to who drew it."""
+    if not held.only_turns(held.state):
+        return
+    find_stable_equilibrium(held.system, held.state, limit)
+    _rest_where_held(held, limit)
+
+
 def _rest_as_drawn(layout: Layout, system: System, state: State, limit: float) -> None:
     """Find rest with the length of rope that there is, or with that which lets the load hang as high as drawn."""
     _rest(system, state, limit)
@@ -161,18 +239,47 @@ def _rest_as_drawn(layout: Layout, system: System, state: State, limit: float) -
         _lengthen(layout, system, state, _hanging(layout), limit)
 
 
-def _refuse_turned(layout: Layout, system: System, state: State) -> None:
-    """Refuse a rest at which a body is turned to another side than its scene gives: it is not what was meant."""
+def _refuse_turned(layout: Layout, state: State) -> None:
+    """Refuse a rest at which a body has another side up than in its drawing, or is askew because a sling slipped."""
+    scene = layout.scene
+    up = -np.array(scene.gravity, dtype=float)
+    if not up.any():
+        return
+    up /= np.linalg.norm(up)
     for name, turn in layout.turn.items():
-        drawn, found = system.q[turn : turn + QUATERNION], state.full_q[turn : turn + QUATERNION]
-        cosine = abs(float(drawn @ found)) / float(np.linalg.norm(drawn) * np.linalg.norm(found))
-        angle = 2.0 * math.degrees(math.acos(min(1.0, cosine)))
+        found = rotation_of(state.full_q[turn : turn + QUATERNION])
+        # One that the ground has come to carry stands as it is drawn, not as it was laid out to hang.
+        begins = layout.degrees.value[turn : turn + QUATERNION], quaternion_of(scene.body(name).orientation)
+        cosine = max(float(up @ (found @ (rotation_of(begin).T @ up))) for begin in begins)
+        angle = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
         if angle > TURNED:
             detail = (
-                f"near its initial orientation it is not at rest, or stands on its head: it would turn by {angle:.3g} "
-                "deg. Let the rope hold it above its centre of mass, or give an `orientation:` close to that at rest"
+                f"at rest it would lie on its side or upside down: its upper side would turn by {angle:.3g} deg. Let "
+                "the rope hold it above its centre of mass, or give an `orientation:` close to that at rest"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, name, detail)
+        sheave = _slipped_over(layout, state, name) if angle > ASKEW else None
+        if sheave is not None:
+            detail = (
+                f"without friction its sling slips over the locked sheave {sheave}, and it would begin {angle:.3g} deg "
+                "askew: the static start is found without the friction that may hold it. If the sling may slip there, "
+                "write `law: frictionless`"
+            )
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, name, detail)
+
+
+def _slipped_over(layout: Layout, state: State, name: str) -> str | None:
+    """A locked sheave with friction over which the search has let a body's sling slip, if there is one."""
+    path = layout.scene.path
+    tied = [i for i, item in enumerate(path) if isinstance(item, (End, Sheave)) and item.body == name]
+    for i, item in enumerate(path):
+        if not (tied and tied[0] < i < tied[-1] and isinstance(item, Sheave) and item.locked and slips(item)):
+            continue
+        places = [layout.material(k) for k in (tied[0], i, tied[-1])]
+        shares = [(x[1] - x[0]) / (x[2] - x[0]) for x in (layout.degrees.value[places], state.full_q[places])]
+        if abs(shares[1] - shares[0]) > SLIPPED:
+            return item.name
+    return None
 
 
 def finds_rope(layout: Layout) -> bool:
@@ -185,17 +292,17 @@ def _hold(layout: Layout, system: System, state: State) -> None:
 
     They would else give way until their springs are wound up, and the load with them.
     """
-    slips = next((group for group in system.groups if isinstance(group, Slips)), None)
-    if slips is None:
+    contacts = next((group for group in system.groups if isinstance(group, Slips)), None)
+    if contacts is None:
         return
     for place in (layout.material(i) for i, item in enumerate(layout.scene.path) if isinstance(item, Drum)):
         lacking = -float(state.residual[place])
-        for k, row in enumerate(slips.rows):
+        for k, row in enumerate(contacts.rows):
             if row.kind == TORQUE and row.p == place:
-                limit = row.coefficient * min(1.0, max(0.0, value_at(slips.functions, row.function, 0.0)[0]))
-                limit *= max(1.0, slips.found[row.before, STRETCH]) / row.by_p
-                slips.force[k] = min(max(lacking / row.by_p, -limit), limit)
-                lacking -= row.by_p * slips.force[k]
+                limit = row.coefficient * min(1.0, max(0.0, value_at(contacts.functions, row.function, 0.0)[0]))
+                limit *= max(1.0, contacts.found[row.before, STRETCH]) / row.by_p
+                contacts.force[k] = min(max(lacking / row.by_p, -limit), limit)
+                lacking -= row.by_p * contacts.force[k]
 
 
 def _rest(system: System, state: State, limit: float) -> None:

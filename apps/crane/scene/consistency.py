@@ -206,6 +206,9 @@ def _ground(scene: Scene) -> Iterator[Fault]:
     lowest = level - 1e-9 * max(1.0, abs(level))
     cure = f"raise it, or lower ground.level = {level:g}"
     for i, body in enumerate(scene.bodies):
+        if body.after_release().bottom > body.bottom:
+            cause = f"is more than the whole body has, {body.bottom:g} m: it could be in the ground at once"
+            yield ("bodies", i, "release", "bottom"), cause, "give how far the lowest point of what remains is below"
         if body.lowest < lowest:
             yield ("bodies", i, "position"), f"its lowest point, z = {body.lowest:g} m, is below the ground", cure
     for item in scene.path:
