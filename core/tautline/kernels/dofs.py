@@ -99,10 +99,10 @@ def prescribe(dofs, functions, t, q, v, a):
         a[i] = second
 
 
-BENT, STRICT, LARGE, ROUNDED = 0.055, 0.005, 0.02, 1e-6
+BENT, STRICT, LARGE, ROUNDED, STANDS = 0.055, 0.005, 0.02, 1e-6, 1e-10
 """What accelerations at the ends of steps may leave of a change of speed, over the step and the accelerations nearby,
 before a function bends; the same where steps differ, of which one does not make up for another, and where it is smooth
-within the step; and over the speeds, below which that is rounding.
+within the step; and over the speeds, and the largest speed so far, below which that is rounding.
 
 The mean of both ends leaves 0.033 of a sine that takes ten steps in a period, a cubic 0.05 of one that takes five.
 """
@@ -112,12 +112,12 @@ BESIDE = 1e-6
 """How far beside an instant, over a step, both sides of a corner are seen."""
 GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
-BEFORE, BEGIN, BENDS, SPEED, LOST, QUIET, DEBT, UNREST = range(8)
+BEFORE, BEGIN, BENDS, SPEED, LOST, QUIET, DEBT, UNREST, FASTEST = range(9)
 """Rows of what is known of what is driven. In a step: their accelerations at its start, as they were and as they count,
 1 where it is pushed, the speed at its start, what accelerations at both ends leave of the change of speed, and 1 where
 that is next to nothing. That speed is kept, not asked for again: where a step ends and the next begins, times differ
-by rounding, and a corner may lie between. From step to step: what all steps since the last push have left, and how many
-calm ones have to follow."""
+by rounding, and a corner may lie between. From step to step: what all steps since the last push have left, how many
+calm ones have to follow, and the largest speed so far."""
 
 
 @kernel(forceinline=True)
@@ -128,15 +128,17 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
     function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
     The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
     it. All steps of one motion are pushed, or none: of a smooth one each makes too little of the change or too much,
-    which is nothing in the end, and a push of some of them would stay. ``known`` (8, n_full) takes what is seen, see
-    `UNREST`.
+    which is nothing in the end, and a push of some of them would stay. ``known`` (9, n_full) takes what is seen, see
+    `FASTEST`.
     """
     bends = False
     for k in dofs.driven:
         i, motion = dofs.held[k], dofs.motion[k]
         value, rate, second = evaluate(functions, motion, t)
         left = rate - v[i] - 0.5 * h * (a[i] + second)
-        scale, fast = h * max(abs(a[i]), abs(second)), ROUNDED * max(abs(v[i]), abs(rate))
+        known[FASTEST, i] = max(known[FASTEST, i], abs(rate))
+        scale = h * max(abs(a[i]), abs(second))
+        fast = max(ROUNDED * max(abs(v[i]), abs(rate)), STANDS * known[FASTEST, i])
         bent = False
         if known[UNREST, i] > 0.0:
             bent = max(abs(left), scale) > fast
@@ -160,7 +162,7 @@ def book_speeds(dofs, known):
     for k in dofs.driven:
         i = dofs.held[k]
         pushed = known[BENDS, i] > 0.0
-        known[DEBT, i] = 0.0 if pushed else known[DEBT, i] + known[LOST, i]
+        known[DEBT, i] = known[LOST, i] if pushed else known[DEBT, i] + known[LOST, i]
         if known[QUIET, i] > 0.0:
             known[UNREST, i] = max(known[UNREST, i] - 1.0, 0.0)
         elif pushed:
@@ -261,7 +263,13 @@ def prescribe_push(dofs, functions, t, h, gamma, known, a):
     for k in dofs.driven:
         i, motion = dofs.held[k], dofs.motion[k]
         if known[BENDS, i] > 0.0:
-            mean = (_speed(functions, motion, t + h) - known[SPEED, i] + known[DEBT, i]) / h
+            known[LOST, i] = 0.0
+            if known[UNREST, i] == 1.0 and known[QUIET, i] > 0.0:
+                # The last push leaves what steps without one have left on the way from rest: of a swing nothing in the
+                # mean.
+                later, sooner = evaluate(functions, motion, t + 2.0 * h)[2], evaluate(functions, motion, t)[2]
+                known[LOST, i] = -h * (later - sooner) / 24.0
+            mean = (_speed(functions, motion, t + h) - known[SPEED, i] + known[DEBT, i] - known[LOST, i]) / h
             a[i] = (mean - (1.0 - gamma) * known[BEGIN, i]) / gamma
 
 
