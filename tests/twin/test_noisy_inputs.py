@@ -213,10 +213,13 @@ def test_a_computed_overload_is_told_and_known_only_where_it_is_beyond_doubt(com
 
 def test_a_simulation_that_bounces_by_itself_begins_again_from_rest_and_goes_on_as_the_load_does():
     lines, twin = twin_of_noise(0.007)
-    late = [line for line in lines if line["time"] > QUIET]
+    # It begins again at 4.3 s, and its window is full again at 5.7 s. With noise of 6 mm it does not, and health is
+    # never good: known.
+    late = [line for line in lines if line["time"] > LONG_ENOUGH - 2.0]
     off = [line["outputs"]["winch.tension"] - line["measured"]["winch.tension"] for line in late]
     # The bounce of the first seconds stayed: 12 kN, where the readings swing by 4 kN.
     assert np.std(off) < 3e3
+    assert all(line["health"] == "good" for line in late)
     assert twin.restarts == 1
     assert any("started again from rest" in note for note in twin.notes)
     assert not [one for line in late for one in line["alarms"] if one["name"] in UNTRUE and one["known"]]

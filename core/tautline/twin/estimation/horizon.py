@@ -60,6 +60,8 @@ FAR_LESS = 4.0
 """How many times less a window leaves unexplained, linearised anew, where what was left before was no noise."""
 MANY_WILD = 0.25
 """Share of a window's rows that are not used, as nothing in them can be believed, from which on it tells too little."""
+ONE_ROW = 0.1
+"""Share of a window for which one row counts at most."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
@@ -499,7 +501,8 @@ class Horizon:
 
     def follow_wild(self, time: float, wild: bool) -> None:
         """Follow the share of rows that are not used, as none of their derivatives can be believed."""
-        passed = min(time - self.wild_at, self.window) if np.isfinite(self.wild_at) else 0.0
+        # One row behind a gap tells nothing of the gap.
+        passed = min(time - self.wild_at, ONE_ROW * self.window) if np.isfinite(self.wild_at) else 0.0
         self.wild_at = time
         self.wild += (1.0 - float(np.exp(-passed / self.window))) * (float(wild) - self.wild)
 
