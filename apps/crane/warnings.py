@@ -119,7 +119,7 @@ def _floats_after(scene: CraneScene, k: int) -> Sentences:
 
 
 def _turned(scene: CraneScene) -> Sentences:
-    """Bodies that the static start turns over, because the rope holds them below their centre."""
+    """Bodies that the static start turns upside down, because the rope holds them below their centre."""
     for k, body in enumerate(scene.bodies):
         if body.inertia is None:
             continue

@@ -225,7 +225,7 @@ def _rest_where_held(held: _Held, limit: float) -> None:
 
 
 def _leave_unstable(held: _Held, limit: float) -> None:
-    """Leave a rest that is unstable because a body turns over; any other is left to who drew it."""
+    """Leave a rest that is unstable because a body would overturn; any other is left to who drew it."""
     if not held.only_turns(held.state):
         return
     find_stable_equilibrium(held.system, held.state, limit)
