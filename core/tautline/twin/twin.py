@@ -455,8 +455,10 @@ class Twin:
         alone = self.operation is None or self.operation.mean == 0.0
         off = np.where(self.readings.believed(values), residual, np.nan) if alone else np.full_like(residual, np.nan)
         self.settling.follow(row.time, off, residual_sd, y, estimate.bounce())
-        estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))
-        estimate.log.rows.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
+        # What is not used is kept as well: it shows whether the load swings.
+        kept = y if says and row.time >= self.unsettled else np.full_like(y, np.nan)
+        estimate.take_in(Sample(row.time, kept, y0, J, use))
+        estimate.log.rows.append(Logged(row.time, inputs, kept, believed))
         family = estimate.family
         estimate.relinearise()
         if estimate.family is not family:

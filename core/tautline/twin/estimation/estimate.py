@@ -453,7 +453,7 @@ class Estimate:
             return False
         if h.samples[-1].time - h.samples[0].time < ASTRAY_SHARE * h.window:
             return False
-        use = np.array([one.use & np.isfinite(one.y) for one in h.samples])
+        use = np.isfinite([one.y for one in h.samples])
         if not np.all(use.sum(axis=0) >= ASTRAY_SHARE * len(h.samples)):
             return False
         time = np.array([one.time for one in h.samples])
@@ -541,7 +541,7 @@ class Estimate:
             read = {name: values[k] for name, values in all_read.items()}
             y0, J = self.compared(read, self.spare)
             use = row.use & self.alike(read)
-            found.append(Sample(row.time, np.where(use, row.y, np.nan), y0, J, use))
+            found.append(Sample(row.time, row.y, y0, J, use))
         return found
 
     def bounce(self) -> float:

@@ -28,7 +28,7 @@ class Logged:
     inputs : list
         Name and state (3,) of each input.
     y : (m,)
-        What the sensors showed; NaN where they are not believed.
+        What the sensors showed; NaN where they showed nothing, or nothing that is compared.
     use : (m,) of bool
         Which of them can be believed, whatever the simulations do.
     """
