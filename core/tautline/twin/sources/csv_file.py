@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.twin.sources.lines import Lines
 from tautline.twin.sources.record import Record, SourceStopped
 from tautline.twin.sources.table import Header, has_end
 
@@ -65,11 +66,11 @@ class CsvFile:
             cure = "--source wants a CSV file with a header and rows, such as `record` writes"
             raise SceneError([Problem(str(path), None, "", None, "is not a table: it is a binary file", cure)])
         try:
-            self._header = Header(line, columns, time, str(path), units, self.notes, self._number)
+            self._lines = Lines(Header(line, columns, time, str(path), units, self.notes, self._number))
         except SceneError:
             self._file.close()
             raise
-        self.factors = dict(self._header.factors)
+        self.factors = dict(self._lines.header.factors)
         self._stopped: SourceStopped | None = None
         try:
             self._next, self._later = self._taken(), self._taken()
@@ -91,25 +92,19 @@ class CsvFile:
     def _read(self) -> Record | None:
         while (line := self._line()) is not None:
             try:
-                row = self._header.read(line, self._whole, self._number)
+                row = self._lines.take(line, self._whole, self._number)
             except SourceStopped as stop:
                 self._stopped = stop
                 return None
-            if row is not None and math.isfinite(row[0]):
-                return Record(row[0], row[1], 0.0, self._whole)
-            header = self._header.next_header(line, self._number, self._whole)
-            if header is not None:
-                self._header = header
-                continue
             if row is not None:
                 return Record(row[0], row[1], 0.0, self._whole)
-            self.refused += 1
+            self.refused += not self._lines.headed
         return None
 
     def _taken(self) -> tuple[Record, dict[str, float]] | None:
         """The row behind those that were read, with the factors of its header."""
         row = self._read() if self._stopped is None else None
-        return None if row is None else (row, self._header.factors)
+        return None if row is None else (row, self._lines.header.factors)
 
     def poll(self, timeout: float) -> Record | None:
         """The next row, when it is due.
