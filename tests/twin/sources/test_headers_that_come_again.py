@@ -439,3 +439,36 @@ def test_a_line_in_another_order_or_behind_a_row_in_doubt_is_no_description(tmp_
 def test_rows_in_doubt_before_any_other_row_end_the_source_in_plain_words(tmp_path, of):
     with pytest.raises(SourceStopped, match=r"known: Druck, time\. If that line is a remark, begin it with #, or "):
         all_of(of(tmp_path, "time,winch,rope\ntime,Druck\n1,7,\n2,7\n"))
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "text",
+    ["sep=;\ntime;winch;rope\n0;1;50\n1;2;51\n", "time, [s];winch;rope\n0;1;50\n1;2;51\n"]
+    + ['"time", "winch", "rope"\n0, 1, 50\n1, 2, 51\n', "time, winch, rope\n0, 1, 50\n1, 2, 51\n"],
+    ids=["of a spreadsheet", "a comma in a title", "blanks before quotes", "blanks"],
+)
+def test_headers_as_spreadsheets_and_scripts_write_them_are_read(tmp_path, of, text):
+    assert values(of(tmp_path, text)) == ROWS
+
+
+def test_a_file_in_windows_1252_is_read_as_tables_of_scenes_are(tmp_path):
+    (tmp_path / "r.csv").write_bytes("time;Höhe [°]\n0;180\n".encode("cp1252"))
+    (row,) = all_of(CsvFile(tmp_path / "r.csv", ["Höhe"], units={"Höhe": "rad"}))
+    assert row.values["Höhe"] == pytest.approx(3.14159265)
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_word_before_the_title_of_another_column_is_not_taken_off_and_the_source_ends(tmp_path, of):
+    """`aux winch` behind half a row is the title of another column, and no piece of a row before `winch`."""
+    source = of(tmp_path, "winch,time,rope\n1,0,50\n2,aux winch,time,rope\n9,1,51\n")
+    with pytest.raises(SourceStopped, match="in the midst of a row"):
+        all_of(source)
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_half_a_row_before_a_header_with_other_names_ends_the_source(tmp_path, of):
+    """Rows behind it were read by the header before."""
+    source = of(tmp_path, "time,winch,rope\n0,1,50\n1,2time,A,B\n2,7,8\n")
+    with pytest.raises(SourceStopped, match="in the midst of a row"):
+        all_of(source)

@@ -10,7 +10,7 @@ import random
 
 import pytest
 from of_the_suite import studies
-from twin.sources.test_sources_of_data import all_of, written
+from twin.sources.test_sources_of_data import written
 
 from tautline.scene.errors import SceneError
 from tautline.twin.sources.csv_file import CsvFile
@@ -31,7 +31,8 @@ CELLS = {
 LAYOUTS = {
     "stamp first": "time winch rope", "word first": "name time winch rope", "empty first": "alarm time winch rope",
     "number first": "id time winch rope", "date first": "stamp winch rope", "status last": "time winch rope status",
-    "number first and status last": "id time winch rope status", "word first and status last": "name time rope winch status",
+    "number first and status last": "id time winch rope status",
+    "word first and status last": "name time rope winch status",
     "words between": "time status winch name rope",
 }  # fmt: skip
 TRUTH = {k: (0.05 * k, 200 + 0.5 * k, 500 + 0.25 * k) for k in range(60)}

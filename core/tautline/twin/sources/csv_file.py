@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.columns import SEPARATOR_LINE
+from tautline.scene.reading.text import LEGACY
 from tautline.twin.sources.lines import Lines
 from tautline.twin.sources.record import Record, SourceStopped
 from tautline.twin.sources.table import Header, has_end
@@ -49,19 +51,21 @@ class CsvFile:
         self.dropped, self.notes = 0, list[str]()
         self._speed, self._now, self._sleep = speed, now, sleep
         try:
-            self._file = path.open(encoding="utf-8-sig", errors="replace", newline="")
+            self._file = path.open(encoding="utf-8-sig", errors=LEGACY, newline="")
         except OSError as error:
             cause = (
                 "there is no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
             )
             raise SceneError([Problem(str(path), None, "", None, cause, "check the name of --source")]) from None
         line = self._line()
+        if line is not None and SEPARATOR_LINE.fullmatch(line):  # of a spreadsheet
+            line = self._line()
         if line is None:
             self._file.close()
             raise SceneError([Problem(str(path), None, "", None, "is empty", "give a file with a header and rows")])
-        if "\0" in line or line.startswith("\ufffdHDF"):
+        if "\0" in line or line.startswith("\u2030HDF"):
             self._file.close()
-            if line.startswith(2 * "\ufffd"):  # FF FE or FE FF: the mark of UTF-16
+            if line.startswith(("\xff\xfe", "\xfe\xff")):  # the mark of UTF-16
                 raise SceneError([Problem(str(path), None, "", None, "is not UTF-8 text", "save it as UTF-8")])
             cure = "--source wants a CSV file with a header and rows, such as `record` writes"
             raise SceneError([Problem(str(path), None, "", None, "is not a table: it is a binary file", cure)])

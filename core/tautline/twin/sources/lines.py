@@ -12,18 +12,18 @@ them.
 no later than the first of its titles that is known: a column of the map, the stamp, or a title of the header before.
 Every cell between the two may be its first title, or the last one of a row that broke off.
 
-*What decides.* The number of cells of the row behind the line. Where the line ends with the titles of the header before,
-the row is longer or shorter than the header by as many cells as rows before it were. Behind other titles it shows only
-that no header begins by which it is longer than rows were: it may lack its last cells, though none did before. And where
-the header has the stamp and the columns of the map, the row has a stamp and no words. A line of units below the header
-counts as a row. Where this leaves one place, the header begins there, and that row is the first one that is read by it.
-Where it leaves several, or none, the row is left out, and this is told: another row may show it. After `IN_DOUBT` of
-them the source ends.
+*What decides.* The number of cells of the row behind the line. Where the line ends with the titles of the header
+before, the row is longer or shorter than the header by as many cells as rows before it were. Behind other titles it
+shows only that no header begins by which it is longer than rows were: it may lack its last cells, though none did
+before. And where the header has the stamp and the columns of the map, the row has a stamp and no words. A line of units
+below the header counts as a row. Where this leaves one place, the header begins there, and that row is the first one
+that is read by it. Where it leaves several, or none, the row is left out, and this is told: another row may show it.
+After `IN_DOUBT` of them the source ends.
 
-*The piece in the cell of the first title.* A piece of a number, ``12time``, is taken off the title of a stamp. Any piece
-is taken off where all titles of the header before stand behind it, but for a word where rows have the stamp or a column
-of the map: ``aux winch`` is no ``winch``. Where such a piece stands before a title that is needed, the source ends at
-the next row: rows behind it are read by no header. So it does where the header behind a piece lacks columns.
+*The piece in the cell of the first title.* A piece of a number, ``12time``, is taken off the title of a stamp. Any
+piece is taken off where all titles of the header before stand behind it, but for a word where rows have the stamp or a
+column of the map: ``aux winch`` is no ``winch``. Where such a piece stands before a title that is needed, the source
+ends at the next row: rows behind it are read by no header. So it does where the header behind a piece lacks columns.
 """
 
 from __future__ import annotations
@@ -300,7 +300,7 @@ class _Search:
     def _last_places(self, cells: Sequence[str]) -> dict[str, int]:
         """Where titles that are known stand last: a header ends with the line, and has each of them once."""
         names, known = heads(cells)[0], {*self.titles, *self.header.columns}
-        found = {}
+        found: dict[str, int] = {}
         for place, (name, cell) in enumerate(zip(names, cells, strict=True)):
             found |= {title: place for title in (name, cell) if title in known and title}
         stamp = self.header.stamp_among(cells)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import queue
 import threading
 import time as clock
@@ -11,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import IO, Any
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.columns import SEPARATOR_LINE
 from tautline.twin.sources.lines import Lines
 from tautline.twin.sources.objects import ObjectReadings
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
@@ -73,6 +73,8 @@ class Stream:
         if line.lstrip().startswith("{") or self._objects:
             self._objects, whole = True, True  # half an object is none
             row = read_object(line, self._columns, self._stamps, self._readings)
+        elif self._lines is None and SEPARATOR_LINE.fullmatch(line):
+            return  # of a spreadsheet
         elif self._lines is None:
             given = self._columns, self._time, self.name, self._units, self.notes, self._number
             self._lines = Lines(Header(line, *given))

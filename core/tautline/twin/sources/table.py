@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,6 +18,7 @@ from tautline.scene.reading.long_rows import (
     has_half_a_second,
     has_remark,
     kind_of,
+    kind_or_state,
     only_words_behind,
     shows_nothing,
     usual_kinds,
@@ -47,8 +49,9 @@ def has_end(line: str) -> bool:
 
 
 def separator_of(line: str) -> str:
-    """What separates the cells of a header."""
-    return max(SEPARATORS, key=line.count)
+    """What separates the cells of a header: a comma before a blank only where nothing else does: ``t, s;x, N``."""
+    counts = {mark: line.count(mark) - (line.count(", ") if mark == "," else 0) for mark in SEPARATORS}
+    return max(SEPARATORS, key=counts.__getitem__) if any(counts.values()) else ","
 
 
 def titles_of(line: str, separator: str) -> list[str]:
@@ -62,7 +65,7 @@ def titles_of(line: str, separator: str) -> list[str]:
 def cells_of(line: str, separator: str) -> list[str]:
     """Cells of a line, without spaces around them."""
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
     except csv.Error:  # a cell of more than 100,000 letters
         return []
 
@@ -167,6 +170,7 @@ class Header:
         self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
+        self._marks: dict[str, tuple[str, str]] = {}  # the decimal mark of each column, and a cell that has it
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -305,9 +309,11 @@ class Header:
         return found
 
     def may_be_named(self, line: str) -> bool:
-        """Whether a line has the names of the stamp or of all columns of the map anywhere: a quick look."""
-        name = self.names[self.stamp] or self.titles[self.stamp]
-        return name in line or (bool(self.columns) and all(column in line for column in self.columns))
+        """Whether a line may have the title of the stamp, or has the names of all columns of the map: a quick look."""
+        if self.columns and all(column in line for column in self.columns):
+            return True
+        name = re.escape(self.names[self.stamp] or self.titles[self.stamp])
+        return re.search(rf"(?<![^\W\d])(?<! ){name}(?!\w)", line) is not None
 
     def stamp_among(self, titles: Sequence[str]) -> int | None:
         """Which of some titles is the stamp; None where none is."""
@@ -486,7 +492,7 @@ class Header:
             self._refuse_doubtful(cells[self.stamp])
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
             cell = cells[self.stamp]
-            if "," in cell and not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell)):
+            if not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell)):
                 stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
@@ -534,7 +540,8 @@ class Header:
         The stamp and columns of the map have numbers also where no row has shown that yet.
         """
         quoted = f'"{cells[self.stamp]}"' in line
-        if self.separator == "," and not (quoted or self._whole_times) and has_half_a_second(cells, self.stamp):
+        whole = quoted or (self._whole_times and "half" not in self._told)
+        if self.separator == "," and not whole and has_half_a_second(cells, self.stamp):
             return False
         places = [self.stamp, *self.places.values()]
         # A column of the map has no status: `Bad` is a missing number there.
@@ -543,7 +550,7 @@ class Header:
             return True
         for row in self._plain:
             for kinds, cell in zip(self._kinds, row, strict=False):
-                kinds[kind_of(cell)] += 1
+                kinds[kind_or_state(cell)] += 1
         self._plain.clear()
         numbers = [{"number"} if i in places else set() for i in range(self._cells)]
         usual = [usual_kinds(kinds) | number for kinds, number in zip(self._kinds, numbers, strict=True)]
@@ -563,6 +570,8 @@ class Header:
             Where no row was read yet: by such a header none can be.
         """
         where, number = self._given[2], filled(cells)
+        if self.separator == "," and has_half_a_second(cells, self.stamp):
+            self._told.add("half")  # seconds have a comma here: a stamp without one is that of a whole second
         cause = f"the row '{shorten(line)}' fills {number} cells, and the header has {self._cells}"
         first = line.split(self.separator, 1)[0]  # one with the time of a day is no row name: its second has a comma
         one_more = number == self._cells + 1 and not self._begun and ":" not in first
@@ -627,14 +636,30 @@ class Header:
         return another and not later.sure and numbers
 
     def _number(self, name: str, cell: str) -> float:
-        """A cell's number; NaN for one with a comma in a table that commas separate: it may be one of thousands."""
-        if self.separator != "," or "," not in cell:
+        """A cell's number; NaN for one with a comma or a point that may be a mark of thousands.
+
+        So it is with a comma in a table that commas separate; and in a column that has both, where the first is taken.
+        """
+        if self.separator != ",":
+            return number_of(cell) if self._is_of_one_mark(name, cell) else math.nan
+        if "," not in cell:
             return number_of(cell)
-        if "comma" not in self._told:
-            self._told.add("comma")
-            self.notes.append(
-                f"column '{name}' has cells such as \"{cell}\". In a table with commas between its cells this may be a "
-                "mark of thousands or a decimal comma. Such cells are left out: write numbers without marks of "
-                "thousands and with a decimal point, or put ; between the cells if these are decimal commas"
-            )
+        self.tell_once(
+            "comma",
+            f"column '{name}' has cells such as \"{cell}\". In a table with commas between its cells this may be a "
+            "mark of thousands or a decimal comma. Such cells are left out: write numbers without marks of "
+            "thousands and with a decimal point, or put ; between the cells if these are decimal commas",
+        )
         return math.nan
+
+    def _is_of_one_mark(self, name: str, cell: str) -> bool:
+        """Whether a cell has the decimal mark of its column, or none; tells once where a column has two."""
+        mark = "," if "," in cell else "." if "." in cell else ""
+        if not mark or math.isnan(number_of(cell)) or self._marks.setdefault(name, (mark, cell))[0] == mark:
+            return True
+        self.tell_once(
+            "marks",
+            f"column '{name}' has cells such as '{self._marks[name][1]}' and '{cell}': one of the two has a mark of "
+            "thousands. Those like the second are left out: write numbers without marks of thousands",
+        )
+        return False
