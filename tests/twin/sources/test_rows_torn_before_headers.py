@@ -134,7 +134,7 @@ def any_table(chance):
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("seeds", [range(20), *studies(range(20, 3000))], ids=len)
+@pytest.mark.parametrize("seeds", [[*range(20), 1122, 1142, 3783, 5046], *studies(range(20, 3000))], ids=len)
 def test_no_row_of_any_table_with_rows_that_broke_off_has_a_value_of_another_row_or_column(tmp_path, seeds):
     for seed in seeds:
         text = any_table(random.Random(seed))

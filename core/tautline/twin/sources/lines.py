@@ -37,7 +37,7 @@ from dataclasses import dataclass, replace
 
 from tautline.scene.errors import Problem, SceneError, shorten
 from tautline.scene.reading.columns import NO_UNIT
-from tautline.scene.reading.long_rows import NO_WORDS, STATES, is_number_or_date, kind_of, shows_nothing
+from tautline.scene.reading.long_rows import NO_WORDS, STATES, filled, is_number_or_date, kind_of, shows_nothing
 from tautline.twin.sources.stamps import heads, is_unit, number_of, stamp_of
 from tautline.twin.sources.table import Header, NewHeader, cells_of, separator_of
 
@@ -94,9 +94,14 @@ class HeaderInLine:
         return text.getvalue()
 
     def fits(self, start: int, cells: Sequence[str], offsets: set[int]) -> bool:
-        """Whether cells are a row, or units, of the header that begins in a place."""
-        more, offsets = len(cells) - (len(self.cells) - start), offsets or {0}
-        if more > max(offsets) or (self.again and more not in offsets):
+        """Whether cells are a row, or units, of the header that begins in a place.
+
+        `offsets` are how many cells rows had more than titles; empty cells at the end of a row may be none.
+        """
+        titles = len(self.cells) - start
+        if self.again and offsets.isdisjoint((len(cells) - titles, filled(cells) - titles)):
+            return False
+        if not self.again and filled(cells) - titles > max(offsets):
             return False
         stamp, *wanted = (cells[place - start] if place - start < len(cells) else "" for place in self.needed)
         if _are_units(cells):
@@ -156,7 +161,9 @@ class Lines:
     def _shown(self, doubt: HeaderInLine, line: str, whole: bool, number: int) -> bool:
         """Whether a line shows where a header begins; rows are read by that header then."""
         cells = cells_of(line, doubt.separator)
-        starts = [start for start in doubt.starts if whole and doubt.fits(start, cells, self.header.offsets)]
+        offsets = self.header.offsets or {0}
+        offsets = offsets if doubt.again else {0, *offsets}
+        starts = [start for start in doubt.starts if whole and doubt.fits(start, cells, offsets)]
         if len(starts) == 1:
             self._begin(doubt, starts[0])
             return True
