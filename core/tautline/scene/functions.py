@@ -28,9 +28,9 @@ from pydantic_core import CoreSchema, core_schema
 from tautline.scene.curves import beyond
 from tautline.scene.errors import SceneError
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
-from tautline.scene.reading.columns import HEADER, Columns
+from tautline.scene.reading.columns import HEADER, NUMBER, Columns
 from tautline.scene.reading.files import FileName
-from tautline.scene.reading.time_columns import TIMES, time_columns, time_head, unit_of_time
+from tautline.scene.reading.time_columns import TIMES, is_of_days, time_columns, time_head, unit_of_time
 from tautline.scene.refusal import fault, nearest, refusal
 from tautline.scene.values.magnitude import SMALLEST
 from tautline.scene.values.quantity import quantity
@@ -301,6 +301,13 @@ def _take_unit(columns: Columns, time: int, named: bool) -> None:
     if in_brackets != "" or not title:
         columns.units[time] = in_brackets or unit
         return
+    first = next(iter(columns.rows[0][1][time:]), "").replace(",", ".")
+    if is_of_days(title, columns.names, float(first) if NUMBER.fullmatch(first) else 0.0):
+        cause = f"'{title}' has the days of a spreadsheet times a million here, as WinCC writes, and no milliseconds"
+        cure = (
+            "write the times in seconds from the start of the run; if these are milliseconds, call the column time [ms]"
+        )
+        columns.stop(columns.header_line, title, None, cause, cure)
     head = time_head(title)
     if head.doubtful or (head.kind == "min" and not named):
         cause = f"'{title}' is taken for the times, and it is not clear in which unit they are"

@@ -285,3 +285,40 @@ def test_rows_too_long_whose_numbers_may_have_moved_are_refused_though_they_end_
 def test_separators_at_the_ends_of_lines_are_no_cells_too_many(text, tmp_path):
     (tmp_path / "record.csv").write_text(text)
     assert Columns(tmp_path / "record.csv").values(1, "m")[1] == 2.0
+
+
+FIRST_ROWS = {
+    "a word behind the number": "0,1 start\n1,2\n2,3\n", "a star": "0,1*\n1,2\n2,3\n", "a dash": "0,-\n1,2\n2,3\n",
+    "thousands": "0;1.234,5\n1;999,5\n2;3\n", "a time of the day": "0:00,1\n1,2\n2,3\n",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", FIRST_ROWS.values(), ids=FIRST_ROWS)
+def test_a_first_row_of_two_cells_that_is_not_quite_numbers_is_no_header(text, tmp_path):
+    """It was passed over without a word, and the value of the second row held from the start."""
+    with pytest.raises(SceneError, match="is no number that can be read"):
+        found(tmp_path, text)
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_column_with_decimal_points_and_with_commas_is_refused(separator, tmp_path):
+    """`1,001` beside `999.5` was read as 1.001."""
+    (tmp_path / "record.csv").write_text("time;v\n0;999.5\n1;1,001\n".replace(";", separator))
+    with pytest.raises(SceneError, match=r"v = 1,001: has a comma, and 999\.5 in line 2 has a point"):
+        Columns(tmp_path / "record.csv").values(1, "m")
+
+
+@pytest.mark.parametrize("stamp", ["46023000011,574", "0"])
+def test_days_times_a_million_under_time_ms_are_no_milliseconds(stamp, tmp_path):
+    """As WinCC writes them: a second is 11.574 of `Time_ms`, and was read as 0.0116 s."""
+    text = f"VarName;TimeString;VarValue;Validity;Time_ms\nv;01.01.2026 00:00:01;-0,667;1;{stamp}\n"
+    with pytest.raises(SceneError, match="days of a spreadsheet"):
+        found(tmp_path, text, "VarValue")
+    assert found(tmp_path, text.replace("Time_ms", "Time [ms]"), "VarValue") == (4, 2)
+
+
+@pytest.mark.parametrize("standing", [4, 6, 9])
+def test_a_remark_behind_a_column_that_is_mostly_a_word_and_sometimes_a_number_is_passed_over(standing, tmp_path):
+    """A machine that stands most of the time shows `Off`: the whole file was refused."""
+    rows = "".join(f"{k},{k / 10},{'Off' if k % 10 < standing else 12.5}\n" for k in range(40))
+    assert found(tmp_path, f"time,heave,rpm\n{rows}40,4,12.5,STOP\n", "heave") == (0, 1)

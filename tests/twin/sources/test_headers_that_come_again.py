@@ -87,6 +87,7 @@ CHANGED = {
     "other units": ("2,time [s],winch [m],rope [N]\n8,2,60000\n", 60.0),
     "stamps in other units": ("2,time [ms],winch [m],rope [kN]\n8000,2,60\n", 60.0),
     "a column more": ("2,1,time [s],winch [m],rope [kN],C\n8,2,60,1\n", 60.0),
+    "a word before the stamp": ("2,no,time [s],winch [m],rope [kN]\n7,8,2,60\n", 60.0),
     "in the stamp": ("2.time [s],rope [kN],winch [m]\n8,60,2\n", 60.0),
 }
 
@@ -101,14 +102,9 @@ def test_rows_behind_half_a_row_and_another_header_are_read_by_that_header(tmp_p
 
 
 @pytest.mark.parametrize("of", [file, stream])
-@pytest.mark.parametrize(
-    "later",
-    ["2,no,time [s],winch [m],rope [kN]\n7,8,2,60\n", "2,time [s],winch [m],rope [kN]\ns,m,N\n8,2,60000\n"],
-    ids=["words before the stamp", "other units below it"],
-)
-def test_where_it_is_not_clear_how_rows_behind_half_a_row_and_a_header_are_read_the_source_ends(tmp_path, of, later):
-    source = of(tmp_path, FIRST + later)
-    with pytest.raises(SourceStopped, match=r"in the midst of a row|the unit is \[kN\] in the header and N"):
+def test_other_units_below_a_header_behind_half_a_row_that_contradict_it_end_the_source(tmp_path, of):
+    source = of(tmp_path, FIRST + "2,time [s],winch [m],rope [kN]\ns,m,N\n8,2,60000\n")
+    with pytest.raises(SourceStopped, match=r"the unit is \[kN\] in the header and N"):
         all_of(source)
 
 
@@ -443,3 +439,36 @@ def test_a_line_in_another_order_or_behind_a_row_in_doubt_is_no_description(tmp_
 def test_rows_in_doubt_before_any_other_row_end_the_source_in_plain_words(tmp_path, of):
     with pytest.raises(SourceStopped, match=r"known: Druck, time\. If that line is a remark, begin it with #, or "):
         all_of(of(tmp_path, "time,winch,rope\ntime,Druck\n1,7,\n2,7\n"))
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    "text",
+    ["sep=;\ntime;winch;rope\n0;1;50\n1;2;51\n", "time, [s];winch;rope\n0;1;50\n1;2;51\n"]
+    + ['"time", "winch", "rope"\n0, 1, 50\n1, 2, 51\n', "time, winch, rope\n0, 1, 50\n1, 2, 51\n"],
+    ids=["of a spreadsheet", "a comma in a title", "blanks before quotes", "blanks"],
+)
+def test_headers_as_spreadsheets_and_scripts_write_them_are_read(tmp_path, of, text):
+    assert values(of(tmp_path, text)) == ROWS
+
+
+def test_a_file_in_windows_1252_is_read_as_tables_of_scenes_are(tmp_path):
+    (tmp_path / "r.csv").write_bytes("time;Höhe [°]\n0;180\n".encode("cp1252"))
+    (row,) = all_of(CsvFile(tmp_path / "r.csv", ["Höhe"], units={"Höhe": "rad"}))
+    assert row.values["Höhe"] == pytest.approx(3.14159265)
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_word_before_the_title_of_another_column_is_not_taken_off_and_the_source_ends(tmp_path, of):
+    """`aux winch` behind half a row is the title of another column, and no piece of a row before `winch`."""
+    source = of(tmp_path, "winch,time,rope\n1,0,50\n2,aux winch,time,rope\n9,1,51\n")
+    with pytest.raises(SourceStopped, match="in the midst of a row"):
+        all_of(source)
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_half_a_row_before_a_header_with_other_names_ends_the_source(tmp_path, of):
+    """Rows behind it were read by the header before."""
+    source = of(tmp_path, "time,winch,rope\n0,1,50\n1,2time,A,B\n2,7,8\n")
+    with pytest.raises(SourceStopped, match="in the midst of a row"):
+        all_of(source)

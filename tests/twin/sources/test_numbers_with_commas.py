@@ -65,3 +65,16 @@ def test_stamps_of_milliseconds_since_1970_with_a_decimal_comma_are_told_as_thos
     source = source_of(of, tmp_path, "time;winch;tension\n1764410000000,5;1;2\n")
     assert not [row for row in all_of(source) if row.time == row.time]
     assert len(source.notes) == 1 and "stamps such as 1764410000000 are no seconds" in source.notes[0]
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_column_with_points_has_no_decimal_commas_and_such_cells_are_left_out_and_told_once(tmp_path, of, separator):
+    """`1,001` beside `999.5`, as thousands are written in English, was read as 1.001."""
+    text = "time;winch;tension\n0;1,5;999.5\n1;2,5;1,001\n2;3,5;998\n3;4,5;1,002\n".replace(";", separator)
+    source = source_of(of, tmp_path, text)
+    assert str([tuple(row.values.values()) for row in all_of(source)]) == (
+        "[(1.5, 999.5), (2.5, nan), (3.5, 998.0), (4.5, nan)]"
+    )
+    (note,) = source.notes
+    assert "column 'tension' has cells such as '999.5' and '1,001'" in note

@@ -319,3 +319,19 @@ def test_a_stamp_with_two_units_is_read_by_its_brackets_and_told_unless_the_map_
 @pytest.mark.parametrize("title", ["time_ms [msec]", "Time/h (hours)", "time_s [UTC]", "time [ms]"])
 def test_a_unit_that_is_said_twice_is_no_contradiction(tmp_path, title):
     assert not any("two units" in note for note in file(tmp_path, f"{title},a\n0,1\n").notes)
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_days_times_a_million_are_no_milliseconds_whatever_stands_beside_them(tmp_path, of):
+    source = of(tmp_path, DAYS.replace("TimeString", "Datum").replace("VarName", "Name"), "")
+    assert not [stamp for stamp in stamps(source) if stamp == stamp] and "days of a spreadsheet" in source.notes[0]
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_where_a_row_showed_that_seconds_have_a_comma_a_stamp_of_a_whole_second_proves_nothing(tmp_path, of):
+    """Milliseconds were read as a load behind a row at a whole second, which Python writes without a fraction."""
+    second = "2026-01-01 00:00:0"
+    rows = [f"{second}0,100", f"{second}0,100,101", f"{second}1,110", f"{second}1,300,OVERFLOW"]
+    source = of(tmp_path, "time,a\n" + "\n".join(rows) + "\n", "")
+    found = [(row.time, row.values["a"]) for row in all_of(source) if row.time == row.time]
+    assert found == [(1767225600.0, 100.0), (1767225601.0, 110.0)]

@@ -25,7 +25,8 @@ from tautline.scene.reading.long_rows import (
     filled,
     first_beyond,
     has_remark,
-    kind_of,
+    is_number_or_date,
+    kind_or_state,
     shows_nothing,
     usual_kinds,
 )
@@ -99,6 +100,13 @@ class Columns:
             cause = "begins with numbers as a row does, and has words as a header does"
             cure = "write a header above it, such as time,value, and begin remarks with # in lines of their own"
             self.stop(self.header_line, "", None, cause, cure)
+        if self.headed and len(first) == 2 and is_number_or_date(first[0]):
+            below = [_cell(row, 0) for _, row in rows[1 : USUAL_ROWS + 1]]
+            if below and all(map(_is_number, below)):
+                word = next(cell for cell in first if not _is_number(cell))
+                cause = f"begins with '{first[0]}' as a row does, and '{word}' is no number that can be read"
+                cure = "write plain numbers, or a header above them, such as time,value"
+                self.stop(self.header_line, "", None, cause, cure)
         if headed and not self.headed:
             cause, cure = "the first line holds numbers where the names should be", "write a header above them"
             self.stop(self.header_line, "", None, cause, cure)
@@ -168,7 +176,7 @@ class Columns:
         long = [(line, n, row) for line, row in self.rows if len(row) > width and (n := filled(row)) > width]
         if long:
             plain = [row for _, row in self.rows if len(row) <= width][:USUAL_ROWS]
-            usual = [usual_kinds(Counter(kind_of(_cell(row, i)) for row in plain)) for i in range(width)]
+            usual = [usual_kinds(Counter(kind_or_state(_cell(row, i)) for row in plain)) for i in range(width)]
             status = any(not shows_nothing(first_beyond(row, width)) for _, _, row in long)
             long = [one for one in long if not plain or not has_remark(one[2], width, usual, status)]
         if not long:
@@ -298,7 +306,22 @@ class Columns:
                 return values
         except (IndexError, ValueError):
             pass
+        self._refuse_two_marks(place, name)
         return np.array([self.number(line, name, _cell(row, place), missing) for line, row in self.rows])
+
+    def _refuse_two_marks(self, place: int, name: str) -> None:
+        """Refuse a column that has numbers with points and others with commas: one of both marks thousands."""
+        if self.separator == ",":
+            return
+        cells = [(line, _cell(row, place)) for line, row in self.rows]
+        numbers = [(line, cell) for line, cell in cells if NUMBER.fullmatch(cell.replace(",", "."))]
+        pointed = next(((line, cell) for line, cell in numbers if "." in cell), None)
+        comma = next(((line, cell) for line, cell in numbers if "," in cell), None)
+        if pointed and comma:
+            cause = (
+                f"has a comma, and {pointed[1]} in line {pointed[0]} has a point: one of both is a mark of thousands"
+            )
+            self.stop(comma[0], name, comma[1], cause, "write numbers without marks of thousands")
 
     def number(self, line: int, name: str, cell: str, missing: str = "fill it in, or delete the row") -> float:
         """Number in a cell; nan for anything else, which is noted."""

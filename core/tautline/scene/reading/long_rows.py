@@ -10,6 +10,8 @@ NO_WORDS = frozenset("na n/a n.a. #n/a nan null none nil inf infinity".split())
 """What programs and loggers write where a number is missing, in small letters; dashes are such, too."""
 STATES = frozenset(("bad", "off"))
 """What a sensor without a number may show, and a status, too."""
+RARE = 50
+"""Of so many words of a column, one number shows no column of numbers."""
 TO_THE_SECOND = re.compile(r"(.*[T ])?\d\d?:\d\d:\d\d")
 """A time of the day that may go on with parts of a second: no zone is behind it."""
 
@@ -37,10 +39,16 @@ def first_beyond(cells: Sequence[str], width: int) -> str:
     return next((cell for cell in cells[width:] if cell), "")
 
 
+def kind_or_state(cell: str) -> str:
+    """What a cell holds, as `kind_of`; "state" for a word that a sensor without a number may show."""
+    return "state" if cell.lower() in STATES else kind_of(cell)
+
+
 def usual_kinds(shown: Counter[str]) -> set[str]:
     """Kinds of cells that a column shows: a status that was a number once, `7` among `run`, is one of words."""
-    kinds = {kind for kind, count in shown.items() if count}
-    return kinds if shown["number"] > shown["word"] else kinds - {"number"}
+    kinds = {"word" if kind == "state" else kind for kind, count in shown.items() if count}
+    few = shown["number"] <= max(1, shown["word"] // RARE) and shown["word"] >= shown["number"]
+    return kinds - {"number"} if few else kinds
 
 
 def has_remark(cells: Sequence[str], width: int, usual: Sequence[Collection[str]], status: bool = False) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import difflib
 from pathlib import Path
 
@@ -10,6 +11,18 @@ from tautline.scene.errors import Problem, SceneError
 LARGEST_FILE = 10_000_000
 RESULT = b"\x89HDF\r\n\x1a\n"
 """First bytes of a NetCDF-4 file."""
+
+LEGACY = "tautline-legacy"
+"""How text that is read piece by piece is decoded, as `decode` does: ``errors=LEGACY``."""
+
+
+def _of_windows(error: UnicodeError) -> tuple[str, int]:
+    """Bytes that are no UTF-8 as letters of Windows-1252, as instruments write them."""
+    assert isinstance(error, UnicodeDecodeError)
+    return error.object[error.start : error.end].decode("cp1252", errors="replace"), error.end
+
+
+codecs.register_error(LEGACY, _of_windows)
 
 
 def read_text(path: Path) -> str:

@@ -66,6 +66,10 @@ DATES = frozenset(("date", "datetime", "iso", "iso8601"))
 """Forms of a date: numbers below them may be days, as spreadsheets count them, and are in no unit for sure."""
 NO_UNITS = {*NO_UNIT, *NAMES, *KINDS, *ZONES, *LABELS, "unix", "epoch", "posix"} - DATES
 """What stands in the brackets of a time, in small letters, and is no unit."""
+DATED = frozenset(("timestring", "varname"))
+"""Columns of an export of WinCC, in small letters."""
+DAYS = 3e10, 6e10
+"""Days since 1900 times a million, from 1982 to 2064: no milliseconds that a run or a clock counts."""
 BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 ZONE = re.compile(
     r"\b(utc|gmt) ?[+-] ?\d{1,2}(:?\d{2})?\b"
@@ -232,6 +236,16 @@ def is_contradicted(title: str, bracketed: str) -> bool:
     """Whether the name of a column of times has another unit of time than its brackets: ``time_ms [s]``."""
     head, unit = time_head(title), unit_of_time(bracketed)
     return bool(head.unit) and not head.doubtful and unit in UNITS_OF_NAMES.values() and unit != head.unit
+
+
+def is_of_days(name: str, names: Sequence[str], number: float = 0.0) -> bool:
+    """Whether a column is no milliseconds, as its name says, but the days of a spreadsheet times a million.
+
+    So WinCC writes `Time_ms`, beside the same moment as a text. `number` is one of its cells.
+    """
+    if name.casefold() != "time_ms":
+        return False
+    return not DATED.isdisjoint(one.casefold() for one in names) or DAYS[0] < number < DAYS[1]
 
 
 def unit_of_stamps(name: str, bracketed: str) -> tuple[str, str]:

@@ -8,6 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.columns import SEPARATOR_LINE
+from tautline.scene.reading.text import LEGACY
+from tautline.twin.sources.lines import Lines
 from tautline.twin.sources.record import Record, SourceStopped
 from tautline.twin.sources.table import Header, has_end
 
@@ -48,28 +51,30 @@ class CsvFile:
         self.dropped, self.notes = 0, list[str]()
         self._speed, self._now, self._sleep = speed, now, sleep
         try:
-            self._file = path.open(encoding="utf-8-sig", errors="replace", newline="")
+            self._file = path.open(encoding="utf-8-sig", errors=LEGACY, newline="")
         except OSError as error:
             cause = (
                 "there is no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
             )
             raise SceneError([Problem(str(path), None, "", None, cause, "check the name of --source")]) from None
         line = self._line()
+        if line is not None and SEPARATOR_LINE.fullmatch(line):  # of a spreadsheet
+            line = self._line()
         if line is None:
             self._file.close()
             raise SceneError([Problem(str(path), None, "", None, "is empty", "give a file with a header and rows")])
-        if "\0" in line or line.startswith("\ufffdHDF"):
+        if "\0" in line or line.startswith("\u2030HDF"):
             self._file.close()
-            if line.startswith(2 * "\ufffd"):  # FF FE or FE FF: the mark of UTF-16
+            if line.startswith(("\xff\xfe", "\xfe\xff")):  # the mark of UTF-16
                 raise SceneError([Problem(str(path), None, "", None, "is not UTF-8 text", "save it as UTF-8")])
             cure = "--source wants a CSV file with a header and rows, such as `record` writes"
             raise SceneError([Problem(str(path), None, "", None, "is not a table: it is a binary file", cure)])
         try:
-            self._header = Header(line, columns, time, str(path), units, self.notes, self._number)
+            self._lines = Lines(Header(line, columns, time, str(path), units, self.notes, self._number))
         except SceneError:
             self._file.close()
             raise
-        self.factors = dict(self._header.factors)
+        self.factors = dict(self._lines.header.factors)
         self._stopped: SourceStopped | None = None
         try:
             self._next, self._later = self._taken(), self._taken()
@@ -91,25 +96,19 @@ class CsvFile:
     def _read(self) -> Record | None:
         while (line := self._line()) is not None:
             try:
-                row = self._header.read(line, self._whole, self._number)
+                row = self._lines.take(line, self._whole, self._number)
             except SourceStopped as stop:
                 self._stopped = stop
                 return None
-            if row is not None and math.isfinite(row[0]):
-                return Record(row[0], row[1], 0.0, self._whole)
-            header = self._header.next_header(line, self._number, self._whole)
-            if header is not None:
-                self._header = header
-                continue
             if row is not None:
                 return Record(row[0], row[1], 0.0, self._whole)
-            self.refused += 1
+            self.refused += not self._lines.headed
         return None
 
     def _taken(self) -> tuple[Record, dict[str, float]] | None:
         """The row behind those that were read, with the factors of its header."""
         row = self._read() if self._stopped is None else None
-        return None if row is None else (row, self._header.factors)
+        return None if row is None else (row, self._lines.header.factors)
 
     def poll(self, timeout: float) -> Record | None:
         """The next row, when it is due.

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import option_error
+from tautline.scene.reading.text import LEGACY
 from tautline.twin.sources.record import Source
 
 SCHEMES = ("mqtt://", "mqtts://", "opc.tcp://")
@@ -43,7 +44,7 @@ def open_source(
         from tautline.twin.sources.stream import Stream
 
         if isinstance(sys.stdin, io.TextIOWrapper):
-            sys.stdin.reconfigure(errors="replace")  # a byte that is no letter spoils its line, and not the stream
+            sys.stdin.reconfigure(errors=LEGACY)  # a byte that is no UTF-8 spoils no stream
         return Stream(sys.stdin, columns, time, units=units)
     if address.startswith(("mqtt://", "mqtts://")):
         from tautline.twin.sources.mqtt import Mqtt

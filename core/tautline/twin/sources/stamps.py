@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from tautline.scene.reading.columns import HEADER, unit_named
-from tautline.scene.reading.time_columns import is_contradicted, time_head, unit_of_stamps, unit_of_time
+from tautline.scene.reading.time_columns import is_contradicted, is_of_days, time_head, unit_of_stamps, unit_of_time
 from tautline.scene.values.moments import UNIX
 from tautline.scene.values.units import Unit, UnknownUnit, read_unit
 
@@ -18,8 +18,6 @@ NAMES = ("time", "t", "timestamp", "stamp", "ts", "datetime")
 DOUBTFUL = ("ts",)
 """Those of them that may be something else, such as a temperature or a torque."""
 LAST_BRACKET = re.compile(r"\s*(?P<name>.*[^\s])\s*[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])]\s*")
-DATED = frozenset(("timestring", "varname"))
-"""Columns of an export of WinCC, in small letters."""
 FINER = ((1e14, "ms", "milliseconds"), (1e17, "us", "microseconds"), (math.inf, "ns", "nanoseconds"))
 """Units of stamps since 1970 that are no seconds: below which number a stamp is likely in each."""
 
@@ -91,7 +89,7 @@ class Stamps:
 
         So WinCC writes `Time_ms`: days since 1900 times a million, beside the same moment as a text.
         """
-        if name.casefold() != "time_ms" or self.unit or DATED.isdisjoint(one.casefold() for one in names):
+        if self.unit or not is_of_days(name, names):
             return None
         cause = f"'{name}' beside TimeString or VarName has the days of a spreadsheet times a million, as WinCC writes"
         cure = (
@@ -110,9 +108,12 @@ class Stamps:
         """A stamp, s; NaN for what is none. `factor` is that of a header's unit."""
         factor = self.factor if factor is None else factor
         found = stamp_of(value, factor)
+        number = number_of(value)
+        if not self.unit and factor == 1e-3 and is_of_days(name, (), number):
+            self._tell_days(name, number)
+            return math.nan
         if math.isfinite(found):
             self._tell_name(name, factor)
-        number = number_of(value)
         if self.doubt and not self._told and math.isfinite(number):
             self._told = True
             cause, cure = self.unclear(name)
@@ -126,6 +127,16 @@ class Stamps:
                 f'If they are {said}, write `time: "{name} [{unit}]"` in the map'
             )
         return found
+
+    def _tell_days(self, name: str, number: float) -> None:
+        """Say once that stamps are no milliseconds, but days."""
+        note = (
+            f"stamps such as {number:.0f} of `{name}` are no milliseconds, but the days of a spreadsheet times a "
+            "million, as WinCC writes: rows with them are left out. Write the moments as `2026-01-01 00:00:00`, and "
+            f'name their column in the map; if these are milliseconds, write `time: "{name} [ms]"` there'
+        )
+        self._notes += [note] if note not in self._notes and not self._told else []
+        self._told = True
 
     def _tell_name(self, name: str, factor: float) -> None:
         """Say once which column is taken as the time, where the map names none, and what its numbers count."""

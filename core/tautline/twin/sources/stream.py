@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import queue
 import threading
 import time as clock
@@ -11,6 +10,8 @@ from collections.abc import Mapping, Sequence
 from typing import IO, Any
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.columns import SEPARATOR_LINE
+from tautline.twin.sources.lines import Lines
 from tautline.twin.sources.objects import ObjectReadings
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps
@@ -44,6 +45,7 @@ class Stream:
         self._file, self._columns, self._time, self._units = file, list(columns), time, units
         self._queue: queue.Queue[Record | Header | SceneError | SourceStopped | None] = queue.Queue(MOST)
         self._header: Header | None = None
+        self._lines: Lines | None = None
         self._objects = False
         self._stamps = Stamps(time, self.notes, columns)
         self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors)
@@ -71,17 +73,19 @@ class Stream:
         if line.lstrip().startswith("{") or self._objects:
             self._objects, whole = True, True  # half an object is none
             row = read_object(line, self._columns, self._stamps, self._readings)
-        elif self._header is None:
+        elif self._lines is None and SEPARATOR_LINE.fullmatch(line):
+            return  # of a spreadsheet
+        elif self._lines is None:
             given = self._columns, self._time, self.name, self._units, self.notes, self._number
-            self._begin(Header(line, *given))
+            self._lines = Lines(Header(line, *given))
+            self._begin(self._lines.header)
             return
         else:
-            row = self._header.read(line, whole, self._number)
-            if row is None or not math.isfinite(row[0]):
-                header = self._header.next_header(line, self._number, whole)
-                if header is not None:
-                    self._begin(header)
-                    return
+            row = self._lines.take(line, whole, self._number)
+            if self._lines.header is not self._header:
+                self._begin(self._lines.header)
+            if self._lines.headed:
+                return
         if row is None:
             self.refused, self.last = self.refused + 1, line[:80]
             return

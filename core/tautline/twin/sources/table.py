@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tautline.scene.errors import Problem, SceneError, shorten
-from tautline.scene.reading.broken_rows import BrokenRow, broken_row
 from tautline.scene.reading.columns import NO_UNIT
 from tautline.scene.reading.long_rows import (
     cure_of_long_rows,
@@ -18,6 +18,7 @@ from tautline.scene.reading.long_rows import (
     has_half_a_second,
     has_remark,
     kind_of,
+    kind_or_state,
     only_words_behind,
     shows_nothing,
     usual_kinds,
@@ -48,8 +49,9 @@ def has_end(line: str) -> bool:
 
 
 def separator_of(line: str) -> str:
-    """What separates the cells of a header."""
-    return max(SEPARATORS, key=line.count)
+    """What separates the cells of a header: a comma before a blank only where nothing else does: ``t, s;x, N``."""
+    counts = {mark: line.count(mark) - (line.count(", ") if mark == "," else 0) for mark in SEPARATORS}
+    return max(SEPARATORS, key=counts.__getitem__) if any(counts.values()) else ","
 
 
 def titles_of(line: str, separator: str) -> list[str]:
@@ -63,7 +65,7 @@ def titles_of(line: str, separator: str) -> list[str]:
 def cells_of(line: str, separator: str) -> list[str]:
     """Cells of a line, without spaces around them."""
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
     except csv.Error:  # a cell of more than 100,000 letters
         return []
 
@@ -136,6 +138,8 @@ class Header:
     ----------
     notes : list of str
         What is to be known of units that say nothing, and of stamps.
+    offsets : set of int
+        How many cells rows have had more than the header has titles, also rows by the headers before.
 
     Raises
     ------
@@ -151,19 +155,22 @@ class Header:
         # Whether the next line may have its units: no row was read by it. And whether rows came before it.
         self._bare, self._behind, self._below = not below, False, below
         self.separator = separator_of(line)
-        titles = self._titles = titles_of(line, self.separator)
+        titles = self.titles = titles_of(line, self.separator)
+        self.columns, self.where = columns, where
         self.names, self.units = heads(titles)
         self.width = self._before = len(titles)
         self._cells = max(len(cells_of(line, self.separator)), 1)  # with those that have no title, at its end
         self.notes: list[str] = [] if notes is None else notes
         self._later: Later | None = None
         self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
+        self.offsets: set[int] = set()
         self._begun = False  # whether any row was read, also one in doubt
         # The latest rows that are no longer than the header, and what they and those before them have had by column.
         self._plain: deque[list[str]] = deque(maxlen=USUAL_ROWS)
         self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
+        self._marks: dict[str, tuple[str, str]] = {}  # the decimal mark of each column, and a cell that has it
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -272,13 +279,11 @@ class Header:
             Whether it ends: half a line is none.
         """
         columns, time, where, units = self._given
-        if broken := self._broken(line):
-            return self._behind_torn(broken, line, number)
         if self._has_stamp(line):
             return None
         if whole and (below := self._units_in(line)):
             return self._with_units(below)
-        sure = self._is_header(line) if whole else False
+        sure = self.is_header(line) if whole else False
         if whole and (described := self._described(line, number, sure is not False)):
             return described
         if sure is False:
@@ -296,52 +301,36 @@ class Header:
                 self._later = later
             return self if sure else None
         found._behind = True
-        found._told = self._told
+        found._told, found.offsets = self._told, self.offsets
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
 
+    def may_be_named(self, line: str) -> bool:
+        """Whether a line may have the title of the stamp, or has the names of all columns of the map: a quick look."""
+        if self.columns and all(column in line for column in self.columns):
+            return True
+        name = re.escape(self.names[self.stamp] or self.titles[self.stamp])
+        return re.search(rf"(?<![^\W\d])(?<! ){name}(?!\w)", line) is not None
+
+    def stamp_among(self, titles: Sequence[str]) -> int | None:
+        """Which of some titles is the stamp; None where none is."""
+        names = heads(titles)[0]
+        found = self._stamps.column(names) or self._stamps.column(titles) or self._stamps.timed(names)
+        return max((i for i, title in enumerate(titles) if found in (title, names[i])), default=None)
+
+    def tell_once(self, key: str, note: str) -> None:
+        """Tell what is said once, of this header and those behind it."""
+        if key not in self._told:
+            self._told.add(key)
+            self.notes.append(note)
+
     def _has_stamp(self, line: str) -> bool:
         """Whether what a line has in the place of the stamp is a number or a date."""
         cell = next(iter(cells_of(line, self.separator)[self.stamp :]), "")
         return not math.isnan(number_of(cell)) or math.isfinite(stamp_of(cell))
-
-    def _broken(self, line: str) -> BrokenRow | None:
-        """Half a row with a header behind it."""
-        columns = self._given[0]
-        if not columns or not all(column in line for column in columns):
-            return None
-        cells = cells_of(line, self.separator)
-        return broken_row(cells, self._titles, self._has_stamp(line), self._begins_header)
-
-    def _begins_header(self, titles: Sequence[str]) -> bool:
-        """Whether titles have all columns, and the first of them names a stamp."""
-        return self._stamped(titles[:1]) and {*heads(titles)[0], *titles}.issuperset(self._given[0])
-
-    def _behind_torn(self, broken: BrokenRow, line: str, number: int) -> Header | None:
-        """The header in the midst of a line, behind a row that broke off; this one where it is the same once more.
-
-        Where words stand between, it is not known with which of them the header begins: `read` raises at the next row.
-        """
-        where = self._given[2]
-        if broken.words:
-            cause = f"in '{shorten(line)}' a header stands in the midst of a row that broke off"
-            cure = "put the header on a line of its own, and delete the row"
-            stop = NewHeader(SceneError([Problem(where, number, "", None, cause, cure)]))
-            self._later = Later(stop, self.separator, self.width, sure=True, named=True, told="")
-            return self
-        again = broken.titles == self._titles
-        if "torn" not in self._told:
-            self._told.add("torn")
-            shown = f"the row '{shorten(line)}' breaks off, and {'the' if again else 'a'} header comes"
-            end = " once more behind it" if again else " behind it"
-            self.notes.append(f"{where}:{number}: {shown}{end}. Such rows are left out")
-        if not again:
-            return self.next_header(broken.header(self.separator), number)
-        self._bare = self._behind = True  # units may stand below it once more
-        return self
 
     def _units_in(self, line: str) -> list[str]:
         """Units by cell of a line right below the header that has them; empty for any other line.
@@ -375,7 +364,7 @@ class Header:
                 raise
             self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
             return self
-        found._told, found._behind = self._told, self._behind
+        found._told, found._behind, found.offsets = self._told, self._behind, self.offsets
         return found
 
     def _described(self, line: str, number: int, told: bool) -> Header | None:
@@ -420,7 +409,7 @@ class Header:
         found._bare = bare and found is not self  # a line of units may come behind it
         return found
 
-    def _is_header(self, line: str) -> bool | None:
+    def is_header(self, line: str) -> bool | None:
         """Whether a line is a header; None where the row behind it must show that.
 
         One that has all columns is. So is one without a number that has a name with a unit of time, or two names with
@@ -496,8 +485,6 @@ class Header:
         cells = cells_of(line, self.separator)
         count = len(cells)
         number = filled(cells) if count > self._cells else count
-        if self._broken(line) and self._has_stamp(line):
-            return None
         if not whole or (count < self.width and count != self._before):
             cells = cells[:-1]
         name, stamp = self.names[self.stamp] or "time", float("nan")
@@ -505,7 +492,7 @@ class Header:
             self._refuse_doubtful(cells[self.stamp])
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
             cell = cells[self.stamp]
-            if "," in cell and not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell)):
+            if not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell)):
                 stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
@@ -514,8 +501,10 @@ class Header:
                 return None
             self._status |= not shows_nothing(first_beyond(cells, self._cells))
             self._tell_remark(line, at)
+            self.offsets.add(count - self.width)
         elif math.isfinite(stamp) and not doubtful:
             self._widths.add(count)
+            self.offsets.add(count - self.width)
             self._whole_times |= ":" in cells[self.stamp] and count >= self.width
             if count <= self._cells:
                 self._plain.append(cells)
@@ -541,7 +530,7 @@ class Header:
         """
         if math.isfinite(self.factor) or math.isnan(number_of(cell)):
             return
-        cause, cure = self._stamps.unclear(self._titles[self.stamp])
+        cause, cure = self._stamps.unclear(self.titles[self.stamp])
         refused = SceneError([Problem(self._given[2], self._number_of_line, "", None, cause, cure)])
         raise NewHeader(refused) if self._behind else refused
 
@@ -551,7 +540,8 @@ class Header:
         The stamp and columns of the map have numbers also where no row has shown that yet.
         """
         quoted = f'"{cells[self.stamp]}"' in line
-        if self.separator == "," and not (quoted or self._whole_times) and has_half_a_second(cells, self.stamp):
+        whole = quoted or (self._whole_times and "half" not in self._told)
+        if self.separator == "," and not whole and has_half_a_second(cells, self.stamp):
             return False
         places = [self.stamp, *self.places.values()]
         # A column of the map has no status: `Bad` is a missing number there.
@@ -560,7 +550,7 @@ class Header:
             return True
         for row in self._plain:
             for kinds, cell in zip(self._kinds, row, strict=False):
-                kinds[kind_of(cell)] += 1
+                kinds[kind_or_state(cell)] += 1
         self._plain.clear()
         numbers = [{"number"} if i in places else set() for i in range(self._cells)]
         usual = [usual_kinds(kinds) | number for kinds, number in zip(self._kinds, numbers, strict=True)]
@@ -568,10 +558,8 @@ class Header:
 
     def _tell_remark(self, line: str, at: int) -> None:
         """Tell once that words beyond the header are passed over."""
-        if "remark" not in self._told:
-            self._told.add("remark")
-            shown = f"the row '{shorten(line)}' has words in more cells than the header has"
-            self.notes.append(f"{self._given[2]}:{at}: {shown}: they are passed over, and the cells before them count")
+        shown = f"the row '{shorten(line)}' has words in more cells than the header has"
+        self.tell_once("remark", f"{self.where}:{at}: {shown}: they are passed over, and the cells before them count")
 
     def _too_long(self, line: str, cells: Sequence[str], at: int) -> None:
         """Tell once that a row fills more cells than the header has: which cell is whose is not known.
@@ -582,6 +570,8 @@ class Header:
             Where no row was read yet: by such a header none can be.
         """
         where, number = self._given[2], filled(cells)
+        if self.separator == "," and has_half_a_second(cells, self.stamp):
+            self._told.add("half")  # seconds have a comma here: a stamp without one is that of a whole second
         cause = f"the row '{shorten(line)}' fills {number} cells, and the header has {self._cells}"
         first = line.split(self.separator, 1)[0]  # one with the time of a day is no row name: its second has a comma
         one_more = number == self._cells + 1 and not self._begun and ":" not in first
@@ -594,10 +584,8 @@ class Header:
             cure += "; or, if the last cell is a status or a remark, give its column a title"
         if not self._begun and not self._behind:
             raise SceneError([Problem(where, at or self._number_of_line, "", None, cause, cure)])
-        if "long" not in self._told:
-            self._told.add("long")
-            told = f"{where}:{at}: {cause}. Such rows are left out, as lines that cannot be read"
-            self.notes.append(f"{told}; {cure}" if cure.startswith("if") else f"{told}: {cure}")
+        told = f"{where}:{at}: {cause}. Such rows are left out, as lines that cannot be read"
+        self.tell_once("long", f"{told}; {cure}" if cure.startswith("if") else f"{told}: {cure}")
 
     def _is_in_doubt(self, line: str, count: int, stamped: bool) -> bool:
         """Whether a row may be of a later header; raises NewHeader where it is, or where nothing speaks against it.
@@ -648,14 +636,30 @@ class Header:
         return another and not later.sure and numbers
 
     def _number(self, name: str, cell: str) -> float:
-        """A cell's number; NaN for one with a comma in a table that commas separate: it may be one of thousands."""
-        if self.separator != "," or "," not in cell:
+        """A cell's number; NaN for one with a comma or a point that may be a mark of thousands.
+
+        So it is with a comma in a table that commas separate; and in a column that has both, where the first is taken.
+        """
+        if self.separator != ",":
+            return number_of(cell) if self._is_of_one_mark(name, cell) else math.nan
+        if "," not in cell:
             return number_of(cell)
-        if "comma" not in self._told:
-            self._told.add("comma")
-            self.notes.append(
-                f"column '{name}' has cells such as \"{cell}\". In a table with commas between its cells this may be a "
-                "mark of thousands or a decimal comma. Such cells are left out: write numbers without marks of "
-                "thousands and with a decimal point, or put ; between the cells if these are decimal commas"
-            )
+        self.tell_once(
+            "comma",
+            f"column '{name}' has cells such as \"{cell}\". In a table with commas between its cells this may be a "
+            "mark of thousands or a decimal comma. Such cells are left out: write numbers without marks of "
+            "thousands and with a decimal point, or put ; between the cells if these are decimal commas",
+        )
         return math.nan
+
+    def _is_of_one_mark(self, name: str, cell: str) -> bool:
+        """Whether a cell has the decimal mark of its column, or none; tells once where a column has two."""
+        mark = "," if "," in cell else "." if "." in cell else ""
+        if not mark or math.isnan(number_of(cell)) or self._marks.setdefault(name, (mark, cell))[0] == mark:
+            return True
+        self.tell_once(
+            "marks",
+            f"column '{name}' has cells such as '{self._marks[name][1]}' and '{cell}': one of the two has a mark of "
+            "thousands. Those like the second are left out: write numbers without marks of thousands",
+        )
+        return False

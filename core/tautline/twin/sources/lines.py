@@ -1,0 +1,341 @@
+"""Lines of a table: rows, headers that come again, and rows that broke off with a header behind them.
+
+A logger that loses its power, or files that are put together, leave lines such as ``1006.0,12time,winch,load``. What
+stands before the header there is the piece of a row. The rule for such lines, and for headers with columns added in
+front, is one:
+
+*What is a header in a line.* All columns of the map and a stamp are there as titles, quotes taken off, with no number
+among them or behind them. Or the line ends with all titles of the header before, in their order, whatever stands before
+them.
+
+*Where it begins.* It ends where the line ends. It begins behind the last number or date, for these are no titles; and
+no later than the first of its titles that is known: a column of the map, the stamp, or a title of the header before.
+Every cell between the two may be its first title, or the last one of a row that broke off.
+
+*What decides.* The number of cells of the row behind the line. Where the line ends with the titles of the header
+before, the row is longer or shorter than the header by as many cells as rows before it were. Behind other titles it
+shows only that no header begins by which it is longer than rows were: it may lack its last cells, though none did
+before. And where the header has the stamp and the columns of the map, the row has a stamp and no words. A line of units
+below the header counts as a row. Where this leaves one place, the header begins there, and that row is the first one
+that is read by it. Where it leaves several, or none, the row is left out, and this is told: another row may show it.
+After `IN_DOUBT` of them the source ends.
+
+*The piece in the cell of the first title.* A piece of a number, ``12time``, is taken off the title of a stamp. Any
+piece is taken off where all titles of the header before stand behind it, but for a word where rows have the stamp or a
+column of the map: ``aux winch`` is no ``winch``. Where such a piece stands before a title that is needed, the source
+ends at the next row: rows behind it are read by no header. So it does where the header behind a piece lacks columns.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from tautline.scene.errors import Problem, SceneError, shorten
+from tautline.scene.reading.columns import NO_UNIT
+from tautline.scene.reading.long_rows import NO_WORDS, STATES, filled, is_number_or_date, kind_of, shows_nothing
+from tautline.twin.sources.stamps import heads, is_unit, number_of, stamp_of
+from tautline.twin.sources.table import Header, NewHeader, cells_of, separator_of
+
+IN_DOUBT = 20
+"""Lines that are left out, at most, before rows have shown where a header begins."""
+HALF = re.compile(r"(\d{4}-\d\d?-\d\d?[ T])?[\d.,:+-]*")
+"""What may be left of a number or a date before a title: ``1006.time``."""
+
+
+@dataclass(frozen=True)
+class HeaderInLine:
+    """A header at the end of a line, and where in that line it may begin.
+
+    Attributes
+    ----------
+    cells : list of str
+        Of the line, without quotes and without empty ones at its end.
+    separator : str
+    starts : sequence of int
+        Cells that may be the first title; none where rows cannot be read by that header.
+    known : int
+        The first cell that is known to be a title.
+    title : str
+        That title, without a piece of a row before it.
+    needed : sequence of int
+        Cells with titles of the stamp, which is the first, and of the columns of the map.
+    again : bool
+        Whether the line ends with the titles of the header before.
+    line : str
+    number : int
+        Of the line, for messages.
+    left_out : int
+        Lines behind it that did not show where it begins.
+    """
+
+    cells: list[str]
+    separator: str
+    starts: Sequence[int]
+    known: int
+    title: str
+    needed: Sequence[int]
+    again: bool
+    line: str
+    number: int
+    left_out: int = 0
+
+    def header(self, start: int) -> str:
+        """The header as a line of its own."""
+        if start == 0 and self.title == self.cells[self.known]:
+            return self.line
+        cells = [*self.cells[start : self.known], self.title, *self.cells[self.known + 1 :]]
+        text = io.StringIO()
+        csv.writer(text, delimiter=self.separator, lineterminator="").writerow(cells)
+        return text.getvalue()
+
+    def fits(self, start: int, cells: Sequence[str], offsets: set[int]) -> bool:
+        """Whether cells are a row, or units, of the header that begins in a place.
+
+        `offsets` are how many cells rows had more than titles; empty cells at the end of a row may be none.
+        """
+        titles = len(self.cells) - start
+        if self.again and offsets.isdisjoint((len(cells) - titles, filled(cells) - titles)):
+            return False
+        if not self.again and filled(cells) - titles > max(offsets):
+            return False
+        stamp, *wanted = (cells[place - start] if place - start < len(cells) else "" for place in self.needed)
+        if _are_units(cells):
+            return True
+        is_stamp = not math.isnan(number_of(stamp)) or math.isfinite(stamp_of(stamp))
+        return is_stamp and all(shows_nothing(cell) or kind_of(cell) == "number" for cell in wanted)
+
+
+class Lines:
+    """Lines behind a header: rows are read, and headers that come again are followed.
+
+    Parameters
+    ----------
+    header : Header
+        That of the first line.
+
+    Attributes
+    ----------
+    header : Header
+        By which rows are read.
+    headed : bool
+        Whether the line that was taken last is a header.
+    """
+
+    def __init__(self, header: Header) -> None:
+        self.header, self.headed = header, False
+        self._doubt: HeaderInLine | None = None
+
+    def take(self, line: str, whole: bool = True, number: int = 0) -> tuple[float, Mapping[str, float]] | None:
+        """Stamp and values of a row; None for a header, and for what cannot be read.
+
+        Raises
+        ------
+        SceneError, NewHeader
+            As `Header.read` and `Header.next_header`; and where rows do not show where a header begins.
+        """
+        self.headed = False
+        if found := header_in(line, number, self.header):
+            self._doubt = found if whole else self._doubt
+            self.headed = whole
+            return None
+        if self._doubt is not None and not self._shown(self._doubt, line, whole, number):
+            return None
+        self.headed = False
+        row = self.header.read(line, whole, number)
+        if row is not None and math.isfinite(row[0]):
+            return row
+        self._follow(line, number, whole)
+        return None if self.headed else row
+
+    def _follow(self, line: str, number: int, whole: bool = True) -> None:
+        """Read rows by the header that a line is, where it is one."""
+        later = self.header.next_header(line, number, whole)
+        if later is not None:
+            self.header, self.headed, self._doubt = later, True, None
+
+    def _shown(self, doubt: HeaderInLine, line: str, whole: bool, number: int) -> bool:
+        """Whether a line shows where a header begins; rows are read by that header then."""
+        cells = cells_of(line, doubt.separator)
+        offsets = self.header.offsets or {0}
+        offsets = offsets if doubt.again else {0, *offsets}
+        starts = [start for start in doubt.starts if whole and doubt.fits(start, cells, offsets)]
+        if len(starts) == 1:
+            self._begin(doubt, starts[0])
+            return True
+        if not any(is_number_or_date(cell) for cell in cells):
+            self._follow(line, number, whole)  # a header on a line of its own
+            return False
+        if not doubt.starts or doubt.left_out >= IN_DOUBT:
+            raise self._end(doubt)
+        if not doubt.left_out:
+            where, said = self.header.where, "a new header, or a row that broke off with one behind it?"
+            self.header.notes.append(f"{where}:{doubt.number}: {said} Rows are left out until one shows it")
+        self._doubt = replace(doubt, starts=starts or doubt.starts, left_out=doubt.left_out + 1)
+        return False
+
+    def _begin(self, doubt: HeaderInLine, start: int) -> None:
+        """Read rows by a header that begins in a cell of a line; tell once that the row before it broke off."""
+        again, header = doubt.header(start), self.header
+        same = start == doubt.known and [doubt.title, *doubt.cells[start + 1 :]] == header.titles
+        if start or again != doubt.line:
+            header.tell_once(
+                "torn",
+                f"{header.where}:{doubt.number}: the row '{shorten(doubt.line)}' breaks off, and "
+                f"{'the header comes once more' if same else 'a header comes'} behind it. Such rows are left out",
+            )
+        self._follow(again, doubt.number)
+        self._doubt = None
+
+    def _end(self, doubt: HeaderInLine) -> NewHeader:
+        shown = shorten(doubt.line)
+        cause = f"in '{shown}' a header stands in the midst of a row that broke off, or has columns added in front"
+        cause += ", and it is not clear which of its titles is the first" if doubt.starts else ""
+        cure = "put the header on a line of its own, and delete the row"
+        return NewHeader(SceneError([Problem(self.header.where, doubt.number, "", None, cause, cure)]))
+
+
+def header_in(line: str, number: int, header: Header) -> HeaderInLine | None:
+    """A header at the end of a line of which it is not sure that it begins with that line; else None.
+
+    Parameters
+    ----------
+    line : str
+    number : int
+        Of the line, for messages.
+    header : Header
+        That by which rows are read.
+    """
+    if not header.may_be_named(line):
+        return None
+    separators = {header.separator: None, separator_of(line): None}
+    for separator in separators:
+        ways = [cells_of(line, separator)]
+        if line.count('"') % 2:  # a quote was open where the row broke off
+            ways.append([cell.strip() for cell in line.split(separator)])
+        for cells in ways:
+            bare = [cell.replace('"', "").strip() for cell in cells]
+            while bare and not bare[-1]:
+                bare.pop()
+            found = _Search(bare, separator, header).found(line, number)
+            if found is not None:
+                return found
+    return None
+
+
+class _Search:
+    """Looks for a header at the end of the cells of a line."""
+
+    def __init__(self, cells: list[str], separator: str, header: Header) -> None:
+        self.cells, self.separator, self.header = cells, separator, header
+        self.titles = [title.replace('"', "") for title in header.titles]
+        self.needed = [header.stamp, *header.places.values()]
+
+    def found(self, line: str, number: int) -> HeaderInLine | None:
+        """The header of the line; None where there is none, or where it surely begins with the line."""
+        same = self._same()
+        one = same or self._other()
+        if one is None:
+            return None
+        known, title, needed, starts = one
+        return HeaderInLine(self.cells, self.separator, starts, known, title, needed, same is not None, line, number)
+
+    def _same(self) -> tuple[int, str, list[int], Sequence[int]] | None:
+        """All titles of the header before, in their order, at the end of the line, with something before them."""
+        cells, titles = self.cells, self.titles
+        known = len(cells) - len(titles)
+        if known < 0 or len(titles) < 2 or cells[known + 1 :] != titles[1:] or not cells[known].endswith(titles[0]):
+            return None
+        piece = cells[known].removesuffix(titles[0])
+        if not (known or piece) or (piece and self.header.stamp_among([cells[known]]) == 0):
+            return None  # `Datetime` is a title itself
+        word, of_needed = not (HALF.fullmatch(piece) or _may_be_missing(piece)), 0 in self.needed
+        starts: Sequence[int] = range(self._behind_numbers(known), known + 1)
+        if piece and of_needed:
+            unsure = word and known in self.needed
+            if unsure and not known:
+                return None  # another column, in a header that begins with the line
+            starts = [] if unsure else [known]
+        elif not known:
+            starts = [0]
+        return known, titles[0], [known + place for place in self.needed], starts
+
+    def _other(self) -> tuple[int, str, list[int], Sequence[int]] | None:
+        """Another header that has a stamp and all columns of the map, behind cells that may be of a row."""
+        cells, header = [*self.cells], self.header
+        known = min((i for i in self._last_places(cells).values()), default=len(cells))
+        for place in range(known - 1, -1, -1):
+            title = cells[place][len(_half(cells[place])) :]
+            if title and title != cells[place] and title[0] != " " and self._is_unneeded_or_stamp(title):
+                cells[place], known = title, place
+                break
+        first = self._behind_numbers(known)
+        stamp, found = header.stamp_among(cells), self._last_places(cells)
+        wanted = [found.get(column) for column in header.columns]
+        if stamp is None or not wanted or None in wanted:
+            return self._without_columns(cells, known, first, stamp)
+        if any(is_number_or_date(cell) and cell not in self.titles for cell in cells[known:]):
+            return None
+        if known == 0 and cells == self.cells:
+            return None  # it begins with the line
+        needed = [stamp, *(place for place in wanted if place is not None)]
+        starts = range(first, known + 1) if cells == self.cells else [known]
+        return known, cells[known], needed, starts
+
+    def _without_columns(
+        self, cells: list[str], known: int, first: int, stamp: int | None
+    ) -> tuple[int, str, list[int], Sequence[int]] | None:
+        """A header behind the piece of a row that lacks what is needed, or has it behind a piece: none can be read."""
+        needed = [self.titles[place] for place in self.needed]
+        broken = first or cells != self.cells
+        glued = any(cell != title and cell.endswith(title) for cell in cells[:known] for title in needed)
+        there = not {*needed}.isdisjoint(cells[known:])
+        tail = [*cells[min(first, known) :]]
+        others = stamp is not None and broken and self.header.is_header(_as_line(tail, self.separator))
+        return (known, "", [], []) if (broken and glued and there) or others else None
+
+    def _is_unneeded_or_stamp(self, title: str) -> bool:
+        """Whether a title, behind a piece of a number, is the stamp or is known and not one of the map."""
+        if self.header.stamp_among([title]) == 0:
+            return True
+        return title in self.titles and self.titles.index(title) not in self.needed
+
+    def _last_places(self, cells: Sequence[str]) -> dict[str, int]:
+        """Where titles that are known stand last: a header ends with the line, and has each of them once."""
+        names, known = heads(cells)[0], {*self.titles, *self.header.columns}
+        found: dict[str, int] = {}
+        for place, (name, cell) in enumerate(zip(names, cells, strict=True)):
+            found |= {title: place for title in (name, cell) if title in known and title}
+        stamp = self.header.stamp_among(cells)
+        return found if stamp is None else found | {names[stamp]: stamp}
+
+    def _behind_numbers(self, known: int) -> int:
+        """The cell behind the last number or date before the first title that is known."""
+        return max((i + 1 for i, cell in enumerate(self.cells[:known]) if is_number_or_date(cell)), default=0)
+
+
+def _half(cell: str) -> str:
+    found = HALF.match(cell)
+    return found[0] if found else ""
+
+
+def _may_be_missing(piece: str) -> bool:
+    """Whether a piece is the beginning of a word for a number that is missing: ``Na`` of ``NaN``."""
+    return any(word.startswith(piece.strip().lower()) for word in (*NO_WORDS, *STATES))
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Whether cells are units, as they stand below a header: no numbers, and more known units than other words."""
+    bare = [cell.strip("[]() ") for cell in cells]
+    words = [cell for cell in bare if cell not in NO_UNIT]
+    return 2 * sum(map(is_unit, words)) > len(words) and not any(map(is_number_or_date, words))
+
+
+def _as_line(cells: Sequence[str], separator: str) -> str:
+    text = io.StringIO()
+    csv.writer(text, delimiter=separator, lineterminator="").writerow(cells)
+    return text.getvalue()
