@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.drum_supply import check_supply
-from crane.assembly.groups import groups_of, socketed
+from crane.assembly.groups import groups_of
 from crane.assembly.layout import AXES, Layout, lay_out
 from crane.assembly.prepared import compensation_of
 from crane.assembly.static_start import draw_true, finds_rope, stretch_of
@@ -137,10 +137,6 @@ def assembled(scene: CraneScene) -> Assembly:
     for body in scene.bodies:
         place = layout.body[body.name]
         velocity[place : place + AXES] = body.velocity
-    for i, item in socketed(layout):
-        # Else the body would hit the rope's end at once.
-        place = layout.station[layout.item[i]]
-        velocity[place : place + AXES] = scene.body(item.body).velocity
     still = [layout.material(i) for i, item in enumerate(scene.path) if isinstance(item, Drum) and not item.prescribed]
     turns = [turn + k for turn in layout.turn.values() for k in range(QUATERNION)]
     at_rest = [*still, *layout.rim.values()]
