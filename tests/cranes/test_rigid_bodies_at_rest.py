@@ -197,6 +197,30 @@ def test_a_sling_that_slips_over_a_locked_hook_in_the_search_is_refused():
     assert stop.value.part == "load"
 
 
+LOCKED = {"law": "capstan", "friction": 0.3, "locked": True}
+
+
+@pytest.mark.parametrize(
+    "side, height, top, radius, wind",
+    [(0.6, 0.3, 2.0, 0.2, 0.12), (0.5, 0.3, 1.5, 0.15, 0.1), (1.5, 1.5, 6.0, 0.2, 0.31)],
+)
+def test_a_load_on_a_locked_hook_may_lean_as_far_as_the_wind_blows(side, height, top, radius, wind):
+    """In line with weight and wind both legs pull alike, which any friction holds. It is not askew there."""
+    scene = slung((-side, 0.0, height), (side, 0.0, height), radius, **LOCKED)
+    scene["path"][1]["sheave"]["center"] = (0.0, 0.0, top)
+    scene["bodies"][0]["force"] = [wind * MASS * GRAVITY, 0.0, 0.0]
+    _, turned, _ = at_rest(scene)
+    assert tilt(turned) == pytest.approx(-np.arctan(wind), abs=1.0e-3)
+
+
+@pytest.mark.parametrize("wind", [-0.1, 0.1])
+def test_a_sling_that_slips_over_a_locked_hook_is_refused_in_wind_from_either_side(wind):
+    scene = slung((-1.4, 0.0, 0.2), (1.5, 0.0, 0.2), 0.2, **LOCKED)
+    scene["bodies"][0]["force"] = [wind * MASS * GRAVITY, 0.0, 0.0]
+    with pytest.raises(StoppedEarly, match="slips over the locked sheave hook"):
+        at_rest(scene)
+
+
 def test_wind_along_the_axis_of_a_locked_hook_swings_the_load_without_slip():
     wind = 4.0e3
     scene = slung((-1.5, 0.0, 0.5), (1.5, 0.0, 0.5), 0.2, law="capstan", friction=0.5, locked=True)
@@ -220,6 +244,26 @@ def test_a_pipe_that_is_hung_by_its_end_may_be_given_a_heading():
     """It turns by 90 deg, whatever rounding says of that."""
     _, turned, _ = at_rest(hung((2.0, 0.0, 0.0), orientation=[0.0, 0.0, 0.5 * np.pi]))
     assert turned.apply((2.0, 0.0, 0.0)) == pytest.approx([0.0, 0.0, 2.0], abs=1.0e-4)
+
+
+@pytest.mark.parametrize("wind", [-0.3, -0.1, 0.09, 0.15, 0.3])
+@pytest.mark.parametrize("eye", [(2.0, 0.0, 0.0), (2.0, 0.0, -0.1)])
+def test_a_pipe_in_wind_hangs_by_its_end_in_line_with_its_rope_and_keeps_its_heading(eye, wind):
+    """Whatever side the wind comes from. It turns about its own y alone, which is the least turn."""
+    made = {"orientation": [0.0, 0.0, 0.0], "inertia": [90.0, 1700.0, 1700.0]}
+    _, turned, _ = at_rest(hung(eye, force=[wind * MASS * GRAVITY, 0.0, 0.0], **made))
+    line = np.array([-wind, 0.0, 1.0]) / np.hypot(wind, 1.0)
+    assert turned.apply(eye) == pytest.approx(np.linalg.norm(eye) * line, abs=1.0e-3)
+    assert turned.apply((0.0, 1.0, 0.0)) == pytest.approx([0.0, 1.0, 0.0], abs=1.0e-9)
+
+
+@pytest.mark.parametrize("drawn", [(0.0, 0.0, 0.0), (0.3, -0.2, 2.0), (-0.4, 0.3, -1.0)])
+def test_a_body_on_one_end_is_turned_by_the_least_angle_that_brings_the_end_over_its_centre(drawn):
+    """About an axis that is level, and across the end as drawn."""
+    eye, begin = np.array([1.0, 0.4, 0.9]), Rotation.from_euler("xyz", drawn)
+    _, turned, _ = at_rest(hung(tuple(eye.tolist()), orientation=list(drawn)))
+    axis = np.cross(begin.apply(eye), (0.0, 0.0, 1.0))
+    assert np.cross((turned * begin.inv()).as_rotvec(), axis) == pytest.approx(np.zeros(3), abs=1.0e-6)
 
 
 def test_blocks_in_neutral_balance_are_not_let_run_away_because_one_of_them_could_turn():

@@ -17,7 +17,7 @@ import numpy as np
 from crane.assembly.loads import floating
 from crane.assembly.prepared import FrameMotion, motion_of
 from crane.geometry.line import WHEEL
-from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of
+from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of, turned_least
 from crane.geometry.reeving import Path, ReevingError, Wheel, reeve, sigma_of
 from crane.geometry.sagging import Sag, sagging
 from crane.groups.span import MATERIAL, STATION
@@ -169,17 +169,7 @@ def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
     said = stands(scene, body) or len(ends) != 1 or "orientation" in body.model_fields_set
     if scene.start != "static" or said or not any(ends[0]) or not up.any():
         return drawn
-    one, other = rotation_of(drawn) @ ends[0] / np.linalg.norm(ends[0]), up / np.linalg.norm(up)
-    cosine = float(one @ other)
-    across = np.cross(one, other)
-    if cosine < -1.0 + 1e-12:
-        across = np.cross(one, np.eye(AXES)[int(np.argmin(np.abs(one)))])
-        least = np.array([0.0, *(across / np.linalg.norm(across))])
-    else:
-        least = np.array([1.0 + cosine, *across])
-        least = least / np.linalg.norm(least)
-    s, v, w, x = least[0], least[1:], drawn[0], drawn[1:]
-    return np.array([s * w - v @ x, *(s * x + w * v + np.cross(v, x))])
+    return turned_least(drawn, rotation_of(drawn) @ ends[0], up)
 
 
 def lay_out(scene: CraneScene) -> Layout:
