@@ -266,6 +266,28 @@ def test_a_body_on_one_end_is_turned_by_the_least_angle_that_brings_the_end_over
     assert np.cross((turned * begin.inv()).as_rotvec(), axis) == pytest.approx(np.zeros(3), abs=1.0e-6)
 
 
+@pytest.mark.parametrize(
+    "mass, side, stiffness, eye, drawn",
+    [
+        (101.5, 0.874, (18782.0, 8162.0, 9242.0), (-0.2377, 0.9601, 1.3220), (-0.2561, 0.2484, 0.4206)),
+        (840.7, 0.0293, (13902.0, 3429.0, 19653.0), (-1.2033, 0.9211, 0.7829), (0.3680, 0.0604, -0.3860)),
+    ],
+)
+def test_a_load_between_springs_and_a_rope_rests_in_line_with_its_rope(mass, side, stiffness, eye, drawn):
+    """On the way there the springs carry all of it, and the rope pulls with its own weight of 1e-5 of the load's."""
+    rope = LIGHT | {"mass_per_length": 1.0e-4, "strain": "engineering"}
+    held = body(
+        "load", mass, (side, 0.0, 0.0), inertia=[mass, 0.8 * mass, 0.6 * mass], orientation=list(drawn),
+        spring={"stiffness": list(stiffness)},
+    )  # fmt: skip
+    path = [TOP, end("load", offset=eye)]
+    where, turned, _ = at_rest(crane(path, [held], rope, mesh={"elements_per_span": 1}, start="static"))
+    line = np.array([0.0, 0.0, 10.0]) - where
+    assert turned.apply(eye) == pytest.approx(np.linalg.norm(eye) * line / np.linalg.norm(line), abs=1.0e-4)
+    assert where[2] == pytest.approx(0.0, abs=1.0e-6)
+    assert stiffness[0] * (where[0] - side) == pytest.approx(mass * GRAVITY * line[0] / line[2], rel=1.0e-4)
+
+
 def test_blocks_in_neutral_balance_are_not_let_run_away_because_one_of_them_could_turn():
     """Atwood's machine: 4 t on two falls against 2 t. What is unstable there is no turn, with `inertia` or without."""
     block, load_ = body("block", 2.0 * MASS, (0.2, 0.0, 2.0)), body("load", MASS, (1.3, 0.0, 2.0))

@@ -384,7 +384,8 @@ class _Builder:
 
     def _add_arm(self, end: End) -> int:
         arm = _turned(self.scene, self.scene.body(end.body)) @ end.offset
-        return self._add(f"{end.name} from the centre of {end.body}", AXES, arm)
+        # It is no place in space, and has none of their names.
+        return self._add(f"{end.name} from the centre of {end.body}", AXES, arm, words=())
 
     def finish(self, records: np.recarray, wheels: list[Wheel], on: list[int], path: Path) -> Layout:
         """Add the rope's stations and rims, and tie what is tied."""

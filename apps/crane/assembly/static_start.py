@@ -34,9 +34,10 @@ TRUE = 1.0e-6
 """The same, beyond which it is not: a search that ends there has failed."""
 ACROSS = 2
 """Axes along the ground."""
-STEADY = 1.0e-4
+STEADY = 1.0e-7
 """Moment, over that of a rope's pull, against which a body turns by a radian in an iteration of the search, and not at
-rest. An iteration is off by as much; what rounding leaves of a moment turns nothing."""
+rest. What rounding leaves of a moment turns nothing. An iteration is off by as much over the pull that there is: beside
+springs that carry most of a load a rope pulls with next to nothing."""
 SHORTEST_WAY = 0.3
 """Share of the shortest piece of rope by which its length may change in one iteration."""
 
