@@ -6,6 +6,7 @@ from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, mode
 from scipy.spatial.transform import Rotation
 
 from crane.assembly.layout import lay_out
+from crane.results.set_down import set_down_askew
 from crane.warnings import warnings
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.stability import count_negative
@@ -321,3 +322,13 @@ def test_a_load_that_the_rope_lifts_off_the_deck_hangs_plumb():
     rope = {"length": 10.5}
     _, turned, _ = at_rest(hung((0.5, 0.0, 1.0), anchor((0.5, 0.0, 12.0)), rope, ground=GROUND, bottom=0.5))
     assert turned.apply((0.5, 0.0, 1.0))[:2] == pytest.approx([0.0, 0.0], abs=1.0e-6)
+
+
+@pytest.mark.parametrize("length, told", [(11.01, 0), (10.99, 1), (10.5, 0)])
+def test_a_load_that_a_short_rope_lets_stand_askew_on_the_deck_is_told(length, told):
+    """The eye is 0.4 m beside the centre, 11.007 m from the anchor where it stands, and 10.92 m where it hangs plumb."""
+    rope = {"length": length, "mass_per_length": 0.5}
+    scene = hung((0.4, 0.0, 1.0), anchor((0.0, 0.0, 12.0)), rope, ground=GROUND, bottom=0.5, solver={"end": 0.02})
+    result = ran(scene)
+    words = set_down_askew(result, parsed(scene))
+    assert len(words) == told and all("load begins on the ground, turned by" in text for text in words)
