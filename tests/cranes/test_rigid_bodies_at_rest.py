@@ -326,7 +326,7 @@ def test_a_load_that_the_rope_lifts_off_the_deck_hangs_plumb():
 
 @pytest.mark.parametrize("length, told", [(11.01, 0), (10.99, 1), (10.5, 0)])
 def test_a_load_that_a_short_rope_lets_stand_askew_on_the_deck_is_told(length, told):
-    """The eye is 0.4 m beside the centre, 11.007 m from the anchor where it stands, and 10.92 m where it hangs plumb."""
+    """The eye is 0.4 m beside the centre, 11.007 m from the anchor where it stands; it hangs from 10.92 m."""
     rope = {"length": length, "mass_per_length": 0.5}
     scene = hung((0.4, 0.0, 1.0), anchor((0.0, 0.0, 12.0)), rope, ground=GROUND, bottom=0.5, solver={"end": 0.02})
     result = ran(scene)
