@@ -35,8 +35,8 @@ def set_down_askew(result: Any, scene: CraneScene) -> list[str]:
         aside = float(np.linalg.norm((place - body.position)[:2]))
         if angle > ASKEW:
             told.append(
-                f"{body.name} begins on the ground, turned by {angle:.3g} deg and {aside:.3g} m aside from its drawing: its "
-                "rope is too short to let it stand so, and too long to lift it. Give more rope.length for a load "
-                "that stands, or less for one that hangs"
+                f"{body.name} begins on the ground, turned by {angle:.3g} deg and {aside:.3g} m aside from its "
+                "drawing: its rope is too short to let it stand so, and too long to lift it. Give more rope.length for "
+                "a load that stands, or less for one that hangs"
             )
     return told
