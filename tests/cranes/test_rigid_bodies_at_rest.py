@@ -6,6 +6,7 @@ from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, mode
 from scipy.spatial.transform import Rotation
 
 from crane.assembly.layout import lay_out
+from crane.results.set_down import set_down_askew
 from crane.warnings import warnings
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.stability import count_negative
@@ -197,6 +198,30 @@ def test_a_sling_that_slips_over_a_locked_hook_in_the_search_is_refused():
     assert stop.value.part == "load"
 
 
+LOCKED = {"law": "capstan", "friction": 0.3, "locked": True}
+
+
+@pytest.mark.parametrize(
+    "side, height, top, radius, wind",
+    [(0.6, 0.3, 2.0, 0.2, 0.12), (0.5, 0.3, 1.5, 0.15, 0.1), (1.5, 1.5, 6.0, 0.2, 0.31)],
+)
+def test_a_load_on_a_locked_hook_may_lean_as_far_as_the_wind_blows(side, height, top, radius, wind):
+    """In line with weight and wind both legs pull alike, which any friction holds. It is not askew there."""
+    scene = slung((-side, 0.0, height), (side, 0.0, height), radius, **LOCKED)
+    scene["path"][1]["sheave"]["center"] = (0.0, 0.0, top)
+    scene["bodies"][0]["force"] = [wind * MASS * GRAVITY, 0.0, 0.0]
+    _, turned, _ = at_rest(scene)
+    assert tilt(turned) == pytest.approx(-np.arctan(wind), abs=1.0e-3)
+
+
+@pytest.mark.parametrize("wind", [-0.1, 0.1])
+def test_a_sling_that_slips_over_a_locked_hook_is_refused_in_wind_from_either_side(wind):
+    scene = slung((-1.4, 0.0, 0.2), (1.5, 0.0, 0.2), 0.2, **LOCKED)
+    scene["bodies"][0]["force"] = [wind * MASS * GRAVITY, 0.0, 0.0]
+    with pytest.raises(StoppedEarly, match="slips over the locked sheave hook"):
+        at_rest(scene)
+
+
 def test_wind_along_the_axis_of_a_locked_hook_swings_the_load_without_slip():
     wind = 4.0e3
     scene = slung((-1.5, 0.0, 0.5), (1.5, 0.0, 0.5), 0.2, law="capstan", friction=0.5, locked=True)
@@ -220,6 +245,48 @@ def test_a_pipe_that_is_hung_by_its_end_may_be_given_a_heading():
     """It turns by 90 deg, whatever rounding says of that."""
     _, turned, _ = at_rest(hung((2.0, 0.0, 0.0), orientation=[0.0, 0.0, 0.5 * np.pi]))
     assert turned.apply((2.0, 0.0, 0.0)) == pytest.approx([0.0, 0.0, 2.0], abs=1.0e-4)
+
+
+@pytest.mark.parametrize("wind", [-0.3, -0.1, 0.09, 0.15, 0.3])
+@pytest.mark.parametrize("eye", [(2.0, 0.0, 0.0), (2.0, 0.0, -0.1)])
+def test_a_pipe_in_wind_hangs_by_its_end_in_line_with_its_rope_and_keeps_its_heading(eye, wind):
+    """Whatever side the wind comes from. It turns about its own y alone, which is the least turn."""
+    made = {"orientation": [0.0, 0.0, 0.0], "inertia": [90.0, 1700.0, 1700.0]}
+    _, turned, _ = at_rest(hung(eye, force=[wind * MASS * GRAVITY, 0.0, 0.0], **made))
+    line = np.array([-wind, 0.0, 1.0]) / np.hypot(wind, 1.0)
+    assert turned.apply(eye) == pytest.approx(np.linalg.norm(eye) * line, abs=1.0e-3)
+    assert turned.apply((0.0, 1.0, 0.0)) == pytest.approx([0.0, 1.0, 0.0], abs=1.0e-9)
+
+
+@pytest.mark.parametrize("drawn", [(0.0, 0.0, 0.0), (0.3, -0.2, 2.0), (-0.4, 0.3, -1.0)])
+def test_a_body_on_one_end_is_turned_by_the_least_angle_that_brings_the_end_over_its_centre(drawn):
+    """About an axis that is level, and across the end as drawn."""
+    eye, begin = np.array([1.0, 0.4, 0.9]), Rotation.from_euler("xyz", drawn)
+    _, turned, _ = at_rest(hung(tuple(eye.tolist()), orientation=list(drawn)))
+    axis = np.cross(begin.apply(eye), (0.0, 0.0, 1.0))
+    assert np.cross((turned * begin.inv()).as_rotvec(), axis) == pytest.approx(np.zeros(3), abs=1.0e-6)
+
+
+@pytest.mark.parametrize(
+    "mass, side, stiffness, eye, drawn",
+    [
+        (101.5, 0.874, (18782.0, 8162.0, 9242.0), (-0.2377, 0.9601, 1.3220), (-0.2561, 0.2484, 0.4206)),
+        (840.7, 0.0293, (13902.0, 3429.0, 19653.0), (-1.2033, 0.9211, 0.7829), (0.3680, 0.0604, -0.3860)),
+    ],
+)
+def test_a_load_between_springs_and_a_rope_rests_in_line_with_its_rope(mass, side, stiffness, eye, drawn):
+    """On the way there the springs carry all of it, and the rope pulls with its own weight of 1e-5 of the load's."""
+    rope = LIGHT | {"mass_per_length": 1.0e-4, "strain": "engineering"}
+    held = body(
+        "load", mass, (side, 0.0, 0.0), inertia=[mass, 0.8 * mass, 0.6 * mass], orientation=list(drawn),
+        spring={"stiffness": list(stiffness)},
+    )  # fmt: skip
+    path = [TOP, end("load", offset=eye)]
+    where, turned, _ = at_rest(crane(path, [held], rope, mesh={"elements_per_span": 1}, start="static"))
+    line = np.array([0.0, 0.0, 10.0]) - where
+    assert turned.apply(eye) == pytest.approx(np.linalg.norm(eye) * line / np.linalg.norm(line), abs=1.0e-4)
+    assert where[2] == pytest.approx(0.0, abs=1.0e-6)
+    assert stiffness[0] * (where[0] - side) == pytest.approx(mass * GRAVITY * line[0] / line[2], rel=1.0e-4)
 
 
 def test_blocks_in_neutral_balance_are_not_let_run_away_because_one_of_them_could_turn():
@@ -255,3 +322,13 @@ def test_a_load_that_the_rope_lifts_off_the_deck_hangs_plumb():
     rope = {"length": 10.5}
     _, turned, _ = at_rest(hung((0.5, 0.0, 1.0), anchor((0.5, 0.0, 12.0)), rope, ground=GROUND, bottom=0.5))
     assert turned.apply((0.5, 0.0, 1.0))[:2] == pytest.approx([0.0, 0.0], abs=1.0e-6)
+
+
+@pytest.mark.parametrize("length, told", [(11.01, 0), (10.99, 1), (10.5, 0)])
+def test_a_load_that_a_short_rope_lets_stand_askew_on_the_deck_is_told(length, told):
+    """The eye is 0.4 m beside the centre, 11.007 m from the anchor where it stands; it hangs from 10.92 m."""
+    rope = {"length": length, "mass_per_length": 0.5}
+    scene = hung((0.4, 0.0, 1.0), anchor((0.0, 0.0, 12.0)), rope, ground=GROUND, bottom=0.5, solver={"end": 0.02})
+    result = ran(scene)
+    words = set_down_askew(result, parsed(scene))
+    assert len(words) == told and all("load begins on the ground, turned by" in text for text in words)

@@ -115,6 +115,14 @@ def test_where_nothing_balances_the_amount_the_cause_and_the_cure_are_told():
         assert words in stop.value.sentence
 
 
+def test_a_search_that_ends_next_to_a_rest_does_not_call_it_far():
+    """No residual is small enough for a tolerance below zero: the taut rope is at rest all the same."""
+    model = model_of(straight(8.01, 8.0), gravity=(0.0, 0.0, 0.0), start="static")
+    with pytest.raises(StoppedEarly) as stop:
+        find_equilibrium(model.system, new_state(model.system), 1.0, tolerance=-1.0e-7)
+    assert "next to a rest" in stop.value.sentence and "too far" not in stop.value.sentence
+
+
 CAR = """
 rope: {mass_per_length: 1.0, axial_stiffness: 1.0e7, bending_stiffness: 0, damping: 1.0e-4, diameter: 13 mm}
 bodies:

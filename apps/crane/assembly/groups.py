@@ -22,7 +22,7 @@ from crane.groups.hydrodynamics import NARROWEST, WET, Wet, new_wet
 from crane.groups.masses import BODY, Bodies, Releases, Rims, Springs
 from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
-from crane.groups.span import BETWEEN, MATERIAL, SPAN, STATION, Spans, new_spans
+from crane.groups.span import BETWEEN, MATERIAL, SPAN, Spans, new_spans
 from crane.groups.winch import DRUM, WOUND, Drums, Supplies, WoundRope
 from crane.scene.scene import Body, Drum, End, Sheave
 from tautline.kernels.time_function import TimeFunctions
@@ -356,15 +356,6 @@ def _rigids(layout: Layout) -> Rigids | None:
     return new_rigids(records_of(RIGID, rows)) if rows else None
 
 
-def socketed(layout: Layout) -> list[tuple[int, End]]:
-    """Ends of the rope that hold a body away from its centre, which it turns about."""
-    return [
-        (i, item)
-        for i, item in enumerate(layout.scene.path)
-        if isinstance(item, End) and item.body in layout.turn and any(item.offset)
-    ]
-
-
 def _stiffness_of_socket(layout: Layout, item: int) -> float:
     """Stiffness of a socket, N/m: it counts with the rope beside it where that is shortest, as far as it is hoisted."""
     scene, last = layout.scene, len(layout.spans) - 1
@@ -378,14 +369,13 @@ def _stiffness_of_socket(layout: Layout, item: int) -> float:
 def _sockets(layout: Layout) -> Sockets | None:
     rows = [
         {
-            "station": layout.station[layout.item[i]],
-            "place": layout.body[item.body],
-            "turn": layout.turn[item.body],
-            "offset": item.offset,
+            "arm": arm,
+            "turn": layout.turn[_end(layout, i).body],
+            "offset": _end(layout, i).offset,
             "stiffness": _stiffness_of_socket(layout, i),
             "damping": 0.0,
         }
-        for i, item in socketed(layout)
+        for i, arm in layout.arm.items()
     ]
     return new_sockets(records_of(SOCKET, rows)) if rows else None
 
@@ -393,8 +383,14 @@ def _sockets(layout: Layout) -> Sockets | None:
 def _couplings(layout: Layout) -> list[np.ndarray]:
     """What bodies that turn couple: their quaternions, and with them what hangs in a socket."""
     stencils = [np.arange(turn, turn + QUATERNION)[None] for turn in layout.turn.values()]
-    for i, item in socketed(layout):
-        station, place, turn = layout.station[layout.item[i]], layout.body[item.body], layout.turn[item.body]
-        parts = (station + np.arange(STATION - 1), place + np.arange(AXES), turn + np.arange(QUATERNION))
-        stencils.append(np.concatenate(parts)[None])
+    for i, arm in layout.arm.items():
+        turn = layout.turn[_end(layout, i).body]
+        stencils.append(np.concatenate((arm + np.arange(AXES), turn + np.arange(QUATERNION)))[None])
     return stencils
+
+
+def _end(layout: Layout, item: int) -> End:
+    """The end of the rope that an item is."""
+    end = layout.scene.path[item]
+    assert isinstance(end, End)
+    return end

@@ -2,7 +2,8 @@
 
 The rope is cut at stations: the items of its path, and the nodes that divide each span. A station has a position and
 the material coordinate that is there. What rides on a frame follows its twelve numbers, what rides on a body its
-position; the nodes of a span are free, and their material follows that of the marks at both its ends in proportion.
+position. Where that body turns, the way from its centre to the rope's end is free, and a socket holds it. The nodes of
+a span are free, and their material follows that of the marks at both its ends in proportion.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from crane.assembly.loads import floating
 from crane.assembly.prepared import FrameMotion, motion_of
 from crane.geometry.line import WHEEL
-from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of
+from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of, turned_least
 from crane.geometry.reeving import Path, ReevingError, Wheel, reeve, sigma_of
 from crane.geometry.sagging import Sag, sagging
 from crane.groups.span import MATERIAL, STATION
@@ -71,6 +72,8 @@ class Layout:
         Place of the travel of a rim that the rope may slip on, by the number of its item.
     turn : dict
         Place of the quaternion of each body that turns, by its name.
+    arm : dict
+        Place of the way to the rope's end from the centre of the body that turns with it, by the number of its item.
     supply : dict
         Place of the material that is laid out at a drum of prescribed motion at the start, by the number of its item.
     wheels : (items,) records of ``WHEEL``
@@ -93,6 +96,7 @@ class Layout:
     item: list[int]
     rim: dict[int, int]
     turn: dict[str, int]
+    arm: dict[int, int]
     supply: dict[int, int]
     wheels: np.recarray
     path: Path
@@ -165,17 +169,7 @@ def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
     said = stands(scene, body) or len(ends) != 1 or "orientation" in body.model_fields_set
     if scene.start != "static" or said or not any(ends[0]) or not up.any():
         return drawn
-    one, other = rotation_of(drawn) @ ends[0] / np.linalg.norm(ends[0]), up / np.linalg.norm(up)
-    cosine = float(one @ other)
-    across = np.cross(one, other)
-    if cosine < -1.0 + 1e-12:
-        across = np.cross(one, np.eye(AXES)[int(np.argmin(np.abs(one)))])
-        least = np.array([0.0, *(across / np.linalg.norm(across))])
-    else:
-        least = np.array([1.0 + cosine, *across])
-        least = least / np.linalg.norm(least)
-    s, v, w, x = least[0], least[1:], drawn[0], drawn[1:]
-    return np.array([s * w - v @ x, *(s * x + w * v + np.cross(v, x))])
+    return turned_least(drawn, rotation_of(drawn) @ ends[0], up)
 
 
 def lay_out(scene: CraneScene) -> Layout:
@@ -238,8 +232,9 @@ def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
     turned = entries[3:].reshape(3, 3).T
     if isinstance(item, End):
         body = scene.body(item.body)
-        turned = rotation_of(orientation_of(scene, body)) if body.inertia is not None else np.eye(AXES)
-        return Wheel(item.name, body.position + turned @ item.offset, np.array([0, 1, 0]), 0.0, None, True)
+        return Wheel(
+            item.name, body.position + _turned(scene, body) @ item.offset, np.array([0, 1, 0]), 0.0, None, True
+        )
     if isinstance(item, Anchor):
         return Wheel(item.name, point_of(entries, item.position), np.array([0, 1, 0]), 0.0, None, True)
     if isinstance(item, Sheave) and item.body is not None:
@@ -247,6 +242,11 @@ def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
         return Wheel(item.name, center, np.array(item.unit_axis), item.radius, item.wrap)
     center = point_of(entries, item.center)
     return Wheel(item.name, center, turned @ np.array(item.unit_axis), item.radius, item.wrap)
+
+
+def _turned(scene: CraneScene, body: Body) -> np.ndarray:
+    """Rotation (3, 3) of a body as it is laid out."""
+    return rotation_of(orientation_of(scene, body)) if body.inertia is not None else np.eye(AXES)
 
 
 def _refuse_load_above(scene: CraneScene, wheels: list[Wheel]) -> None:
@@ -382,6 +382,11 @@ class _Builder:
                 self.motion[place + i] = -1
         return place
 
+    def _add_arm(self, end: End) -> int:
+        arm = _turned(self.scene, self.scene.body(end.body)) @ end.offset
+        # It is no place in space, and has none of their names.
+        return self._add(f"{end.name} from the centre of {end.body}", AXES, arm, words=())
+
     def finish(self, records: np.recarray, wheels: list[Wheel], on: list[int], path: Path) -> Layout:
         """Add the rope's stations and rims, and tie what is tied."""
         scene = self.scene
@@ -401,10 +406,15 @@ class _Builder:
         rim = {
             i: self._add(f"{thing.name}: rim", 1, [0.0]) for i, thing in enumerate(scene.path) if has_rim(thing)
         }  # fmt: skip
+        arm = {
+            i: self._add_arm(thing)
+            for i, thing in enumerate(scene.path)
+            if isinstance(thing, End) and thing.body in self.turn and any(thing.offset)
+        }
         for i, thing in enumerate(scene.path):
-            self._place(thing, station[item[i]], on[i])
+            self._place(thing, station[item[i]], on[i], arm.get(i))
         layout = Layout(
-            scene, self.frames, self.frame, self.body, station, item, rim, self.turn, {}, records, path,
+            scene, self.frames, self.frame, self.body, station, item, rim, self.turn, arm, {}, records, path,
             self.entries,
             Degrees(self.names, np.array(self.value), np.ones(len(self.names))), self.requests,
         )  # fmt: skip
@@ -413,9 +423,11 @@ class _Builder:
             layout.degrees.tie(place, masters, offset)
         return layout
 
-    def _place(self, thing: Any, place: int, k: int) -> None:
+    def _place(self, thing: Any, place: int, k: int, arm: int | None) -> None:
         """Put an item on what it rides on."""
-        if isinstance(thing, End) and thing.body in self.turn and any(thing.offset):
+        if arm is not None:
+            for c in range(AXES):
+                self.masters[place + c] = [(self.body[thing.body] + c, 1.0), (arm + c, 1.0)], 0.0
             return
         if isinstance(thing, End) or (isinstance(thing, Sheave) and thing.body is not None):
             for c in range(AXES):

@@ -8,9 +8,10 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from crane.assembly.attitudes import hang_below, refuse_turned, turn_back
 from crane.assembly.friction import slips
 from crane.assembly.layout import AXES, Layout, stands
-from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of
+from crane.geometry.quaternion import QUATERNION, quaternion_of
 from crane.groups.capstan_friction import TORQUE, Slips
 from crane.groups.rigid import Rigids
 from crane.groups.sockets import Sockets
@@ -33,16 +34,10 @@ TRUE = 1.0e-6
 """The same, beyond which it is not: a search that ends there has failed."""
 ACROSS = 2
 """Axes along the ground."""
-TURNED = 95.0
-"""Angle, deg, between the axis of a body that is up as it is laid out and at rest, beyond which another side is up. A
-body that lies on its side may have been meant so, and rounding decides nothing."""
-ASKEW = 5.0
-"""The same beyond which a load in a sling that has slipped is no longer as it is drawn."""
-SLIPPED = 5.0e-3
-"""Share of a sling by which one leg has become longer than drawn, beyond which it has slipped."""
-STEADY = 1.0e-4
+STEADY = 1.0e-7
 """Moment, over that of a rope's pull, against which a body turns by a radian in an iteration of the search, and not at
-rest. An iteration is off by as much; what rounding leaves of a moment turns nothing."""
+rest. What rounding leaves of a moment turns nothing. An iteration is off by as much over the pull that there is: beside
+springs that carry most of a load a rope pulls with next to nothing."""
 SHORTEST_WAY = 0.3
 """Share of the shortest piece of rope by which its length may change in one iteration."""
 
@@ -85,7 +80,8 @@ def draw_true(layout: Layout, system: System, state: State) -> None:
         _rest_where_held(held, limit)
         if system.turns.size and count_negative(system, state).negative > 0 and not held.by_sheaves(state):
             _leave_unstable(held, limit)
-    _refuse_turned(layout, state)
+        turn_back(layout, system, state, held.turns, held.lying)
+    refuse_turned(layout, system, state)
     spans = next(group for group in system.groups if isinstance(group, Spans))
     spans.laid[:] = state.full_q[np.array(layout.station) + MATERIAL]
     _hold(layout, system, state)
@@ -226,9 +222,14 @@ def _rest_where_held(held: _Held, limit: float) -> None:
 
 def _leave_unstable(held: _Held, limit: float) -> None:
     """Leave a rest that is unstable because a body would overturn; any other is left to who drew it."""
-    if not held.only_turns(held.state):
+    layout, system, state = held.layout, held.system, held.state
+    if not held.only_turns(state):
         return
-    find_stable_equilibrium(held.system, held.state, limit)
+    if hang_below(layout, system, state, held.turns):
+        _rest_where_held(held, limit)
+        if count_negative(system, state).negative <= 0:
+            return
+    find_stable_equilibrium(system, state, limit)
     _rest_where_held(held, limit)
 
 
@@ -237,49 +238,6 @@ def _rest_as_drawn(layout: Layout, system: System, state: State, limit: float) -
     _rest(system, state, limit)
     if finds_rope(layout):
         _lengthen(layout, system, state, _hanging(layout), limit)
-
-
-def _refuse_turned(layout: Layout, state: State) -> None:
-    """Refuse a rest at which a body has another side up than in its drawing, or is askew because a sling slipped."""
-    scene = layout.scene
-    up = -np.array(scene.gravity, dtype=float)
-    if not up.any():
-        return
-    up /= np.linalg.norm(up)
-    for name, turn in layout.turn.items():
-        found = rotation_of(state.full_q[turn : turn + QUATERNION])
-        # One that the ground has come to carry stands as it is drawn, not as it was laid out to hang.
-        begins = layout.degrees.value[turn : turn + QUATERNION], quaternion_of(scene.body(name).orientation)
-        cosine = max(float(up @ (found @ (rotation_of(begin).T @ up))) for begin in begins)
-        angle = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
-        if angle > TURNED:
-            detail = (
-                f"at rest it would lie on its side or upside down: its upper side would turn by {angle:.3g} deg. Let "
-                "the rope hold it above its centre of mass, or give an `orientation:` close to that at rest"
-            )
-            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, name, detail)
-        sheave = _slipped_over(layout, state, name) if angle > ASKEW else None
-        if sheave is not None:
-            detail = (
-                f"without friction its sling slips over the locked sheave {sheave}, and it would begin {angle:.3g} deg "
-                "askew: the static start is found without the friction that may hold it. If the sling may slip there, "
-                "write `law: frictionless`"
-            )
-            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, name, detail)
-
-
-def _slipped_over(layout: Layout, state: State, name: str) -> str | None:
-    """A locked sheave with friction over which the search has let a body's sling slip, if there is one."""
-    path = layout.scene.path
-    tied = [i for i, item in enumerate(path) if isinstance(item, (End, Sheave)) and item.body == name]
-    for i, item in enumerate(path):
-        if not (tied and tied[0] < i < tied[-1] and isinstance(item, Sheave) and item.locked and slips(item)):
-            continue
-        places = [layout.material(k) for k in (tied[0], i, tied[-1])]
-        shares = [(x[1] - x[0]) / (x[2] - x[0]) for x in (layout.degrees.value[places], state.full_q[places])]
-        if abs(shares[1] - shares[0]) > SLIPPED:
-            return item.name
-    return None
 
 
 def finds_rope(layout: Layout) -> bool:

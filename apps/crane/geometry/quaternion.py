@@ -82,3 +82,21 @@ def rotation_of(quaternion: np.ndarray) -> np.ndarray:
     zero = np.zeros_like(x)
     cross = np.stack((zero, -z, y, z, zero, -x, -y, x, zero), axis=-1).reshape(*x.shape, 3, 3)
     return np.eye(3) + 2.0 * (s * cross + cross @ cross)
+
+
+def turned_least(quaternion: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """A quaternion (4,) turned further by the least rotation that brings a direction to another, (3,) of any length.
+
+    Of opposite directions all rotations by half a turn across them are least: it is one of them.
+    """
+    one, other = one / np.linalg.norm(one), other / np.linalg.norm(other)
+    cosine = float(one @ other)
+    across = np.cross(one, other)
+    if cosine < -1.0 + 1e-12:
+        across = np.cross(one, np.eye(AXES)[int(np.argmin(np.abs(one)))])
+        least = np.array([0.0, *(across / np.linalg.norm(across))])
+    else:
+        least = np.array([1.0 + cosine, *across])
+        least = least / np.linalg.norm(least)
+    s, v, w, x = least[0], least[1:], quaternion[0], quaternion[1:]
+    return np.array([s * w - v @ x, *(s * x + w * v + np.cross(v, x))])

@@ -1,7 +1,9 @@
 """Sockets that tie a rope to a point of a rigid body: a spring of no length with a damper, the same in every direction.
 
 The point o of the body is at the lever R o from its centre (quaternion.py); force and tangent are those of the gap and
-of its exact derivatives by the quaternion.
+of its exact derivatives by the quaternion. The rope's end is known by its arm, the way to it from the centre. Of two
+positions the gap would have the rounding, which grows with the distance from the origin: times the stiffness of a
+socket it is a force that no iteration brings to rest.
 """
 
 from __future__ import annotations
@@ -18,12 +20,11 @@ from tautline.kernels.jit import kernel
 
 SOCKET = np.dtype(
     [
-        ("station", "i8"), ("place", "i8"), ("turn", "i8"), ("offset", "f8", (3,)), ("stiffness", "f8"),
-        ("damping", "f8"),
+        ("arm", "i8"), ("turn", "i8"), ("offset", "f8", (3,)), ("stiffness", "f8"), ("damping", "f8"),
     ]
 )  # fmt: skip
-"""A spring of no length with a damper: place of the rope's position; of the body's centre and quaternion; the point of
-the body in its axes from its centre, m; N/m and N s/m, the same in every direction."""
+"""A spring of no length with a damper: place of the way from the body's centre to the rope's end, and of the body's
+quaternion; the point of the body in its axes from its centre, m; N/m and N s/m, the same in every direction."""
 
 
 class Sockets(NamedTuple):
@@ -31,7 +32,7 @@ class Sockets(NamedTuple):
 
     ``unit`` (4, 4) is the identity; ``lever`` (6, 3) holds R o, its four derivatives by the quaternion and its rate,
     ``curved`` (4, 4, 3) the second derivatives, ``pull`` (2, 3) the gap and the force across it; ``change`` (3,) and
-    ``block`` (10, 10) are scratch.
+    ``block`` (7, 7) are scratch.
     """
 
     rows: np.recarray
@@ -43,18 +44,16 @@ class Sockets(NamedTuple):
     block: np.ndarray
 
 
-ARM, ARM_D = 0, 5
+LEVER, LEVER_D = 0, 5
 GAP, PULL = range(2)
-WIDTH = 10
-"""Degrees of freedom of a socket: the station's position, the centre, the quaternion."""
+WIDTH = 7
+"""Degrees of freedom of a socket: the arm and the quaternion."""
 
 
 @kernel
 def _place_of(s, i):
     """Where one of a socket's degrees of freedom is in the full vectors."""
-    if i < AXES:
-        return s.station + i
-    return s.place + i - AXES if i < 2 * AXES else s.turn + i - 2 * AXES
+    return s.arm + i if i < AXES else s.turn + i - AXES
 
 
 @kernel
@@ -62,18 +61,18 @@ def _reach(g, n, q, v):
     """Lever, gap and force of a socket. Returns N."""
     s, lever, pull = g.rows[n], g.lever, g.pull
     norm = product(q, s.turn, q, s.turn)
-    pair(s.offset, q, s.turn, q, s.turn, lever[ARM])
-    lever[ARM_D].fill(0.0)
+    pair(s.offset, q, s.turn, q, s.turn, lever[LEVER])
+    lever[LEVER_D].fill(0.0)
     for c in range(AXES):
-        lever[ARM, c] /= norm
+        lever[LEVER, c] /= norm
     for k in range(QUATERNION):
         pair(s.offset, q, s.turn, g.unit[k], 0, lever[1 + k])
         for c in range(AXES):
-            lever[1 + k, c] = 2.0 * (lever[1 + k, c] - lever[ARM, c] * q[s.turn + k]) / norm
-            lever[ARM_D, c] += lever[1 + k, c] * v[s.turn + k]
+            lever[1 + k, c] = 2.0 * (lever[1 + k, c] - lever[LEVER, c] * q[s.turn + k]) / norm
+            lever[LEVER_D, c] += lever[1 + k, c] * v[s.turn + k]
     for c in range(AXES):
-        pull[GAP, c] = q[s.station + c] - q[s.place + c] - lever[ARM, c]
-        rate = v[s.station + c] - v[s.place + c] - lever[ARM_D, c]
+        pull[GAP, c] = q[s.arm + c] - lever[LEVER, c]
+        rate = v[s.arm + c] - lever[LEVER_D, c]
         pull[PULL, c] = s.stiffness * pull[GAP, c] + s.damping * rate
     return norm
 
@@ -86,7 +85,8 @@ def _bend(g, n, q, norm):
         for l in range(QUATERNION):
             pair(s.offset, g.unit[k], 0, g.unit[l], 0, curved[k, l])
             for c in range(AXES):
-                other = lever[1 + k, c] * q[s.turn + l] + lever[1 + l, c] * q[s.turn + k] + lever[ARM, c] * g.unit[k, l]
+                other = lever[1 + k, c] * q[s.turn + l] + lever[1 + l, c] * q[s.turn + k]
+                other += lever[LEVER, c] * g.unit[k, l]
                 curved[k, l, c] = 2.0 * (curved[k, l, c] - other) / norm
 
 
@@ -96,8 +96,7 @@ def _residual(g, t, q, v, a, r):
         s = g.rows[n]
         _reach(g, n, q, v)
         for c in range(AXES):
-            r[s.station + c] += g.pull[PULL, c]
-            r[s.place + c] -= g.pull[PULL, c]
+            r[s.arm + c] += g.pull[PULL, c]
             for k in range(QUATERNION):
                 r[s.turn + k] -= g.lever[1 + k, c] * g.pull[PULL, c]
 
@@ -108,10 +107,10 @@ def _vary_pull(g, n, v, column, cc, ck, out):
     s, lever = g.rows[n], g.lever
     by = ck * s.stiffness + cc * s.damping
     out.fill(0.0)
-    if column < 2 * AXES:
-        out[column % AXES] = by if column < AXES else -by
+    if column < AXES:
+        out[column] = by
         return
-    k = column - 2 * AXES
+    k = column - AXES
     for c in range(AXES):
         turned = 0.0
         for l in range(QUATERNION):
@@ -128,14 +127,13 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             _vary_pull(g, n, v, column, cc, ck, change)
             for c in range(AXES):
                 g.block[c, column] = change[c]
-                g.block[AXES + c, column] = -change[c]
             for k in range(QUATERNION):
                 x = 0.0
                 for c in range(AXES):
                     x -= g.lever[1 + k, c] * change[c]
-                    if column >= 2 * AXES:
-                        x -= ck * g.curved[k, column - 2 * AXES, c] * g.pull[PULL, c]
-                g.block[2 * AXES + k, column] = x
+                    if column >= AXES:
+                        x -= ck * g.curved[k, column - AXES, c] * g.pull[PULL, c]
+                g.block[AXES + k, column] = x
         for i in range(WIDTH):
             for j in range(WIDTH):
                 add_entry(matrix, dofs, _place_of(s, i), _place_of(s, j), g.block[i, j])
@@ -156,7 +154,7 @@ def _dissipation(g, t, q, v, p):
         if s.damping > 0.0:
             _reach(g, n, q, v)
             for c in range(AXES):
-                p[0] += s.damping * (v[s.station + c] - v[s.place + c] - g.lever[ARM_D, c]) ** 2
+                p[0] += s.damping * (v[s.arm + c] - g.lever[LEVER_D, c]) ** 2
 
 
 register(

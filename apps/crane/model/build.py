@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.drum_supply import check_supply
-from crane.assembly.groups import groups_of, socketed
+from crane.assembly.groups import groups_of
 from crane.assembly.layout import AXES, Layout, lay_out
 from crane.assembly.prepared import compensation_of
 from crane.assembly.static_start import draw_true, finds_rope, stretch_of
@@ -17,6 +17,7 @@ from crane.groups.span import MATERIAL, STATION
 from crane.model.handles import handles
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
+from crane.results.set_down import set_down_askew
 from crane.results.slipping_brakes import remarks
 from crane.results.summary import (
     JOINED,
@@ -81,7 +82,7 @@ def build(scene: CraneScene) -> Model:
         on_demand=observer.on_demand,
         headline=told,
         limits=lambda result: limits(result, scene),
-        remarks=lambda result: remarks(result, scene),
+        remarks=lambda result: [*set_down_askew(result, scene), *remarks(result, scene)],
         figures=told,
         figure_units=layout.once("figure units", lambda: figure_units(scene)),
         nothing=NOTHING,
@@ -137,10 +138,6 @@ def assembled(scene: CraneScene) -> Assembly:
     for body in scene.bodies:
         place = layout.body[body.name]
         velocity[place : place + AXES] = body.velocity
-    for i, item in socketed(layout):
-        # Else the body would hit the rope's end at once.
-        place = layout.station[layout.item[i]]
-        velocity[place : place + AXES] = scene.body(item.body).velocity
     still = [layout.material(i) for i, item in enumerate(scene.path) if isinstance(item, Drum) and not item.prescribed]
     turns = [turn + k for turn in layout.turn.values() for k in range(QUATERNION)]
     at_rest = [*still, *layout.rim.values()]

@@ -30,7 +30,7 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube, cut
 from tautline.elements.nodal.load import Loads
 from tautline.integrators.state import State, new_state
-from tautline.integrators.statics.equilibrium import TOO_FAR, find_equilibrium
+from tautline.integrators.statics.equilibrium import TOO_FAR, UNSETTLED, find_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.time_loop import new_frames
 from tautline.scene.errors import SceneError
@@ -327,7 +327,8 @@ class Statics:
                 find_equilibrium(self.system, state, self.model.step_limit, self._balance())
             except StoppedEarly as stop:
                 # Whoever asks for statics gives no positions that could be nearer.
-                detail = stop.detail.replace(TOO_FAR, NO_BALANCE[isinstance(self.string, SlidingLumps)])
+                cure, detail = NO_BALANCE[isinstance(self.string, SlidingLumps)], stop.detail
+                detail = detail.replace(TOO_FAR, cure).replace(UNSETTLED, cure)
                 raise StoppedEarly(stop.status, stop.time, stop.part, detail) from None
             off = self.string.bit_depth(state.full_q) - self.depth
             if abs(off) < AT_DEPTH:

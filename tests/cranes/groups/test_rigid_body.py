@@ -30,8 +30,8 @@ def rigids(place=0, turn=3, inertia=INERTIA, frequency=FREQUENCY):
     return new_rigids(rows_of(RIGID, (place, turn, inertia, inertia, np.inf, frequency)))
 
 
-def sockets(offset, stiffness, damping=0.0, station=0, place=3, turn=6):
-    return new_sockets(rows_of(SOCKET, (station, place, turn, offset, stiffness, damping)))
+def sockets(offset, stiffness, damping=0.0, arm=0, turn=3):
+    return new_sockets(rows_of(SOCKET, (arm, turn, offset, stiffness, damping)))
 
 
 @cache
@@ -41,7 +41,7 @@ def top(inertia=INERTIA, frequency=FREQUENCY):
 
 @cache
 def socket(damping=0.4):
-    return Hooks((sockets((0.3, -0.2, 0.5), 7.0, damping),), 10, [np.arange(10)])
+    return Hooks((sockets((0.3, -0.2, 0.5), 7.0, damping),), 7, [np.arange(7)])
 
 
 def rotation(q):
@@ -71,7 +71,7 @@ def test_the_tangent_of_a_body_is_its_residuals_difference(norm, weights):
 @pytest.mark.parametrize("weights", ONE_BY_ONE[1:], ids=["damping", "stiffness"])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_tangent_of_a_socket_is_its_residuals_difference(seed, weights):
-    q, v, a = np.random.default_rng(seed).normal(size=(3, 10))
+    q, v, a = np.random.default_rng(seed).normal(size=(3, 7))
     assert socket().tangent_error(q, v, a, *weights, h=1e-3) < 1e-9
 
 
@@ -190,19 +190,19 @@ def test_roll_pitch_and_yaw_are_those_of_frames():
 
 def test_a_socket_pulls_a_point_of_the_body_with_force_and_moment():
     rng = np.random.default_rng(3)
-    q, v = rng.normal(size=(2, 10))
+    q, v = rng.normal(size=(2, 7))
     offset, (stiffness, damping) = np.array([0.3, -0.2, 0.5]), (7.0, 0.4)
-    turn, spin = rotation(q[6:]), spin_of(q[6:], v[6:])
-    gap = q[:3] - q[3:6] - turn @ offset
-    rate = v[:3] - v[3:6] - turn @ np.cross(spin, offset)
+    turn, spin = rotation(q[3:]), spin_of(q[3:], v[3:])
+    gap = q[:3] - turn @ offset
+    rate = v[:3] - turn @ np.cross(spin, offset)
     pull = stiffness * gap + damping * rate
-    r = socket().residual(q, v, np.zeros(10))
-    assert r[:3] == pytest.approx(pull) and r[3:6] == pytest.approx(-pull)
+    r = socket().residual(q, v, np.zeros(7))
+    assert r[:3] == pytest.approx(pull)
     moment = np.cross(offset, turn.T @ pull)
     wobble = rng.normal(size=4)
     # virtual work; along the quaternion itself there is none
-    assert -r[6:] @ wobble == pytest.approx(moment @ spin_of(q[6:], wobble))
-    assert r[6:] @ q[6:] == pytest.approx(0.0, abs=1e-13)
+    assert -r[3:] @ wobble == pytest.approx(moment @ spin_of(q[3:], wobble))
+    assert r[3:] @ q[3:] == pytest.approx(0.0, abs=1e-13)
     assert socket().energies(q, v)[1] == pytest.approx(0.5 * stiffness * gap @ gap)
     assert socket().powers(q, v) == pytest.approx((damping * rate @ rate, 0.0))
 
@@ -212,28 +212,36 @@ MOMENTS = (300.0, 420.0, 180.0)
 
 
 def hanging(stiffness=1e10):
-    """A body that a socket holds by a point at the origin, in equilibrium: its centre below the point."""
-    q = np.zeros(10)
+    """A body that a socket holds by a point at the origin, in equilibrium: its centre below the point.
+
+    The arm is the way from the centre to the origin: it has the body's mass, and the weight pulls it up.
+    """
+    q = np.zeros(7)
     turn, _ = Rotation.align_vectors([[0, 0, 1.0]], [ARM / np.linalg.norm(ARM)])
-    q[6:10] = np.roll(turn.as_quat(), 1)
-    q[3:6] = -turn.as_matrix() @ ARM - [0.0, 0.0, MASS * GRAVITY / stiffness]
-    weights = PointMasses(np.array([3]), np.array([MASS]), 0.0, np.array([0.0, 0.0, -GRAVITY]))
-    return (weights, rigids(3, 6, MOMENTS), sockets(ARM, stiffness)), q
+    q[3:] = np.roll(turn.as_quat(), 1)
+    q[:3] = turn.as_matrix() @ ARM + [0.0, 0.0, MASS * GRAVITY / stiffness]
+    weights = PointMasses(np.array([0]), np.array([MASS]), 0.0, np.array([0.0, 0.0, GRAVITY]))
+    return (weights, rigids(0, 3, MOMENTS), sockets(ARM, stiffness)), q
 
 
-def frequencies(groups, q, stencils, free):
-    """Angular frequencies about an equilibrium of the degrees of freedom that are free."""
+def frequencies(groups, q, stencils, free, ends=()):
+    """Angular frequencies about an equilibrium of the degrees of freedom that are free; `ends` go with others."""
     hooks, zero = Hooks(groups, q.size, stencils), np.zeros(q.size)
-    assert np.abs(hooks.residual(q, zero, zero)[free]).max() < 1e-6 * MASS * GRAVITY
-    chosen = np.ix_(free, free)
-    inverse = eig(hooks.mass(q)[chosen], hooks.tangent(q, zero, zero, 0, 0, 1)[chosen], right=False)
+    share = np.eye(q.size)
+    for end, masters in dict(ends).items():
+        for master, factor in masters:
+            share[end, master] = factor
+    share = share[:, free]
+    assert np.abs(share.T @ hooks.residual(q, zero, zero)).max() < 1e-6 * MASS * GRAVITY
+    mass, stiffness = hooks.mass(q), hooks.tangent(q, zero, zero, 0, 0, 1)
+    inverse = eig(share.T @ mass @ share, share.T @ stiffness @ share, right=False)
     return np.sort(1.0 / np.sqrt(inverse[inverse.real > 1e-9].real))
 
 
 def test_a_body_on_a_fixed_point_swings_as_a_compound_pendulum():
     groups, q = hanging()
-    found = frequencies(groups, q, [np.arange(10)], np.arange(3, 10))
-    turn, arm = rotation(q[6:]), np.linalg.norm(ARM)
+    found = frequencies(groups, q, [np.arange(7)], np.arange(7))
+    turn, arm = rotation(q[3:]), np.linalg.norm(ARM)
     about = turn @ np.diag(MOMENTS) @ turn.T + MASS * arm**2 * np.diag([1, 1, 0])
     # nothing holds it against turning about the plumb line
     across = about[:2, :2] - np.outer(about[:2, 2], about[2, :2]) / about[2, 2]
@@ -244,12 +252,14 @@ def test_a_body_on_a_fixed_point_swings_as_a_compound_pendulum():
 
 def test_a_body_on_a_rope_swings_as_a_double_pendulum():
     length, arm = 4.0, np.array([0.0, 0.0, 1.1])
-    spring = Springs(rows_of(SPRING, (10, 0, 1e10, 0.0, length)), np.zeros((6, 6)))
+    spring = Springs(rows_of(SPRING, (13, 0, 1e10, 0.0, length)), np.zeros((6, 6)))
     weights = PointMasses(np.array([3]), np.array([MASS]), 0.0, np.array([0.0, 0.0, -GRAVITY]))
-    groups = weights, rigids(3, 6, MOMENTS), sockets(arm, 1e10), spring
-    q, sag = np.zeros(13), MASS * GRAVITY / 1e10
-    q[2], q[5], q[6] = -length - sag, -length - arm[2] - 2.0 * sag, 1.0
-    found = frequencies(groups, q, [np.arange(13)], np.arange(10))
+    groups = weights, rigids(3, 9, MOMENTS), sockets(arm, 1e10, arm=6, turn=9), spring
+    q, sag = np.zeros(16), MASS * GRAVITY / 1e10
+    q[2], q[5], q[8], q[9] = -length - sag, -length - arm[2] - 2.0 * sag, arm[2] + sag, 1.0
+    # The rope's end is at the arm from the centre.
+    ends = {c: [(3 + c, 1.0), (6 + c, 1.0)] for c in range(3)}
+    found = frequencies(groups, q, [np.arange(16)], np.arange(3, 13), ends)
     swings = found[(found > 0.5) & (found < 30.0)]
     expected = []
     for moment in MOMENTS[:2]:
@@ -264,17 +274,15 @@ def test_a_pendulum_on_a_socket_keeps_its_energy_over_a_long_run():
     for step in (4e-3, 2e-3):
         groups, q = hanging(stiffness=1e7)
         turn = Rotation.from_euler("x", 70, degrees=True)
-        q[6:] = np.roll((turn * Rotation.from_quat(np.roll(q[6:], -1))).as_quat(), 1)
-        q[3:6] = turn.apply(q[3:6])
-        v, spin = np.zeros(10), np.array([0.3, 1.0, 2.0])
-        v[6:] = rate_of(q[6:], spin)
-        v[3:6] = -rotation(q[6:]) @ np.cross(spin, ARM)
-        result = run(
-            groups, q, v, [np.arange(10)], range(3), step=step, end=60.0, interval=0.05, scale=MASS * GRAVITY
-        )  # fmt: skip
+        q[3:] = np.roll((turn * Rotation.from_quat(np.roll(q[3:], -1))).as_quat(), 1)
+        q[:3] = turn.apply(q[:3])
+        v, spin = np.zeros(7), np.array([0.3, 1.0, 2.0])
+        v[3:] = rate_of(q[3:], spin)
+        v[:3] = rotation(q[3:]) @ np.cross(spin, ARM)
+        result = run(groups, q, v, [np.arange(7)], step=step, end=60.0, interval=0.05, scale=MASS * GRAVITY)
         kinetic = np.array(result["kinetic_energy"])
         total = kinetic + np.array(result["strain_energy"]) + np.array(result["potential_energy"])
         drifts.append(np.abs(total - total[0]).max() / kinetic.max())
-        arm = np.array(result["q"])[:, 3:6] + np.array([rotation(x) @ ARM for x in np.array(result["q"])[:, 6:]])
-        assert np.abs(arm).max() < 0.05
+        gap = np.array(result["q"])[:, :3] - np.array([rotation(x) @ ARM for x in np.array(result["q"])[:, 3:]])
+        assert np.abs(gap).max() < 0.05
     assert drifts[0] < 2e-4 and drifts[0] > 3.0 * drifts[1]

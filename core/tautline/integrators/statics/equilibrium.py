@@ -42,12 +42,18 @@ TURN = 0.1
 FAR = 20.0
 """Extents of a scene by which no part of it moves into balance."""
 
-
+NEXT_TO_REST = 1e-5
+"""Residual over its scale at which a search that finds no balance is not far from one."""
 TOO_FAR = (
     "the initial geometry is too far from any equilibrium, or there is none; "
     "give positions closer to those at rest, or take finer elements"
 )
 """Cause and cure of a search that has found nothing, of scenes that give positions."""
+UNSETTLED = (
+    "the search came next to a rest and did not settle there, as where next to nothing holds a part of the scene; "
+    "hold it, or give it stiffness or tension"
+)
+"""The same of one that has nearly found balance."""
 
 
 class Equilibrium(NamedTuple):
@@ -123,7 +129,7 @@ def _why(system: System, ended: _Ended, spent: int, loose: bool) -> str:
     if ended.away or loose:
         why = "nothing holds a part of the scene: it moves without resistance; hold it, or give it stiffness or tension"
     else:
-        why = TOO_FAR
+        why = UNSETTLED if ended.residual < NEXT_TO_REST else TOO_FAR
     return f"{amount}; {why}"
 
 
