@@ -72,6 +72,6 @@ def _sentence(name: str, begin: float, most: float) -> str:
     return (
         f"the rope runs too fast to stay on {name}, first at t = {begin:.4g} s: its tension is below rhoA u^2, which "
         f"turns rope of the speed u. A real rope would leave the sheave. Here it is kept on it, by a pull of up to "
-        f"{sized(most, 'N')}. What is shown from then on is not what the rope would do. Keep the rope tighter or slower, "
-        "by a heavier hook or a brake"
+        f"{sized(most, 'N')}. What is shown from then on is not what the rope would do. Keep the rope tighter or "
+        "slower, by a heavier hook or a brake"
     )
