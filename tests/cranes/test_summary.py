@@ -12,7 +12,7 @@ from crane.assembly.tension_at_rest import static_tension
 from crane.model.build import build
 from crane.results.angles import hook_span, leads
 from crane.results.course import contacts_of, course_of, laid_out, nodes_of, scene_of
-from crane.results.summary import headline, most_worked_end, span_ends
+from crane.results.summary import headline, most_worked_end, possible_figures, span_ends
 from crane.scene.scene import read
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.errors import ResultError, once_each
@@ -68,6 +68,15 @@ def test_of_many_sheaves_only_the_largest_tension_is_told():
 def test_without_a_breaking_load_there_is_no_safety_factor_and_without_a_diameter_no_ratio():
     bare = one_fall(rope={"breaking_load": None, "diameter": None})
     assert not {"safety_factor", "smallest_bending_ratio"} & summed(bare, frames=11).keys()
+
+
+def test_without_a_diameter_no_bending_cycles_are_told_as_any_tremble_at_a_sheave_would_be_one():
+    # 13 of a rope that is lowered and hoisted back, which makes 3
+    trembling = {"bounce": 0.05, "rise": 0.0, "sway": 0.0, "frames": 201}
+    bare = one_fall(rope={"diameter": None})
+    assert "max_bending_cycles" not in summed(bare, **trembling)
+    assert value(summed(one_fall(), **trembling), "max_bending_cycles") <= 1.0
+    assert "max_bending_cycles" in possible_figures(one_fall()) and "max_bending_cycles" not in possible_figures(bare)
 
 
 def test_a_scene_that_starts_as_drawn_is_held_against_an_estimate_of_its_rest():

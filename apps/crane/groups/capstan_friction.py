@@ -61,7 +61,8 @@ class Slips(NamedTuple):
 
     ``found`` (spans, 14) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
     ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turned to heat in the
-    last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts``
+    last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip, which only
+    implicit methods ask for; ``acts``
     (1,) is 0 while an equilibrium is sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the
     first step is accepted, or begun where ``held``: no contact has moved or been loaded before.
 
@@ -343,7 +344,13 @@ def _dissipation(g, t, q, v, p):
 
 @kernel
 def _commit(g, t, h, q, v, a):
-    """Keep force and travel."""
+    """Keep force and travel, and what slip turned to heat.
+
+    That is the mean of F at both ends of the step times the slip: what the step has taken from the motion, beside what
+    it put into the spring. The force at its end alone, times all of the slip, is off by half a step of its change, as
+    where a brake closes. Where slip turns round within a step, F may have been larger the other way: friction gives
+    nothing back.
+    """
     if h == 0.0:
         return
     g.fresh[0] = 0.0
@@ -353,7 +360,7 @@ def _commit(g, t, h, q, v, a):
         force, sign, _ = _trial(g, i, t, q, v)
         # Of the way that F went, its spring took some; the rest is slip.
         slipped = u - g.travel[i] - (force - g.force[i]) / row.stiffness
-        g.power[i] = force * slipped / h if sign != 0 else 0.0
+        g.power[i] = max(0.0, 0.5 * (g.force[i] + force) * slipped) / h if sign != 0 else 0.0
         _see_stretch(g, i)
         g.force[i], g.travel[i], g.now[i], g.slid[i] = force, _travel(g, i, q), force, sign
     g.follows[0] = 0.0
@@ -363,7 +370,7 @@ def _commit(g, t, h, q, v, a):
 def _record(g, out, at):
     for i in range(g.rows.size):
         out[at[0]] = g.now[i]
-        out[at[0] + 1] = g.slips[i]
+        out[at[0] + 1] = g.slid[i]
         at[0] += 2
 
 

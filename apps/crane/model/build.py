@@ -17,6 +17,7 @@ from crane.groups.span import MATERIAL, STATION
 from crane.model.handles import handles
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
+from crane.results.ropes_that_lift import ropes_that_lift
 from crane.results.set_down import set_down_askew
 from crane.results.slipping_brakes import remarks
 from crane.results.summary import (
@@ -82,7 +83,9 @@ def build(scene: CraneScene) -> Model:
         on_demand=observer.on_demand,
         headline=told,
         limits=lambda result: limits(result, scene),
-        remarks=lambda result: [*set_down_askew(result, scene), *remarks(result, scene)],
+        remarks=lambda result: [
+            *set_down_askew(result, scene), *remarks(result, scene), *ropes_that_lift(result, layout)
+        ],
         figures=told,
         figure_units=layout.once("figure units", lambda: figure_units(scene)),
         nothing=NOTHING,

@@ -116,10 +116,8 @@ def possible_figures(scene: CraneScene) -> tuple[str, ...]:
         none.add("slipping_share")
     if not _snaps_undamped(scene):
         none.add("undamped_snaps")
-    if not scene.sheaves and not scene.drums:
+    if not (scene.sheaves or scene.drums) or not scene.rope.diameter:
         none |= {"max_bending_cycles", "smallest_bending_ratio"}
-    if not scene.rope.diameter:
-        none.add("smallest_bending_ratio")
     return tuple(name for name in figure_units(scene) if name not in none)
 
 
@@ -378,11 +376,13 @@ def bins_of(contacts: list[Any]) -> np.ndarray:
 
 
 def bending_of(result: Any, course: Course) -> BendingCycles | None:
-    """Bending cycles of every metre of rope that comes to a sheave or drum; None where there is none of these."""
-    contacts = contacts_of(result, course)
-    if not contacts:
-        return None
-    return bending_cycles(result.time, contacts, bins_of(contacts), course.scene.rope.diameter)
+    """Bending cycles of every metre of rope that comes to a sheave or drum; None where there is none of these.
+
+    None without a diameter too: that tells what of the motion bends the rope, and what is a tremble that does not.
+    """
+    diameter = course.scene.rope.diameter
+    contacts = contacts_of(result, course) if diameter else []
+    return bending_cycles(result.time, contacts, bins_of(contacts), diameter) if contacts else None
 
 
 def _bending(result: Any, course: Course) -> Iterator[Row]:

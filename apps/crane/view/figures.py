@@ -298,7 +298,8 @@ def bending(runs: Sequence[_Run]) -> Figure:
     (run,) = runs
     figure = bending_figure(run.result, run.course, title_of_runs(runs))
     if figure is None:
-        raise _lacks(run, "sheaves and no drums")
+        known = run.course.scene.rope.diameter
+        raise _lacks(run, "sheaves and no drums" if known else "diameter of the rope, by which bending is told")
     return figure
 
 

@@ -23,9 +23,9 @@ def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual, sums=SU
     """Reduced residual ``residual`` (n,) and ``matrix`` = cm M + cc C + ck K at the state's position, at time t.
 
     ``at_rest`` leaves velocities and accelerations out, but for the rate of material that flows steadily, and groups
-    begin with beta = -1; else velocities are the state's and accelerations are zero but for those that are prescribed.
-    Every group begins an explicit step of ``h`` s, so that laws and arcs fit the state; with h = 0 a run under way is
-    looked at and not touched. ``sums`` may leave some out.
+    begin with beta = -1; else velocities and accelerations are the state's. Every group begins an explicit step of
+    ``h`` s, so that laws and arcs fit the state; with h = 0 a run under way is looked at and not touched, without
+    accelerations but for those that are prescribed. ``sums`` may leave some out.
     """
     evaluate_groups(system.link(sums), system, state, t, h, at_rest, cm, cc, ck, matrix, residual)
 
@@ -63,6 +63,8 @@ def _evaluate(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, matrix,
     expand(dofs, state.v, state.full_v)
     if at_rest:
         keep_flowing(dofs, state.full_v, state.full_a)
+    elif h > 0.0:
+        expand(dofs, state.a, state.full_a)
     else:
         expand_held(dofs, state.full_a)
     if h > 0.0:
@@ -108,6 +110,7 @@ def start_moving(system: System, state: State, step: float) -> None:
     factors = system.spare_factors()
     state.v[:] = system.v[system.free]
     state.q[system.algebraic] = 0.0
+    state.a[:] = 0.0
     acceleration = np.zeros(n)
     evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, factors.matrix, acceleration)
     state.inertia[:] = np.abs(diagonal(factors.matrix))
@@ -118,6 +121,7 @@ def start_moving(system: System, state: State, step: float) -> None:
     solve_matrix(factors, acceleration)
     state.a[:] = -acceleration
     state.auxiliary[:] = state.a
+    # With what is accelerated now: the forces that hold what is held have its inertia in them.
     evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, factors.matrix, acceleration)
 
 
