@@ -22,18 +22,21 @@ from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.strength import strain_bound
-from crane.scene.surroundings import MotionFile
+from crane.scene.surroundings import MotionFile, SeaMotion
 from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import read_record
 from crane.sea.record_doubts import doubts, doubts_of_table
+from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea
+from crane.sea.vessel import read_response
 from crane.sudden_starts import growth, start_warnings
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
-from tautline.scene.functions import Ramp, Sum, Table
+from tautline.scene.functions import Ramp, Spectrum, Sum, Table
 from tautline.scene.unit_slips import meant, units_that_fit
 from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
+from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 LEAST_SAFETY = 3.0
@@ -70,6 +73,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
+        *_sea(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
@@ -162,6 +166,21 @@ def _never(scene: CraneScene) -> Sentences:
         for ramp in _ramps_of(function):
             if ramp.at >= end:
                 yield key, f"a ramp at {ramp.at:.4g} s never begins, because {late}"
+
+
+def _sea(scene: CraneScene) -> Sentences:
+    """Seas that no waves make, and responses whose phases can be read in two ways."""
+    motion: Any = scene.vessel.motion if scene.vessel is not None else None
+    gravity = math.hypot(*scene.gravity) or EARTH_GRAVITY
+    if isinstance(motion, SeaMotion):
+        seas = {"vessel.motion.sea": motion.sea}
+        response = read_response(scene.folder / motion.rao, motion.direction)
+        yield from (("vessel.motion.rao", text) for text in doubts_of_phases(response))
+    else:
+        each = {f"vessel.motion.{name}.spectrum": getattr(motion, name, None) for name in MOTIONS}
+        seas = {key: one for key, one in each.items() if isinstance(one, Spectrum)}
+    for key, sea in seas.items():
+        yield from ((f"{key}.{name}", text) for name, text in doubts_of_sea(sea, gravity))
 
 
 def _record(scene: CraneScene) -> Sentences:

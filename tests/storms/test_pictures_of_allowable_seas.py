@@ -26,7 +26,7 @@ def drawn(*found, heights=(0.5, 1.0, 3.0), periods=PERIODS):
     for k, one in enumerate(found[: cells.size]):
         cells[k // len(periods), k % len(periods)] = one
     empty = np.array([])
-    table = Table(np.array(heights), np.array(periods), [0.0, FULL / 4], empty, empty, empty, {}, cells[None])
+    table = Table(np.array(heights), np.array(periods), [0.0, FULL / 4], empty, empty, empty, {}, cells[None], empty)
     figure = _figure(table, cells, "max_tension < 60 kN", "Load", "P90 of the largest in 3 h")
     figure.draw_without_rendering()
     (plot,) = figure.axes
@@ -92,7 +92,7 @@ def test_figures_and_table_call_the_smallest_of_a_storm_the_smallest(asked, larg
     cells = np.full((2, 1, 1), None, object)
     cells[:] = [[[SOME]], [[SOME]]]
     empty = np.array([])
-    table = Table(np.array([0.5, 1.0, 3.0]), np.array([8.0]), [None], empty, empty, empty, {}, cells)
+    table = Table(np.array([0.5, 1.0, 3.0]), np.array([8.0]), [None], empty, empty, empty, {}, cells, empty)
     criteria = [LARGEST, SMALLEST]
     draw(table, criteria, "", [_compared_said(asked, one) for one in criteria], tmp_path)
     said = [plot.get_title(loc="left").split(";")[0] for plot in titles]

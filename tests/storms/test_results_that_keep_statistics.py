@@ -425,3 +425,25 @@ def test_the_title_of_the_limits_says_that_statistics_see_every_frame(tmp_path, 
     assert code == 0
     assert "limits of the scene, in every frame of the run" in told and "at the stored frames" not in told
     assert ("every frame of the run from t = 1 s" in told) == (begin > 0.0)
+
+
+def test_a_block_shorter_than_the_interval_of_frames_is_refused(scene):
+    asked = {"interval": 0.05, "keep": "statistics", "block": 0.02}
+    with pytest.raises(SceneError, match=r"output\.block.*is shorter than output\.interval \(0\.05 s\)"):
+        scene.replace({"output": asked})
+    assert scene.replace({"output": asked | {"block": 0.05}}).output.block == 0.05
+
+
+def test_blocks_between_two_frames_are_empty_and_the_others_keep_their_time():
+    # Frames 0.5 s apart, as of steps longer than was asked for; blocks of 0.2 s.
+    time = np.arange(5) * 0.5
+    blocks = Blocks(0.2)
+    for part in (slice(0, 2), slice(2, 5)):
+        blocks.add(time[part], time[part, None])
+    low, high = blocks.extremes(1)
+    assert blocks.begins == pytest.approx(0.2 * np.arange(10))
+    # The frame of 0.5 s is in the block that begins at 0.4 s, that of 1 s begins one.
+    full = np.isfinite(high[:, 0])
+    assert blocks.begins[full] == pytest.approx([0.0, 0.4, 1.0, 1.4])
+    assert high[full, 0].tolist() == [0.0, 0.5, 1.0, 1.5]
+    assert np.array_equal(low, high, equal_nan=True)

@@ -53,9 +53,12 @@ FITTED = (
 
 
 def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confidence: float) -> dict[str, float]:
-    """Extremes of the maxima of storms, (n,), in the sense of a limit; NaN where there are too few."""
-    values = values[np.isfinite(values)]
-    if values.size < FEWEST:
+    """Extremes of the maxima of storms, (n,), in the sense of a limit; NaN where there are too few, or one is unknown.
+
+    A storm that failed is no draw that is lacking by chance: what fails is often what snaps, and an extreme of the
+    others would be too small.
+    """
+    if values.size < FEWEST or not np.isfinite(values).all():
         return dict.fromkeys(FITTED, math.nan)
     way = one.way
     # A force that has fallen below is none that the floor holds, such as a component, or the force of a rod.
@@ -146,6 +149,8 @@ class Table(NamedTuple):
     extremes : dict
         `FITTED` -> (limits, headings, periods, heights).
     allowable : (limits, headings, periods) array of Allowable
+    done : (headings, periods, heights) array
+        Number of storms that came to their end, each with a value for every limit.
     gravity : float
         That the waves have, m/s^2.
     """
@@ -158,7 +163,13 @@ class Table(NamedTuple):
     values: np.ndarray
     extremes: dict[str, np.ndarray]
     allowable: np.ndarray
+    done: np.ndarray
     gravity: float = EARTH_GRAVITY
+
+    @property
+    def failed(self) -> list[tuple[int, ...]]:
+        """Places of the sea states of which storms failed: heading, period, height."""
+        return [at for at in np.ndindex(*self.status.shape) if self.status[at] == FAILED]
 
 
 def governing(table: Table) -> np.ndarray:
@@ -230,7 +241,7 @@ def tabulate(
     status = np.full(shape, ABSENT, object)
     values = np.full((len(criteria), *shape, len(seeds)), np.nan)
     extremes = {name: np.full((len(criteria), *shape), np.nan) for name in FITTED}
-    done = rows["status"].values == "done"
+    done, number = rows["status"].values == "done", np.zeros(shape, int)
     case = 0
     for one in conditions:
         at = (
@@ -244,17 +255,20 @@ def tabulate(
         some = slice(case, case + len(seeds))
         case += len(seeds)
         good = done[some]
-        status[at] = COMPUTED if good.all() and good.size >= FEWEST else FEW if good.all() else FAILED
         for k, criterion in enumerate(criteria):
             found = rows[criterion.column].values[some] if criterion.column in rows else np.full(len(seeds), np.nan)
             if criterion.column in nothing:
                 found = np.where(np.isnan(found), 0.0, found)
             values[(k, *at)] = np.where(good, found, np.nan)
+            good = good & np.isfinite(found)
+        number[at] = good.sum()
+        status[at] = FAILED if not good.all() else COMPUTED if good.size >= FEWEST else FEW
+        for k, criterion in enumerate(criteria if status[at] == COMPUTED else ()):
             for name, value in fitted(values[(k, *at)], criterion, ratio, share, confidence).items():
                 extremes[name][(k, *at)] = value
     return Table(
         heights, periods, headings, np.array(seeds), status, values, extremes,
-        _allowables(criteria, heights, periods, headings, status, extremes, compared),
+        _allowables(criteria, heights, periods, headings, status, extremes, compared), number,
         conditions[0].gravity,
     )  # fmt: skip
 

@@ -6,18 +6,14 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from crane.scene.scene import CraneScene
 from crane.scene.surroundings import Motion, SeaMotion
 from crane.sea.frames import MOTIONS
+from crane.sea.sea_doubts import equal_waves, highest
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Spectrum, Sum, Velocity
 from tautline.scene.vector import EARTH_GRAVITY
-from tautline.system.time_functions import jonswap
 
-STEEP = ((8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0))
-"""Peak period, s, and the largest wave steepness 2 pi Hs / (g Tp^2) there; DNV-RP-C205, section 3.5.4."""
 APART = 1_000_003
 """How far the seeds of two motions with a draw of their own are apart: more than there are storms."""
 FEW_WAVES = 60.0
@@ -36,12 +32,6 @@ class Condition(NamedTuple):
     def physical(self) -> bool:
         """Whether waves of this period can be so high."""
         return self.height <= highest(self.period, self.gravity) * (1.0 + 1e-9)
-
-
-def highest(period: float, gravity: float = EARTH_GRAVITY) -> float:
-    """Largest significant height, m, of a peak period, s, by the limit of steepness."""
-    steepness = float(np.interp(period, [one[0] for one in STEEP], [one[1] for one in STEEP]))
-    return steepness * gravity * period**2 / (2.0 * math.pi)
 
 
 class SeaKeys(NamedTuple):
@@ -165,8 +155,7 @@ def sea_notes(scene: CraneScene, keys: SeaKeys) -> list[str]:
             f"they are not to"
         )
     for key, one in keys.seas(scene).items():
-        energy = jonswap(one)[0] ** 2
-        number = float(energy.sum() ** 2 / (energy**2).sum()) if energy.any() else math.inf
+        number = equal_waves(one)
         if number < FEW_WAVES:
             more = math.ceil(one.components * FEW_WAVES / number / 100.0) * 100
             found.append(

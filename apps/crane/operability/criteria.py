@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
-from tautline.scene.limits import ABOVE
+from tautline.scene.limits import ABOVE, extreme_of
 from tautline.scene.values.quantity import Quantity, as_in_a_file
 from tautline.scene.values.systems import usual_unit
 from tautline.sweeps.verbs import no_number, no_part, output_of
@@ -172,6 +172,23 @@ def bare_notes(criteria: Sequence[Criterion], system: str) -> list[str]:
         also = f", or '{begin}{one.bare} {other}' if that is meant" if other else ""
         found.append(
             f"{OPTION} '{begin}{one.bare}' has no unit, and was read as {one.bare} {one.unit}. Write '{one.text}'{also}"
+        )
+    return found
+
+
+def reversed_notes(criteria: Sequence[Criterion]) -> list[str]:
+    """Limits that ask a largest value to be large, or a smallest to be small: nearly any storm keeps them, or none."""
+    found = []
+    for one in criteria:
+        kind = extreme_of(one.name)
+        meant = AT_MOST if kind == "largest" else AT_LEAST
+        if not kind or meant in [other.sense for other in criteria if other.name == one.name]:
+            continue
+        side, other = ("above", "below") if one.sense == AT_MOST else ("below", "above")
+        turned = one.text.translate(str.maketrans("<>", "><"))
+        found.append(
+            f"{OPTION} '{one.text}' allows seas whose {one.name} is {other} this value, however far, and none where it "
+            f"is {side} it. But {one.name} is the {kind} of a storm. Was '{turned}' meant?"
         )
     return found
 

@@ -36,6 +36,7 @@ def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str
     of_limit = ("limit", *state)
     entries: dict[str, Any] = {
         "status": (state, table.status, {"long_name": "whether the sea state was computed"}),
+        "storms_done": (state, table.done, {"units": "1", "long_name": "storms that came to their end"}),
         "value": ((*of_limit, "seed"), table.values, {"long_name": "largest or smallest of each storm, SI units"}),
     }
     for name in FITTED:
@@ -85,13 +86,19 @@ def write_all(
 
 
 def _write_damage(table: Table, fatigue: Fatigue, path: Path) -> Path:
-    """A row for each sea state: its part of the sum of n S^5 in a year, with the share of time it has."""
-    heads = ["heading [deg]", "peak_period [s]", "significant_height [m]", "damage in a year [N^5]", "share of damage"]
+    """A row for each sea state: its share of time, how much of it was run, and the part of that in a year's damage."""
+    heads = [
+        "heading [deg]", "peak_period [s]", "significant_height [m]", "share of time", "share of it that was run",
+        "damage in a year [N^5]", "share of damage",
+    ]  # fmt: skip
     whole = float(np.nansum(fatigue.damage)) or 1.0
     rows = [
-        [*_place(table, i, j), float(table.heights[n]), float(damage), float(damage) / whole]
-        for (i, j, n), damage in np.ndenumerate(fatigue.damage)
-    ]
+        [
+            *_place(table, *at[:2]), float(table.heights[at[2]]), float(fatigue.share[at]), float(fatigue.run[at]),
+            float(damage), float(damage) / whole,
+        ]
+        for at, damage in np.ndenumerate(fatigue.damage)
+    ]  # fmt: skip
     return write_rows(heads, rows, path, error_type=WriteError)
 
 
@@ -104,8 +111,9 @@ def _write_states(table: Table, criteria: Sequence[Criterion], path: Path) -> Pa
         heading = table.headings[i]
         fits = [float(table.extremes[name][k, i, j, n]) for name in FITTED]
         place = [math.nan if heading is None else math.degrees(heading), table.periods[j], table.heights[n]]
-        rows.append([criteria[k].text, criteria[k].unit, *place, table.status[i, j, n], *fits])
-    return write_rows([*heads, "status", *FITTED], rows, path, error_type=WriteError)
+        state = [table.status[i, j, n], int(table.done[i, j, n])]
+        rows.append([criteria[k].text, criteria[k].unit, *place, *state, *fits])
+    return write_rows([*heads, "status", "storms_done", *FITTED], rows, path, error_type=WriteError)
 
 
 def _write_heights(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:

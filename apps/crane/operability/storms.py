@@ -20,6 +20,7 @@ from crane.operability.criteria import (
     none_given,
     notes_on,
     read_criteria,
+    reversed_notes,
 )
 from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
@@ -33,6 +34,8 @@ PROBE = 3.0
 TENSION = "tension"
 SHORTEST, LONGEST = 60.0, 30.0 * 86400.0
 """Durations, s, of operations at sea: a lift off a deck, and a month of work."""
+MOST_SHOWN = 5
+"""Sea states that a warning names."""
 MOST_SCALED, FEW_PERIODS = 10.0, 100.0
 """Ratio of durations up to which extremes are scaled without a note, and waves that a scaled storm should have."""
 
@@ -125,7 +128,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     _check_seas(application, storm, keys, asked)
     notes = sea_notes(storm.replace(first), keys) + scale_notes(asked)
     # Those of the scene are told with its other numbers without a unit.
-    doubts = duration_notes(asked) + bare_notes(of_command, scene.units)
+    doubts = duration_notes(asked) + bare_notes(of_command, scene.units) + reversed_notes(of_command)
+    doubts += share_notes(asked, criteria)
     notes += notes_on(criteria, not storm.output.statistics)
     notes += lasting_notes(scene)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
@@ -145,6 +149,7 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
         outcome.data, asked.conditions, criteria, asked.seeds, ratio, asked.share, asked.confidence, asked.compared,
         NOTHING,
     )  # fmt: skip
+    found.warnings += failed_notes(found.table, len(asked.seeds))
     if asked.scatter is not None:
         counted = asked.simulated if storm.output.statistics else asked.lead + asked.simulated
         found.fatigue = _fatigue(outcome.data, asked, counted, scene, found.table)
@@ -189,6 +194,38 @@ def duration_notes(asked: Asked) -> list[str]:
     typed = f"{asked.duration:g}"
     hours = f"if {typed} h is meant, write --duration '{typed} h'" if 3600.0 * asked.duration <= LONGEST else "check it"
     return [f"--duration is {typed} s, and extremes are those of {typed} s. An operation at sea takes longer: {hours}"]
+
+
+def share_notes(asked: Asked, criteria: Sequence[Criterion]) -> list[str]:
+    """A note on a percentile by which an allowed sea passes its limits in most storms."""
+    if asked.compared != "percentile" or asked.share >= 0.5 or not criteria:
+        return []
+    written, other = 100.0 * asked.share, 100.0 - 100.0 * asked.share
+    smallest = "; P10 of the smallest is what P90 compares" if any(one.way < 0.0 for one in criteria) else ""
+    return [
+        f"--percentile P{written:.12g}: in a sea that is allowed {other:.12g} % of the storms may pass the limit. The "
+        f"percentile is the share of storms that keep it{smallest}. Was P{other:.12g} meant?"
+    ]
+
+
+def failed_notes(table: Table, storms: int) -> list[str]:
+    """Which sea states have storms that failed, and what is not told of them."""
+    if not table.failed:
+        return []
+
+    def said(at: tuple[int, ...]) -> str:
+        heading = table.headings[at[0]]
+        of = "" if heading is None else f", heading {math.degrees(heading):.6g} deg"
+        where = f"Hs {table.heights[at[2]]:g} m, Tp {table.periods[at[1]]:g} s{of}"
+        return f"{where} ({storms - table.done[at]} of {storms})"
+
+    shown = "; ".join(said(at) for at in table.failed[:MOST_SHOWN])
+    more = len(table.failed) - MOST_SHOWN
+    also = f"; and {more} more, see operability.csv" if more > 0 else ""
+    return [
+        f"storms failed in {len(table.failed)} of the sea states: {shown}{also}. Storms that fail are often those in "
+        "which the rope snaps. The others are milder, and of such a sea state no extremes are given"
+    ]
 
 
 def scale_notes(asked: Asked) -> list[str]:
@@ -271,6 +308,7 @@ def _fatigue(data: Any, asked: Asked, counted: float, scene: Any, table: Table) 
     assert asked.scatter is not None
     shape = (len(table.headings), len(table.periods), len(table.heights), len(asked.seeds))
     arrays = {name: np.full(shape, math.nan) for name in COLLECTED}
+    done = data["status"].values == "done"
     case = 0
     for one in asked.conditions:
         if not one.physical:
@@ -282,7 +320,7 @@ def _fatigue(data: Any, asked: Asked, counted: float, scene: Any, table: Table) 
         some = slice(case, case + len(asked.seeds))
         case += len(asked.seeds)
         for name, array in arrays.items():
-            array[at] = data[name].values[some]
+            array[at] = np.where(done[some], data[name].values[some], math.nan)
     return fatigue_over(
         asked.scatter, table.heights, table.periods, *arrays.values(), counted, scene.rope.breaking_load,
         asked.constant,

@@ -63,12 +63,15 @@ class Response:
         Increasing, rad/s.
     amplitude, phase : dict of str to float64 (n,)
         By motion: m/m or rad/m, and the lead over the wave at the vessel's reference, rad, without jumps of 2 pi.
+    written : dict of str to float64 (n,)
+        The phase as the file has it, rad.
     """
 
     path: Path
     frequency: np.ndarray
     amplitude: Mapping[str, np.ndarray]
     phase: Mapping[str, np.ndarray]
+    written: Mapping[str, np.ndarray]
 
 
 def motions_of(vessel: Ship, folder: str | Path, end: float) -> tuple[Any, ...]:
@@ -239,6 +242,7 @@ def read_response(path: str | Path, direction: float | None = None) -> Response:
         frequency[order],
         {name: column[order] for name, column in amplitude.items()},
         {name: np.unwrap(column[order]) for name, column in phase.items()},
+        {name: column[order] for name, column in phase.items()},
     )
 
 

@@ -301,13 +301,16 @@ def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
         rows.append((f"Hs for all limits, {_where(one)}", f"{_said(one)}{by}"))
     if found.fatigue is not None:
         one_year = found.fatigue
+        # What failed, or was too steep to run, does not stand in the sum: its share is said with each number.
+        part = "" if one_year.whole else ", of the time that was run"
         rows += [
-            ("equivalent tension range over the scatter diagram", quantity(one_year.range, "N")),
-            ("cycles in a year", significant(one_year.cycles)),
+            (f"equivalent tension range over the scatter diagram{part}", quantity(one_year.range, "N")),
+            (f"cycles in a year{part}", significant(one_year.cycles)),
             ("share of time that was run", f"{significant(100.0 * one_year.covered)} %"),
         ]
         if one_year.life is not None:
-            rows.append(("fatigue life", f"{significant(one_year.life)} years"))
+            most = "" if one_year.whole else "not known, at most "
+            rows.append(("fatigue life", f"{most}{significant(one_year.life)} years"))
     if said := dict.fromkeys(_compared_said(asked, one) for one in found.criteria):
         rows.append(("compared with limits", ", ".join(said)))
     rows.append(("storms", str(found.outcome.done)))

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 MOST = 200
 """Values that one of the lists may have."""
+SAME_HEADING = 1.0e-9
+"""Angle, rad, within which two headings are one: rounding of degrees and of turns."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +110,7 @@ def _range(text: str | None, option: str, unit: str, example: str, other: list[f
 
 
 def _headings(text: str) -> list[float]:
-    """Headings between commas, in degrees where they have no unit, as rad."""
+    """Headings between commas, in degrees where they have no unit, as rad; each once, for whole turns do not count."""
     from pydantic_core import PydanticCustomError
 
     from tautline.scene.values.quantity import Quantity
@@ -122,11 +124,15 @@ def _headings(text: str) -> list[float]:
         except PydanticCustomError as error:
             cure = "write such as --heading 0,90,180"
             raise option_error("--heading", written or text, error.message(), cure) from None
-    return sorted(dict.fromkeys(found))
+    once: list[float] = []
+    for angle in sorted(found, key=lambda angle: (abs(angle), -angle)):
+        if not any(abs(math.remainder(angle - other, 2.0 * math.pi)) < SAME_HEADING for other in once):
+            once.append(angle)
+    return sorted(once)
 
 
 def _compared(text: str) -> tuple[str, float]:
-    """What is compared with limits, and the percentile."""
+    """What is compared with limits, and the share of storms that keep them."""
     word = text.strip().lower().replace("_", "-").replace(" ", "-")
     if word in ("most-probable", "mpm"):
         return "most_probable", 0.9

@@ -149,6 +149,15 @@ Limits = Annotated[tuple[Limit, ...], AfterValidator(_named_once), Field(example
 """The key ``limits`` of a scene."""
 
 
+def extreme_of(name: str) -> str:
+    """Whether a figure or output is the ``largest`` or the ``smallest`` of a run by its name; nothing where neither."""
+    # Names of figures, and the last part of an output's: what stands before it, a user has named.
+    words = set(re.split(r"[^a-z]+", name.rpartition(".")[2].lower()))
+    if not words & (LARGEST | SMALLEST) or words >= {"max", "min"}:
+        return ""
+    return "largest" if words & LARGEST else "smallest"
+
+
 def reversed_limits(scene: Any) -> list[SceneWarning]:
     """Warn of bounds on the side where they say little: a largest value that has to be large, a smallest to be small.
 
@@ -156,10 +165,9 @@ def reversed_limits(scene: Any) -> list[SceneWarning]:
     """
     found = []
     for i, limit in enumerate(getattr(scene, "limits", ())):
-        # Names of figures, and the last part of an output's: what stands before it, a user has named.
-        words = set(re.split(r"[^a-z]+", limit.output.rpartition(".")[2].lower()))
-        kind, meant = ("largest", ABOVE) if words & LARGEST else ("smallest", BELOW)
-        if not words & (LARGEST | SMALLEST) or words >= {"max", "min"} or meant in [one.fails for one in limit.sides]:
+        kind = extreme_of(limit.output)
+        meant = ABOVE if kind == "largest" else BELOW
+        if not kind or meant in [one.fails for one in limit.sides]:
             continue
         cure = AT_MOST if meant == ABOVE else AT_LEAST
         for side in limit.sides:

@@ -211,6 +211,9 @@ class Output(Model):
             for key in OF_STATISTICS:
                 if key in self.model_fields_set:
                     raise fault(key, "is for statistics, and every frame is kept", f"add keep: {STATISTICS}")
+        elif self.block < self.interval * (1.0 - 1e-9):
+            cause = f"is shorter than output.interval ({self.interval:g} s): blocks would hold no frame"
+            raise fault("block", cause, "give a block of many frames, such as 600 s")
         return self
 
     @property

@@ -183,6 +183,10 @@ class Blocks:
         for part in np.split(np.arange(len(time)), edges):
             at = int(number[part[0]])
             high, low = values[part].max(axis=0).astype(float), values[part].min(axis=0).astype(float)
+            while len(self._high) < at:
+                # A block between two frames is one, and has no largest.
+                self._high.append(np.full_like(high, np.nan))
+                self._low.append(np.full_like(low, np.nan))
             if at < len(self._high):
                 high, low = np.maximum(self._high[at], high), np.minimum(self._low[at], low)
                 self._high[at], self._low[at] = high, low

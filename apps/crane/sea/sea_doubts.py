@@ -1,0 +1,79 @@
+"""What is doubtful of a sea: waves steeper than waves are, too few of them, phases that can be read in two ways."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from crane.sea.frames import MOTIONS
+from crane.sea.vessel import Response
+from tautline.scene.functions import Spectrum
+from tautline.scene.vector import EARTH_GRAVITY
+from tautline.system.time_functions import jonswap
+
+STEEP = ((8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0))
+"""Peak period, s, and the largest wave steepness 2 pi Hs / (g Tp^2) there; DNV-RP-C205, section 3.5.4."""
+FEWEST_WAVES = 5.0
+"""Number of equal waves below which a sum of sines looks like no sea at all, whatever is asked of it."""
+AMBIGUOUS = math.radians(150.0)
+"""Step of a phase from row to row, to the near side, from which on the far side may be meant."""
+FELT = 0.02
+"""Share of the largest response from which on a phase counts."""
+TURN = 2.0 * math.pi
+
+
+def highest(period: float, gravity: float = EARTH_GRAVITY) -> float:
+    """Largest significant height, m, of a peak period, s, by the limit of steepness."""
+    steepness = float(np.interp(period, [one[0] for one in STEEP], [one[1] for one in STEEP]))
+    return steepness * gravity * period**2 / TURN
+
+
+def equal_waves(sea: Spectrum) -> float:
+    """Number of equal waves whose sum has a tail as short as that of the components; infinite without any energy."""
+    energy = jonswap(sea)[0] ** 2
+    return float(energy.sum() ** 2 / (energy**2).sum()) if energy.any() else math.inf
+
+
+def doubts_of_sea(sea: Spectrum, gravity: float) -> Iterator[tuple[str, str]]:
+    """Keys of a spectrum and sentences."""
+    most = highest(sea.peak_period, gravity)
+    if sea.significant_height > most * (1.0 + 1e-9):
+        text = (
+            f"waves of a peak period of {sea.peak_period:g} s are {most:.3g} m high at most, for steeper ones break "
+            f"(DNV-RP-C205, 3.5.4). These are {sea.significant_height:g} m. Give lower waves or a longer period"
+        )
+        yield "significant_height", text
+    number = equal_waves(sea)
+    if number < FEWEST_WAVES:
+        text = (
+            f"the sea has few components, no more than {number:.2g} if all were of one size. That is a swing of a few "
+            "periods, and no sea: its period and its extremes depend on the seed. Give `components: 200` or more"
+        )
+        yield "components", text
+
+
+def doubts_of_phases(response: Response) -> Iterator[str]:
+    """Motions whose phase steps so far from row to row that between them it may go the other way round.
+
+    Phases within a turn are wrapped, and the near side is meant. Those that run on beyond a turn are written out, and
+    then a step of more than half a turn is one.
+    """
+    for name in MOTIONS:
+        if name not in response.written:
+            continue
+        size, written, used = response.amplitude[name], response.written[name], response.phase[name]
+        felt = np.minimum(size[1:], size[:-1]) > FELT * float(size.max(initial=0.0))
+        far = np.abs(np.diff(used)) > AMBIGUOUS
+        if float(np.ptp(written)) > TURN * (1.0 + 1e-9):
+            far |= np.abs(np.diff(written)) > 0.5 * TURN * (1.0 + 1e-9)
+        if (at := np.flatnonzero(far & felt)).size:
+            k = int(at[0])
+            low, high = response.frequency[k], response.frequency[k + 1]
+            yield (
+                f"{response.path}: the phase of {name} goes from {math.degrees(written[k]):.4g} to "
+                f"{math.degrees(written[k + 1]):.4g} deg between {low:.4g} and {high:.4g} rad/s, and is taken the "
+                f"short way, by {math.degrees(used[k + 1] - used[k]):.4g} deg. If the other way is meant, motions "
+                "between these rows are wrong. Add rows, so that no phase steps by more than 150 deg"
+            )
