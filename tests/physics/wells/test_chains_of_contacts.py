@@ -67,12 +67,15 @@ def _follow(chain, changed, iteration):
         ([1, 2, 1, 2, 1, 2], 0),  # two statuses that chase each other
         ([1, 2, 3, 1, 2, 3, 1, 2, 3], 3),  # a round of three: each turn counts
         ([7, 7, 7, 7], 0),
+        ([(1, 9), (2, 8), (3, 7), (4, 6)], 2),  # two chains that run towards each other
+        ([(1, 9), (2, 8), (1, 9), (2, 8)], 0),
     ],
 )
 def test_changes_that_go_on_along_a_string_are_free_and_those_that_come_back_count(places, free):
-    chain = np.zeros(5, np.int64)
+    chain = np.zeros(6, np.int64)
     for iteration, place in enumerate(places):
         changed = new_changed()
-        note_change.py_func(changed, 4 * place, 4)
+        for each in place if isinstance(place, tuple) else (place,):
+            note_change.py_func(changed, 4 * each, 4)
         _follow(chain, changed, iteration)
     assert chain[newton.FREE] == free

@@ -63,9 +63,9 @@ ROUNDED = 8.0 * float(np.finfo(float).eps)
 ROUNDING_MOST = 1.0e4
 """Times the tolerance up to which a residual is put down to rounding. A contact that rolls at speed v, with friction of
 stiffness c, leaves eps c v in the residual, and smaller steps only raise c."""
-FIRST_PLACE, PAST_PLACE, WAY, SINCE, FREE = range(5)
+FIRST_PLACE, PAST_PLACE, FIRST_WAY, PAST_WAY, SINCE, FREE = range(6)
 """Places in ``Corrector.chain``: where laws changed their status last, first and past the last full degree of freedom;
-the way that the changes went (1 to higher places, -1 to lower ones, 0 neither); the iteration in which they changed;
+the way that either went last (1 to higher places, -1 to lower ones, 0 none yet); the iteration in which they changed;
 how many iterations of the step do not count."""
 
 
@@ -79,7 +79,7 @@ class Corrector(NamedTuple):
     ``smooth`` is the tangent of the groups that do not switch, kept where others do, and ``factors`` those of the
     whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they belong to, zeros where they are out
     of date. ``rounded`` (1,) is 1 after an increment that rounding has made, and ``fastest`` (1,) the largest
-    velocity when all rows were last solved for. ``rows`` are those of the iteration under way. ``chain`` (5,) tells how
+    velocity when all rows were last solved for. ``rows`` are those of the iteration under way. ``chain`` (6,) tells how
     changes of status go on from contact to contact (`_follow_chain`).
     """
 
@@ -122,7 +122,7 @@ def corrector(
         new_matrix(n, system.bandwidth, system.border),
         new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL, improved=True),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
-        new_changed(), np.zeros(1, np.int64), np.zeros(1), rows, np.zeros(5, np.int64),
+        new_changed(), np.zeros(1, np.int64), np.zeros(1), rows, np.zeros(6, np.int64),
     )  # fmt: skip
 
 
@@ -246,22 +246,20 @@ def _follow_chain(chain, changed, iteration):
     """Whether changes of status go on along a chain of contacts: then the iterations since the last do not count.
 
     A contact that holds keeps the load from the next one. Where a string is to begin to slip, it may do so one contact
-    an iteration, and a shorter step has no fewer contacts. What goes to and fro between contacts is no such chain: to
-    turn back counts, and so does the first iteration that goes the new way.
+    an iteration, and a shorter step has no fewer contacts. Two such chains may run towards each other: what counts is
+    whether the first and the last place of the changes go on as they went. What goes to and fro between contacts is no
+    such chain: to turn back counts, and so does the first iteration that goes the new way.
     """
-    way = 0
+    first = past = 0
     if changed[COUNT] == changed[PLACED]:
-        first, past = changed[FIRST] - chain[FIRST_PLACE], changed[PAST] - chain[PAST_PLACE]
-        if chain[PAST_PLACE] == 0:
-            way = 0
-        elif first >= 0 and past >= 0 and first + past > 0:
-            way = 1
-        elif first <= 0 and past <= 0 and first + past < 0:
-            way = -1
+        if chain[PAST_PLACE] > 0:
+            first, past = np.sign(changed[FIRST] - chain[FIRST_PLACE]), np.sign(changed[PAST] - chain[PAST_PLACE])
         chain[FIRST_PLACE], chain[PAST_PLACE] = changed[FIRST], changed[PAST]
-    if way != 0 and way == chain[WAY]:
+    upper, lower = first * chain[FIRST_WAY], past * chain[PAST_WAY]
+    if max(upper, lower) > 0 and min(upper, lower) >= 0:
         chain[FREE] += iteration - chain[SINCE]
-    chain[WAY] = way
+    chain[FIRST_WAY] = first if first != 0 else chain[FIRST_WAY]
+    chain[PAST_WAY] = past if past != 0 else chain[PAST_WAY]
     chain[SINCE] = iteration
 
 
