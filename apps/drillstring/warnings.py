@@ -69,6 +69,7 @@ HORIZONTAL = np.radians(75.0)
 """Inclination at the end of a hole above which heavy pipe stands higher up on purpose."""
 UNDAMPED = 0.95
 """Spectral radius at infinity above which the torque oscillates after the shock of a bit that sticks."""
+MORE_THAN_THE_STRING = "is more than the string weighs along the hole"
 OF_THE_BOTTOM = ("weight", "torque", "penetration", "cutting", "rock", "slip_speed")
 """Keys of a bit that count on bottom only."""
 STATIONS = 200
@@ -80,6 +81,12 @@ FLAT = 1.0e-6
 """Size of the hole's directions out of a plane, over that within it, below which the hole lies in the plane."""
 Sentences = Iterator[tuple[str, str]]
 Check = Callable[[DrillstringScene, Prepared], Sentences]
+
+
+def too_heavy(scene: DrillstringScene) -> str:
+    """What is said of a weight on bit that is more than the string's; empty where it is not."""
+    told = dict(_weight_on_bit(scene, prepared(scene))).get("bit.weight", "")
+    return told if MORE_THAN_THE_STRING in told else ""
 
 
 def warnings(scene: DrillstringScene) -> list[SceneWarning]:
@@ -392,7 +399,7 @@ def _weight_on_bit(scene: DrillstringScene, ready: Prepared) -> Sentences:
         # No refusal: rigs with pull-down push strings so, and the model computes what they do.
         cannot = scene.top.weight + tension[0] < 0.0
         how = "and a hoist cannot push" if cannot else "which the top drive's weight gives"
-        cause = f"{weight} is more than the string weighs along the hole: the hook load is {hook} at rest, {how}"
+        cause = f"{weight} {MORE_THAN_THE_STRING}: the hook load is {hook} at rest, {how}"
         yield "bit.weight", f"{cause}; take less, or a heavier string, unless the rig has a pull-down"
         return
     end = lumps.tubes[0].length

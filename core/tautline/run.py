@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tautline.explicit_watch import ExplicitWatch, explicit_step_of
+from tautline.integrators.corrector.newton import advice
 from tautline.integrators.explicit_step import SAFE
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import method_for
@@ -311,7 +312,7 @@ class Run:
         if stopped:
             worst = int(self.state.counters[WORST])
             end, part, detail = self.model.end_of(self.state, Status(status), worst)
-            raise StoppedEarly(end, reached, part, detail)
+            raise StoppedEarly(end, reached, part, detail or advice(self.method, end))
 
     def _count_waiting(self) -> int:
         """Have frames that wait for the one that is under way be done, to be stored next; returns how many."""

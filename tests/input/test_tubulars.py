@@ -223,6 +223,8 @@ def test_the_second_moment_is_the_tube_s_and_the_contact_the_tool_joint_s():
         ("HWDP 5 in,", "HWDP 5 in, od: -1 in,", "string[1].od = -1 in: must be greater than zero"),
         ("HWDP 5 in,", "HWDP 5 in, od: 2 in,", "smaller than id = 0.0762"),
         ("HWDP 5 in,", "HWDP 5 in, yield_load: 5 in,", "'in' is not the unit of a force"),
+        ("HWDP 5 in,", "HWDP 5 in, id: 5.5 in,", "id = 5.5 in: leaves no wall: the od of the tubular is 5 in"),
+        ("HWDP 5 in,", "HWDP 5 in, od: 7 in,", "string[1].od = 7 in: wider than the tool joint of the tubular, 6.5 in"),
         ("diameter: 8.5 in", "diameter: 6 in", "does not fit into the hole (well.diameter = 6 in, line "),
     ],
 )
@@ -230,6 +232,15 @@ def test_a_wrong_tubular_is_refused_with_line_key_and_cure(old, new, message):
     with pytest.raises(SceneError) as caught:
         DrillstringScene.parse(SCENE.replace(old, new, 1))
     assert message in str(caught.value) and "; " in str(caught.value)
+
+
+@pytest.mark.parametrize(("blades", "cause"), [("8.5 in", "exactly as wide, does not fit"), ("9 in", "does not fit")])
+def test_a_collar_of_the_catalogue_with_blades_as_wide_as_the_hole_is_refused_by_what_was_written(blades, cause):
+    stabiliser = f"tubular: drill collar 6 1/2 x 2 13/16, tool_joint_od: {blades}"
+    with pytest.raises(SceneError) as caught:
+        DrillstringScene.parse(SCENE.replace("tubular: HWDP 5 in", stabiliser, 1))
+    told = f"string[1].tool_joint_od = {blades}: {cause} into the hole (well.diameter = 8.5 in, line "
+    assert told in str(caught.value)
 
 
 def test_a_string_near_its_yield_load_at_rest_is_warned_of():

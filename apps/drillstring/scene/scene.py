@@ -74,12 +74,23 @@ class Section(Model):
         """Diameter that touches the wall, m: the tool joint's where given."""
         return self.od if self.tool_joint_od is None else self.tool_joint_od
 
-    def too_wide(self) -> tuple[str, str, str]:
-        """Key that says how wide it is, what does not fit, and what to do: of a tubular nobody has written a width."""
+    def _of_tubular(self, key: str) -> bool:
+        """Whether a diameter is that of the tubular, which nobody has written."""
+        return self.tubular is not None and find(self.tubular).keys().get(key) == getattr(self, key)
+
+    def too_wide(self, hole: float) -> tuple[str, str, str]:
+        """Key that says how wide it is, what does not fit into a hole of a diameter, m, and what to do.
+
+        Of a tubular nobody has written a width. Without any room a contact has no side to press on: the direction of
+        its force is that of the pipe's offset, which is none.
+        """
         key, what = ("od", "outside diameter") if self.tool_joint_od is None else ("tool_joint_od", "tool joint")
-        if self.tubular is None or find(self.tubular).keys()[key] != getattr(self, key):
+        if not self._of_tubular(key):
+            if self.contact_diameter == hole:
+                cure = f"make {key} 1 mm smaller at least: a contact needs some clearance, to know where it presses"
+                return key, "exactly as wide, does not fit", cure
             return key, "does not fit", f"widen well.diameter, or give a smaller {key}"
-        size = f"{self.contact_diameter / INCH:.5g} in ({self.contact_diameter:.4g} m)"
+        size = _inches(self.contact_diameter)
         return "tubular", f"its {what}, {size}, does not fit", f"widen well.diameter, or take one of a smaller {what}"
 
     @model_validator(mode="before")
@@ -102,15 +113,26 @@ class Section(Model):
 
     @model_validator(mode="after")
     def _pipe(self) -> Section:
+        if self.od <= self.id and self._of_tubular("od"):
+            cause = f"leaves no wall: the od of the tubular is {_inches(self.od)}"
+            raise fault("id", cause, "give a smaller id, or write od too")
         if self.od <= self.id:
             relation = "equal to" if self.od == self.id else "smaller than"
             raise fault("od", f"{relation} id = {self.id:g}", "the outside is larger than the bore: swap od and id?")
+        if self.tool_joint_od is not None and self.tool_joint_od < self.od and self._of_tubular("tool_joint_od"):
+            cause = f"wider than the tool joint of the tubular, {_inches(self.tool_joint_od)}"
+            raise fault("od", cause, "give a smaller od, or write tool_joint_od too")
         if self.tool_joint_od is not None and self.tool_joint_od < self.od:
             raise fault("tool_joint_od", f"smaller than od = {self.od:g}", "give at least od, or remove it")
         if hypot(*self.eccentricity) >= 0.5 * self.contact_diameter:
             cause = f"the centre of gravity is {hypot(*self.eccentricity):g} m off the axis, outside of the pipe"
             raise fault("eccentricity", cause, "give some millimetres, such as [0, 2 mm]")
         return self
+
+
+def _inches(diameter: float) -> str:
+    """A diameter, m, as the catalogue has it, and in m."""
+    return f"{diameter / INCH:.5g} in ({diameter:.4g} m)"
 
 
 def _cut_off(data: dict[str, Any]) -> list[str]:
@@ -229,7 +251,7 @@ class DrillstringScene(Scene):
         hole = self.well.diameter
         for i, section in enumerate(self.string):
             if section.contact_diameter >= hole:
-                key, cause, cure = section.too_wide()
+                key, cause, cure = section.too_wide(hole)
                 raise fault(("string", i, key), f"{cause} into the hole", cure, beside="well.diameter")
         return self
 

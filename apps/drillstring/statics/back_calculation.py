@@ -26,6 +26,8 @@ START, MOST = 0.2, 1.0
 STEP = 1.0e-3
 """Half the difference of factors that derivatives are taken over: the statics end within a tolerance, and what that
 leaves of a load would be all of a derivative over much less."""
+NONE = 1.0e-6
+"""Factor below which there is no friction."""
 BEYOND = 0.01
 """Share of the rotating weight by which a load on the wrong side of it is off by more than the gauge."""
 COLUMNS = {
@@ -41,7 +43,8 @@ LOADS = ("pick_up", "slack_off")
 class Measured(NamedTuple):
     """Hook loads of a trip: bit depth (n,) m; pick-up and slack-off (n,) N, NaN where not measured; lines (n,).
 
-    ``unit`` is what the file has depths in, and ``size`` that unit, m.
+    ``unit`` is what the file has depths in, and ``size`` that unit, m. ``unused`` are titles of columns
+    that are not read.
     """
 
     depth: np.ndarray
@@ -50,6 +53,7 @@ class Measured(NamedTuple):
     lines: np.ndarray
     unit: str = "m"
     size: float = 1.0
+    unused: tuple[str, ...] = ()
 
     def told(self, depth: float) -> str:
         """A depth, m, as the file has it."""
@@ -124,6 +128,7 @@ def read_measured(path: Path, block: float = 0.0) -> Measured:
         Naming the file, the row and what is wrong with it.
     """
     columns = Columns(path)
+    _refuse_doubles(columns)
     wanted = [name for name in ("depth", *LOADS) if name == "depth" or _has(columns, name)]
     if wanted == ["depth"]:
         cause = "there is neither a column 'pick_up' nor 'slack_off'"
@@ -136,9 +141,20 @@ def read_measured(path: Path, block: float = 0.0) -> Measured:
     place = columns.index(COLUMNS["depth"])
     size = columns.factor((place, columns.units[place]), "depth", "m")
     unit = unit_named(columns.units[place])
-    measured = Measured(values["depth"], up - block, down - block, lines, unit, size)
-    _check(path, measured, block)
+    known = {head for heads in COLUMNS.values() for head in heads}
+    unused = tuple(title for name, title in zip(columns.names, columns.titles, strict=True) if name not in known)
+    measured = Measured(values["depth"], up - block, down - block, lines, unit, size, unused)
+    _check(path, measured, block, columns)
     return measured
+
+
+def _refuse_doubles(columns: Columns) -> None:
+    """Refuse two columns of one meaning: one would be left out, and nobody would know which."""
+    for name, heads in COLUMNS.items():
+        found = [title for head, title in zip(columns.names, columns.titles, strict=True) if head in heads]
+        if len(found) > 1:
+            cause = f"the header has two such columns, the other is '{found[0]}'"
+            columns.stop(columns.header_line, name, found[1], cause, "rename the one that is not meant")
 
 
 def _has(columns: Columns, name: str) -> bool:
@@ -157,8 +173,14 @@ def _column(columns: Columns, name: str) -> np.ndarray:
     return factor * np.array(found)
 
 
-def _check(path: Path, measured: Measured, block: float) -> None:
-    """Refuse rows that no trip has."""
+def _as_written(columns: Columns, name: str, line: int) -> str:
+    """A load as the file has it, with its unit."""
+    at = columns.index(COLUMNS[name])
+    return f"{dict(columns.rows)[line][at].strip()} {unit_named(columns.units[at])}"
+
+
+def _check(path: Path, measured: Measured, block: float, columns: Columns) -> None:
+    """Refuse rows that no trip has, in the numbers of the file."""
     problems: list[tuple[int, str, str | None, str, str]] = []
     for line, depth, up, down in zip(measured.lines, measured.depth, measured.pick_up, measured.slack_off, strict=True):
         if depth <= 0.0:
@@ -166,12 +188,14 @@ def _check(path: Path, measured: Measured, block: float) -> None:
         if np.isnan(up) and np.isnan(down):
             problems.append((line, "pick_up, slack_off", None, "no load in this row", "fill one in, or delete the row"))
         if up < down:
-            cause = f"smaller than slack_off = {down:g} N: friction makes it larger"
-            problems.append((line, "pick_up", f"{up:g} N", cause, "swap the two, or check the columns' units"))
+            cause = f"smaller than slack_off = {_as_written(columns, 'slack_off', line)}: friction makes it larger"
+            cure = "swap the two, or check the columns' units"
+            problems.append((line, "pick_up", _as_written(columns, "pick_up", line), cause, cure))
         if block > 0.0 and (up < 0.0 or down < 0.0):
             cause = f"smaller than top.weight = {block:g} N, which it holds"
-            name, load = ("pick_up", up) if up < 0.0 else ("slack_off", down)
-            problems.append((line, name, f"{load + block:g} N", cause, "remove top.weight if the loads are without it"))
+            name = "pick_up" if up < 0.0 else "slack_off"
+            cure = "remove top.weight if the loads are without it"
+            problems.append((line, name, _as_written(columns, name, line), cause, cure))
     if problems:
         raise SceneError([Problem(str(path), int(line), *rest) for line, *rest in problems])
 
@@ -294,7 +318,8 @@ def _least_squares(
 
     begin = [START] * count if start is None else start
     found = least_squares(errors, begin, slopes, bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
-    return found.x, found.fun * size, found.jac * size
+    # The search stays inside of its bounds: what ends at zero is a little above.
+    return np.where(found.x < NONE, 0.0, found.x), found.fun * size, found.jac * size
 
 
 def _hook_load(row: tuple[Statics, str, float], factors: Factors) -> float:

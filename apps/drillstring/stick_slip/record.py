@@ -127,7 +127,8 @@ def _unjudged(cells: Sequence[Cell], system: str) -> Iterator[str]:
         yield f"{cause}. Give more torque or less weight"
     waiting = [cell for cell in cells if not cell.turns and isnan(cell.stall)]
     if waiting:
-        yield f"the bit has not begun to turn when the runs end{_at(waiting, cells)}. Give a longer --end"
+        cause = f"the bit has not begun to turn when the runs end{_at(waiting, cells)}"
+        yield f"{cause}. Give a longer --end, or less weight"
     late = [cell for cell in cells if cell.turns and cell.late]
     if late:
         cause = f"the bit begins to turn in the last half of the runs only{_at(late, cells)}, which is judged"

@@ -66,6 +66,7 @@ def stick_slip(
     from tautline.cli.commands.study import stem_of
     from tautline.cli.options.changes import read_changed
     from tautline.cli.options.lists import number
+    from tautline.cli.output.console import say
     from tautline.cli.output.first_run import compiling
     from tautline.cli.output.progress import Counter
     from tautline.cli.run import Ended, ExitCode
@@ -82,9 +83,12 @@ def stick_slip(
     stem = stem_of(scene, output, "stick_slip")
     warnings = Installed().of(drillstring).warnings(drillstring)
     print_warnings(warnings)
+    doubts = [*_doubts(weight), *_too_heavy(drillstring, speeds[0], max(weights))]
+    for doubt in doubts:
+        say(f"warning: {doubt}", "yellow")
     with Counter("runs") as counter:
         found = stick_slip_map(drillstring, speeds, weights, length, jobs, counter, announce=compiling)
-    _report(scene, drillstring, found, stem, as_json, _doubts(weight), warnings)
+    _report(scene, drillstring, found, stem, as_json, doubts, warnings)
     if found.interrupted:
         raise Ended(ExitCode.INTERRUPTED)
     if found.failures:
@@ -114,12 +118,7 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
 
 def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
     if text is not None:
-        from tautline.cli.output.console import say
-
-        weights = parse_range(text, "--weight", "N")
-        for doubt in _doubts(text):
-            say(f"warning: {doubt}", "yellow")
-        return weights
+        return parse_range(text, "--weight", "N")
     own = scene.bit.weight or (scene.bit.torque.weight if scene.bit.torque is not None else None)
     if not own:
         raise option_error(
@@ -134,6 +133,15 @@ def _doubts(weight: str | None) -> list[str]:
 
     doubt = doubt_of_bare(weight, "--weight", "weight on bit") if weight is not None else ""
     return [doubt] if doubt else []
+
+
+def _too_heavy(scene: DrillstringScene, speed: float, weight: float) -> list[str]:
+    """A word of the largest weight of the map where the string does not weigh as much; `check` tells of the scene's."""
+    from drillstring.stick_slip.severity_map import varied
+    from drillstring.warnings import too_heavy
+
+    told = "" if scene.bit.weight and weight <= scene.bit.weight else too_heavy(varied(scene, speed, weight))
+    return [f"--weight: {told}"] if told else []
 
 
 def _report(

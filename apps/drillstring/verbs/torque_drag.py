@@ -149,12 +149,13 @@ def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
 
     from drillstring.string.factors import Factors
     from tautline.cli.options.lists import words
+    from tautline.scene.values.quantity import as_in_a_file, quantity
 
     def factor(word: str) -> float:
         try:
-            value = float(word)
+            value = float(quantity("").read(as_in_a_file(word)))
         except ValueError:
-            raise ValueError("is no friction factor: write 0.1,0.2,0.3") from None
+            raise ValueError("is no friction factor: write 0.1,0.2,0.3, or a share such as 25 %") from None
         if not math.isfinite(value) or not 0.0 <= value <= LARGEST_FACTOR:
             raise ValueError(f"is no friction factor: one lies between 0 and {LARGEST_FACTOR:g}")
         return value
@@ -241,6 +242,10 @@ def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as
     from drillstring.statics.back_calculation import fit, read_measured
 
     loads = read_measured(path, scene.top.weight)
+    if loads.unused:
+        from tautline.cli.output.console import say
+
+        say(f"{path.name}: not read: {', '.join(loads.unused)}; the fit is of pick_up and slack_off alone", "yellow")
     return loads, searched(path, as_json, lambda: fit(scene, loads, elements, path))
 
 

@@ -210,6 +210,11 @@ def _factors(
         if header and below and table.factor((0, header), key, LIKE[key]) != table.factor((0, below), key, LIKE[key]):
             cause = f"two units: the header says {header}, the row of units says {below}"
             table.add(table.header_line, key, column.title, cause, "keep the right one")
+        if LIKE[key] == "rad" and re.fullmatch(r"d[\W_]*m[\W_]*s|dd?[:.]mm[:.]ss", (header or below).strip().lower()):
+            cause = "degrees, minutes and seconds are not read"
+            table.add(table.header_line, key, column.title, cause, f"write decimal degrees: {key} [deg]")
+            factors[key] = 1.0
+            continue
         factors[key] = table.factor((column.place, header or below), key, LIKE[key], asked.get(key), beside=beside)
     return factors
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tautline.application.installed import Installed
+from tautline.integrators.corrector.newton import advice
 from tautline.integrators.method import method_for
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
@@ -376,7 +377,7 @@ class Simulation:
             self._checked.doubt(reached)
         status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
         self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
-        raise StoppedEarly(status, reached, part, detail, self._so_far())
+        raise StoppedEarly(status, reached, part, detail or advice(self._run.method, status), self._so_far())
 
     def _stand_at(self, time: float) -> None:
         """Make the outputs those of the state as it is, at a time that is no end of an advance."""

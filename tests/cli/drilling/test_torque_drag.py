@@ -14,6 +14,7 @@ from drillstring.scene.scene import read
 from drillstring.statics.back_calculation import COLUMNS, fit, read_measured
 from drillstring.statics.torque_drag import torque_drag
 from drillstring.string.factors import same
+from drillstring.verbs.torque_drag import parse_frictions
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 
@@ -377,6 +378,21 @@ def test_measured_loads_at_total_depth_in_feet_are_taken_and_refused_in_feet_whe
     assert code == 2 and told in " ".join(err.split())
 
 
+def test_measured_loads_are_told_as_written_where_the_block_has_a_weight_and_other_columns_are_named(folder):
+    Path("gauge.csv").write_text("md [m],pick_up [kN],slack_off [kN],rotating [kN]\n2000,600,800,700\n", "utf8")
+    with pytest.raises(SceneError, match="pick_up = 600 kN: smaller than slack_off = 800 kN"):
+        read_measured(Path("gauge.csv"), 350e3)
+    Path("gauge.csv").write_text("md [m],pick_up [kN],slack_off [kN],rotating [kN]\n2000,800,600,700\n", "utf8")
+    measured = read_measured(Path("gauge.csv"), 350e3)
+    assert measured.unused == ("rotating [kN]",) and measured.pick_up.tolist() == [450e3]
+
+
+def test_a_friction_factor_may_be_a_share():
+    assert parse_frictions("25 %,0.3") == parse_frictions("0.25,0.3")
+    with pytest.raises(SceneError, match="one lies between 0 and"):
+        parse_frictions("25 %,-5 %")
+
+
 @pytest.fixture(scope="module")
 def trip():
     """Hook loads of a trip that were made with friction 0.24, in field units."""
@@ -515,6 +531,8 @@ def test_load_that_no_equilibrium_reaches_is_named(drillstring_, folder):
         (0, "depth [ft],pick_up [lbs],slack_off [kip]", 1, "a pound is a mass; write pick_up [lbf]"),
         (0, "depth [ft],pick_up [t],slack_off [kip]", 1, "a tonne is a mass; write pick_up [tf]"),
         (0, "depth [ft],up,down", 1, "pick_up"),
+        (2, "9842.5,120,160", 3, "pick_up = 120 kip: smaller than slack_off = 160 kip"),
+        (0, "depth [ft],pick_up [kip],pick up [kip]", 1, "pick_up = pick up [kip]: the header has two such columns"),
         (0, "depth,pick_up [kip],slack_off [kip]", 1, "depth: no unit"),
         (0, "depth [ft],pick_up [kip],slack_off", 1, "slack_off: no unit"),
     ],

@@ -7,7 +7,7 @@ partial_newton.py.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from tautline.integrators.corrector.single_precision import doubt
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, ROWS, WORST
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
+from tautline.kernels.changes import COUNT, EVER, FIRST, PAST, PLACED, new_changed
 from tautline.kernels.factors.band import BOLD, CAREFUL
 from tautline.kernels.jit import kernel
 from tautline.kernels.matrix import (
@@ -63,6 +63,10 @@ ROUNDED = 8.0 * float(np.finfo(float).eps)
 ROUNDING_MOST = 1.0e4
 """Times the tolerance up to which a residual is put down to rounding. A contact that rolls at speed v, with friction of
 stiffness c, leaves eps c v in the residual, and smaller steps only raise c."""
+FIRST_PLACE, PAST_PLACE, FIRST_WAY, PAST_WAY, SINCE, FREE = range(6)
+"""Places in ``Corrector.chain``: where laws changed their status last, first and past the last full degree of freedom;
+the way that either went last (1 to higher places, -1 to lower ones, 0 none yet); the iteration in which they changed;
+how many iterations of the step do not count."""
 
 
 class Corrector(NamedTuple):
@@ -75,7 +79,8 @@ class Corrector(NamedTuple):
     ``smooth`` is the tangent of the groups that do not switch, kept where others do, and ``factors`` those of the
     whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they belong to, zeros where they are out
     of date. ``rounded`` (1,) is 1 after an increment that rounding has made, and ``fastest`` (1,) the largest
-    velocity when all rows were last solved for. ``rows`` are those of the iteration under way.
+    velocity when all rows were last solved for. ``rows`` are those of the iteration under way. ``chain`` (6,) tells how
+    changes of status go on from contact to contact (`_follow_chain`).
     """
 
     tolerance: float
@@ -95,6 +100,7 @@ class Corrector(NamedTuple):
     rounded: np.ndarray
     fastest: np.ndarray
     rows: AllRows | Window
+    chain: np.ndarray
 
 
 def corrector(
@@ -116,8 +122,21 @@ def corrector(
         new_matrix(n, system.bandwidth, system.border),
         new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL, improved=True),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
-        new_changed(), np.zeros(1, np.int64), np.zeros(1), rows,
+        new_changed(), np.zeros(1, np.int64), np.zeros(1), rows, np.zeros(6, np.int64),
     )  # fmt: skip
+
+
+def advice(method: Any, status: int) -> str:
+    """What may help a run whose step was not solved: empty, unless laws changed until the last iteration allowed."""
+    c = getattr(method, "corrector", None)
+    if status != NOT_CONVERGED or c is None or c.changed[EVER] == 0:
+        return ""
+    if c.chain[SINCE] - c.chain[FREE] < c.max_iterations - 1:
+        return ""
+    return (
+        f"after {c.max_iterations} iterations it still changed what sticks and what slips: a larger "
+        "solver.max_iterations may help"
+    )
 
 
 @kernel(forceinline=True)
@@ -145,13 +164,15 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
     """The iteration itself, which leaves behind the rows of its last one.
 
     The factors of the tangent are used again, also across steps, while they still contract. A law that changes its
-    status forces new factors, for which the smooth groups' tangent is used again in turn.
+    status forces new factors, for which the smooth groups' tangent is used again in turn. Iterations that a chain of
+    changes needs do not count, and are at most as many as there are unknowns.
     """
+    c.chain.fill(0)
     changed = c.changed
     previous = energy = np.inf
     event = False
     contraction = c.contraction
-    for iteration in range(c.max_iterations + 1):
+    for iteration in range(c.max_iterations + state.q.size + 1):
         expand_rows(c.rows, dofs, state, iteration == 0)
         if c.factored_for[0] != 0.0:
             rotate_factors(c.rows, state)
@@ -161,13 +182,13 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             over.switch(groups, t, state.full_q, state.full_v, False, changed)
         event = False
         if changed[COUNT] > 0:
-            _heed_change(c, dofs)
+            _heed_change(c, dofs, iteration)
             previous = energy = np.inf
         balance(c.rows, groups, dofs, state, t, c.increment)
         changed[COUNT] = changed[PLACED] = 0
         over.kink(groups, changed)
         if changed[COUNT] > 0:
-            _heed_change(c, dofs)
+            _heed_change(c, dofs, iteration)
             previous = energy = np.inf
         size = worst_row(c.rows, c.increment, c.per_scale, state.counters)
         if not np.isfinite(size):
@@ -179,12 +200,13 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             over.switch(groups, t, state.full_q, state.full_v, True, changed)
             if changed[COUNT] == 0:
                 return DONE
-            _heed_change(c, dofs)
+            _heed_change(c, dofs, iteration)
             take_changed(c.rows, dofs, state, changed)
             previous = energy = np.inf
             event = True
             continue
-        if iteration == c.max_iterations:
+        counted = iteration - c.chain[FREE]
+        if counted >= c.max_iterations:
             break
         slow = c.full or size > contraction * previous
         slow = choose_rows(c.rows, dofs, state, c.increment, c.per_scale, c.tolerance, previous < np.inf, slow)
@@ -197,7 +219,9 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
         if row != 0:
             state.counters[WORST] = row - 1
             return SINGULAR
-        energy = _step(c, dofs, state, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
+        # Beyond the limit a chain of changes has led: half an increment would turn it back.
+        tried = iteration if iteration < c.max_iterations else counted
+        energy = _step(c, dofs, state, beta, gamma, 0.5 if tried >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
         state.counters[ITERATIONS] += 1
         if c.by_energy and energy <= c.tolerance and not over.may_switch(groups):
             # What is left of the residual is below what the criterion cares for: it is not evaluated again.
@@ -208,12 +232,35 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
 
 
 @kernel
-def _heed_change(c, dofs):
+def _heed_change(c, dofs, iteration):
     """A law has changed its status: the factors are out of date, where it is known where, only there."""
     c.changed[EVER] = 1
     c.rounded[0] = 0
+    _follow_chain(c.chain, c.changed, iteration)
     if not widen_to_changes(c.rows, dofs, c.changed):
         c.factored_for[0] = 0.0
+
+
+@kernel
+def _follow_chain(chain, changed, iteration):
+    """Whether changes of status go on along a chain of contacts: then the iterations since the last do not count.
+
+    A contact that holds keeps the load from the next one. Where a string is to begin to slip, it may do so one contact
+    an iteration, and a shorter step has no fewer contacts. Two such chains may run towards each other: what counts is
+    whether the first and the last place of the changes go on as they went. What goes to and fro between contacts is no
+    such chain: to turn back counts, and so does the first iteration that goes the new way.
+    """
+    first = past = 0
+    if changed[COUNT] == changed[PLACED]:
+        if chain[PAST_PLACE] > 0:
+            first, past = np.sign(changed[FIRST] - chain[FIRST_PLACE]), np.sign(changed[PAST] - chain[PAST_PLACE])
+        chain[FIRST_PLACE], chain[PAST_PLACE] = changed[FIRST], changed[PAST]
+    upper, lower = first * chain[FIRST_WAY], past * chain[PAST_WAY]
+    if max(upper, lower) > 0 and min(upper, lower) >= 0:
+        chain[FREE] += iteration - chain[SINCE]
+    chain[FIRST_WAY] = first if first != 0 else chain[FIRST_WAY]
+    chain[PAST_WAY] = past if past != 0 else chain[PAST_WAY]
+    chain[SINCE] = iteration
 
 
 @kernel(forceinline=True)
