@@ -6,8 +6,8 @@ import pytest
 from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
-    FASTEST,
     SPEED,
+    STRONGEST,
     book_speeds,
     ease,
     prescribe_end,
@@ -26,7 +26,7 @@ STEP = 1e-3
 
 @entry
 def _prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
-    return prescribe_end(dofs, functions, t, h, equal, known, q, v, a)
+    return prescribe_end(dofs, functions, t, h, equal, 0.5, known, q, v, a)
 
 
 @entry
@@ -36,7 +36,7 @@ def _ease(dofs, functions, t, h, known, a):
 
 @entry
 def _prescribe_push(dofs, functions, t, h, gamma, known, a):
-    prescribe_push(dofs, functions, t, h, gamma, known, a)
+    prescribe_push(dofs, functions, t, h, 1.0 - gamma, gamma, known, a)
 
 
 @entry
@@ -45,8 +45,8 @@ def _prescribe_lasting(dofs, functions, t, h, known, a):
 
 
 @entry
-def _book_speeds(dofs, known):
-    book_speeds(dofs, known)
+def _book_speeds(dofs, h, gamma, bends, known, v, a):
+    book_speeds(dofs, h, 0.0, 0.0, gamma, bends, known, v, a)
 
 
 @entry
@@ -61,10 +61,10 @@ def pushed(function, end, h=STEP, gamma=0.5, equal=True):
     degrees.prescribe(0, 0)
     dofs = assemble((), degrees, functions, np.zeros(2), [], []).dofs
     q, v, a = (np.full(2, x) for x in value_at(functions, 0, 0.0))
-    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((FASTEST + 1, 2))
+    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((STRONGEST + 1, 2))
     for k in range(round(end / h)):
         t, speed, place = h * k, v[0], q[0]
-        known[:2, 0], known[SPEED, 0] = a[0], v[0]
+        known[:3, 0], known[SPEED, 0] = a[0], v[0]
         bends.append(_prescribe_end(dofs, functions, t + h, h, equal, known, q, v, a))
         if bends[-1]:
             eased = known[BEFORE, 0] * np.ones(2)
@@ -83,7 +83,7 @@ def pushed(function, end, h=STEP, gamma=0.5, equal=True):
             inertia = 2.0 * gamma * h * a[0] * 0.5 * (speed + v[0])
             assert work == pytest.approx(inertia + 1.5 * (q[0] ** 2 - place**2))
             a = last
-        _book_speeds(dofs, known)
+        _book_speeds(dofs, h, gamma, bends[-1], known, v, a)
         found.append(total)
         true.append(v[0] - first)
     return np.array(found), np.array(true), np.array(bends)
