@@ -143,8 +143,10 @@ def test_what_is_smooth_is_left_as_it_is_to_the_bit(steps):
 @pytest.mark.parametrize("steps", [4, 4.7, 7, 9, 12.5, 13, 50])
 def test_of_a_sine_all_steps_are_pushed_or_none(steps, equal):
     # Where some were, what was carried was off by up to eleven times its range.
-    _, _, bends = pushed(FunctionRequest(Harmonic(amplitude=0.3, period=steps * STEP)), 0.4, equal=equal)
-    assert bends[4:].all() or not bends[4:].any()
+    found, true, bends = pushed(FunctionRequest(Harmonic(amplitude=0.3, period=steps * STEP)), 0.4, equal=equal)
+    # One alone makes good that the swing began in its middle.
+    assert bends[4:].all() or bends[4:].sum() <= (0 if equal else 1)
+    assert equal or abs(np.mean(found - true)) < 1e-3 * np.ptp(true)
     assert bends[4:].all() == (steps < (5.2 if equal else 12.8))
 
 

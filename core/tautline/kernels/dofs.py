@@ -114,11 +114,13 @@ GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
 BEFORE, BEGIN, LAGGED, BENDS, SPEED, LOST, QUIET, AUXILIARY, DEBT, UNREST, FASTEST, STRONGEST = range(12)
 """Rows of what is known of what is driven. In a step: their accelerations at its start, as they were and as they count,
-and the auxiliary one there; 1 where it is pushed, the speed at its start, what accelerations at both ends leave of the
+and the auxiliary one there; 1 or `OWES` where it is pushed, the speed at its start, what accelerations at both ends leave of the
 change of speed, and 1 where that is next to nothing. That speed is kept, not asked for again: where a step ends and the
 next begins, times differ by rounding, and a corner may lie between. From step to step: the auxiliary acceleration of eq.
 2.86, by how much the change of speed is more than what all steps have made of it, how many calm ones have to follow,
 the largest speed so far, and the largest acceleration of late."""
+OWES = 2.0
+"""What stands for a push that is not one of many: nothing bends, but steps before have left too much."""
 FADES = 0.99
 """What is left of that one step later."""
 
@@ -145,7 +147,7 @@ def prescribe_end(dofs, functions, t, h, equal, late, known, q, v, a):
         known[FASTEST, i] = max(known[FASTEST, i], abs(rate))
         scale = h * max(abs(a[i]), abs(second))
         fast = max(ROUNDED * max(abs(v[i]), abs(rate)), STANDS * known[FASTEST, i])
-        bent = False
+        bent, owes = False, False
         if known[UNREST, i] > 0.0:
             bent = max(abs(left), scale) > fast
         elif abs(left) > (BENT if equal else STRICT) * scale and abs(left) > fast:
@@ -156,8 +158,8 @@ def prescribe_end(dofs, functions, t, h, equal, late, known, q, v, a):
         elif not equal:
             # Steps that are long and short in phase with a swing leave more and more: of equal ones a twelfth of a turn.
             owed = known[DEBT, i] + left + h * (late * (a[i] - known[LAGGED, i]) + (second - a[i]) / 12.0)
-            bent = abs(owed) > LARGE * max(scale, h * known[STRONGEST, i]) and abs(owed) > fast
-        known[LOST, i], known[BENDS, i] = left, 1.0 if bent else 0.0
+            bent = owes = abs(owed) > LARGE * max(scale, h * known[STRONGEST, i]) and abs(owed) > fast
+        known[LOST, i], known[BENDS, i] = left, OWES if owes else 1.0 if bent else 0.0
         known[QUIET, i] = 1.0 if abs(left) <= max(STRICT * scale, fast) else 0.0
         bends = bends or bent
         q[i] = dofs.offset[k] + value
@@ -186,7 +188,7 @@ def book_speeds(dofs, h, alpha_m, alpha_f, gamma, bends, known, v, a):
         known[STRONGEST, i] = max(FADES * known[STRONGEST, i], abs(a[i]))
         if known[QUIET, i] > 0.0:
             known[UNREST, i] = max(known[UNREST, i] - 1.0, 0.0)
-        elif pushed:
+        elif pushed and known[BENDS, i] != OWES:
             known[UNREST, i] = float(CALM)
 
 
@@ -286,9 +288,9 @@ def prescribe_push(dofs, functions, t, h, first, last, known, a):
         i, motion = dofs.held[k], dofs.motion[k]
         if known[BENDS, i] > 0.0:
             known[LOST, i] = 0.0
-            if known[UNREST, i] == 1.0 and known[QUIET, i] > 0.0:
-                # The last push leaves what steps without one have left on the way from rest: of a swing nothing in the
-                # mean.
+            if known[BENDS, i] == OWES or (known[UNREST, i] == 1.0 and known[QUIET, i] > 0.0):
+                # The last push, and one by itself, leave what steps without one have left on the way from rest: of a
+                # swing nothing in the mean.
                 later, sooner = evaluate(functions, motion, t + 2.0 * h)[2], evaluate(functions, motion, t)[2]
                 known[LOST, i] = -h * (later - sooner) / 24.0
             mean = (_speed(functions, motion, t + h) - known[SPEED, i] + known[DEBT, i] - known[LOST, i]) / h
