@@ -114,25 +114,24 @@ GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
 BEFORE, BEGIN, LAGGED, BENDS, SPEED, LOST, QUIET, AUXILIARY, DEBT, UNREST, FASTEST, STRONGEST = range(12)
 """Rows of what is known of what is driven. In a step: their accelerations at its start, as they were and as they count,
-and the auxiliary one there; 1 or `OWES` where it is pushed, the speed at its start, what accelerations at both ends leave of the
-change of speed, and 1 where that is next to nothing. That speed is kept, not asked for again: where a step ends and the
-next begins, times differ by rounding, and a corner may lie between. From step to step: the auxiliary acceleration of eq.
-2.86, by how much the change of speed is more than what all steps have made of it, how many calm ones have to follow,
-the largest speed so far, and the largest acceleration of late."""
+and the auxiliary one there; 1 or `OWES` where it is pushed, the speed at its start, what accelerations at both ends
+leave of the change of speed, and 1 where that is next to nothing. That speed is kept, not asked for again: where a step
+ends and the next begins, times differ by rounding, and a corner may lie between. From step to step: the auxiliary
+acceleration of eq. 2.86, by how much the change of speed is more than all steps have made of it, how many calm ones
+have to follow, the largest speed so far, and the largest acceleration of late."""
 OWES = 2.0
 """What stands for a push that is not one of many: nothing bends, but steps before have left too much."""
 FADES = 0.99
 """What is left of that one step later."""
 
 
-
 @kernel(forceinline=True)
 def prescribe_end(dofs, functions, t, h, equal, late, known, q, v, a):
     """Set what follows a function of time to where it is at t, the end of a step of length h; whether any bends in it.
 
-    The vectors hold the start of the step; ``equal`` says whether steps are all as long as this one, and ``late`` is the
-    part of what the auxiliary acceleration is behind the other that is more in the speed than the means of both ends
-    have made, over a step. Between its ends a
+    The vectors hold the start of the step; ``equal`` says whether the step before was as long. Steps make of a change of
+    speed more than means of the accelerations at their ends, by ``late`` times the length and what the auxiliary
+    acceleration is behind. Between its ends a
     function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
     The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
     it. All steps of one motion are pushed, or none: of a smooth one each makes too little of the change or too much,
@@ -156,7 +155,8 @@ def prescribe_end(dofs, functions, t, h, equal, late, known, q, v, a):
             else:
                 bent = abs(left) > LARGE * scale or _bends_within(functions, motion, t, h, v[i], a[i])
         elif not equal:
-            # Steps that are long and short in phase with a swing leave more and more: of equal ones a twelfth of a turn.
+            # Steps that are long and short in phase with a swing leave more and more. Of equal ones it is a twelfth of
+            # what the acceleration changes by, and swings.
             owed = known[DEBT, i] + left + h * (late * (a[i] - known[LAGGED, i]) + (second - a[i]) / 12.0)
             bent = owes = abs(owed) > LARGE * max(scale, h * known[STRONGEST, i]) and abs(owed) > fast
         known[LOST, i], known[BENDS, i] = left, OWES if owes else 1.0 if bent else 0.0
@@ -172,9 +172,9 @@ def prescribe_end(dofs, functions, t, h, equal, late, known, q, v, a):
 def book_speeds(dofs, h, alpha_m, alpha_f, gamma, bends, known, v, a):
     """Book what the accepted step of length h has left of changes of speed, and how long motions are to be pushed.
 
-    What the method has made of a change it has made by the auxiliary acceleration of eq. 2.86, which is that of a little
-    earlier. It is followed here for what is driven as the method does for unknowns. Where anything ``bends`` in the step
-    it is as `prescribe_push` and the method leave it.
+    The method makes a change of speed by the auxiliary acceleration of eq. 2.86, which is that of a little earlier. It
+    is followed here for what is driven as the method does it for unknowns. Where anything ``bends`` in the step it is
+    as the push leaves it.
     """
     share = 1.0 / (1.0 - alpha_m)
     for k in dofs.driven:
