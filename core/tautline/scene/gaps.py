@@ -56,7 +56,7 @@ def gaps_of_records(document: Document | None) -> list[SceneWarning]:
 def ends_of_records(model: type[Model], document: Document | None, end: float, step: float = 0.0) -> list[SceneWarning]:
     """Warn of tables from files that begin after the run or end before it, where the value that holds there matters.
 
-    Also of places on straight lines between rows that are closer than some steps, where their speed jumps as noise does.
+    Also of places on straight lines between rows closer than some steps, where their speed jumps as noise does.
 
     A rate that is not zero goes on and on: that is told of a record, for who writes a few rows means it. A place, a
     force or another value stops where the rows before moved it, and a record of waves wherever it stops. Nothing is
