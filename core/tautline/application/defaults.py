@@ -92,6 +92,7 @@ class Defaults:
         from tautline.scene.errors import SceneError, SceneWarning
         from tautline.scene.gaps import ends_of_records, gaps_of_records
         from tautline.scene.limits import reversed_limits
+        from tautline.scene.solver import fixed_step
         from tautline.scene.unit_slips import slips_of_units
         from tautline.scene.values.printed import in_words
         from tautline.scene.warnings import line_of, warnings_of
@@ -101,7 +102,7 @@ class Defaults:
         system = getattr(scene, "units", "si")
         slips = slips_of_units(*self.as_written(scene)) + gaps_of_records(document)
         if (end := getattr(scene.solver, "end", None)) is not None:
-            slips += ends_of_records(*self.as_written(scene), float(end))
+            slips += ends_of_records(*self.as_written(scene), float(end), fixed_step(scene.solver))
         try:
             found = self.own_warnings(scene) + warnings_of(self.name, scene)
         except SceneError as error:

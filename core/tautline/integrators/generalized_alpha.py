@@ -24,9 +24,11 @@ from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
 from tautline.kernels.changes import COUNT, EVER
 from tautline.kernels.dofs import (
+    AUXILIARY,
     BEFORE,
     BEGIN,
     DOFS,
+    LAGGED,
     SPEED,
     book_speeds,
     drop_inertia,
@@ -60,6 +62,8 @@ START, END, BEGUN, BEHIND = range(4)
 is driven had those with which the step began, and with those with which it goes on."""
 TWICE = 2
 """Solutions for accelerations behind a push: the force that holds what is driven is then that of those found."""
+ALIKE = 1e-3
+"""Part by which steps that are as long as each other may differ."""
 STILL = -1
 """Order of the prediction that nothing moves."""
 VECTOR = form_of(np.zeros(0))
@@ -73,7 +77,7 @@ class GeneralizedAlpha(NamedTuple):
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
-    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (9,
+    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (12,
     n_full) is what is known of what follows functions, see `prescribe_end`;
     ``begun`` (n,) are accelerations behind a push with those of what is driven from before it, and ``forces`` (n_full,)
     the full residual at the end of a step with a push.
@@ -336,8 +340,11 @@ def _open_step(m, groups, dofs, state, t, h, beta, gamma):
         _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
     for k in dofs.driven:
         i = dofs.held[k]
-        m.driven[BEFORE, i] = m.driven[BEGIN, i] = state.full_a[i]
+        a = state.full_a[i]
+        m.driven[BEFORE, i] = m.driven[BEGIN, i] = m.driven[LAGGED, i] = a
         m.driven[SPEED, i] = state.full_v[i]
+        if not jumped and m.last_step[0] > 0.0:
+            m.driven[LAGGED, i] = a + ratio * (m.driven[AUXILIARY, i] - a)
     return ratio, jumped
 
 
@@ -367,7 +374,7 @@ def _close_step(m, groups, dofs, state, t, h, ratio, bends, changes, switched, w
         _look_ahead(state.a, state.auxiliary, before, m.begun if changes else state.a, m.alpha_m - m.alpha_f)
     else:
         work = work_of_means(dofs, state)
-    book_speeds(dofs, m.driven)
+    book_speeds(dofs, h, m.alpha_m, m.alpha_f, m.gamma, bends, m.driven, state.full_v, state.full_a)
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     if over.may_switch(groups):
         _forget_what_is_held(dofs, state)
@@ -386,14 +393,18 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     beta = (1.0 - m.alpha_m) / (m.beta * h * h * (1.0 - m.alpha_f))
     gamma = m.gamma / (m.beta * h)
     counted = m.gamma * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
+    lagged = 1.0 - m.gamma / (1.0 - m.alpha_m)
     ratio, jumped = _open_step(m, groups, dofs, state, t, h, beta, gamma)
     stage, left = START if jumped else END, 1
     ahead, work, asked, bends, changes, switched = 0.0, 0.0, False, False, False, False
     while True:
         if stage == END:
             _predict(m, state, h, ratio)
-            equal = m.tolerance == 0.0
-            bends = prescribe_end(dofs, functions, t + h, h, equal, m.driven, state.full_q, state.full_v, state.full_a)
+            equal = m.tolerance == 0.0 and abs(ratio - 1.0) < ALIKE
+            late = 0.5 - m.alpha_f
+            bends = prescribe_end(
+                dofs, functions, t + h, h, equal, late, m.driven, state.full_q, state.full_v, state.full_a
+            )
             if bends and not asked:
                 asked = True
                 _go_back(state, m.history[m.newest[0]])
@@ -405,7 +416,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
                     ahead = 1.0
                 jumped, stage, left = True, START, TWICE
             elif bends:
-                prescribe_push(dofs, functions, t, h, counted, m.driven, state.full_a)
+                prescribe_push(dofs, functions, t, h, lagged, counted, m.driven, state.full_a)
         end = t if stage == START else t + h
         shrunk = 1.0 if stage == END else 1.0 / AT_ONCE
         status = correct(m.corrector, groups, dofs, state, end, beta * shrunk * shrunk, gamma * shrunk)
@@ -490,7 +501,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros((9, system.q.size)), np.zeros(system.size), np.zeros(system.q.size),
+        np.zeros((12, system.q.size)), np.zeros(system.size), np.zeros(system.q.size),
     )  # fmt: skip
 
 

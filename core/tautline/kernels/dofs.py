@@ -112,23 +112,30 @@ BESIDE = 1e-6
 """How far beside an instant, over a step, both sides of a corner are seen."""
 GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
-BEFORE, BEGIN, BENDS, SPEED, LOST, QUIET, DEBT, UNREST, FASTEST = range(9)
+BEFORE, BEGIN, LAGGED, BENDS, SPEED, LOST, QUIET, AUXILIARY, DEBT, UNREST, FASTEST, CHANGE = range(12)
 """Rows of what is known of what is driven. In a step: their accelerations at its start, as they were and as they count,
-1 where it is pushed, the speed at its start, what accelerations at both ends leave of the change of speed, and 1 where
-that is next to nothing. That speed is kept, not asked for again: where a step ends and the next begins, times differ
-by rounding, and a corner may lie between. From step to step: what all steps since the last push have left, how many
-calm ones have to follow, and the largest speed so far."""
+and the auxiliary one there; 1 or `OWES` where it is pushed, the speed at its start, what accelerations at both ends
+leave of the change of speed, and 1 where that is next to nothing. That speed is kept, not asked for again: where a step
+ends and the next begins, times differ by rounding, and a corner may lie between. From step to step: the auxiliary
+acceleration of eq. 2.86, by how much the change of speed is more than all steps have made of it, how many calm ones
+have to follow, the largest speed so far, and the largest of late of a step's length times its acceleration."""
+OWES = 2.0
+"""What stands for a push that is not one of many: nothing bends, but steps before have left too much."""
+FADES = 0.99
+"""What is left of that one step later."""
 
 
 @kernel(forceinline=True)
-def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
+def prescribe_end(dofs, functions, t, h, equal, late, known, q, v, a):
     """Set what follows a function of time to where it is at t, the end of a step of length h; whether any bends in it.
 
-    The vectors hold the start of the step; ``equal`` says whether steps are all as long as this one. Between its ends a
+    The vectors hold the start of the step; ``equal`` says whether the step before was as long. Steps make more of a
+    change of speed than means of the accelerations at their ends do, by ``late`` times the length and what the
+    auxiliary acceleration is behind. Between its ends a
     function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
     The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
     it. All steps of one motion are pushed, or none: of a smooth one each makes too little of the change or too much,
-    which is nothing in the end, and a push of some of them would stay. ``known`` (9, n_full) takes what is seen, see
+    which is nothing in the end, and a push of some of them would stay. ``known`` (12, n_full) takes what is seen, see
     `FASTEST`.
     """
     bends = False
@@ -139,7 +146,7 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
         known[FASTEST, i] = max(known[FASTEST, i], abs(rate))
         scale = h * max(abs(a[i]), abs(second))
         fast = max(ROUNDED * max(abs(v[i]), abs(rate)), STANDS * known[FASTEST, i])
-        bent = False
+        bent, owes = False, False
         if known[UNREST, i] > 0.0:
             bent = max(abs(left), scale) > fast
         elif abs(left) > (BENT if equal else STRICT) * scale and abs(left) > fast:
@@ -147,7 +154,12 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
                 bent = _bends(functions, motion, t, h, v[i], a[i])
             else:
                 bent = abs(left) > LARGE * scale or _bends_within(functions, motion, t, h, v[i], a[i])
-        known[LOST, i], known[BENDS, i] = left, 1.0 if bent else 0.0
+        elif not equal:
+            # Steps that are long and short in phase with a swing leave more and more. Of equal ones it is a twelfth of
+            # what the acceleration changes by, and swings.
+            owed = known[DEBT, i] + left + h * (late * (a[i] - known[LAGGED, i]) + (second - a[i]) / 12.0)
+            bent = owes = abs(owed) > LARGE * max(scale, known[CHANGE, i]) and abs(owed) > fast
+        known[LOST, i], known[BENDS, i] = left, OWES if owes else 1.0 if bent else 0.0
         known[QUIET, i] = 1.0 if abs(left) <= max(STRICT * scale, fast) else 0.0
         bends = bends or bent
         q[i] = dofs.offset[k] + value
@@ -157,15 +169,26 @@ def prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
 
 
 @kernel(forceinline=True)
-def book_speeds(dofs, known):
-    """Book what the step that is accepted has left of changes of speed, and how long motions are to be pushed."""
+def book_speeds(dofs, h, alpha_m, alpha_f, gamma, bends, known, v, a):
+    """Book what the accepted step of length h has left of changes of speed, and how long motions are to be pushed.
+
+    The method makes a change of speed by the auxiliary acceleration of eq. 2.86, which is that of a little earlier. It
+    is followed here for what is driven as the method does it for unknowns. Where anything ``bends`` in the step it is
+    as the push leaves it.
+    """
+    share = 1.0 / (1.0 - alpha_m)
     for k in dofs.driven:
         i = dofs.held[k]
         pushed = known[BENDS, i] > 0.0
-        known[DEBT, i] = known[LOST, i] if pushed else known[DEBT, i] + known[LOST, i]
+        begin, lagged = known[BEGIN, i], known[LAGGED, i]
+        auxiliary = share * ((1.0 - alpha_f) * a[i] + alpha_f * begin - alpha_m * lagged)
+        made = h * ((1.0 - gamma) * lagged + gamma * auxiliary)
+        known[DEBT, i] = known[LOST, i] if pushed else known[DEBT, i] + v[i] - known[SPEED, i] - made
+        known[AUXILIARY, i] = a[i] + (alpha_m - alpha_f) * (0.0 if pushed else a[i] - begin) if bends else auxiliary
+        known[CHANGE, i] = max(FADES * known[CHANGE, i], h * abs(a[i]))
         if known[QUIET, i] > 0.0:
             known[UNREST, i] = max(known[UNREST, i] - 1.0, 0.0)
-        elif pushed:
+        elif pushed and known[BENDS, i] != OWES:
             known[UNREST, i] = float(CALM)
 
 
@@ -227,6 +250,7 @@ def ease(dofs, functions, t, h, known, a):
         most = max(abs(v - _speed(functions, motion, t - h)), abs(_speed(functions, motion, t + h) - v))
         known[BEGIN, i] = a[i]
         if known[BENDS, i] > 0.0 and abs(a[i]) * h > (1.0 + BENT) * most:
+            known[LAGGED, i] -= a[i]
             a[i] = known[BEGIN, i] = 0.0
             eased = True
     return eased
@@ -253,24 +277,24 @@ def work_of_easing(dofs, functions, t, h, eased, before, ways):
     return work
 
 
-@separate(type(None), DOFS, FUNCTIONS, float, float, float, STATES, VECTOR, late=True)
-def prescribe_push(dofs, functions, t, h, gamma, known, a):
+@separate(type(None), DOFS, FUNCTIONS, float, float, float, float, STATES, VECTOR, late=True)
+def prescribe_push(dofs, functions, t, h, first, last, known, a):
     """Set the accelerations at the end of the step of length h from t of what bends in it.
 
-    With it a step that counts the part ``gamma`` of the acceleration at its end makes all of the change of speed, and
-    what is left of others.
+    With it a step makes all of the change of speed, and what others have left. It counts the part ``first`` of the
+    auxiliary acceleration at its start, ``last`` of the acceleration at its end, and the rest of that at its start.
     """
     for k in dofs.driven:
         i, motion = dofs.held[k], dofs.motion[k]
         if known[BENDS, i] > 0.0:
             known[LOST, i] = 0.0
-            if known[UNREST, i] == 1.0 and known[QUIET, i] > 0.0:
-                # The last push leaves what steps without one have left on the way from rest: of a swing nothing in the
-                # mean.
+            if known[BENDS, i] == OWES or (known[UNREST, i] == 1.0 and known[QUIET, i] > 0.0):
+                # The last push, and one by itself, leave what steps without one have left on the way from rest: of a
+                # swing nothing in the mean.
                 later, sooner = evaluate(functions, motion, t + 2.0 * h)[2], evaluate(functions, motion, t)[2]
                 known[LOST, i] = -h * (later - sooner) / 24.0
             mean = (_speed(functions, motion, t + h) - known[SPEED, i] + known[DEBT, i] - known[LOST, i]) / h
-            a[i] = (mean - (1.0 - gamma) * known[BEGIN, i]) / gamma
+            a[i] = (mean - first * known[LAGGED, i] - (1.0 - first - last) * known[BEGIN, i]) / last
 
 
 @separate(type(None), DOFS, STATES, VECTOR, late=True)

@@ -1,4 +1,4 @@
-"""Warnings of records that lack rows: in a stretch that a table bridges, or before or after it, where its ends hold."""
+"""Warnings of records: that lack rows in a stretch, or before or after it, and whose speeds jump from row to row."""
 
 from __future__ import annotations
 
@@ -29,6 +29,8 @@ STEP = 1e-3
 """Share of the spread of all rows by which a value still moves."""
 OFTEN, BESIDE = 4, 5
 """Turns beside a gap from which on a value goes up and down as waves do; rows beside it that show a crest."""
+CLOSE, NOISE = 4.0, 0.3
+"""Steps from row to row below which jumps of speed add up; their size over the speeds from which on they are noise."""
 SHOWN = 3
 """Stretches of one file that are told."""
 
@@ -51,8 +53,10 @@ def gaps_of_records(document: Document | None) -> list[SceneWarning]:
     return [found for path, table in _tables(document.root, ()) for found in _gaps(document, path, table)]
 
 
-def ends_of_records(model: type[Model], document: Document | None, end: float) -> list[SceneWarning]:
+def ends_of_records(model: type[Model], document: Document | None, end: float, step: float = 0.0) -> list[SceneWarning]:
     """Warn of tables from files that begin after the run or end before it, where the value that holds there matters.
+
+    Also of places on straight lines between rows closer than some steps, where their speed jumps as noise does.
 
     A rate that is not zero goes on and on: that is told of a record, for who writes a few rows means it. A place, a
     force or another value stops where the rows before moved it, and a record of waves wherever it stops. Nothing is
@@ -66,12 +70,14 @@ def ends_of_records(model: type[Model], document: Document | None, end: float) -
         A file that was read and is valid; None for a scene made in Python.
     end : float
         Time to which the run goes, s.
+    step : float, optional
+        Of the solver, s; 0 where it is chosen.
     """
     if document is None or not any(True for _ in _tables(document.root, ())):
         return []
 
     def ask(table: Table, unit: str) -> None:
-        if said := _held(table, unit, end):
+        if said := ". ".join(filter(None, (_held(table, unit, end), _jumps(table, unit, step)))):
             raise PydanticCustomError(DOUBT, "doubtful", {"said": said})
 
     try:
@@ -120,6 +126,26 @@ def _held(table: Table, unit: str, end: float) -> str:
             "is meant"
         )
     return ". ".join(said)
+
+
+def _jumps(table: Table, unit: str, step: float) -> str:
+    """What to say of places on straight lines whose rows are closer than some steps, and whose speed jumps as noise.
+
+    A step sees what all jumps in it are together, not when they are: what it is early or late by adds up.
+    """
+    time, value = np.array(table.time), np.array(table.value)
+    if table.interpolation != "linear" or unit not in ("m", "rad") or time.size < RECORDED:
+        return ""
+    apart, speed = float(np.median(np.diff(time))), np.diff(value) / np.diff(time)
+    jump = float(np.sqrt(np.mean(np.diff(speed) ** 2)))
+    if apart >= CLOSE * step * (1.0 - ROUNDED) or jump <= NOISE * float(np.sqrt(np.mean(speed**2))):
+        return ""
+    return (
+        f"rows of {table.file} are {apart:.6g} s apart, and a step takes {step:.6g} s. On straight lines between them "
+        f"the speed jumps by {sized(jump, unit + '/s')} from row to row, as noise makes it. Steps cannot follow that: "
+        "places and forces beside it go wrong, and the longer the more. Smooth the record, keep fewer rows, or take "
+        f"steps of {apart / CLOSE:.2g} s"
+    )
 
 
 def _matters(value: np.ndarray, edge: int, unit: str) -> bool:

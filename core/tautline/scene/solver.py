@@ -93,6 +93,12 @@ def longest_step(solver: Any, interval: float) -> float:
     return interval if solver.step == "auto" else float(solver.step)
 
 
+def fixed_step(solver: Any) -> float:
+    """Step of an implicit method whose steps are all as long, s; 0 where steps are chosen, or are what is stable."""
+    fixed = getattr(solver, "control", "fixed") == "fixed" and not solver.explicit and solver.step != "auto"
+    return float(solver.step) if fixed else 0.0
+
+
 def error_of_steps(solver: Any, usual: float) -> float:
     """Error in position that a step may have, m: the scene's, `usual` where the step is chosen, 0 for no control."""
     if solver.explicit or (solver.control == "fixed" and solver.step != "auto"):

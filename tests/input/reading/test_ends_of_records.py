@@ -30,7 +30,7 @@ def told(folder, rows, scene=CRANE):
     (folder / "w.csv").write_text("time,value\n" + "".join(f"{t:.15g},{value:.9g}\n" for t, value in rows))
     document = Document.parse(scene, folder / "scene.yaml")
     CraneScene.read(document)
-    return [str(one) for one in ends_of_records(CraneScene, document, 20.0)]
+    return [str(one) for one in ends_of_records(CraneScene, document, 20.0, 0.01)]
 
 
 def speed(first, last):
@@ -145,3 +145,16 @@ def test_a_row_near_which_a_record_passes_zero_is_no_slip_of_a_unit(tmp_path):
     assert slips(tmp_path, rows) == []
     (text,) = slips(tmp_path, [(t, 1e-8 * (1.0 + value)) for t, value in rows])
     assert "unusual for a winch speed" in text, "but one of which all rows are small is"
+
+
+@pytest.mark.parametrize(
+    ("apart", "noise", "said"), [(0.013, 1e-3, True), (0.013, 0.0, False), (0.05, 1e-3, False), (0.013, 1e-7, False)]
+)
+def test_a_speed_that_jumps_like_noise_between_rows_closer_than_some_steps_is_told(tmp_path, apart, noise, said):
+    draw = np.random.default_rng(1)
+    times = np.arange(0.0, 20.1, apart)
+    rows = [(t, 0.5 * np.sin(t) + noise * draw.standard_normal()) for t in times]
+    found = told(tmp_path, rows, HEAVE.replace("file: w.csv", "file: w.csv, interpolation: linear"))
+    assert bool(found) == said
+    assert not said or ("are 0.013 s apart, and a step takes 0.01 s" in found[0] and "steps of 0.0032 s" in found[0])
+    assert not told(tmp_path, rows, HEAVE)
