@@ -26,3 +26,20 @@ def _all(folders: tuple[str, ...]) -> Any:
     from importlib.metadata import entry_points
 
     return entry_points()
+
+
+@functools.cache
+def packages_of_ours() -> frozenset[str]:
+    """The core and the applications that are installed with it."""
+    points = in_group("tautline.applications")
+    return frozenset({"tautline"} | {package_of(point) for point in points if is_of_ours(point)})
+
+
+def is_of_ours(point: EntryPoint) -> bool:
+    """Whether an entry point comes with this program."""
+    return getattr(getattr(point, "dist", None), "name", None) == "tautline"
+
+
+def package_of(point: EntryPoint) -> str:
+    """The package, or module of one file, in which an entry point is."""
+    return point.value.partition(":")[0].partition(".")[0].strip()
