@@ -7,13 +7,13 @@ where a run needs it. :func:`register` adds a method.
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 
+from tautline.entry_points import module_of_caller
 from tautline.errors import ArgumentError
 
 GROWS = 1.0e-6
@@ -100,7 +100,7 @@ def register(method: Method) -> Method:
     ArgumentError
         If another method goes by one of its names, or another module has registered one of its name.
     """
-    module = str(sys._getframe(1).f_globals.get("__name__", ""))
+    module = module_of_caller()
     if _modules.get(method.name, module) != module and _known[method.name] is not method:
         raise ArgumentError(f"{_modules[method.name]} has registered a method {method.name}; choose another name")
     names = {_folded(name) for name in (method.name, *method.aliases)}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.entry_points import module_of_caller
 from tautline.kernels.bound import Lasting
 from tautline.kernels.dofs import Dofs, runs_of
 from tautline.kernels.groups import laid_out, link, without_friction
@@ -274,7 +274,7 @@ def assemble(
     numbering = _numbering(Structure.of(degrees, stencils, mass_stencils, algebraic, flowing))
     dofs, free, number, rank = numbering.dofs, numbering.free, numbering.number, numbering.rank
     border, mass_pattern = numbering.border, numbering.mass_pattern
-    filled_by_others = not is_module_of_ours(sys._getframe(1).f_globals.get("__name__", ""))
+    filled_by_others = not is_module_of_ours(module_of_caller())
     if filled_by_others or not all(comes_with_us(type(group)) for group in groups):
         from tautline.system.hook_bounds import check_places
 
