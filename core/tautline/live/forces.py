@@ -147,14 +147,17 @@ def compiled(function: Any) -> Any:
 
     def outer(t: Any, q: Any, v: Any, f: Any, n: Any) -> None:
         force, x, rate, mark = carray(f, (n,)), carray(q, (n,)), carray(v, (n,)), carray(f, (n + 1,))
-        known = np.isfinite(x).all() and np.isfinite(rate).all()
         force[:] = 0.0
         try:
             function(t, x, rate, force)
         except Exception:
             force[:] = np.nan
             mark[n] = RAISED
-        if known and mark[n] == 0.0 and not np.isfinite(force).all():
+        known = found = True
+        for i in range(n):
+            known = known and np.isfinite(x[i]) and np.isfinite(rate[i])
+            found = found and np.isfinite(force[i])
+        if known and not found and mark[n] == 0.0:
             mark[n] = NO_NUMBER
 
     return cfunc(types.void(types.float64, vector, vector, vector, types.int64))(outer)
