@@ -1,9 +1,10 @@
 """Entry points of the packages that are installed, which are looked through once: that takes some 10 ms where there
-are two hundred, and a run asks for those of three groups."""
+are two hundred, and a run asks for those of three groups. And which code comes with this program, by its package."""
 
 from __future__ import annotations
 
 import functools
+import inspect
 import sys
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
@@ -26,3 +27,28 @@ def _all(folders: tuple[str, ...]) -> Any:
     from importlib.metadata import entry_points
 
     return entry_points()
+
+
+@functools.cache
+def packages_of_ours() -> frozenset[str]:
+    """The core and the applications that are installed with it."""
+    points = in_group("tautline.applications")
+    return frozenset({"tautline"} | {package_of(point) for point in points if is_of_ours(point)})
+
+
+def is_of_ours(point: EntryPoint) -> bool:
+    """Whether an entry point comes with this program."""
+    return getattr(getattr(point, "dist", None), "name", None) == "tautline"
+
+
+def package_of(point: EntryPoint) -> str:
+    """The package, or module of one file, in which an entry point is."""
+    return point.value.partition(":")[0].partition(".")[0].strip()
+
+
+def module_of_caller() -> str:
+    """Name of the module that has called the function which asks."""
+    asking = inspect.currentframe()
+    for _ in range(2):
+        asking = asking.f_back if asking is not None else None
+    return str(asking.f_globals.get("__name__", "")) if asking is not None else ""

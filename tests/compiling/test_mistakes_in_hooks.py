@@ -2,13 +2,16 @@
 
 import inspect
 import os
+import traceback
 from collections import deque
 from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numba import njit
 
-from tautline.errors import TautlineError
+from tautline.elements.nodal.node import PointMasses
+from tautline.errors import ArgumentTypeError, TautlineError
 from tautline.kernels import groups
 from tautline.kernels.compiling.errors import KernelError
 from tautline.kernels.dofs import add_entry
@@ -100,6 +103,71 @@ def test_a_hook_that_cannot_be_compiled_is_told_with_kind_function_line_and_what
     assert len(str(error)) < 700 and "makes no new ones" in error.cure
 
 
+@kernel
+def raising(g, t, q, v, a, r):
+    """The run went on without its force."""
+    if t > 0.2:
+        raise ValueError("the table ends")
+    r[0] -= g.force[0]
+
+
+@kernel
+def checked(x):
+    assert x > 0.0
+    return x
+
+
+@njit
+def checked_by_numba(x):
+    if x < 0.0:
+        raise ValueError
+    return x
+
+
+@kernel
+def asserting(g, t, q, v, a, r):
+    r[0] -= checked(g.force[0])
+
+
+@kernel
+def calling_numba(g, t, q, v, a, r):
+    r[0] -= checked_by_numba(g.force[0])
+
+
+@compiled
+@pytest.mark.parametrize(
+    ("hook", "at", "word"),
+    [
+        (raising, raising, "raise ValueError("),
+        (asserting, checked, "assert x"),
+        (calling_numba, checked_by_numba, "raise ValueError"),
+    ],
+)
+def test_a_hook_that_can_raise_is_refused_with_the_line_of_it(hook, at, word):
+    # nobody looks whether what is called by its address has raised: the force was missing, and the run was "done"
+    with pytest.raises(KernelError) as refused:
+        linked(hook)
+    error = refused.value
+    assert error.path == f"{HERE}:{line_of(at, word)}"
+    assert f"hook 'residual' of kind Push ({hook.__module__}.{hook.__name__}) can raise an error" in error.cause
+    assert "where the group is made" in error.cure and "write nan" in error.cure
+
+
+@compiled
+def test_the_error_of_a_hook_comes_without_the_steps_of_the_compiler():
+    with pytest.raises(KernelError) as refused:
+        linked(misspelt)
+    told = "".join(traceback.format_exception(refused.value))
+    assert "/numba/" not in told and len(told.splitlines()) < 30
+
+
+@pytest.mark.parametrize("hook", [lambda g, *more: None, njit(lambda g, *more: None)])
+@compiled
+def test_a_hook_that_is_no_kernel_is_refused_as_it_is_registered(hook):
+    with pytest.raises(ArgumentTypeError, match=r"hook 'residual' of kind Push .*is no kernel; write @kernel"):
+        register(Push, residual=hook)
+
+
 @compiled
 def test_a_mistake_in_a_hook_of_ours_stays_a_fault_of_the_program(monkeypatch):
     monkeypatch.setattr(ours.py_func, "__module__", "tautline.elements.imagined")
@@ -128,7 +196,7 @@ def test_a_hook_with_another_number_of_arguments_is_refused_with_both_lists(func
 
 
 def test_a_hook_may_have_arguments_with_defaults_and_any_number_of_them():
-    for hook in (lambda g, t, q, v, a, r, more=0.0: None, lambda g, *more: None):
+    for hook in map(kernel, (lambda g, t, q, v, a, r, more=0.0: None, lambda g, *more: None)):
         register(Push, residual=hook)
         assert groups.KINDS[Push] == {"residual": hook}
 
@@ -196,6 +264,21 @@ def test_a_place_beyond_the_unknowns_is_told_of_a_tangent_too():
 def test_places_that_are_there_and_hooks_that_python_cannot_run_are_not_refused():
     assert assembled([0, 1, 2], residual=pushing).size == 3
     assert assembled([0], residual=lying).size == 3
+
+
+@pytest.mark.parametrize("place", [1, 3, -1])
+def test_a_group_of_ours_that_others_fill_is_gone_through_too(place):
+    """`build` of an application gave a mass, whose x, y and z are three places, a place that ends beyond the last."""
+    degrees = Degrees([], np.zeros(0), np.zeros(0))
+    for name in "xyz":
+        degrees.add(name, 0.0)
+    group = PointMasses(np.array([place]), np.array([2.0]), 0.0, np.array([0.0, 0.0, -9.81]))
+    stencil = [np.array([[0, 1, 2]])]
+    with pytest.raises(KernelError, match=r"of kind PointMasses.*place -?\d of an array of 3"):
+        assemble((group,), degrees, compile_functions([]), np.zeros(3), stencil, stencil)
+    assert assemble(
+        (group._replace(place=np.array([0])),), degrees, compile_functions([]), np.zeros(3), stencil, stencil
+    )
 
 
 @kernel
@@ -269,9 +352,10 @@ def test_what_took_long_is_gone_through_once_and_anew_where_places_differ(monkey
     # 10,000 elements took 2 s in every case of a sweep
     asked = []
 
+    @kernel
     def counting(g, t, q, v, a, r):
         asked.append(g.place.size)
-        pushing.py_func(g, t, q, v, a, r)
+        pushing(g, t, q, v, a, r)
 
     monkeypatch.setattr(hook_bounds, "LONG", -1.0)
     monkeypatch.setattr(hook_bounds, "_there", deque(maxlen=2))

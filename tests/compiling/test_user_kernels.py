@@ -1,10 +1,14 @@
 """Kernels of a user's own script: what is edited is compiled anew, and what is not comes from the cache."""
 
+import importlib
 import json
 import os
+import sys
 
 import pytest
 from young_processes import young_processes
+
+from tautline.kernels.machine import sources
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is about what is compiled")
 
@@ -42,12 +46,29 @@ if __name__ == "__main__":
     evaluate(table, 0.0, z, z, z, r)
     print(json.dumps([-r[0], run_hook.loads]))
 """
+INSTALLED = """
+import json, sys
+import numpy as np
+import pushing
+from tautline.kernels.groups import link, run_hook
+
+group, r, z = (pushing.Push(2.0),), np.zeros(1), np.zeros(1)
+table = link(group, "residual")
+pushing.evaluate(table, 0.0, z, z, z, r)
+print(json.dumps([-r[0], run_hook.loads]))
+"""
 HELPER = """
 from tautline.kernels.jit import kernel
 WEIGHT = {weight}
 @kernel
 def helped(x):
     return {helped}
+"""
+CONSTANTS = """
+from enum import IntEnum
+WEIGHT = {weight}
+class Weights(IntEnum):
+    NOW = int({weight})
 """
 
 
@@ -61,14 +82,23 @@ def young():
 def run(tmp_path, young):
     """Runs the script of a folder with its contents: the force, and the times that the group came from the cache."""
 
-    def run(folder=".", imports="", factor="3.0", body="x * FACTOR", **helper):
+    def run(folder=".", imports="", factor="3.0", body="x * FACTOR", installed="", **helper):
         here = tmp_path / folder
         here.mkdir(exist_ok=True)
-        (here / "pushing.py").write_text(RUN.format(imports=imports, factor=factor, body=body))
+        pushing = here / ("pushing/__init__.py" if installed == "package" else "pushing.py")
+        pushing.parent.mkdir(exist_ok=True)
+        pushing.write_text(RUN.format(imports=imports, factor=factor, body=body))
         (here / "helping.py").write_text(HELPER.format(**{"weight": "1.0", "helped": "x", **helper}))
+        (pushing.parent / "constants.py").write_text(CONSTANTS.format(**{"weight": "1.0", **helper}))
+        if installed:
+            told = here / "pushing-1.0.dist-info"
+            told.mkdir(exist_ok=True)
+            (told / "METADATA").write_text("Metadata-Version: 2.1\nName: pushing\nVersion: 1.0\n")
+            (told / "entry_points.txt").write_text("[tautline.applications]\npushing = pushing:Pushing\n")
+        (here / "going.py").write_text(INSTALLED)
         # Python itself would take a module for unchanged that was edited within a second and kept its length.
         told = {"TAUTLINE_CACHE": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
-        done = young(["pushing.py"], cwd=here, env={**os.environ, **told})
+        done = young(["going.py" if installed else "pushing.py"], cwd=here, env={**os.environ, **told})
         assert done.returncode == 0, done.stderr[-2000:]
         assert done.stderr == ""
         return json.loads(done.stdout)
@@ -106,3 +136,43 @@ def test_scripts_of_one_name_in_two_folders_do_not_take_each_other_for_themselve
     assert run("two", factor="4.0")[0] == 8.0
     assert run("one", factor="3.0") == [6.0, 1]
     assert run("two", factor="4.0") == [8.0, 1]
+
+
+@pytest.mark.parametrize("installed", ["file", "package"])
+def test_an_installed_application_that_is_edited_runs_what_it_says_now(run, installed):
+    """A number in the kernel: the bytecode and the line stay what they are. An upgrade of a package is such an edit."""
+    assert run(installed=installed, body="x * 3.0") == [6.0, 0]
+    assert run(installed=installed, body="x * 4.0") == [8.0, 0]
+    assert run(installed=installed, body="x * 4.0") == [8.0, 1]
+
+
+@pytest.mark.parametrize(
+    ("installed", "imports", "body"),
+    [
+        ("package", "from pushing.constants import WEIGHT", "x * WEIGHT"),
+        ("file", "from helping import helped", "helped(x)"),
+        ("", "from constants import Weights", "x * Weights.NOW.value"),
+    ],
+    ids=["a constant of its package", "a kernel of another package", "a value of an enumeration"],
+)
+def test_what_kernels_take_from_another_file_and_is_edited_there_counts(run, installed, imports, body):
+    taken = {"installed": installed, "imports": imports, "body": body}
+    assert run(**taken, weight="1.0", helped="x * 1.0") == [2.0, 0]
+    assert run(**taken, weight="4.0", helped="x * 4.0") == [8.0, 0]
+
+
+def test_a_file_with_the_name_of_a_module_of_python_is_no_module_of_python(tmp_path, monkeypatch):
+    """A helper ``wave.py`` beside a script was taken for Python's own, which is known by its version."""
+    kernel = "from tautline.kernels.jit import kernel\n@kernel\ndef high(x):\n    return x * {}\n"
+    found = []
+    monkeypatch.syspath_prepend(str(tmp_path))
+    for factor in ("1.0", "2.0", "1.0"):
+        (tmp_path / "wave.py").write_text(kernel.format(factor))
+        monkeypatch.delitem(sys.modules, "wave", raising=False)
+        monkeypatch.setattr(sys, "dont_write_bytecode", True)
+        importlib.invalidate_caches()
+        sources._is_known_package.cache_clear()
+        found.append(sources.fingerprint(importlib.import_module("wave").high))
+    sources._is_known_package.cache_clear()
+    monkeypatch.delitem(sys.modules, "wave")
+    assert found[0] == found[2] != found[1]

@@ -55,13 +55,14 @@ def test_a_worker_of_an_older_version_that_lacks_what_runs_a_piece_says_so_and_d
 
 
 def test_the_hash_of_all_sources_tells_a_change_in_any_file_and_no_line_ends(tmp_path, monkeypatch):
+    from tautline import entry_points
     from tautline.kernels.machine import sources
 
     package = tmp_path / "ropework"
     package.mkdir()
     (package / "__init__.py").write_bytes(b"a = 1\n")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(sources, "_own_packages", lambda: frozenset({"ropework"}))
+    monkeypatch.setattr(entry_points, "packages_of_ours", lambda: frozenset({"ropework"}))
 
     def of(text):
         (package / "__init__.py").write_bytes(text)

@@ -104,7 +104,7 @@ class Defaults:
         if (end := getattr(scene.solver, "end", None)) is not None:
             slips += ends_of_records(*self.as_written(scene), float(end), fixed_step(scene.solver))
         try:
-            found = self.own_warnings(scene) + warnings_of(self.name, scene)
+            found = self.own_warnings(scene) + warnings_of(self.name, scene) + self._warnings_of_nobody()
         except SceneError as error:
             doubtful = [document.problem(slip.where, slip.text) for slip in slips if document is not None]
             raise SceneError([*doubtful, *error.problems]) from None
@@ -112,6 +112,18 @@ class Defaults:
         ours = [replace(one, text=in_words(one.text, system), line=line_of(document, one.where)) for one in found]
         of_limits = bare_limits(scene, self.build) + reversed_limits(scene)
         return list(dict.fromkeys(slips + of_limits + ours))
+
+    def _warnings_of_nobody(self) -> list[SceneWarning]:
+        """Warnings that are registered for an application that there is not: they never come."""
+        from tautline.application.installed import unknown_names
+        from tautline.scene.errors import SceneWarning
+        from tautline.scene.warnings import REGISTERED
+
+        return [
+            SceneWarning(check, f"is a warning for scenes of '{name}', and no application here is called so; {cure}")
+            for name, cure in unknown_names(REGISTERED, self.name).items()
+            for check in REGISTERED[name]
+        ]
 
     step_key: str = "solver.step"
     """Key of the step in a scene."""

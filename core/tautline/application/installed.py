@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from tautline import entry_points
-from tautline.errors import TautlineError
+from tautline.errors import ArgumentError, TautlineError
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.refusal import nearest
 
 if TYPE_CHECKING:
     from tautline.application.protocol import Application
@@ -37,9 +38,45 @@ def register(application: Any) -> Any:
     ----------
     application : type
         Makes an `Application` when it is called without arguments.
+
+    Raises
+    ------
+    ArgumentError
+        If one that comes with the program has its name: scenes of that would find none.
     """
-    _registered[getattr(application, "name", application.__name__)] = application
+    name = getattr(application, "name", application.__name__)
+    if name in _with_us() and not _is_of(application, _with_us()[name]):
+        raise ArgumentError(f"an application that comes with Tautline is called {name}; choose another name")
+    _registered[name] = application
     return application
+
+
+def _with_us() -> dict[str, str]:
+    """Packages of the applications that come with the program, by name."""
+    points = filter(entry_points.is_of_ours, entry_points.in_group(GROUP))
+    return {point.name: entry_points.package_of(point) for point in points}
+
+
+def _of_point(point: Any) -> Any:
+    """What an entry point names, made; raises ArgumentError for one of others that takes the name of one of ours."""
+    made, ours = point.load()(), _with_us()
+    taken = {point.name, getattr(made, "name", "")} & ours.keys()
+    if taken and not entry_points.is_of_ours(point):
+        raise ArgumentError(f"an application that comes with Tautline is called {min(taken)}; choose another name")
+    return made
+
+
+def unknown_names(names: Iterable[str], own: str) -> dict[str, str]:
+    """Names that no application has that is installed or registered, each with the nearest that one has."""
+    known = {own, *_registered, *(point.name for point in entry_points.in_group(GROUP))}
+    unknown = set(names) - known
+    if unknown:  # an application may have another name than its entry point
+        known |= {application.name for application in Installed().all()}
+    return {name: nearest(name, sorted(known)) for name in sorted(unknown - known)}
+
+
+def _is_of(application: Any, package: str) -> bool:
+    return str(getattr(application, "__module__", "")).split(".")[0] == package
 
 
 def refuse_other_kind(path: Path, own: Callable[[dict[str, Any]], bool]) -> None:
@@ -288,7 +325,7 @@ class Installed:
 
     @functools.cached_property
     def _loaded(self) -> tuple[dict[str, Application], dict[str, str]]:
-        return _loaded((point.name, lambda point=point: point.load()()) for point in entry_points.in_group(GROUP))
+        return _loaded((point.name, functools.partial(_of_point, point)) for point in entry_points.in_group(GROUP))
 
     @property
     def _own(self) -> tuple[dict[str, Application], dict[str, str]]:

@@ -33,7 +33,7 @@ from tautline.scene.methods import RK4
 from tautline.scene.model import MADE
 from tautline.scene.reading.document import join_key
 from tautline.scene.solver import longest_step
-from tautline.scene.warnings import warning
+from tautline.scene.warnings import asked, warning
 
 ROUNDED_SHARE = 1.0e-3
 """Share of a scene's largest force from which on that what rounding leaves in a penalty spring is told."""
@@ -568,7 +568,7 @@ def _idle(scene: CableScene) -> Sentences:
         if motion.id not in used:
             yield (*motion.place, "id"), f"no BC_functions names function {motion.id}: it moves nothing"
     for part in scene.nodal:
-        yield from item_of(part).warnings(scene, part)
+        yield from asked(item_of(part).warnings, f"warnings of {part.key}", scene, part)
     for motion in scene.motions:
         if motion.velocities and not any(motion.velocities):
             yield (*motion.place, "velocityList"), "is zero throughout: nothing moves"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import nullcontext, suppress
 from enum import IntEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 from tautline.cli.output import called, duration
 from tautline.cli.output.console import abandon_output, flush_words, print_json, say, unwritable, warnings_said
@@ -165,13 +165,14 @@ def _problems(error: Exception, name: str) -> list[Problem] | None:
 
 
 def _unexpected(error: Exception) -> Problem:
-    where: Any = error.__traceback__
-    while where is not None and where.tb_next is not None:
-        where = where.tb_next
-    place = f"{where.tb_frame.f_code.co_filename}:{where.tb_lineno}" if where else ""
+    from tautline.cli.output.blame import place_of
+
+    place, ours = place_of(error)
     text = " ".join(str(error).split())
     cause = f"unexpected {type(error).__name__}: {text}" if text else f"unexpected {type(error).__name__}"
     cure = "this is a fault of the program: report it with the scene and what the same command prints with --debug"
+    if not ours:
+        cure = "this file is no part of the program: correct it there; --debug shows all that led to it"
     return Problem(place, None, "", None, cause, cure)
 
 

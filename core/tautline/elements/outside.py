@@ -14,13 +14,17 @@ from tautline.kernels.numba_registration import taught
 STEP = 1.0e-6
 """Change of a position, m or rad, or of a velocity, by which derivatives of the force are found."""
 
+RAISED, NO_NUMBER = 1.0, 2.0
+"""Marks of a force that raised an error, and of one that was no number where positions and velocities were."""
+
 
 class OutsideForces(NamedTuple):
     """A force on full degrees of freedom ``places`` (k,).
 
     ``address`` (1,) is that of a C function ``void(double t, double *q, double *v, double *f, int64 k)``, which is
     handed positions and velocities (k,) of the places and writes the force (k,), N or N m. ``known`` (k, k) is one
-    where the tangent has room for a derivative. Scratch: ``q``, ``v``, ``f``, ``g`` (k,).
+    where the tangent has room for a derivative. Scratch: ``q``, ``v`` (k,), ``f``, ``g`` (k + 1,); behind the force the
+    function may leave a mark: see `RAISED` and `NO_NUMBER`.
     """
 
     places: np.ndarray

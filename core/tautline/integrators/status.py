@@ -26,6 +26,7 @@ class Status(IntEnum):
     DRUM_FULL = 12
     SLACK_ON_WHEEL = 13
     IMBALANCE = 14
+    NO_FORCE = 15
 
     @property
     def word(self) -> str:
@@ -82,6 +83,7 @@ SENTENCES = {
         "a smaller step, and finer elements where they fold. If a smaller step does not help, a force law of the "
         "scene creates energy"
     ),
+    Status.NO_FORCE: "a force that was added has no value: the fault is in its function; correct that",
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }
 

@@ -54,7 +54,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.errors import ArgumentTypeError
 from tautline.kernels.dofs import DOFS
+from tautline.kernels.jit import Kernel as CompiledKernel
 from tautline.kernels.jit import addressed, stands_for
 from tautline.kernels.machine.code import KERNELS_OF
 from tautline.kernels.machine.settings import UNCOMPILED
@@ -185,11 +187,14 @@ def register(
     ------
     ValueError
         For a name that is no hook, and for a kernel that takes other arguments than its hook has.
+    ArgumentTypeError
+        For a function that is no kernel.
     """
     for name, hook in hooks.items():
         if name not in HOOKS:
             raise ValueError(f"{kind.__name__}: no hook is called {name!r}: one of {', '.join(HOOKS)}")
         _check_arguments(kind, name, hook)
+        _check_kernel(kind, name, hook)
     KINDS[kind] = hooks
     _forget(kind)
     if constant_mass or "mass" not in hooks:
@@ -204,6 +209,18 @@ def register(
     HOLDS.pop(kind, None)
     if hold is not None:
         HOLDS[kind] = hold
+
+
+def _check_kernel(kind: type, name: str, hook: Any) -> None:
+    """Refuse a function that was not decorated, or by numba's own decorator: compiled code would not know it."""
+    if UNCOMPILED or isinstance(hook, CompiledKernel):
+        return
+    function: Any = getattr(hook, "py_func", hook)
+    code = function.__code__
+    raise ArgumentTypeError(
+        f"hook {name!r} of kind {kind.__name__} ({function.__module__}.{function.__qualname__}, "
+        f"{code.co_filename}:{code.co_firstlineno}) is no kernel; write @kernel of tautline.kernels.jit above it"
+    )
 
 
 def _check_arguments(kind: type, name: str, hook: Kernel) -> None:

@@ -5,15 +5,16 @@ from __future__ import annotations
 import ctypes
 import inspect
 import sys
+import traceback
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from tautline.arguments import is_list, is_number, is_whole
-from tautline.elements.outside import OutsideForces
+from tautline.elements.outside import NO_NUMBER, RAISED, OutsideForces
 from tautline.kernels.groups import KINDS
-from tautline.kernels.jit import Kernel
+from tautline.kernels.jit import Kernel, in_python
 from tautline.live.errors import SimulationError, plain_numbers
 from tautline.system.system import System
 
@@ -43,13 +44,25 @@ class Force:
         else:
             self._code = C_KIND(self._wrapped(function, n))
             address = int(ctypes.cast(self._code, ctypes.c_void_p).value or 0)
-        vectors = [np.zeros(n) for _ in range(4)]
+        vectors = [np.zeros(size) for size in (n, n, n + 1, n + 1)]
         self.group = OutsideForces(places, np.array([address]), known, *vectors)
 
     @property
     def name(self) -> str:
         """What a result calls it."""
         return str(getattr(self._function, "__name__", type(self._function).__name__))
+
+    @property
+    def fault(self) -> str:
+        """What the function did since `begin` that no force may do; empty where all is well."""
+        marks = {self.group.f[-1], self.group.g[-1]}
+        if RAISED in marks:
+            return "it raised an error: call its `py_func` to see which"
+        return "it gave what is no finite number" if NO_NUMBER in marks else ""
+
+    def begin(self) -> None:
+        """Forget what the function did before."""
+        self.group.f[-1] = self.group.g[-1] = 0.0
 
     def copy(self) -> Force:
         """The same force for another simulation, with scratch of its own: both may run at the same time."""
@@ -64,7 +77,10 @@ class Force:
             force = np.ctypeslib.as_array(f, (n,))
             try:
                 x, rate = np.ctypeslib.as_array(q, (n,)).copy(), np.ctypeslib.as_array(v, (n,)).copy()
+                known = np.isfinite(x).all() and np.isfinite(rate).all()
                 force[:] = _numbers(function(t, x, rate), n)
+                if known and not np.isfinite(force).all():
+                    f[n] = NO_NUMBER
             except BaseException as error:  # there is no way for it through compiled code
                 self.failed = self.failed or error
                 force[:] = np.nan
@@ -80,8 +96,9 @@ def _numbers(given: Any, n: int) -> np.ndarray:
         found = plain_numbers(np.asarray(given))
     except (TypeError, ValueError):  # rows of different lengths
         raise SimulationError("the force is no vector of numbers", cure) from None
-    if found.dtype.kind not in "biuf":
-        kind = "complex numbers" if found.dtype.kind == "c" else f"{type(given).__name__}, which is no numbers"
+    if found.dtype.kind not in "iuf":
+        kinds = {"c": "complex numbers", "b": "yes or no, which is no number"}
+        kind = kinds.get(found.dtype.kind, f"{type(given).__name__}, which is no numbers")
         raise SimulationError(f"the force is {kind}", cure)
     if found.shape != (n,):
         raise SimulationError(f"the force has the shape {found.shape}, and acts on {n} degrees of freedom", cure)
@@ -92,12 +109,15 @@ class Group:
     """A group of a registered kind that was added as it is."""
 
     def __init__(self, group: Any) -> None:
-        self.group, self.failed, self.calls = group, None, 0
+        self.group, self.failed, self.calls, self.fault = group, None, 0, ""
 
     @property
     def name(self) -> str:
         """What a result calls it."""
         return type(self.group).__name__
+
+    def begin(self) -> None:
+        """Nothing is kept of a group's calls."""
 
     def copy(self) -> Group:
         """The same group for another simulation, with arrays of its own."""
@@ -115,18 +135,30 @@ def _apart(thing: Any) -> Any:
 
 
 def compiled(function: Any) -> Any:
-    """A compiled function (t, q, v, force) as one for C; where it raises, the force is no number."""
+    """A compiled function (t, q, v, force) as one for C.
+
+    What it does not write is zero. Where it raises the force is no number. That, and what is no number by itself,
+    leaves a mark behind the force.
+    """
 
     from numba import carray, cfunc, types
 
     vector = types.CPointer(types.float64)
 
     def outer(t: Any, q: Any, v: Any, f: Any, n: Any) -> None:
-        force = carray(f, (n,))
+        force, x, rate, mark = carray(f, (n,)), carray(q, (n,)), carray(v, (n,)), carray(f, (n + 1,))
+        force[:] = 0.0
         try:
-            function(t, carray(q, (n,)), carray(v, (n,)), force)
+            function(t, x, rate, force)
         except Exception:
             force[:] = np.nan
+            mark[n] = RAISED
+        known = found = True
+        for i in range(n):
+            known = known and np.isfinite(x[i]) and np.isfinite(rate[i])
+            found = found and np.isfinite(force[i])
+        if known and not found and mark[n] == 0.0:
+            mark[n] = NO_NUMBER
 
     return cfunc(types.void(types.float64, vector, vector, vector, types.int64))(outer)
 
@@ -152,6 +184,27 @@ def _check_arguments(function: Any) -> None:
         raise SimulationError(cause, "give it these arguments") from None
 
 
+def _check_indices(function: Any, places: np.ndarray, system: System) -> None:
+    """Refuse a compiled function that asks for more places than it is given; raises SimulationError.
+
+    Compiled code does not look whether an array has a place, and would end the process. So the function as it was
+    written is gone through once at the start: what it asks for later, or in what it calls of others, is not seen.
+    """
+    source = getattr(function, "py_func", None)
+    if source is None:
+        return
+    q, v = system.q[places], system.v[places]
+    try:
+        with in_python(), np.errstate(all="ignore"):
+            source(0.0, q, v, np.zeros(places.size))
+    except IndexError as error:
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        cause = f"the force asks for a place that its vectors have not ({last.filename}:{last.lineno}: {error})"
+        raise SimulationError(cause, f"q, v and force have the places 0 to {places.size - 1}") from None
+    except Exception:  # what Python cannot run tells nothing of places
+        return
+
+
 def places_of(on: Any) -> np.ndarray:
     """Numbers of degrees of freedom as they are given; raises SimulationError for what is no list of these."""
     if not is_list(on) or not all(is_whole(one) for one in on):
@@ -170,10 +223,13 @@ def force_of(function: Any, places: np.ndarray | None, system: System) -> Force 
 
     Raises
     ------
-    SimulationError
+    SimulationError, KernelError
         For what is neither a function nor a group, a function of other arguments, and places that there are not.
     """
+    from tautline.system.hook_bounds import check_places  # few simulations need it
+
     if type(function) in KINDS:
+        check_places((function,), system.dofs, system.q, system.v, filled=True)
         return Group(function)
     if not callable(function):
         cause = f"{type(function).__name__} is neither a function nor a registered group"
@@ -185,6 +241,8 @@ def force_of(function: Any, places: np.ndarray | None, system: System) -> Force 
         raise SimulationError(
             "a force has to act on some degrees of freedom", f"give numbers from 0 to {system.q.size - 1}"
         )
+    if _is_compiled(function):
+        _check_indices(function, at, system)
     known = np.zeros((at.size, at.size), np.int64) if places is None else room_for(at, system)
     return Force(function, at, known)
 

@@ -335,6 +335,8 @@ class Simulation:
 
     def _call(self, begin: float) -> tuple[int, int, float]:
         """Run the compiled loop, and keep the time it took."""
+        for force in self._forces:
+            force.begin()
         self._loop.set_float(BEGIN, begin)
         before, used = clock.perf_counter(), clock.thread_time()
         found = self._loop()
@@ -376,6 +378,9 @@ class Simulation:
         if status in (Status.UNSTABLE, Status.NOT_FINITE):
             self._checked.doubt(reached)
         status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
+        blamed = next((force for force in self._forces if force.fault), None)
+        if blamed is not None and status in (Status.NOT_FINITE, Status.NOT_CONVERGED, Status.SINGULAR):
+            status, part, detail = Status.NO_FORCE, f"force {blamed.name}", blamed.fault
         self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
         raise StoppedEarly(status, reached, part, detail or advice(self._run.method, status), self._so_far())
 

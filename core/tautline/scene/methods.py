@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.entry_points import module_of_caller
 from tautline.errors import ArgumentError
 
 GROWS = 1.0e-6
@@ -85,21 +86,28 @@ def _reach(polynomial: tuple[float, ...], limit: float | None, angle: float) -> 
 
 
 _known: dict[str, Method] = {}
+_modules: dict[str, str] = {}
+"""Which module has registered a method."""
 
 
 def register(method: Method) -> Method:
     """Make a method known to scenes, options and studies; returns it.
 
+    One from the same module takes the place of an earlier one, as in a notebook.
+
     Raises
     ------
     ArgumentError
-        If another method goes by one of its names.
+        If another method goes by one of its names, or another module has registered one of its name.
     """
+    module = module_of_caller()
+    if _modules.get(method.name, module) != module and _known[method.name] is not method:
+        raise ArgumentError(f"{_modules[method.name]} has registered a method {method.name}; choose another name")
     names = {_folded(name) for name in (method.name, *method.aliases)}
     for other in _known.values():
         if other.name != method.name and names & {_folded(name) for name in (other.name, *other.aliases)}:
             raise ArgumentError(f"a method goes by the name {method.name} already")
-    _known[method.name] = method
+    _known[method.name], _modules[method.name] = method, module
     return method
 
 

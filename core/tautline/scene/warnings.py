@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
+import traceback
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
+from tautline.entry_points import packages_of_ours
+from tautline.errors import TautlineError
 from tautline.scene.errors import SceneWarning
 from tautline.scene.extensions import load_extensions
 from tautline.scene.reading.document import Document, join_key, split_key
@@ -40,11 +44,46 @@ def warning(application: str) -> Callable[[C], C]:
 
 def warnings_of(application: str, scene: Any) -> list[SceneWarning]:
     """What the registered functions find in a scene; the line stands beside a key path that is a tuple."""
-    load_extensions()
-    found = []
+    cure = "its items and warnings are missing; repair or uninstall it"
+    found = [
+        SceneWarning(f"extension {name}", f"could not be loaded ({why}): {cure}")
+        for name, why in load_extensions().items()
+    ]
     for check in REGISTERED.get(application, {}).values():
-        found += [_warning(scene, place, text) for place, text in check(scene)]
+        named = f"{check.__module__}.{check.__qualname__}"
+        found += [_warning(scene, place, text) for place, text in asked(check, named, scene)]
     return found
+
+
+def asked(check: Callable[..., Iterable[tuple[Any, str]]], named: str, *given: Any) -> list[tuple[Any, str]]:
+    """What a function warns of. Where one of others fails, that is its warning: it must not keep a scene from running.
+
+    Raises
+    ------
+    TautlineError
+        What the function refuses on purpose.
+    """
+    try:
+        return [_pair(one) for one in check(*given) or ()]
+    except TautlineError:
+        raise
+    except Exception as error:
+        if check.__module__.partition(".")[0] in packages_of_ours():
+            raise
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{last.filename}:{last.lineno}"
+        if last.filename == __file__:  # it gave something else than pairs
+            code = inspect.unwrap(check).__code__
+            place = f"{code.co_filename}:{code.co_firstlineno}"
+        return [(named, f"this warning failed ({place}: {type(error).__name__}: {error}); correct it there")]
+
+
+def _pair(given: Any) -> tuple[Any, str]:
+    """A place and a text; raises TypeError."""
+    match given:
+        case (str() | tuple()) as place, str() as text:
+            return place, text
+    raise TypeError(f"it gave {given!r}, and not pairs of a key path and a text")
 
 
 def line_of(document: Document | None, where: str) -> int | None:

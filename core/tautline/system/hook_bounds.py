@@ -1,4 +1,4 @@
-"""Places that hooks of others ask for: compiled code does not look whether an array has them.
+"""Places that groups of others hold, or their hooks ask for: compiled code does not look whether an array has them.
 
 Before a run each hook is gone through once in Python, with a copy of its group, at the start. There a place beyond an
 array is told; in the compiled loop it would read or write memory of something else, and end the process. A group's own
@@ -87,8 +87,8 @@ def _bounded(x: np.ndarray) -> np.ndarray:
     return np.array(x).view(Bounded)
 
 
-def check_places(groups: tuple[Any, ...], dofs: Dofs, q: np.ndarray, v: np.ndarray) -> None:
-    """Refuse groups of others whose hooks ask for a place that an array has not.
+def check_places(groups: tuple[Any, ...], dofs: Dofs, q: np.ndarray, v: np.ndarray, filled: bool = False) -> None:
+    """Refuse groups whose hooks ask for a place that an array has not, as far as others wrote the hooks.
 
     Parameters
     ----------
@@ -96,6 +96,8 @@ def check_places(groups: tuple[Any, ...], dofs: Dofs, q: np.ndarray, v: np.ndarr
     dofs : Dofs
     q, v : (n_full,) arrays
         Position and velocity at t = 0.
+    filled : bool
+        Whether others have filled the groups: then hooks of ours are gone through as well.
 
     Raises
     ------
@@ -103,18 +105,18 @@ def check_places(groups: tuple[Any, ...], dofs: Dofs, q: np.ndarray, v: np.ndarr
         Naming the line, the hook, the kind, the element and the place.
     """
     for group in groups:
-        key = _key(group, q.size, dofs.free.size)
+        key = _key(group, q.size, dofs.free.size, filled)
         if key in _there:
             continue
         since = time.perf_counter()
-        _check(group, dofs, q, v)
+        _check(group, dofs, q, v, filled)
         if time.perf_counter() - since > LONG:
             _there.append(key)
 
 
-def _check(group: Any, dofs: Dofs, q: np.ndarray, v: np.ndarray) -> None:
+def _check(group: Any, dofs: Dofs, q: np.ndarray, v: np.ndarray, filled: bool) -> None:
     """Refuse a group of which a hook asks for a place that is not there, whichever way the group has begun."""
-    hooks = dict(_of_others(type(group)))
+    hooks = dict(_gone_through(type(group), filled))
     begin = hooks.pop("begin", None)
     if begin is None:
         copies: list[Any] = [group]
@@ -169,10 +171,10 @@ def _key(group: Any, *sizes: int) -> tuple[Any, ...]:
     return type(group), *sizes, digest.digest(), *KINDS.get(type(group), {}).values()
 
 
-def _of_others(kind: type) -> Iterator[tuple[str, Any]]:
+def _gone_through(kind: type, filled: bool) -> Iterator[tuple[str, Any]]:
     for name, hook in KINDS.get(kind, {}).items():
         function = getattr(hook, "py_func", hook)
-        if name in ("begin", *READING) and not comes_with_us(function):
+        if name in ("begin", *READING) and (filled or not comes_with_us(function)):
             yield name, function
 
 

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.entry_points import module_of_caller
 from tautline.kernels.bound import Lasting
 from tautline.kernels.dofs import Dofs, runs_of
 from tautline.kernels.groups import laid_out, link, without_friction
-from tautline.kernels.machine.sources import comes_with_us
+from tautline.kernels.machine.sources import comes_with_us, is_module_of_ours
 from tautline.kernels.matrix import Factors, new_factors
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.masters import Masters
@@ -273,10 +274,13 @@ def assemble(
     numbering = _numbering(Structure.of(degrees, stencils, mass_stencils, algebraic, flowing))
     dofs, free, number, rank = numbering.dofs, numbering.free, numbering.number, numbering.rank
     border, mass_pattern = numbering.border, numbering.mass_pattern
-    if not all(comes_with_us(type(group)) for group in groups):
+    filled_by_others = not is_module_of_ours(module_of_caller())
+    if filled_by_others or not all(comes_with_us(type(group)) for group in groups):
         from tautline.system.hook_bounds import check_places
 
-        check_places(groups, dofs, degrees.value.astype(np.float64), _velocity(velocity, degrees))
+        check_places(
+            groups, dofs, degrees.value.astype(np.float64), _velocity(velocity, degrees), filled=filled_by_others
+        )
     return System(
         groups=groups,
         dofs=dofs._replace(offset=degrees.value[dofs.held].astype(np.float64)),

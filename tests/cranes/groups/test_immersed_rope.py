@@ -146,7 +146,7 @@ def test_the_force_is_smooth_where_rope_gets_wet():
 def test_rope_as_heavy_as_water_has_no_weight_at_its_stations_nor_in_its_material():
     rows = np.zeros(1, SPAN).view(np.recarray)
     rows[0] = (0, 4, POINT, POINT, 1.0, DENSITY * SECTION, 0.0, (0, 0, -GRAVITY * DENSITY * SECTION), 1, 0, 0, 0)
-    spans = new_spans(rows, np.zeros(1, WHEEL).view(np.recarray))
+    spans = new_spans(rows, np.zeros(0, WHEEL).view(np.recarray))
     both = Hooks((spans, group()), 8, [np.arange(8)])
     q = at((0, 0, -3.0), (1, 0, -2.5), 0.0, 3.0)
     assert both.residual(q, 0 * q, 0 * q) == pytest.approx(0.0, abs=1e-12)

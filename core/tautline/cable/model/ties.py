@@ -65,7 +65,13 @@ def equations_of(layout: Layout) -> list[Equation]:
 
 
 def _append(layout: Layout, made: list[Equation], equation: Equation) -> None:
-    """Append an equation, unless all that it is about is held; raises SceneError if it then does not hold."""
+    """Append an equation, unless all that it is about is held; raises SceneError if it then does not hold.
+
+    One of an item of others whose numbers are none is refused too.
+    """
+    if not np.isfinite([equation.offset, *(factor for _, factor in equation.row)]).all():
+        cause = f"{equation.name}: a factor or the offset of this equation is no finite number"
+        raise SceneError([layout.scene.problem(equation.tie.place, cause, "correct `equations` of its item")])
     tie, error = equation.tie, abs(equation.value(layout.initial))
     if not all(layout.is_held(place) for place, _ in equation.row):
         made.append(equation)

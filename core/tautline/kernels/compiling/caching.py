@@ -29,7 +29,7 @@ from tautline.kernels.compiling.inlined import Reader
 from tautline.kernels.machine import storage
 from tautline.kernels.machine.code import KERNELS_OF
 from tautline.kernels.machine.settings import PLAIN
-from tautline.kernels.machine.sources import applications_in, fingerprint, fingerprint_of_ours, is_ours
+from tautline.kernels.machine.sources import applications_in, fingerprints_of_others, own_fingerprint
 
 WAIT = 10.0
 """Seconds to wait for another process that writes the same index; then this one writes all the same."""
@@ -160,7 +160,6 @@ class PartCache(FunctionCache):
     def __init__(self, function: Any) -> None:
         self._name, self._py_func = repr(function), function
         self._impl = Code(function, inspect.getfile(function))
-        self._is_ours = is_ours(function)
         self._files: dict[str, Files] = {}
         self._keys: dict[Any, Any] = {}
         self._enabled = True
@@ -232,10 +231,9 @@ class PartCache(FunctionCache):
         classes = list(dict.fromkeys(each for kind in arguments for each in _classes_in(kind)))
         described = [f"{each.__module__}.{each.__qualname__}{each._fields}" for each in classes]
         kernels = [each for one in classes for kernels in KERNELS_OF for each in kernels(one)]
-        own = fingerprint_of_ours(self._py_func) if self._is_ours else fingerprint(self._py_func)
+        own = own_fingerprint(self._py_func)
         applications = applications_in(self._py_func, *classes, *kernels)
-        others = (fingerprint(each) for each in kernels if not is_ours(each))
-        return (str(arguments), *described), _target_of(codegen), (own, *applications, *others)
+        return (str(arguments), *described), _target_of(codegen), (own, *applications, *fingerprints_of_others(kernels))
 
 
 @functools.cache

@@ -10,6 +10,7 @@ from numba.np.arrayobj import make_array, populate_array
 
 from tautline.kernels.compiling.errors import error_of_hook
 from tautline.kernels.compiling.kernels import intrinsic_for
+from tautline.kernels.compiling.raises import refuse_raising
 from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.compiling.types.records import Record
 from tautline.kernels.groups import CALLS, KINDS, ROWS, SUMS, apply
@@ -45,14 +46,16 @@ def _apply(typing, row, kind, group, arguments):
 def _compiled(kind: type, hook: str, signature: tuple[types.Type, ...]) -> Any:
     """What numba makes of a kind's hook; a mistake in a hook of others is told to them."""
     kernel = KINDS[kind][hook]
-    function = kernel.compiled
+    function, ours = kernel.compiled, comes_with_us(kernel.py_func)
     if signature not in function.overloads:
+        if not ours:
+            refuse_raising(kind, hook, kernel.py_func)
         try:
             function.compile(signature)
         except Exception as error:
-            if comes_with_us(kernel.py_func):
+            if ours:
                 raise
-            raise error_of_hook(kind, hook, kernel.py_func, error) from error
+            raise error_of_hook(kind, hook, kernel.py_func, error) from None
     return function.overloads[signature]
 
 

@@ -12,6 +12,7 @@ from numba.core.typing.templates import AbstractTemplate, infer, infer_global, m
 from numba.extending import overload
 
 from tautline.kernels.compiling.caching import PartCache
+from tautline.kernels.compiling.errors import KernelError
 from tautline.kernels.compiling.inlined import compiler_for
 from tautline.kernels.compiling.signatures import signature_of
 from tautline.kernels.compiling.types.kinds import form_of_returned, kind_of
@@ -49,7 +50,11 @@ def compile_whole(compiled: Inner, forms: tuple[Form, ...]) -> tuple[int, Stored
     """Compile a function for the forms of its arguments: its address in this process, and what is kept of it."""
     signature = tuple(map(kind_of, forms))
     with global_compiler_lock:
-        compiled.compile(signature)
+        try:
+            compiled.compile(signature)
+        except KernelError as error:
+            # Behind it are 150 lines of numba's steps; the error has what it said.
+            raise error.with_traceback(None) from None
         return _compiled(compiled.overloads[signature])
 
 

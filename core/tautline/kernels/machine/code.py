@@ -21,7 +21,7 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from tautline.kernels.machine import storage
-from tautline.kernels.machine.sources import applications_in, fingerprint, fingerprint_of_ours, is_ours
+from tautline.kernels.machine.sources import applications_in, fingerprints_of_others, own_fingerprint
 from tautline.kernels.machine.targets import instructions, shipped_target, target
 from tautline.kernels.memory import Form, classes_in, text_of
 
@@ -56,11 +56,9 @@ def name_of(function: Any, forms: tuple[Form, ...]) -> Name:
     """What the code of a kernel for arguments of some forms is kept under."""
     classes = list(dict.fromkeys(each for form in forms for each in classes_in(form)))
     kernels = [each for one in classes for kernels in KERNELS_OF for each in kernels(one)]
-    own = fingerprint_of_ours(function) if is_ours(function) else fingerprint(function)
-    others = (fingerprint(each) for each in kernels if not is_ours(each))
     contents = [
-        function.__qualname__, str(function.__code__.co_firstlineno), *map(text_of, forms), own,
-        *applications_in(function, *classes, *kernels), *others,
+        function.__qualname__, str(function.__code__.co_firstlineno), *map(text_of, forms),
+        own_fingerprint(function), *applications_in(function, *classes, *kernels), *fingerprints_of_others(kernels),
     ]  # fmt: skip
     triple, processor, features = target()
     level = shipped_target()

@@ -2,13 +2,16 @@
 
 Files are hashed by their contents and their place in their package, not by where that is installed. The core's name the
 folder of the cache (:mod:`tautline.kernels.machine.storage`); an application's are part of the key of all code that
-takes in a kernel or a group of it. A kernel of a user's own script is hashed with every function that it calls and
-every constant that it takes in, wherever these stand; that hash is part of the key under which its code is kept. So a
-folder of compiled code may be moved, copied to another machine, or come with an installation.
+takes in a kernel or a group of it. Files say enough of what comes with this program: there constants of kernels stand
+where kernels do. What others wrote, in a script or in a package that is installed, is hashed function by function with
+every function that it calls and every constant that it takes in, wherever these stand; that hash is part of the key
+under which its code is kept. So a folder of compiled code may be moved, copied to another machine, or come with an
+installation.
 """
 
 from __future__ import annotations
 
+import enum
 import functools
 import hashlib
 import os
@@ -16,7 +19,7 @@ import re
 import sys
 import types as python_types
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib import metadata, util
 from typing import Any
 
@@ -30,23 +33,29 @@ UNCOMPILED = {"study", "cli", "view", "results"}
 """Rooms of the core in which nothing is compiled, though they speak of kernels."""
 COMPILED = {"kernels", "integrators"}
 """Rooms of which every file counts: types, numbers and LLVM's own instructions go into kernels that stand elsewhere."""
-KNOWN = {"numpy", "numba", "llvmlite", "scipy"} | set(sys.stdlib_module_names) - {"__main__"}
-"""Packages that are known by their version."""
+LIBRARIES = {"numpy", "numba", "llvmlite", "scipy"}
+"""Packages that are known by their version; Python's own modules are known by Python's."""
 
 
 def kernel_sources(package: str = "tautline") -> dict[str, bytes]:
     """Contents of the files of the core, or of an installed application, that hold compiled code.
 
     They go by their place in the package. Each is read once and told from others by its text: this is done before the
-    first kernel of every run is loaded.
+    first kernel of every run is loaded. An application may be a module of one file.
     """
     spec = util.find_spec(package)
+    if spec is not None and spec.submodule_search_locations is None and hasattr(spec.loader, "get_data"):
+        loader: Any = spec.loader
+        return {f"{package}.py": loader.get_data(spec.origin)}
     roots = list(spec.submodule_search_locations or ()) if spec else []
     return {place: text for root in roots for place, text in sorted(_texts(package, root))}
 
 
 def _texts(package: str, root: str) -> Iterator[tuple[str, bytes]]:
-    """Places and contents of the files below a folder that hold compiled code, or constants that are compiled in."""
+    """Places and contents of the files below a folder that hold compiled code.
+
+    Numbers that a kernel takes from a file without any are hashed by their values: see `fingerprint`.
+    """
     for place in _python_files(root):
         rooms = place.split("/")[:-1]
         if package == "tautline" and not UNCOMPILED.isdisjoint(rooms[:1]):
@@ -61,7 +70,7 @@ def _texts(package: str, root: str) -> Iterator[tuple[str, bytes]]:
 def packages() -> frozenset[str]:
     """The core and the installed applications."""
     points = entry_points.in_group("tautline.applications")
-    return frozenset({"tautline"} | {point.value.split(".")[0].split(":")[0] for point in points})
+    return frozenset({"tautline"} | {entry_points.package_of(point) for point in points})
 
 
 def is_ours(thing: Any) -> bool:
@@ -69,17 +78,14 @@ def is_ours(thing: Any) -> bool:
     return (getattr(thing, "__module__", None) or "").split(".")[0] in packages()
 
 
-@functools.cache
-def _own_packages() -> frozenset[str]:
-    """The core and the applications that are installed with it."""
-    points = entry_points.in_group("tautline.applications")
-    with_us = (point for point in points if point.dist is not None and point.dist.name == "tautline")
-    return frozenset({"tautline"} | {re.split("[.:]", point.value)[0] for point in with_us})
-
-
 def comes_with_us(thing: Any) -> bool:
     """Whether a function or class is of this program, and not of an application or extension that others wrote."""
-    return (getattr(thing, "__module__", None) or "").split(".")[0] in _own_packages()
+    return is_module_of_ours(getattr(thing, "__module__", None) or "")
+
+
+def is_module_of_ours(name: str) -> bool:
+    """Whether a module is one of this program."""
+    return name.split(".")[0] in entry_points.packages_of_ours()
 
 
 IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
@@ -132,7 +138,7 @@ def hash_of_all_sources() -> str:
     Line ends do not count: an installation may have those of its machine.
     """
     digest = hashlib.sha256()
-    for package in sorted(_own_packages()):
+    for package in sorted(entry_points.packages_of_ours()):
         spec = util.find_spec(package)
         for root in sorted(spec.submodule_search_locations or ()) if spec else ():
             for place in sorted(_python_files(root)):
@@ -157,8 +163,12 @@ def _python_files(root: str, inner: str = "") -> Iterator[str]:
 @functools.cache
 def applications_in(*things: Any) -> tuple[str, ...]:
     """Hashes of the installed applications that functions and classes are of; the core's names the folder."""
-    named = {(getattr(thing, "__module__", None) or "").split(".")[0] for thing in things}
-    return tuple(map(_hash_of_application, sorted(named & (packages() - {"tautline"}))))
+    return applications_in_packages(*((getattr(thing, "__module__", None) or "").split(".")[0] for thing in things))
+
+
+def applications_in_packages(*names: str) -> tuple[str, ...]:
+    """The same of packages by their names."""
+    return tuple(map(_hash_of_application, sorted(set(names) & (packages() - {"tautline"}))))
 
 
 _hash_of_application = functools.cache(hash_of_package)
@@ -175,8 +185,18 @@ def fingerprint(function: Any) -> str:
     return digest.hexdigest()
 
 
-def fingerprint_of_ours(function: Any) -> str:
-    """The same of a function whose sources are hashed as files: of its own code and of what it encloses."""
+def own_fingerprint(function: Any) -> str:
+    """Hash of a function as it stands in the key of its code: what comes with us has been hashed as files."""
+    return _fingerprint_of_ours(function) if comes_with_us(function) else fingerprint(function)
+
+
+def fingerprints_of_others(kernels: Iterable[Any]) -> tuple[str, ...]:
+    """Those of kernels that others wrote."""
+    return tuple(fingerprint(each) for each in kernels if not comes_with_us(each))
+
+
+def _fingerprint_of_ours(function: Any) -> str:
+    """Of a function whose sources are hashed as files: of its own code and of what it encloses."""
     digest = hashlib.sha256(function.__code__.co_code)
     for cell in function.__closure__ or ():
         for part in _contents(cell.cell_contents, set()):
@@ -186,7 +206,10 @@ def fingerprint_of_ours(function: Any) -> str:
 
 def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
     """Text that changes where a value does that compiled code takes in."""
-    if isinstance(thing, (type(None), bool, int, float, complex, str, bytes, np.generic)):
+    if isinstance(thing, enum.Enum):
+        yield f"{type(thing).__name__}.{thing.name} {thing.value!r}"
+        return
+    if isinstance(thing, PLAIN_VALUES):
         yield f"{type(thing).__name__} {thing!r}"
         return
     if id(thing) in seen:
@@ -206,26 +229,60 @@ def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
             yield from _contents(pair, seen)
     elif isinstance(thing, python_types.ModuleType):
         yield f"module {thing.__name__}"
-    elif _is_known(thing) or _is_known(function) or is_ours(function):
-        yield f"known {getattr(thing, '__module__', '')}.{getattr(thing, '__qualname__', thing)}"
-        for cell in getattr(function, "__closure__", None) or () if is_ours(function) else ():
+    elif comes_with_us(function):
+        yield f"ours {function.__module__}.{getattr(function, '__qualname__', thing)} {applications_in(function)}"
+        for cell in getattr(function, "__closure__", None) or ():
             yield from _contents(cell.cell_contents, seen)
+    elif is_known(thing) or is_known(function):
+        yield f"known {getattr(thing, '__module__', '')}.{getattr(thing, '__qualname__', thing)}"
     elif isinstance(function, python_types.FunctionType):
         yield f"function {function.__qualname__} {getattr(thing, 'targetoptions', '')}"
         yield from _contents_of_function(function, seen)
     elif isinstance(thing, type):
         yield f"class {thing.__module__}.{thing.__qualname__} {getattr(thing, '_fields', '')}"
-        for each in (value for value in vars(thing).values() if isinstance(value, python_types.FunctionType)):
-            yield from _contents(each, seen)
+        yield from _contents_of_class(thing, seen)
     elif _is_type(thing):
         yield f"type {thing}"
     else:
         yield uuid.uuid4().hex
 
 
-def _is_known(thing: Any) -> bool:
+PLAIN_VALUES = (type(None), bool, int, float, complex, str, bytes, np.generic)
+
+
+def _contents_of_class(kind: type, seen: set[int]) -> Iterator[str]:
+    """Members of an enumeration, defaults of a named tuple, constants and functions of any class."""
+    for base in kind.__mro__[:-1]:
+        for name, value in vars(base).items():
+            if isinstance(value, (python_types.FunctionType, *PLAIN_VALUES)) and name not in NOT_OF_A_VALUE:
+                yield name
+                yield from _contents(value, seen)
+    yield from _contents(getattr(kind, "_field_defaults", None), seen)
+    members: Iterable[Any] = kind if isinstance(kind, enum.EnumMeta) else ()
+    for member in members:
+        yield from _contents(member, seen)
+
+
+NOT_OF_A_VALUE = {"__doc__", "__module__", "__qualname__", "__firstlineno__"}
+"""What a class has that no compiled code takes in."""
+
+
+def is_known(thing: Any) -> bool:
+    """Whether a function, class or object is of a package that is known by its version."""
     module = getattr(thing, "__module__", None) or getattr(type(thing), "__module__", "")
-    return isinstance(module, str) and module.split(".")[0] in KNOWN and not _is_type(thing)
+    return isinstance(module, str) and _is_known_package(module.split(".")[0]) and not _is_type(thing)
+
+
+@functools.cache
+def _is_known_package(name: str) -> bool:
+    """Whether a package is known by its version; a user's own ``wave.py`` is not, for all that Python has one too."""
+    if name in LIBRARIES:
+        return True
+    if name not in sys.stdlib_module_names or name == "__main__":
+        return False
+    file = getattr(sys.modules.get(name), "__file__", None)
+    rooms = os.path.dirname(os.__file__), os.path.join(sys.base_prefix, "DLLs")
+    return file is None or any(os.path.realpath(file).startswith(os.path.realpath(room) + os.sep) for room in rooms)
 
 
 def _is_type(thing: Any) -> bool:
@@ -254,7 +311,11 @@ def _contents_of_function(function: python_types.FunctionType, seen: set[int]) -
 
 def _contents_of_module(module: python_types.ModuleType, names: list[str], seen: set[int]) -> Iterator[str]:
     """What a function may take of a module: all that goes by one of the names in its code, in its packages too."""
-    if module.__name__.split(".")[0] in KNOWN | packages():
+    package = module.__name__.split(".")[0]
+    if _is_known_package(package):
+        return
+    if package in entry_points.packages_of_ours():
+        yield from applications_in_packages(package)
         return
     for name in names:
         if name in vars(module):

@@ -1,0 +1,71 @@
+"""Hooks that can raise an error: whoever calls a hook by its address does not look whether it did.
+
+Numba has compiled code raise by what it gives back. To look at that after every call of every group would cost each run
+time, for an error that no hook of ours has. So what others write may not raise: it is refused as it is compiled.
+"""
+
+from __future__ import annotations
+
+import dis
+from collections.abc import Iterator
+from contextlib import suppress
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+from tautline.kernels.compiling.errors import KernelError
+from tautline.kernels.machine.sources import comes_with_us, is_known
+
+CURE = (
+    "take the `raise` or `assert` out: refuse such values where the group is made, or write nan, which stops the run "
+    "there (docs/extending.md)"
+)
+
+
+def refuse_raising(kind: type, hook: str, function: Any) -> None:
+    """Refuse a hook of others in which, or in what it calls, an error is raised.
+
+    Raises
+    ------
+    KernelError
+        Naming the file and line of the first ``raise`` or ``assert``.
+    """
+    for each in _functions_of(function, set()):
+        line = _line_that_raises(each.__code__)
+        if line is not None:
+            named = f"{function.__module__}.{function.__qualname__}"
+            cause = f"hook {hook!r} of kind {kind.__name__} ({named}) can raise an error here, and a run would go on"
+            raise KernelError(f"{each.__code__.co_filename}:{line}", cause, CURE)
+
+
+def _line_that_raises(code: CodeType) -> int | None:
+    """Line of the first ``raise`` or ``assert`` in a function, and in those inside of it."""
+    for one in dis.get_instructions(code):
+        if one.opname == "RAISE_VARARGS":
+            return one.positions.lineno if one.positions else code.co_firstlineno
+    inner = (constant for constant in code.co_consts if isinstance(constant, CodeType))
+    return next((line for each in inner if (line := _line_that_raises(each)) is not None), None)
+
+
+def _functions_of(thing: Any, seen: set[int]) -> Iterator[FunctionType]:
+    """A function of others as it was written, and all of theirs that it may call."""
+    function = getattr(thing, "py_func", thing)
+    if not isinstance(function, FunctionType) or id(function) in seen:
+        return
+    if comes_with_us(function) or is_known(function):
+        return
+    seen.add(id(function))
+    yield function
+    names = _names(function.__code__)
+    used = [function.__globals__[name] for name in names if name in function.__globals__]
+    used += [vars(one)[name] for one in used if isinstance(one, ModuleType) for name in names if name in vars(one)]
+    for cell in function.__closure__ or ():
+        with suppress(ValueError):  # a name that has no value yet
+            used.append(cell.cell_contents)
+    for one in used:
+        yield from _functions_of(one, seen)
+
+
+def _names(code: CodeType) -> list[str]:
+    """Names that a function, and those inside of it, look up outside, in their order."""
+    inner = (constant for constant in code.co_consts if isinstance(constant, CodeType))
+    return list(dict.fromkeys([*code.co_names, *(name for each in inner for name in _names(each))]))

@@ -1,0 +1,102 @@
+"""Forces that a user adds and that are wrong: told with their name, and never by a process that ends."""
+
+import os
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+
+import tautline
+from tautline.elements.nodal.node import PointMasses
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.kernels.compiling.errors import KernelError
+from tautline.live.errors import SimulationError
+
+HOIST = Path(__file__).parents[2] / "data" / "hoist.yaml"
+compiled = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is about what is compiled")
+
+
+@pytest.fixture(scope="module")
+def standing():
+    return tautline.Simulation(tautline.read(HOIST))
+
+
+@numba.njit
+def in_a_window(t, q, v, force):
+    if t < 0.05:
+        force[0] = 1000.0
+
+
+@numba.njit
+def in_a_window_written(t, q, v, force):
+    force[:] = 0.0
+    if t < 0.05:
+        force[0] = 1000.0
+
+
+@compiled
+def test_a_compiled_force_is_zero_where_it_writes_nothing(standing):
+    # the force of its last call acted for ever
+    found = []
+    for force in (in_a_window, in_a_window_written, lambda t, q, v: [1000.0 if t < 0.05 else 0.0, 0.0, 0.0]):
+        sim = standing.copy()
+        sim.add_force(force, on="payload.position")
+        sim.advance(0.1)
+        found.append(sim["payload.position"][0])
+    assert found[0] == found[1] == pytest.approx(found[2], abs=1e-12)
+
+
+@numba.njit
+def raising(t, q, v, force):
+    if t > 0.02:
+        raise ValueError("the table ends")
+
+
+@numba.njit
+def no_number(t, q, v, force):
+    force[1] = np.nan if t > 0.02 else 0.0
+
+
+def no_number_in_python(t, q, v):
+    return [0.0, np.nan if t > 0.02 else 0.0, 0.0]
+
+
+@compiled
+@pytest.mark.parametrize(
+    ("force", "said"),
+    [(raising, "raised an error"), (no_number, "no finite number"), (no_number_in_python, "no finite number")],
+)
+def test_a_force_that_raises_or_is_no_number_is_named_in_place_of_a_motion_that_overflows(standing, force, said):
+    sim = standing.copy()
+    sim.add_force(force, on="payload.position")
+    with pytest.raises(StoppedEarly) as stop:
+        sim.advance(0.1)
+    assert stop.value.status == Status.NO_FORCE and stop.value.part == f"force {force.__name__}"
+    assert said in stop.value.sentence and "overflowed" not in stop.value.sentence
+
+
+@numba.njit
+def too_far(t, q, v, force):
+    force[3] = 1.0e5
+
+
+@numba.njit
+def reading_too_far(t, q, v, force):
+    force[0] = q[5]
+
+
+@compiled
+@pytest.mark.parametrize("force", [too_far, reading_too_far])
+def test_a_compiled_force_that_asks_for_a_place_beyond_its_vectors_is_refused(standing, force):
+    # compiled, it wrote into memory of something else and ended the process
+    with pytest.raises(SimulationError, match=rf"{Path(__file__).name}:\d+: index \d is out of bounds.*places 0 to 2"):
+        standing.copy().add_force(force, on="payload.position")
+
+
+@pytest.mark.parametrize("beyond", [-2, 400])
+def test_a_group_that_is_added_with_a_place_that_is_not_there_is_refused(standing, beyond):
+    size = standing.model.system.q.size
+    group = PointMasses(np.array([size + beyond]), np.array([1.0]), 0.0, np.zeros(3))
+    with pytest.raises(KernelError, match=rf"of kind PointMasses.*place \d+ of an array of {size}"):
+        standing.copy().add_force(group)
