@@ -12,8 +12,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from tautline.scene.errors import option_error
-from tautline.twin.sources.address import split_address
-from tautline.twin.sources.connection import Connection, cause_of
+from tautline.twin.sources.connection import Connection, cause_of, split_address
 from tautline.twin.sources.objects import SAID_OF, UNIT, VALUE, ObjectReadings, Remarks, why_no_reading
 from tautline.twin.sources.record import Record, SourceFault
 from tautline.twin.sources.stamps import Stamps

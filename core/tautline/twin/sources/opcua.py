@@ -13,8 +13,7 @@ from datetime import UTC
 from typing import Any
 
 from tautline.scene.errors import option_error
-from tautline.twin.sources.address import split_address
-from tautline.twin.sources.connection import Connection, cause_of
+from tautline.twin.sources.connection import Connection, cause_of, split_address
 from tautline.twin.sources.holding import Change, Holding
 from tautline.twin.sources.nodes import (
     DEEPEST,
