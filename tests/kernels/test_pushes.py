@@ -50,8 +50,8 @@ def _book_speeds(dofs, h, gamma, bends, known, v, a):
 
 
 @entry
-def _work_of_push(dofs, impulse, known, q, v, pushed, others, entered, scratch):
-    return work_of_push(dofs, impulse, known, q, v, pushed, others, entered, scratch)
+def _work_of_push(dofs, h, known, q, v, moved, others, entered, scratch):
+    return work_of_push(dofs, h, known, q, v, moved, others, entered, scratch)
 
 
 def pushed(function, end, h=STEP, gamma=0.5, equal=True):
@@ -76,12 +76,12 @@ def pushed(function, end, h=STEP, gamma=0.5, equal=True):
             last = a.copy()
             _prescribe_lasting(dofs, functions, t + h, h, known, last)
             # Of a body of 2 kg on a spring of 3 N/m: inertia works by its impulse, the spring along the way.
-            spring, entered = 3.0 * q, np.array([[place, 0.0], [3.0 * place, 0.0]])
-            work = _work_of_push(
-                dofs, gamma * h, known, q, v, 2.0 * a + spring, spring, entered, np.zeros((2, 2))
-            )  # fmt: skip
-            inertia = 2.0 * gamma * h * a[0] * 0.5 * (speed + v[0])
-            assert work == pytest.approx(inertia + 1.5 * (q[0] ** 2 - place**2))
+            spring, began, mean = 3.0 * q, 2.0 * known[BEGIN, 0], 2.0 * (v[0] - speed) / h
+            moved = spring + np.array([[mean, 0.0], [began, 0.0]])
+            entered = np.array([[place, 0.0], [3.0 * place + began, 0.0]])
+            work = _work_of_push(dofs, h, known, q, v, moved, spring, entered, np.zeros((2, 2)))
+            # Of both what the energies change by.
+            assert work == pytest.approx(v[0] ** 2 - speed**2 + 1.5 * (q[0] ** 2 - place**2), abs=1e-12)
             a = last
         _book_speeds(dofs, h, gamma, bends[-1], known, v, a)
         found.append(total)

@@ -29,14 +29,17 @@ from tautline.kernels.dofs import (
     BEGIN,
     DOFS,
     LAGGED,
+    NUMBERS,
     SPEED,
     book_speeds,
     drop_inertia,
     ease,
+    expand,
     expand_tied,
     prescribe_begun,
     prescribe_end,
     prescribe_lasting,
+    prescribe_means,
     prescribe_push,
     work_of_easing,
     work_of_push,
@@ -79,8 +82,8 @@ class GeneralizedAlpha(NamedTuple):
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
     on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (12,
     n_full) is what is known of what follows functions, see `prescribe_end`;
-    ``begun`` (n,) are accelerations behind a push with those of what is driven from before it, and ``forces`` (n_full,)
-    the full residual at the end of a step with a push.
+    ``begun`` (n,) are accelerations behind a push with those of what is driven from before it, and ``forces`` (2,
+    n_full) full residuals at the end of a step with a push, with its mean accelerations and those at its start.
     """
 
     alpha_m: float
@@ -314,15 +317,49 @@ def _judge(m, groups, dofs, state, t, h):
     return watch(groups, dofs, state, t + h, m.corrector.changed)
 
 
+@separate(type(None), NUMBERS, float, VECTOR, VECTOR, VECTOR, VECTOR, late=True)
+def _take_means(algebraic, h, v, before, a, means):
+    """Accelerations of the mean of a step of length h; multipliers are forces."""
+    for i in range(v.size):
+        means[i] = (v[i] - before[i]) / h
+    for i in algebraic:
+        means[i] = a[i]
+
+
+@separate(type(None), NUMBERS, VECTOR, VECTOR, VECTOR, late=True)
+def _take_begin(algebraic, begin, a, found):
+    """Accelerations at the start of a step; multipliers are those at its end."""
+    for i in range(a.size):
+        found[i] = begin[i]
+    for i in algebraic:
+        found[i] = a[i]
+
+
+MEAN, AT_START, WITHOUT = range(3)
+"""Accelerations with which the residual at the end of a step with a push is asked for."""
+
+
 @kernel
-def _push(m, groups, dofs, state, t, impulse):
-    """Work of what is driven in a step with a push that ends at t, J."""
-    copy(state.residual, m.forces)
-    drop_inertia(dofs, m.algebraic, state.a, state.full_a)
-    state.residual.fill(0.0)
-    over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
+def _push(m, groups, dofs, state, t, h):
+    """Work of what is driven in a step of length h with a push that ends at t, J."""
+    for which in range(WITHOUT + 1):
+        if which == MEAN:
+            _take_means(m.algebraic, h, state.v, state.keep[1], state.a, m.begun)
+            prescribe_means(dofs, h, m.driven, state.full_v, state.full_a)
+            expand(dofs, m.begun, state.full_a)
+        elif which == AT_START:
+            _take_begin(m.algebraic, m.history[m.newest[0]], state.a, m.begun)
+            for k in dofs.driven:
+                state.full_a[dofs.held[k]] = m.driven[BEGIN, dofs.held[k]]
+            expand(dofs, m.begun, state.full_a)
+        else:
+            drop_inertia(dofs, m.algebraic, state.a, state.full_a)
+        state.residual.fill(0.0)
+        over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
+        if which != WITHOUT:
+            copy(state.residual, m.forces[which])
     return work_of_push(
-        dofs, impulse, m.driven, state.full_q, state.full_v, m.forces, state.residual, state.entered, state.middle
+        dofs, h, m.driven, state.full_q, state.full_v, m.forces, state.residual, state.entered, state.middle
     )  # fmt: skip
 
 
@@ -438,7 +475,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
             status = _judge(m, groups, dofs, state, t, h)
             if status != DONE or not bends:
                 break
-            work += _push(m, groups, dofs, state, t + h, h * counted)
+            work += _push(m, groups, dofs, state, t + h, h)
             changes = prescribe_lasting(dofs, functions, t + h, h, m.driven, state.full_a)
             stage, left = BEHIND, TWICE
             if changes:
@@ -501,7 +538,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros((12, system.q.size)), np.zeros(system.size), np.zeros(system.q.size),
+        np.zeros((12, system.q.size)), np.zeros(system.size), np.zeros((2, system.q.size)),
     )  # fmt: skip
 
 

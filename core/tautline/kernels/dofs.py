@@ -329,6 +329,14 @@ def prescribe_lasting(dofs, functions, t, h, known, a):
     return changes
 
 
+@separate(type(None), DOFS, float, STATES, VECTOR, VECTOR, late=True)
+def prescribe_means(dofs, h, known, v, a):
+    """Set accelerations of what is driven to those of the mean of a step of length h."""
+    for k in dofs.driven:
+        i = dofs.held[k]
+        a[i] = (v[i] - known[SPEED, i]) / h
+
+
 @separate(type(None), DOFS, NUMBERS, VECTOR, VECTOR, late=True)
 def drop_inertia(dofs, algebraic, reduced, a):
     """Set full accelerations to zero, but multipliers, which are forces: ``algebraic`` lists their unknowns."""
@@ -338,30 +346,32 @@ def drop_inertia(dofs, algebraic, reduced, a):
         a[dofs.free[k]] = reduced[k]
 
 
-@separate(float, DOFS, float, STATES, VECTOR, VECTOR, VECTOR, VECTOR, STATES, STATES, late=True)
-def work_of_push(dofs, impulse, known, q, v, pushed, others, entered, scratch):
-    """Work of what is driven in a step in which a function bends, J.
+@separate(float, DOFS, float, STATES, VECTOR, VECTOR, STATES, VECTOR, STATES, STATES, late=True)
+def work_of_push(dofs, h, known, q, v, moved, others, entered, scratch):
+    """Work of what is driven in a step of length h in which a function bends, J.
 
-    The full residuals at its end are ``pushed``, and ``others`` without accelerations. Their difference is inertia, of
-    which ``impulse``, s, times the force is the impulse: its work is that times the mean of the speeds at both ends.
-    Other forces work along the way, with the mean of those ``entered`` (2, n_full), with places, and those at the end.
+    The full residuals at its end are ``others`` without accelerations, and ``moved`` (2, n_full) with those of the mean
+    of the step and with those at its start. The difference of the first is inertia, of which h times the force is the
+    impulse: its work is that times the mean of the speeds at both ends. All else works along the way, with the mean of
+    the forces at both ends: of those ``entered`` (2, n_full), with places, without inertia.
     """
     for i in range(v.size):
         scratch[0, i] = scratch[1, i] = 0.0  # what is fixed goes no way
     for k in dofs.driven:
         i = dofs.held[k]
         scratch[0, i] = q[i] - entered[0, i]
-        scratch[1, i] = 0.5 * impulse * (known[SPEED, i] + v[i])
+        scratch[1, i] = 0.5 * h * (known[SPEED, i] + v[i])
     work = 0.0
     for k in dofs.driven:
         i = dofs.held[k]
-        work += 0.5 * (entered[1, i] + others[i]) * scratch[0, i] + (pushed[i] - others[i]) * scratch[1, i]
+        along = 0.5 * (entered[1, i] + others[i] - (moved[1, i] - others[i]))
+        work += along * scratch[0, i] + (moved[0, i] - others[i]) * scratch[1, i]
     for i in dofs.carried:
-        place, inertia = 0.5 * (entered[1, i] + others[i]), pushed[i] - others[i]
+        along, inertia = 0.5 * (entered[1, i] + others[i] - (moved[1, i] - others[i])), moved[0, i] - others[i]
         for k in range(dofs.start[i], dofs.start[i + 1]):
             if dofs.unknown[k] < 0:
                 j = -1 - dofs.unknown[k]
-                work += dofs.factor[k] * (place * scratch[0, j] + inertia * scratch[1, j])
+                work += dofs.factor[k] * (along * scratch[0, j] + inertia * scratch[1, j])
     return work
 
 
