@@ -308,6 +308,11 @@ class Header:
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
 
+    @property
+    def most_cells(self) -> int:
+        """Cells that the header has, also those without a title at its end."""
+        return self._cells
+
     def may_be_named(self, line: str) -> bool:
         """Whether a line may have the title of the stamp, or has the names of all columns of the map: a quick look."""
         if self.columns and all(column in line for column in self.columns):
