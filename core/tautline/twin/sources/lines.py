@@ -15,10 +15,16 @@ Every cell between the two may be its first title, or the last one of a row that
 *What decides.* The number of cells of the row behind the line. Where the line ends with the titles of the header
 before, the row is longer or shorter than the header by as many cells as rows before it were. Behind other titles it
 shows only that no header begins by which it is longer than rows were: it may lack its last cells, though none did
-before. And where the header has the stamp and the columns of the map, the row has a stamp and no words. A line of units
+before. And where the header has the stamp and the columns of the map, the row has a stamp there; words in columns of
+the map speak against a place where the number of cells leaves several. A line of units
 below the header counts as a row. Where this leaves one place, the header begins there, and that row is the first one
 that is read by it. Where it leaves several, or none, the row is left out, and this is told: another row may show it.
 After `IN_DOUBT` of them the source ends.
+
+*What may be a row.* A line with a stamp in its place that fills no more cells than the header has is a row, whatever
+its text says; but where it may end with all titles that are needed, it is left out, counted and told. A row behind it
+that is longer than rows of such a header shows that there was none; so does a second line of that kind right behind
+it, and from there on all such lines are rows. Most rows are known by a quick look at their cells.
 
 *The piece in the cell of the first title.* A piece of a number, ``12time``, is taken off the title of a stamp. Any
 piece is taken off where all titles of the header before stand behind it, but for a word where rows have the stamp or a
@@ -88,6 +94,12 @@ class HeaderInLine:
     number: int
     as_row: int = 0
     left_out: int = 0
+
+    @property
+    def may_be_text(self) -> bool:
+        """Whether the line may be a row whose last cells are text: no number breaks off before a title, ``12time``."""
+        tail = self.cells[-self.as_row :] if self.as_row else []
+        return bool(tail) and not any(cell[:1].isdecimal() and not _is_plain(cell) for cell in tail)
 
     def header(self, start: int) -> str:
         """The header as a line of its own."""
@@ -172,9 +184,10 @@ class Lines:
 
     def _is_row(self, found: HeaderInLine) -> bool:
         """Whether a line that may be a row is one: nobody writes two headers, one right behind the other."""
-        if found.as_row and self._doubt is not None and self._doubt.as_row:
+        before = self._doubt
+        if before is not None and not before.left_out and before.may_be_text and found.may_be_text:
             self._doubt, self._titles_in_rows = None, True
-        return found.as_row > 0 and self._titles_in_rows
+        return found.may_be_text and self._titles_in_rows
 
     def _follow(self, line: str, number: int, whole: bool = True) -> None:
         """Read rows by the header that a line is, where it is one."""
