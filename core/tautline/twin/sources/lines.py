@@ -16,15 +16,16 @@ Every cell between the two may be its first title, or the last one of a row that
 before, the row is longer or shorter than the header by as many cells as rows before it were. Behind other titles it
 shows only that no header begins by which it is longer than rows were: it may lack its last cells, though none did
 before. And where the header has the stamp and the columns of the map, the row has a stamp there; words in columns of
-the map speak against a place where the number of cells leaves several. A line of units
-below the header counts as a row. Where this leaves one place, the header begins there, and that row is the first one
-that is read by it. Where it leaves several, or none, the row is left out, and this is told: another row may show it.
-After `IN_DOUBT` of them the source ends.
+the map speak against a place where the number of cells leaves several. A line of units below the header counts as a
+row. Where this leaves one place, the header begins there, and that row is the first one that is read by it. Where it
+leaves several, or none, the row is left out, and this is told: another row may show it. After `IN_DOUBT` of them the
+source ends.
 
 *What may be a row.* A line with a stamp in its place that fills no more cells than the header has is a row, whatever
 its text says; but where it may end with all titles that are needed, it is left out, counted and told. A row behind it
 that is longer than rows of such a header shows that there was none; so does a second line of that kind right behind
-it, and from there on all such lines are rows. Most rows are known by a quick look at their cells.
+it, and from there on all such lines are rows, unless a number breaks off before a title. Most
+rows are known by a quick look at their cells.
 
 *The piece in the cell of the first title.* A piece of a number, ``12time``, is taken off the title of a stamp. Any
 piece is taken off where all titles of the header before stand behind it, but for a word where rows have the stamp or a
@@ -199,7 +200,8 @@ class Lines:
         """Whether a line shows where a header begins; rows are read by that header then."""
         cells = cells_of(line, doubt.separator)
         offsets = self.header.offsets or {0}
-        if doubt.as_row and len(cells) > doubt.as_row + max(0, *offsets) and _has_stamp(self.header, cells):
+        count = len(cells) if doubt.may_be_text else filled(cells)
+        if doubt.as_row and count > doubt.as_row + max(0, *offsets) and _has_stamp(self.header, cells):
             self._doubt = None  # longer than rows of that header would be: there was none
             return True
         offsets = offsets if doubt.again else {0, *offsets}
