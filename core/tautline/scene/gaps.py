@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -144,8 +145,14 @@ def _jumps(table: Table, unit: str, step: float) -> str:
         f"rows of {table.file} are {apart:.6g} s apart, and a step takes {step:.6g} s. On straight lines between them "
         f"the speed jumps by {sized(jump, unit + '/s')} from row to row, as noise makes it. Steps cannot follow that: "
         "places and forces beside it go wrong, and the longer the more. Smooth the record, keep fewer rows, or take "
-        f"steps of {apart / CLOSE:.2g} s"
+        f"steps of {_rounded_down(apart / CLOSE):.6g} s: {CLOSE:g} or more from row to row"
     )
+
+
+def _rounded_down(value: float) -> float:
+    """A number above 0 with two digits that is no larger: a step that is rounded up is too long again."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / unit * (1.0 + ROUNDED)) * unit
 
 
 def _matters(value: np.ndarray, edge: int, unit: str) -> bool:

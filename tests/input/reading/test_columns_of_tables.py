@@ -308,6 +308,13 @@ def test_a_column_with_decimal_points_and_with_commas_is_refused(separator, tmp_
         Columns(tmp_path / "record.csv").values(1, "m")
 
 
+@pytest.mark.parametrize("first", ["0.0", "2.0E+00", "-0.5"])
+def test_a_value_with_a_point_among_decimal_commas_is_read_where_neither_can_mark_thousands(first, tmp_path):
+    """A file with `0.0` as its first value was refused, with untrue words of thousands."""
+    (tmp_path / "record.csv").write_text(f"time;v\n0;{first}\n1;10,25\n2;1,001\n")
+    assert Columns(tmp_path / "record.csv").values(1, "m") == (float(first), 10.25, 1.001)
+
+
 @pytest.mark.parametrize("stamp", ["46023000011,574", "0"])
 def test_days_times_a_million_under_time_ms_are_no_milliseconds(stamp, tmp_path):
     """As WinCC writes them: a second is 11.574 of `Time_ms`, and was read as 0.0116 s."""

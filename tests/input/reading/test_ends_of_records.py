@@ -25,12 +25,12 @@ HEAVE = CRANE.replace("{table: {file: w.csv}}", "0") + (
 )
 
 
-def told(folder, rows, scene=CRANE):
+def told(folder, rows, scene=CRANE, step=0.01):
     """Warnings of a scene with a file of rows (time, value)."""
     (folder / "w.csv").write_text("time,value\n" + "".join(f"{t:.15g},{value:.9g}\n" for t, value in rows))
     document = Document.parse(scene, folder / "scene.yaml")
     CraneScene.read(document)
-    return [str(one) for one in ends_of_records(CraneScene, document, 20.0, 0.01)]
+    return [str(one) for one in ends_of_records(CraneScene, document, 20.0, step)]
 
 
 def speed(first, last):
@@ -145,6 +145,17 @@ def test_a_row_near_which_a_record_passes_zero_is_no_slip_of_a_unit(tmp_path):
     assert slips(tmp_path, rows) == []
     (text,) = slips(tmp_path, [(t, 1e-8 * (1.0 + value)) for t, value in rows])
     assert "unusual for a winch speed" in text, "but one of which all rows are small is"
+
+
+def test_the_step_that_is_advised_for_close_rows_is_short_enough(tmp_path):
+    """0.067 s / 4 was rounded up to 0.017 s, and with that step the warning came again."""
+    draw = np.random.default_rng(1)
+    rows = [(t, 0.5 * np.sin(t) + 1e-2 * draw.standard_normal()) for t in np.arange(0.0, 20.1, 0.067)]
+    scene = HEAVE.replace("file: w.csv", "file: w.csv, interpolation: linear")
+    (found,) = told(tmp_path, rows, scene, 0.02)
+    advised = found.split("steps of ")[1].split(" s")[0]
+    assert float(advised) == 0.016
+    assert not told(tmp_path, rows, scene, float(advised))
 
 
 @pytest.mark.parametrize(

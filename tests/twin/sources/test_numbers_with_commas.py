@@ -78,3 +78,21 @@ def test_a_column_with_points_has_no_decimal_commas_and_such_cells_are_left_out_
     )
     (note,) = source.notes
     assert "column 'tension' has cells such as '999.5' and '1,001'" in note
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+def test_a_first_value_with_a_point_among_decimal_commas_is_no_mark_of_thousands(tmp_path, of):
+    """`0.0`, as programs write a first value, made all cells behind it missing."""
+    source = source_of(of, tmp_path, "time;winch;tension\n0;0.0;0.0\n1;10,25;50,5\n2;10,5;1,001\n")
+    assert [tuple(row.values.values()) for row in all_of(source)] == [(0.0, 0.0), (10.25, 50.5), (10.5, 1.001)]
+    assert not source.notes
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+def test_a_mark_that_is_shown_to_be_decimal_wins_over_one_that_came_first(tmp_path, of):
+    """`999.5` was left out behind `1,001`, which was read as 1.001 through the whole file."""
+    source = source_of(of, tmp_path, "time\twinch\ttension\n0\t1\t1,001\n1\t1\t999.5\n2\t1\t1,002\n3\t1\t998.5\n")
+    read = [row.values["tension"] for row in all_of(source)]
+    assert [one for one in read[1:] if one == one] == [999.5, 998.5]
+    (note,) = source.notes
+    assert "cells such as '999.5' and '1,001'" in note and "were read as decimals before, and may be wrong" in note

@@ -47,6 +47,8 @@ NO_UNIT = ("", "-", "--", "1")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 THOUSANDS = re.compile(r"[+-]?\d{1,3}(\.\d{3})+", re.ASCII)
 """A number that may have points as marks of thousands."""
+THOUSAND = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
+"""A number whose one point or comma may be a mark of thousands."""
 SEPARATOR_LINE = re.compile(r"\s*\"?sep=(.)\"?\s*", re.IGNORECASE)
 """The first line of files that a spreadsheet writes for itself: it states what stands between cells."""
 WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
@@ -103,7 +105,7 @@ class Columns:
         if self.headed and len(first) == 2 and is_number_or_date(first[0]):
             below = [_cell(row, 0) for _, row in rows[1 : USUAL_ROWS + 1]]
             if below and all(map(_is_number, below)):
-                word = next(cell for cell in first if not _is_number(cell))
+                word = next(cell for cell in reversed(first) if not _is_number(cell))
                 cause = f"begins with '{first[0]}' as a row does, and '{word}' is no number that can be read"
                 cure = "write plain numbers, or a header above them, such as time,value"
                 self.stop(self.header_line, "", None, cause, cure)
@@ -310,18 +312,17 @@ class Columns:
         return np.array([self.number(line, name, _cell(row, place), missing) for line, row in self.rows])
 
     def _refuse_two_marks(self, place: int, name: str) -> None:
-        """Refuse a column that has numbers with points and others with commas: one of both marks thousands."""
+        """Refuse a column of points and commas where one of both may mark thousands: none shows it to be decimal."""
         if self.separator == ",":
             return
         cells = [(line, _cell(row, place)) for line, row in self.rows]
         numbers = [(line, cell) for line, cell in cells if NUMBER.fullmatch(cell.replace(",", "."))]
-        pointed = next(((line, cell) for line, cell in numbers if "." in cell), None)
-        comma = next(((line, cell) for line, cell in numbers if "," in cell), None)
-        if pointed and comma:
-            cause = (
-                f"has a comma, and {pointed[1]} in line {pointed[0]} has a point: one of both is a mark of thousands"
-            )
-            self.stop(comma[0], name, comma[1], cause, "write numbers without marks of thousands")
+        pointed, comma = ([one for one in numbers if mark in one[1]] for mark in ".,")
+        unsure = any(all(may_mark_thousands(cell) for _, cell in cells) for cells in (pointed, comma))
+        if pointed and comma and unsure:
+            (other, point), (line, cell) = pointed[0], comma[0]
+            cause = f"has a comma, and {point} in line {other} has a point: one of both may be a mark of thousands"
+            self.stop(line, name, cell, cause, "write numbers without marks of thousands")
 
     def number(self, line: int, name: str, cell: str, missing: str = "fill it in, or delete the row") -> float:
         """Number in a cell; nan for anything else, which is noted."""
@@ -364,6 +365,11 @@ class Columns:
             line, row = self.rows[int(np.flatnonzero(values == largest)[0])]
             self.stop(line, name, row[place], *OUTSIDE)
         return tuple(float(value) for value in values)
+
+
+def may_mark_thousands(cell: str) -> bool:
+    """Whether the mark of a number may stand for thousands: ``1,001``, but neither ``0,500`` nor ``10,25``."""
+    return THOUSAND.fullmatch(cell) is not None
 
 
 def thousand(cell: str) -> str:

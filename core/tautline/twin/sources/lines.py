@@ -15,10 +15,17 @@ Every cell between the two may be its first title, or the last one of a row that
 *What decides.* The number of cells of the row behind the line. Where the line ends with the titles of the header
 before, the row is longer or shorter than the header by as many cells as rows before it were. Behind other titles it
 shows only that no header begins by which it is longer than rows were: it may lack its last cells, though none did
-before. And where the header has the stamp and the columns of the map, the row has a stamp and no words. A line of units
-below the header counts as a row. Where this leaves one place, the header begins there, and that row is the first one
-that is read by it. Where it leaves several, or none, the row is left out, and this is told: another row may show it.
-After `IN_DOUBT` of them the source ends.
+before. And where the header has the stamp and the columns of the map, the row has a stamp there; words in columns of
+the map speak against a place where the number of cells leaves several. A line of units below the header counts as a
+row. Where this leaves one place, the header begins there, and that row is the first one that is read by it. Where it
+leaves several, or none, the row is left out, and this is told: another row may show it. After `IN_DOUBT` of them the
+source ends.
+
+*What may be a row.* A line with a stamp in its place that fills no more cells than the header has is a row, whatever
+its text says; but where it may end with all titles that are needed, it is left out, counted and told. A row behind it
+that is longer than rows of such a header shows that there was none; so does a second line of that kind right behind
+it, and from there on all such lines are rows, unless a number breaks off before a title. Most
+rows are known by a quick look at their cells.
 
 *The piece in the cell of the first title.* A piece of a number, ``12time``, is taken off the title of a stamp. Any
 piece is taken off where all titles of the header before stand behind it, but for a word where rows have the stamp or a
@@ -41,6 +48,8 @@ from tautline.scene.reading.long_rows import NO_WORDS, STATES, filled, is_number
 from tautline.twin.sources.stamps import heads, is_unit, number_of, stamp_of
 from tautline.twin.sources.table import Header, NewHeader, cells_of, separator_of
 
+BETWEEN = re.compile("[;\t,]")
+"""What may stand between cells."""
 IN_DOUBT = 20
 """Lines that are left out, at most, before rows have shown where a header begins."""
 HALF = re.compile(r"(\d{4}-\d\d?-\d\d?[ T])?[\d.,:+-]*")
@@ -69,6 +78,8 @@ class HeaderInLine:
     line : str
     number : int
         Of the line, for messages.
+    as_row : int
+        Where the line may as well be a row: the most titles that a header in it has. Else 0.
     left_out : int
         Lines behind it that did not show where it begins.
     """
@@ -82,7 +93,14 @@ class HeaderInLine:
     again: bool
     line: str
     number: int
+    as_row: int = 0
     left_out: int = 0
+
+    @property
+    def may_be_text(self) -> bool:
+        """Whether the line may be a row whose last cells are text: no number breaks off before a title, ``12time``."""
+        tail = self.cells[-self.as_row :] if self.as_row else []
+        return bool(tail) and not any(cell[:1].isdecimal() and not _is_plain(cell) for cell in tail)
 
     def header(self, start: int) -> str:
         """The header as a line of its own."""
@@ -93,21 +111,29 @@ class HeaderInLine:
         csv.writer(text, delimiter=self.separator, lineterminator="").writerow(cells)
         return text.getvalue()
 
-    def fits(self, start: int, cells: Sequence[str], offsets: set[int]) -> bool:
-        """Whether cells are a row, or units, of the header that begins in a place.
+    def fitting(self, cells: Sequence[str], offsets: set[int]) -> list[int]:
+        """Where the header may begin, as the cells of the row, or of the units, behind it show.
 
-        `offsets` are how many cells rows had more than titles; empty cells at the end of a row may be none.
+        `offsets` are how many cells rows had more than titles. A sensor may show a word: words in columns of the map
+        decide only where the number of cells does not.
         """
-        titles = len(self.cells) - start
-        if self.again and offsets.isdisjoint((len(cells) - titles, filled(cells) - titles)):
-            return False
-        if not self.again and filled(cells) - titles > max(offsets):
-            return False
-        stamp, *wanted = (cells[place - start] if place - start < len(cells) else "" for place in self.needed)
+        wide = [start for start in self.starts if self._has_width(start, cells, offsets)]
         if _are_units(cells):
-            return True
+            return wide
+        return [start for start in wide if self._has_numbers(start, cells, words=len(wide) == 1)]
+
+    def _has_width(self, start: int, cells: Sequence[str], offsets: set[int]) -> bool:
+        """Whether there are as many cells as rows of that header have; empty cells at the end of a row may be none."""
+        titles = len(self.cells) - start
+        if self.again:
+            return not offsets.isdisjoint((len(cells) - titles, filled(cells) - titles))
+        return filled(cells) - titles <= max(offsets)
+
+    def _has_numbers(self, start: int, cells: Sequence[str], words: bool) -> bool:
+        """Whether there is a stamp; and numbers, or nothing, in columns of the map, where they may have no `words`."""
+        stamp, *wanted = (cells[place - start] if place - start < len(cells) else "" for place in self.needed)
         is_stamp = not math.isnan(number_of(stamp)) or math.isfinite(stamp_of(stamp))
-        return is_stamp and all(shows_nothing(cell) or kind_of(cell) == "number" for cell in wanted)
+        return is_stamp and (words or all(shows_nothing(cell) or kind_of(cell) == "number" for cell in wanted))
 
 
 class Lines:
@@ -129,6 +155,7 @@ class Lines:
     def __init__(self, header: Header) -> None:
         self.header, self.headed = header, False
         self._doubt: HeaderInLine | None = None
+        self._titles_in_rows = False  # whether rows have shown that they may end as a header does
 
     def take(self, line: str, whole: bool = True, number: int = 0) -> tuple[float, Mapping[str, float]] | None:
         """Stamp and values of a row; None for a header, and for what cannot be read.
@@ -139,9 +166,13 @@ class Lines:
             As `Header.read` and `Header.next_header`; and where rows do not show where a header begins.
         """
         self.headed = False
-        if found := header_in(line, number, self.header):
+        found = header_in(line, number, self.header)
+        if found is not None and not self._is_row(found):
             self._doubt = found if whole else self._doubt
-            self.headed = whole
+            self.headed = whole and not found.as_row
+            if found.as_row:
+                said = "is a row, or one that broke off with a header behind it: it is left out"
+                self.header.tell_once("as row", f"{self.header.where}:{number}: '{shorten(line)}' {said}")
             return None
         if self._doubt is not None and not self._shown(self._doubt, line, whole, number):
             return None
@@ -151,6 +182,13 @@ class Lines:
             return row
         self._follow(line, number, whole)
         return None if self.headed else row
+
+    def _is_row(self, found: HeaderInLine) -> bool:
+        """Whether a line that may be a row is one: nobody writes two headers, one right behind the other."""
+        before = self._doubt
+        if before is not None and not before.left_out and before.may_be_text and found.may_be_text:
+            self._doubt, self._titles_in_rows = None, True
+        return found.may_be_text and self._titles_in_rows
 
     def _follow(self, line: str, number: int, whole: bool = True) -> None:
         """Read rows by the header that a line is, where it is one."""
@@ -162,15 +200,19 @@ class Lines:
         """Whether a line shows where a header begins; rows are read by that header then."""
         cells = cells_of(line, doubt.separator)
         offsets = self.header.offsets or {0}
+        count = len(cells) if doubt.may_be_text else filled(cells)
+        if doubt.as_row and count > doubt.as_row + max(0, *offsets) and _has_stamp(self.header, cells):
+            self._doubt = None  # longer than rows of that header would be: there was none
+            return True
         offsets = offsets if doubt.again else {0, *offsets}
-        starts = [start for start in doubt.starts if whole and doubt.fits(start, cells, offsets)]
+        starts = doubt.fitting(cells, offsets) if whole else []
         if len(starts) == 1:
             self._begin(doubt, starts[0])
             return True
         if not any(is_number_or_date(cell) for cell in cells):
             self._follow(line, number, whole)  # a header on a line of its own
             return False
-        if not doubt.starts or doubt.left_out >= IN_DOUBT:
+        if not (doubt.starts or doubt.as_row) or doubt.left_out >= IN_DOUBT:
             raise self._end(doubt)
         if not doubt.left_out:
             where, said = self.header.where, "a new header, or a row that broke off with one behind it?"
@@ -212,6 +254,9 @@ def header_in(line: str, number: int, header: Header) -> HeaderInLine | None:
     """
     if not header.may_be_named(line):
         return None
+    row = _is_like_row(line, header)
+    if row and not _may_end_with_titles(line, header):
+        return None
     separators = {header.separator: None, separator_of(line): None}
     for separator in separators:
         ways = [cells_of(line, separator)]
@@ -221,17 +266,48 @@ def header_in(line: str, number: int, header: Header) -> HeaderInLine | None:
             bare = [cell.replace('"', "").strip() for cell in cells]
             while bare and not bare[-1]:
                 bare.pop()
-            found = _Search(bare, separator, header).found(line, number)
+            found = _Search(bare, separator, header, row).found(line, number)
             if found is not None:
                 return found
     return None
 
 
-class _Search:
-    """Looks for a header at the end of the cells of a line."""
+def _has_stamp(header: Header, cells: Sequence[str]) -> bool:
+    """Whether a number or a date is where rows have their stamp."""
+    stamp = cells[header.stamp] if header.stamp < len(cells) else ""
+    return not math.isnan(number_of(stamp)) or math.isfinite(stamp_of(stamp))
 
-    def __init__(self, cells: list[str], separator: str, header: Header) -> None:
-        self.cells, self.separator, self.header = cells, separator, header
+
+def _is_like_row(line: str, header: Header) -> bool:
+    """Whether a line has a stamp in its place, and fills no more cells than the header has."""
+    if line.count('"') % 2:
+        return False
+    cells = cells_of(line, header.separator)
+    return _has_stamp(header, cells) and filled(cells) <= header.most_cells
+
+
+def _may_end_with_titles(line: str, header: Header) -> bool:
+    """Whether a line like a row may have all titles that are needed, or one behind half a number: a quick look."""
+    name, title = header.names[header.stamp] or header.titles[header.stamp], header.titles[header.stamp]
+    ends = (name, title, *header.columns)
+    words = [one for cell in BETWEEN.split(line) if (one := cell.strip(' "')) and not _is_plain(one)]
+    if any(not one[0].isalpha() and one.endswith(ends) for one in words):
+        return True
+    if len(words) <= len(header.columns) or not all(any(one in word for word in words) for one in header.columns):
+        return False
+    return any(word.endswith((name, title)) for word in words) or header.stamp_among(words) is not None
+
+
+def _is_plain(cell: str) -> bool:
+    """Whether a cell has no letter."""
+    return not any(map(str.isalpha, cell))
+
+
+class _Search:
+    """Looks for a header at the end of the cells of a line, which may be `like_row`."""
+
+    def __init__(self, cells: list[str], separator: str, header: Header, like_row: bool) -> None:
+        self.cells, self.separator, self.header, self.like_row = cells, separator, header, like_row
         self.titles = [title.replace('"', "") for title in header.titles]
         self.needed = [header.stamp, *header.places.values()]
 
@@ -242,7 +318,9 @@ class _Search:
         if one is None:
             return None
         known, title, needed, starts = one
-        return HeaderInLine(self.cells, self.separator, starts, known, title, needed, same is not None, line, number)
+        again = same is not None
+        most = len(self.cells) - min(self._behind_numbers(known), known) if self.like_row and not again else 0
+        return HeaderInLine(self.cells, self.separator, starts, known, title, needed, again, line, number, most)
 
     def _same(self) -> tuple[int, str, list[int], Sequence[int]] | None:
         """All titles of the header before, in their order, at the end of the line, with something before them."""
@@ -292,10 +370,21 @@ class _Search:
         """A header behind the piece of a row that lacks what is needed, or has it behind a piece: none can be read."""
         needed = [self.titles[place] for place in self.needed]
         broken = first or cells != self.cells
-        glued = any(cell != title and cell.endswith(title) for cell in cells[:known] for title in needed)
-        there = not {*needed}.isdisjoint(cells[known:])
         tail = [*cells[min(first, known) :]]
-        others = stamp is not None and broken and self.header.is_header(_as_line(tail, self.separator))
+        # `12time` breaks off a number. `aux winch` and `overload` are words of a row, unless all titles are there; and
+        # so is `start`, whatever stands beside it, where `t` is the stamp.
+        all_there = len(tail) >= len(needed) and all(
+            any(cell == one or (cell.endswith(one) and (len(one) > 1 or not self.like_row)) for cell in tail)
+            for one in needed
+        )
+        glued = any(
+            cell != title and cell.endswith(title) and (all_there or HALF.fullmatch(cell.removesuffix(title)))
+            for cell in self.cells[: known + 1]
+            for title in needed
+        )
+        there = not {*needed}.isdisjoint(cells[known:])
+        others = stamp is not None and broken and not self.like_row
+        others = others and bool(self.header.is_header(_as_line(tail, self.separator)))
         return (known, "", [], []) if (broken and glued and there) or others else None
 
     def _is_unneeded_or_stamp(self, title: str) -> bool:

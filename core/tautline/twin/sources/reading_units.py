@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass, field
 
 from tautline.errors import TautlineError
-from tautline.scene.reading.columns import NO_UNIT, unit_named
+from tautline.scene.reading.columns import NO_UNIT, may_mark_thousands, unit_named
 from tautline.scene.values.units import TABLE, Uncounted, Unit, UnknownUnit, converted, read_unit
 
 CODES = {
@@ -147,3 +148,37 @@ def _by_gravity(stated: str, plain: str, written: Unit, wanted: Unit) -> tuple[f
 
 def _ratio(written: Unit, wanted: Unit) -> float:
     return float(written.factor / wanted.factor) * math.pi ** (written.turns - wanted.turns)
+
+
+@dataclass
+class Marks:
+    """Decimal marks of a column where commas do not separate cells.
+
+    Attributes
+    ----------
+    decimal, unsure : dict of str
+        By mark, a cell that shows it to be decimal, and one in which it may mark thousands as well.
+    """
+
+    decimal: dict[str, str] = field(default_factory=dict)
+    unsure: dict[str, str] = field(default_factory=dict)
+
+    def take(self, cell: str) -> tuple[bool, str]:
+        """Whether the mark of a number is taken as decimal, and what is to be said of it and of those before."""
+        mark, other = (",", ".") if "," in cell else (".", ",")
+        if mark in self.decimal:
+            return True, ""
+        if not may_mark_thousands(cell):
+            self.decimal[mark] = cell
+            wrong = self.unsure.pop(other, "")
+            said = (
+                "the second may have a mark of thousands. Cells like it were read as decimals before, and may be wrong"
+            )
+            return True, f"'{cell}' and '{wrong}': {said}; from here on they are left out" if wrong else ""
+        before = self.decimal.get(other) or self.unsure.get(other)
+        if before is None:
+            self.unsure.setdefault(mark, cell)
+            return True, ""
+        one = "the second" if other in self.decimal else "one of the two"
+        said = f"{one} may have a mark of thousands. Cells like the second are left out"
+        return False, f"'{before}' and '{cell}': {said}"

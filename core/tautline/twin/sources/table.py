@@ -25,7 +25,7 @@ from tautline.scene.reading.long_rows import (
 )
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
-from tautline.twin.sources.reading_units import OtherQuantity, factor_between
+from tautline.twin.sources.reading_units import Marks, OtherQuantity, factor_between
 from tautline.twin.sources.record import SourceStopped
 from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column, stamp_of
 
@@ -170,7 +170,7 @@ class Header:
         self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
-        self._marks: dict[str, tuple[str, str]] = {}  # the decimal mark of each column, and a cell that has it
+        self._marks: dict[str, Marks] = {}
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -307,6 +307,11 @@ class Header:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
+
+    @property
+    def most_cells(self) -> int:
+        """Cells that the header has, also those without a title at its end."""
+        return self._cells
 
     def may_be_named(self, line: str) -> bool:
         """Whether a line may have the title of the stamp, or has the names of all columns of the map: a quick look."""
@@ -653,13 +658,16 @@ class Header:
         return math.nan
 
     def _is_of_one_mark(self, name: str, cell: str) -> bool:
-        """Whether a cell has the decimal mark of its column, or none; tells once where a column has two."""
-        mark = "," if "," in cell else "." if "." in cell else ""
-        if not mark or math.isnan(number_of(cell)) or self._marks.setdefault(name, (mark, cell))[0] == mark:
+        """Whether the mark of a cell, if any, is taken as decimal; tells once where a column leaves that in doubt.
+
+        `999.5` shows that its mark is decimal, and `1,001` shows nothing: where the other mark came before, it is left
+        out until a cell shows its mark to be decimal, too.
+        """
+        if not ("," in cell or "." in cell) or math.isnan(number_of(cell)):
             return True
-        self.tell_once(
-            "marks",
-            f"column '{name}' has cells such as '{self._marks[name][1]}' and '{cell}': one of the two has a mark of "
-            "thousands. Those like the second are left out: write numbers without marks of thousands",
-        )
-        return False
+        decimal, note = self._marks.setdefault(name, Marks()).take(cell)
+        if note:
+            self.tell_once(
+                "marks", f"column '{name}' has cells such as {note}: write numbers without marks of thousands"
+            )
+        return decimal
