@@ -25,13 +25,8 @@ def set_down_askew(result: Any, scene: CraneScene) -> list[str]:
     The ground gives no moment: one that a short rope does not let stand as drawn turns freely, and sinks back onto the
     ground as its rope becomes slack. Where the rope's length is not given the start finds one by which the load hangs.
     """
-    if (
-        scene.ground is None
-        or scene.rope.length is None
-        or scene.start != "static"
-        or "body_turn" not in result
-        or "body_position" not in result
-    ):
+    may_stand = scene.rope.length is not None and scene.start == "static"
+    if scene.ground is None or not may_stand or "body_turn" not in result or "body_position" not in result:
         return []
     turns, places = (np.asarray(at_start(result, name)) for name in ("body_turn", "body_position"))
     told = []
