@@ -193,7 +193,9 @@ def test_a_locked_hook_holds_a_symmetric_sling_by_friction(height):
 
 
 def test_a_sling_that_slips_over_a_locked_hook_in_the_search_is_refused():
-    with pytest.raises(StoppedEarly, match=r"slips over the locked sheave hook.*askew.*start: as drawn.*frictionless") as stop:
+    with pytest.raises(
+        StoppedEarly, match=r"slips over the locked sheave hook.*askew.*start: as drawn.*frictionless"
+    ) as stop:
         at_rest(slung((-1.4, 0.0, 0.2), (1.5, 0.0, 0.2), 0.2, law="capstan", friction=0.5, locked=True))
     assert stop.value.part == "load"
 
