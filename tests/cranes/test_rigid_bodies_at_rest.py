@@ -193,7 +193,9 @@ def test_a_locked_hook_holds_a_symmetric_sling_by_friction(height):
 
 
 def test_a_sling_that_slips_over_a_locked_hook_in_the_search_is_refused():
-    with pytest.raises(StoppedEarly, match=r"slips over the locked sheave hook.*askew.*law: frictionless") as stop:
+    with pytest.raises(
+        StoppedEarly, match=r"slips over the locked sheave hook.*askew.*start: as drawn.*frictionless"
+    ) as stop:
         at_rest(slung((-1.4, 0.0, 0.2), (1.5, 0.0, 0.2), 0.2, law="capstan", friction=0.5, locked=True))
     assert stop.value.part == "load"
 
@@ -332,3 +334,26 @@ def test_a_load_that_a_short_rope_lets_stand_askew_on_the_deck_is_told(length, t
     result = ran(scene)
     words = set_down_askew(result, parsed(scene))
     assert len(words) == told and all("load begins on the ground, turned by" in text for text in words)
+
+
+@pytest.mark.parametrize("eye, wind", [((0.0, 0.0, 1.0), 0.1), ((0.4, 0.0, 1.0), 0.0)])
+def test_a_load_that_is_drawn_touching_the_deck_and_hangs_in_its_rope_is_not_told_to_stand_askew(eye, wind):
+    """It hangs in line with its rope, turned by atan 0.1 or atan 0.4. Rounding of its height decided what was told.
+
+    The rope carries all of it: sqrt(1 + wind^2) of its weight.
+    """
+    weight = MASS * float(np.linalg.norm(GRAVITY))
+    height = GROUND["level"] + 0.5
+    more = {"ground": GROUND, "bottom": 0.5, "force": [wind * weight, 0.0, 0.0], "solver": {"end": 0.01}}
+    scene = hung(eye, anchor((0.0, 0.0, height + 12.0)), **more)
+    result = ran(scene)
+    assert result["tension"][0].max() == pytest.approx(np.hypot(1.0, wind) * weight, rel=1e-3)
+    assert set_down_askew(result, parsed(scene)) == []
+
+
+@pytest.mark.parametrize("depth, told", [(1.0e-6, 0), (1.0e-3, 1)])
+def test_a_load_is_told_to_stand_askew_where_the_ground_carries_a_part_of_it(depth, told):
+    """Ground of 1e7 N/m pushes with 10 N in 1 um, and with half the weight of 2 t in 1 mm."""
+    scene = parsed(hung((0.4, 0.0, 1.0), anchor((0.0, 0.0, 12.0)), {"length": 12.0}, ground=GROUND, bottom=0.5))
+    turned = {"body_turn": [[[np.cos(0.1), 0.0, np.sin(0.1), 0.0]]], "body_position": [[[0.0, 0.0, -depth]]]}
+    assert len(set_down_askew(turned, scene)) == told

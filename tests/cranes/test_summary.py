@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
 
+import tautline
 from crane.assembly.tension_at_rest import static_tension
 from crane.model.build import build
 from crane.results.angles import hook_span, leads
@@ -16,6 +17,7 @@ from crane.results.summary import headline, most_worked_end, possible_figures, s
 from crane.scene.scene import read
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.errors import ResultError, once_each
+from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
 
 DATA = Path(__file__).parents[2] / "data"
@@ -77,6 +79,24 @@ def test_without_a_diameter_no_bending_cycles_are_told_as_any_tremble_at_a_sheav
     assert "max_bending_cycles" not in summed(bare, **trembling)
     assert value(summed(one_fall(), **trembling), "max_bending_cycles") <= 1.0
     assert "max_bending_cycles" in possible_figures(one_fall()) and "max_bending_cycles" not in possible_figures(bare)
+
+
+CURE = r"give rope\.diameter: without it each tremble"
+
+
+def test_a_limit_on_bending_cycles_of_a_rope_without_a_diameter_is_refused_with_the_cure_and_its_line():
+    """`check` passed it, and the run was not judged, without a reason."""
+    limits = {"limits": [{"output": "max_bending_cycles", "at_most": 10}]}
+    with pytest.raises(SceneError, match=rf"limits\[0\]\.output = max_bending_cycles: .*{CURE}"):
+        build(one_fall(rope={"diameter": None}, **limits))
+    assert [one.output for one in build(one_fall(**limits)).bounds] == ["max_bending_cycles"]
+
+
+def test_a_sweep_that_collects_bending_cycles_of_a_rope_without_a_diameter_is_refused_with_the_cure():
+    """It was refused after its first run: "did you mean 'tension_cycles'?"."""
+    bare = tautline.read(DATA / "hoist.yaml").replace({"rope.diameter": None})
+    with pytest.raises(SceneError, match=rf"collect\[0\] = max_bending_cycles: .*{CURE}"):
+        tautline.sweep(bare, {"bodies[0].mass": ["5 t"]}, collect=["max_bending_cycles"])
 
 
 def test_a_scene_that_starts_as_drawn_is_held_against_an_estimate_of_its_rest():

@@ -110,8 +110,8 @@ def refuse_turned(layout: Layout, system: System, state: State) -> None:
         if sheave is not None:
             detail = (
                 f"without friction its sling slips over the locked sheave {sheave}, and it would begin {askew:.3g} deg "
-                "askew: the static start is found without the friction that may hold it. If the sling may slip there, "
-                "write `law: frictionless`"
+                "askew: the static start is found without the friction that may hold it. If friction is to hold it, "
+                "draw it as it hangs and write `start: as drawn`. If the sling may slip, write `law: frictionless`"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, name, detail)
 

@@ -87,7 +87,7 @@ def build(scene: CraneScene) -> Model:
             *set_down_askew(result, scene), *remarks(result, scene), *ropes_that_lift(result, layout)
         ],
         figures=told,
-        figure_units=layout.once("figure units", lambda: figure_units(scene)),
+        figure_units=layout.once(f"figure units, {bool(scene.rope.diameter)}", lambda: figure_units(scene)),
         nothing=NOTHING,
         longer_steps_tell=True,
         start="static" if scene.start == "static" else "as given",

@@ -77,7 +77,19 @@ def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, 
     parameters = {one.name: one for one in _parameters(layout, made.system.groups)}
     prepared = prepared_of(layout.requests.of)
     outputs = _outputs(layout, variables, coordinates)
-    return Handles(inputs, outputs, parameters, prepared, {"hook_load": hook_load_told(layout.scene)})
+    instead = {"hook_load": hook_load_told(layout.scene)} | bending_told(layout.scene)
+    return Handles(inputs, outputs, parameters, prepared, instead)
+
+
+def bending_told(scene: CraneScene) -> dict[str, str]:
+    """What to give where a scene lacks what its figures of bending need: cures by the names of the figures."""
+    if scene.rope.diameter:
+        return {}
+    why = {
+        "max_bending_cycles": "without it each tremble of the rope at a sheave would be a cycle",
+        "smallest_bending_ratio": "it is that of a sheave over that of the rope",
+    }
+    return {name: f"give rope.diameter: {reason}" for name, reason in why.items()}
 
 
 def hook_load_told(scene: CraneScene) -> str:

@@ -15,20 +15,25 @@ ASKEW = 0.5
 """Angle, deg, by which a load on the ground is turned from its drawing that is told.
 
 One that is held is turned by none."""
+CARRIED = 0.01
+"""Share of its weight from which on the ground carries a load: one that is drawn touching it may hang as high."""
 
 
 def set_down_askew(result: Any, scene: CraneScene) -> list[str]:
     """Sentences on rigid bodies that begin on the ground and are turned there.
 
     The ground gives no moment: one that a short rope does not let stand as drawn turns freely, and sinks back onto the
-    ground as its rope becomes slack.
+    ground as its rope becomes slack. Where the rope's length is not given the start finds one by which the load hangs.
     """
-    if scene.ground is None or scene.start != "static" or "body_turn" not in result or "body_position" not in result:
+    may_stand = scene.rope.length is not None and scene.start == "static"
+    if scene.ground is None or not may_stand or "body_turn" not in result or "body_position" not in result:
         return []
     turns, places = (np.asarray(at_start(result, name)) for name in ("body_turn", "body_position"))
     told = []
     for body, turn, place in zip(scene.bodies, turns, places, strict=True):
-        if body.inertia is None or place[2] - body.bottom > scene.ground.level:
+        push = scene.ground.stiffness * (scene.ground.level - (place[2] - body.bottom))
+        weight = body.mass * float(np.linalg.norm(scene.gravity))
+        if body.inertia is None or not push > CARRIED * weight:
             continue
         changed = rotation_of(turn) @ rotation_of(quaternion_of(body.orientation)).T
         angle = math.degrees(math.acos(min(1.0, max(-1.0, 0.5 * (float(np.trace(changed)) - 1.0)))))

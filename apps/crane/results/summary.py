@@ -39,6 +39,8 @@ FIGURES = {
     "equivalent_tension_range": "N", "tension_cycles": "", "max_bending_cycles": "", "smallest_bending_ratio": "",
     "max_offlead": "rad", "max_sidelead": "rad",
 }  # fmt: skip
+OF_BENDING = frozenset({"max_bending_cycles", "smallest_bending_ratio"})
+"""Those that there are with a diameter of the rope alone."""
 OF_DRUMS = {"max_winch_power": "W", "mean_winch_power": "W", "energy_hoisted": "J", "energy_regenerated": "J"}
 OF_BODIES = {"rise": "m", "max_rise": "m", "max_displacement": "m"}
 """Figures and their units: of the rope, of each drum, of each body. Some of them only some runs have."""
@@ -93,9 +95,10 @@ def _any_begins(begins: str, names: frozenset[str]) -> bool:
 
 
 def figure_units(scene: CraneScene) -> dict[str, str]:
-    """Names of all figures that a run of a scene can have, and their units."""
+    """Names of all figures that a run of a scene can have, and their units: without a diameter none of bending."""
     drums, bodies = scene.drums, scene.bodies[:MOST_BODIES]
-    found = dict(FIGURES) | {f"max_tension_{key}": "N" for key, _ in _places(scene)}
+    of_rope = {name: unit for name, unit in FIGURES.items() if scene.rope.diameter or name not in OF_BENDING}
+    found = of_rope | {f"max_tension_{key}": "N" for key, _ in _places(scene)}
     for drum in drums:
         found |= {f"{name}_{slug(drum.name)}" if len(drums) > 1 else name: unit for name, unit in OF_DRUMS.items()}
     for body in bodies:
@@ -107,7 +110,7 @@ def figure_units(scene: CraneScene) -> dict[str, str]:
 def possible_figures(scene: CraneScene) -> tuple[str, ...]:
     """Names of the figures that a run of a scene can have, whatever it does.
 
-    Of `figure_units` those are left out that this scene has nothing of: sheaves, what a rope could slip on, a diameter.
+    Of `figure_units` those are left out that this scene has nothing of: sheaves, what a rope could slip on.
     """
     none = set()
     if not scene.sheaves:
@@ -116,8 +119,8 @@ def possible_figures(scene: CraneScene) -> tuple[str, ...]:
         none.add("slipping_share")
     if not _snaps_undamped(scene):
         none.add("undamped_snaps")
-    if not (scene.sheaves or scene.drums) or not scene.rope.diameter:
-        none |= {"max_bending_cycles", "smallest_bending_ratio"}
+    if not (scene.sheaves or scene.drums):
+        none |= OF_BENDING
     return tuple(name for name in figure_units(scene) if name not in none)
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.kernels.jit import kernel, stands_for
+from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.lanes import load, store
 from tautline.kernels.matrix import add_at, have_cleared
 from tautline.kernels.memory import form_of
@@ -411,6 +411,12 @@ def expand(dofs, reduced, full):
         for i in range(dofs.free.size):
             full[dofs.free[i]] = reduced[i]
     expand_tied(dofs, reduced, full)
+
+
+@entry
+def expand_now(dofs, reduced, full):
+    """The same as :func:`expand`, for Python."""
+    expand(dofs, reduced, full)
 
 
 @kernel

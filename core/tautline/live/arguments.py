@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tautline.errors import ArgumentTypeError
+from tautline.kernels.dofs import TIED, Dofs
 from tautline.live.errors import SimulationError, real
+from tautline.system.handles import Output
 
 EXAMPLES = {"parameters": '{"payload.mass": 5200.0}', "initial": '{"winch.pay_out_speed": -0.2}'}
 """Of values by name."""
+
+
+class Displacement(NamedTuple):
+    """What is added to a vector of a state, ``q`` or ``v``: at full places, which are these unknowns."""
+
+    vector: str
+    places: np.ndarray
+    unknowns: np.ndarray
+    by: np.ndarray
 
 
 def names_of(inputs: Any) -> tuple[str, ...]:
@@ -39,3 +50,45 @@ def span_of(keep: Any) -> float:
     if not 0.0 <= span < math.inf:
         raise SimulationError(f"cannot keep frames of {span:g} s", "give True, False, or seconds from zero on")
     return span
+
+
+def displacement_of(name: str, by: Any, outputs: Mapping[str, Output], found: Output, dofs: Dofs) -> Displacement:
+    """What a displacement changes: a vector of the state, its places and unknowns that are free, and by how much.
+
+    Raises
+    ------
+    SimulationError
+        For what is no position or velocity of a thing, no vector of its size, or what only goes along with others.
+    """
+    try:
+        given = np.asarray(by, float)
+    except (TypeError, ValueError):
+        raise SimulationError(f"{by!r} is no displacement of {name}", "give finite numbers") from None
+    if found.places is None:
+        raise SimulationError(f"{name} is not the position or velocity of a thing", "give payload.velocity")
+    vector, places = found.places
+    if given.shape != places.shape or not np.isfinite(given).all():
+        raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")
+    places, given = np.atleast_1d(places), np.atleast_1d(given)
+    number = dofs.number[places]
+    free = number >= 0
+    if not free.any() and (number == TIED).any():
+        on = _what_carries(places, vector, outputs, dofs)
+        cure = f"displace {on}: {name} goes along" if on else "displace what it is tied to"
+        raise SimulationError(f"{name} cannot be displaced by itself: it rides on other things", cure)
+    return Displacement(vector, places[free], number[free], given[free])
+
+
+def _what_carries(places: np.ndarray, vector: str, outputs: Mapping[str, Output], dofs: Dofs) -> str:
+    """Names of outputs of the same vector that some places are tied to and that can be displaced."""
+    masters = {int(k) for i in places for k in dofs.unknown[dofs.start[i] : dofs.start[i + 1]]}
+    names = []
+    for name, one in outputs.items():
+        if one.places is None or one.places[0] != vector:
+            continue
+        number = dofs.number[np.atleast_1d(one.places[1])]
+        unknowns = set(number[number >= 0].tolist())
+        if unknowns & masters:
+            masters -= unknowns  # another name of the same is told once
+            names.append(name)
+    return " or ".join(names)

@@ -30,7 +30,8 @@ from tautline.integrators.time_loop import (
 )
 from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
-from tautline.live.arguments import names_of, span_of, values_of
+from tautline.kernels.dofs import expand_now
+from tautline.live.arguments import displacement_of, names_of, span_of, values_of
 from tautline.live.checked_step import CheckedStep
 from tautline.live.equations import Equations
 from tautline.live.errors import SimulationError, seconds, unknown
@@ -560,29 +561,23 @@ class Simulation:
     def displace(self, name: str, by: Sequence[float]) -> None:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
 
-        What is prescribed or held in a direction stays as it is in that.
+        What is prescribed or held in a direction stays as it is in that. What is tied to the thing goes along at once,
+        such as the end of the rope at a load.
 
         Raises
         ------
         UnknownName, SimulationError
-            For what is no position or velocity of a thing, and what is no vector of its size.
+            For what is no position or velocity of a thing, what is no vector of its size, and what goes along with
+            other things alone, such as the end of the rope at a load that turns.
         """
-        found = self.outputs.handle(name).places
-        try:
-            given = np.asarray(by, float)
-        except (TypeError, ValueError):
-            raise SimulationError(f"{by!r} is no displacement of {name}", "give finite numbers") from None
-        if found is None:
-            raise SimulationError(f"{name} is not the position or velocity of a thing", "give payload.velocity")
-        vector, places = found
-        if given.shape != places.shape or not np.isfinite(given).all():
-            raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")
+        dofs, outputs = self.model.system.dofs, self.outputs
+        vector, places, unknowns, more = displacement_of(name, by, outputs.handles, outputs.handle(name), dofs)
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
-        number = self.model.system.dofs.number[places]
         with self._turn.change, self._parameter_changes():
             self._displaced.add(name)
-            full[places[number >= 0]] += given[number >= 0]
-            reduced[number[number >= 0]] += given[number >= 0]
+            full[places] += more
+            reduced[unknowns] += more
+            expand_now(dofs, reduced, full)
 
     def copy(self) -> Simulation:
         """Another simulation that stands at the same place and goes on by itself."""
