@@ -94,7 +94,7 @@ def operability(
     quiet: Quiet = False,
 ) -> None:
     """Storms over sea states: extremes, and the allowable significant wave height against period and heading."""
-    from crane.operability.storms import occurring
+    from crane.operability.storms import occurring, warnings_of_storms
     from crane.operability.storms import operability as run
     from tautline.cli.options.changes import change_of
     from tautline.cli.output.console import say
@@ -116,6 +116,7 @@ def operability(
 
     def begin() -> None:
         # What cannot be is refused first: before that nothing should read as a start.
+        told[:] = warnings_of_storms(told, read, asked)
         print_warnings(told)
         if not quiet:
             _introduce(asked, len(whole.conditions) - len(asked.conditions))
