@@ -247,9 +247,10 @@ def failed_notes(table: Table, storms: int) -> list[str]:
     shown = "; ".join(said(at) for at in table.failed[:MOST_SHOWN])
     more = len(table.failed) - MOST_SHOWN
     also = f"; and {more} more, see operability.csv" if more > 0 else ""
+    milder = " The others are milder, and of" if any(table.done[at] for at in table.failed) else " Of"
     return [
         f"storms failed in {len(table.failed)} of the sea states: {shown}{also}. Storms that fail are often those in "
-        "which the rope snaps. The others are milder, and of such a sea state no extremes are given"
+        f"which the rope snaps.{milder} such a sea state no extremes are given"
     ]
 
 

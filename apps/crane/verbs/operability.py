@@ -304,9 +304,12 @@ def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
         one_year = found.fatigue
         # What failed, or was too steep to run, does not stand in the sum: its share is said with each number.
         part = "" if one_year.whole else ", of the time that was run"
+        ranged, cycles = "not known", "not known"
+        if one_year.any:
+            ranged, cycles = quantity(one_year.range, "N"), significant(one_year.cycles)
         rows += [
-            (f"equivalent tension range over the scatter diagram{part}", quantity(one_year.range, "N")),
-            (f"cycles in a year{part}", significant(one_year.cycles)),
+            (f"equivalent tension range over the scatter diagram{part}", ranged),
+            (f"cycles in a year{part}", cycles),
             ("share of time that was run", f"{significant(100.0 * one_year.covered)} %"),
         ]
         if one_year.life is not None:
