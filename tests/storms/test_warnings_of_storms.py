@@ -1,4 +1,4 @@
-"""`operability` judges the seas that it runs, not the sea of the scene: heights, periods and directions are replaced."""
+"""`operability` judges the seas that it runs, and not the sea of the scene, whose height and direction it replaces."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ FEW_WAVES = 60.0
 """Number of equal waves below which the extremes of a sum of sines lie visibly below those of a Gaussian sea."""
 
 SHORT_OF_WAVES = 12.0
-"""Number of equal waves below which that is more than a few per cent: of 3 h by drawn phases, 7 % at 12 and 24 % at 5."""
+"""Number of equal waves below which that is more than a few per cent: by drawn phases 7 % of 3 h at 12, 24 % at 5."""
 
 
 class Condition(NamedTuple):

@@ -143,9 +143,7 @@ def advice(method: Any, status: int) -> str:
         return f"after {most} it still changed what sticks and what slips: a larger solver.max_iterations may help"
     if c.max_iterations - counted > SETTLING:
         return ""
-    return (
-        f"{most} were too few once it was found what sticks and what slips: a larger solver.max_iterations may help"
-    )
+    return f"{most} were too few once it was found what sticks and what slips: a larger solver.max_iterations may help"
 
 
 @kernel(forceinline=True)
