@@ -73,7 +73,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
-        *_sea(scene),
+        *doubts_of_motion(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
@@ -168,14 +168,14 @@ def _never(scene: CraneScene) -> Sentences:
                 yield key, f"a ramp at {ramp.at:.4g} s never begins, because {late}"
 
 
-def _sea(scene: CraneScene) -> Sentences:
-    """Seas that no waves make, and responses whose phases can be read in two ways."""
+def doubts_of_motion(scene: CraneScene) -> Sentences:
+    """Seas that no waves make, and responses whose phases can be read in two ways: key and text of each."""
     motion: Any = scene.vessel.motion if scene.vessel is not None else None
     gravity = math.hypot(*scene.gravity) or EARTH_GRAVITY
     if isinstance(motion, SeaMotion):
         seas = {"vessel.motion.sea": motion.sea}
         response = read_response(scene.folder / motion.rao, motion.direction)
-        yield from (("vessel.motion.rao", text) for text in doubts_of_phases(response))
+        yield from (("vessel.motion.rao", text) for text in doubts_of_phases(response, motion.direction))
     else:
         each = {f"vessel.motion.{name}.spectrum": getattr(motion, name, None) for name in MOTIONS}
         seas = {key: one for key, one in each.items() if isinstance(one, Spectrum)}

@@ -90,7 +90,7 @@ EDITS = {
         "id: 0.1086, tool_joint_od: 4 in",
         14,
         "string[0].tool_joint_od",
-        "smaller than od",
+        "smaller than the od, 5 in (0.127 m)",
     ),
     "two rests": ("length: 240 m", "length: rest", 15, "string[1].length", "give its length"),
     "an eccentricity of one number": (

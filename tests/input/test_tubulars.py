@@ -224,6 +224,7 @@ def test_the_second_moment_is_the_tube_s_and_the_contact_the_tool_joint_s():
         ("HWDP 5 in,", "HWDP 5 in, od: 2 in,", "smaller than id = 0.0762"),
         ("HWDP 5 in,", "HWDP 5 in, yield_load: 5 in,", "'in' is not the unit of a force"),
         ("HWDP 5 in,", "HWDP 5 in, id: 5.5 in,", "id = 5.5 in: leaves no wall: the od of the tubular is 5 in"),
+        ("HWDP 5 in,", "HWDP 5 in, tool_joint_od: 4 in,", "smaller than the od of the tubular, 5 in (0.127 m)"),
         ("HWDP 5 in,", "HWDP 5 in, od: 7 in,", "string[1].od = 7 in: wider than the tool joint of the tubular, 6.5 in"),
         ("diameter: 8.5 in", "diameter: 6 in", "does not fit into the hole (well.diameter = 6 in, line "),
     ],

@@ -434,6 +434,14 @@ def test_a_block_shorter_than_the_interval_of_frames_is_refused(scene):
     assert scene.replace({"output": asked | {"block": 0.05}}).output.block == 0.05
 
 
+def test_a_block_that_nobody_wrote_is_told_with_its_length_and_the_cure_is_longer_than_the_interval(scene):
+    with pytest.raises(SceneError) as caught:
+        scene.replace({"solver.end": 1000.0, "output": {"interval": 700.0, "keep": "statistics"}})
+    told = str(caught.value)
+    assert "output.block: is not given. It is 600 s then, and is shorter than output.interval (700 s)" in told
+    assert "such as 70000 s" in told and "such as 600 s" not in told
+
+
 def test_blocks_between_two_frames_are_empty_and_the_others_keep_their_time():
     # Frames 0.5 s apart, as of steps longer than was asked for; blocks of 0.2 s.
     time = np.arange(5) * 0.5

@@ -54,6 +54,23 @@ def test_a_life_is_told_where_all_of_the_time_was_run_and_else_what_it_is_at_mos
         assert ("cycles in a year, of the time that was run" in rows) == (found is part)
 
 
+@pytest.mark.parametrize("constant", [2.0e6, None])
+def test_nothing_is_told_of_a_rope_of_which_no_storm_was_run(constant):
+    ranges = np.full((1, 1, 2, 4), math.nan)
+    found = fatigue_over(DIAGRAM, DIAGRAM.heights, DIAGRAM.periods, ranges, ranges, 100.0, 1000.0, constant)
+    assert told(found) == {
+        "equivalent_tension_range": None, "cycles_per_year": None, "slope": 5.0, "share_of_time": 0.0,
+        "life_years": None, "life_years_at_most": None,
+    }  # fmt: skip
+    shown = SimpleNamespace(table=None, fatigue=found, criteria=[], outcome=SimpleNamespace(done=0, wall_time=1.0))
+    rows = dict(_rows(shown, asked()))
+    assert "fatigue life" not in rows and rows["cycles in a year, of the time that was run"] == "not known"
+    (warning,) = not_covered(found)
+    assert warning.startswith("100 % of the time") and "life" not in warning
+    (text,) = failed_notes(made_of([*MILD, *MILD], ["done"] * 4 + ["inaccurate"] * 4)[0], 4)
+    assert "(4 of 4)" in text and "others" not in text
+
+
 def made_of(largest, status):
     """The table of two sea states of four storms each."""
     (one,) = read_criteria(["max_tension < 60 kN"], {"max_tension": "N"}, {})

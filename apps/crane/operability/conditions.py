@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from crane.scene.scene import CraneScene
 from crane.scene.surroundings import Motion, SeaMotion
 from crane.sea.frames import MOTIONS
-from crane.sea.sea_doubts import equal_waves, highest
+from crane.sea.sea_doubts import FEWEST_WAVES, equal_waves, highest
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Spectrum, Sum, Velocity
 from tautline.scene.vector import EARTH_GRAVITY
@@ -18,6 +18,9 @@ APART = 1_000_003
 """How far the seeds of two motions with a draw of their own are apart: more than there are storms."""
 FEW_WAVES = 60.0
 """Number of equal waves below which the extremes of a sum of sines lie visibly below those of a Gaussian sea."""
+
+SHORT_OF_WAVES = 12.0
+"""Number of equal waves below which that is more than a few per cent: by drawn phases 7 % of 3 h at 12, 24 % at 5."""
 
 
 class Condition(NamedTuple):
@@ -144,6 +147,11 @@ def cases_of(conditions: Sequence[Condition], seeds: Sequence[int], keys: SeaKey
     return {key: [row[key] for row in rows] for key in rows[0]} if rows else {}
 
 
+def headings_that_run(conditions: Sequence[Condition]) -> list[Condition]:
+    """A physical condition of each heading: what is not physical is not run."""
+    return list({one.heading: one for one in reversed(conditions) if one.physical}.values())[::-1]
+
+
 def sea_notes(scene: CraneScene, keys: SeaKeys) -> list[str]:
     """What is sound of a sea and better done otherwise."""
     found = []
@@ -156,10 +164,12 @@ def sea_notes(scene: CraneScene, keys: SeaKeys) -> list[str]:
         )
     for key, one in keys.seas(scene).items():
         number = equal_waves(one)
-        if number < FEW_WAVES:
+        # Of fewer it is warned: they are no sea at all, whatever they are too low by.
+        if FEWEST_WAVES <= number < FEW_WAVES:
+            low = "a few" if number >= SHORT_OF_WAVES else "some 7 to 25"
             more = math.ceil(one.components * FEW_WAVES / number / 100.0) * 100
             found.append(
                 f"{key}: the spectrum has too few components: {one.components}, equivalent to {number:.0f} equal "
-                f"waves. The 3 h maximum is a few per cent too low. Take components: {more}"
+                f"waves. The 3 h maximum is {low} per cent too low. Take components: {more}"
             )
     return found

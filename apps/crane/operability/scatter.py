@@ -158,6 +158,11 @@ class Fatigue(NamedTuple):
     run: np.ndarray
 
     @property
+    def any(self) -> bool:
+        """Whether any of the time was run."""
+        return self.covered > 0.0
+
+    @property
     def whole(self) -> bool:
         """Whether all of the time was run."""
         return self.covered > 1.0 - WHOLE
@@ -208,16 +213,19 @@ def not_covered(found: Fatigue) -> list[str]:
     if found.whole:
         return []
     share = 100.0 * (1.0 - found.covered)
+    # At most by this sum, no more: what did run counts the most worked end of each storm, which may be too much.
+    life = "" if found.life is None else ". With it the fatigue life is shorter: it is at most the one by this sum"
     return [
         f"{share:.3g} % of the time of the scatter diagram was not run (too steep, failed, or not among --hs and "
-        "--tp): its damage is not counted, and a fatigue life is too long. The rope lasts that long at most"
+        f"--tp): its damage is not counted{life}"
     ]
 
 
 def told(found: Fatigue) -> dict[str, Any]:
     """Keys of ``--json``."""
     return {
-        "equivalent_tension_range": found.range, "cycles_per_year": found.cycles, "slope": SLOPE,
+        "equivalent_tension_range": found.range if found.any else None,
+        "cycles_per_year": found.cycles if found.any else None, "slope": SLOPE,
         "share_of_time": found.covered, "life_years": found.life if found.whole else None,
         "life_years_at_most": None if found.whole else found.life,
     }  # fmt: skip

@@ -11,7 +11,15 @@ from typing import Any
 import numpy as np
 
 from crane.operability.allowable import Table, tabulate
-from crane.operability.conditions import Condition, SeaKeys, cases_of, highest, sea_keys, sea_notes
+from crane.operability.conditions import (
+    Condition,
+    SeaKeys,
+    cases_of,
+    headings_that_run,
+    highest,
+    sea_keys,
+    sea_notes,
+)
 from crane.operability.criteria import (
     Criterion,
     bare_notes,
@@ -24,7 +32,7 @@ from crane.operability.criteria import (
 )
 from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
-from tautline.scene.errors import SceneError, option_error
+from tautline.scene.errors import SceneError, SceneWarning, option_error
 from tautline.statistics.gumbel import FEWEST
 from tautline.sweeps.execution import Execution
 from tautline.system.handles import Handles
@@ -187,6 +195,23 @@ def _check_seas(application: Any, scene: Any, keys: SeaKeys, asked: Asked) -> No
             raise SceneError(problems) from None
 
 
+def warnings_of_storms(of_scene: Sequence[SceneWarning], scene: Any, asked: Asked) -> list[SceneWarning]:
+    """Warnings of the scene, with what is doubtful of the seas that run in place of the scene's own, which may not."""
+    from crane.warnings import doubts_of_motion
+    from tautline.scene.values.printed import in_words
+    from tautline.scene.warnings import line_of
+
+    def doubts(changed: Any) -> list[SceneWarning]:
+        told = ((place, in_words(text, scene.units)) for place, text in doubts_of_motion(changed))
+        return [SceneWarning(place, text, line_of(scene.document, place)) for place, text in told]
+
+    keys, own = sea_keys(scene, any(one.heading is not None for one in asked.conditions)), doubts(scene)
+    of_storms: list[SceneWarning] = []
+    for one in headings_that_run(asked.conditions):
+        of_storms += doubts(scene.replace(keys.changes(one, asked.seeds[0]), origin="--heading"))
+    return [*(one for one in of_scene if one not in own), *dict.fromkeys(of_storms)]
+
+
 def duration_notes(asked: Asked) -> list[str]:
     """Notes on a duration that no operation at sea has: 3 is 3 s, and 3 h is probably meant."""
     if asked.duration >= SHORTEST or not asked.bare:
@@ -222,9 +247,10 @@ def failed_notes(table: Table, storms: int) -> list[str]:
     shown = "; ".join(said(at) for at in table.failed[:MOST_SHOWN])
     more = len(table.failed) - MOST_SHOWN
     also = f"; and {more} more, see operability.csv" if more > 0 else ""
+    milder = " The others are milder, and of" if any(table.done[at] for at in table.failed) else " Of"
     return [
         f"storms failed in {len(table.failed)} of the sea states: {shown}{also}. Storms that fail are often those in "
-        "which the rope snaps. The others are milder, and of such a sea state no extremes are given"
+        f"which the rope snaps.{milder} such a sea state no extremes are given"
     ]
 
 

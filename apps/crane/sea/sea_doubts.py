@@ -22,6 +22,10 @@ AMBIGUOUS = math.radians(150.0)
 FELT = 0.02
 """Share of the largest response from which on a phase counts."""
 TURN = 2.0 * math.pi
+FULL = math.radians(0.05)
+"""Angle that a step may lack of a whole or half a turn and count as one."""
+ROUNDED = 1e-9
+"""Share by which a number may be above a bound and not pass it: degrees are rounded as they become radians."""
 
 
 def highest(period: float, gravity: float = EARTH_GRAVITY) -> float:
@@ -39,7 +43,7 @@ def equal_waves(sea: Spectrum) -> float:
 def doubts_of_sea(sea: Spectrum, gravity: float) -> Iterator[tuple[str, str]]:
     """Keys of a spectrum and sentences."""
     most = highest(sea.peak_period, gravity)
-    if sea.significant_height > most * (1.0 + 1e-9):
+    if sea.significant_height > most * (1.0 + ROUNDED):
         text = (
             f"waves of a peak period of {sea.peak_period:g} s are {most:.3g} m high at most, for steeper ones break "
             f"(DNV-RP-C205, 3.5.4). These are {sea.significant_height:g} m. Give lower waves or a longer period"
@@ -54,26 +58,44 @@ def doubts_of_sea(sea: Spectrum, gravity: float) -> Iterator[tuple[str, str]]:
         yield "components", text
 
 
-def doubts_of_phases(response: Response) -> Iterator[str]:
+def doubts_of_phases(response: Response, direction: float | None = None) -> Iterator[str]:
     """Motions whose phase steps so far from row to row that between them it may go the other way round.
 
     Phases within a turn are wrapped, and the near side is meant. Those that run on beyond a turn are written out, and
-    then a step of more than half a turn is one.
+    then a step of more than half a turn is one. The direction of the sea, rad, is that of the rows, where there is one.
     """
+    of = "" if direction is None else f" at direction {math.degrees(direction):.6g} deg"
     for name in MOTIONS:
         if name not in response.written:
             continue
         size, written, used = response.amplitude[name], response.written[name], response.phase[name]
         felt = np.minimum(size[1:], size[:-1]) > FELT * float(size.max(initial=0.0))
-        far = np.abs(np.diff(used)) > AMBIGUOUS
-        if float(np.ptp(written)) > TURN * (1.0 + 1e-9):
-            far |= np.abs(np.diff(written)) > 0.5 * TURN * (1.0 + 1e-9)
+        far = np.abs(np.diff(used)) > AMBIGUOUS * (1.0 + ROUNDED)
+        if float(np.ptp(written)) > TURN * (1.0 + ROUNDED):
+            far |= np.abs(np.diff(written)) > 0.5 * TURN * (1.0 + ROUNDED)
         if (at := np.flatnonzero(far & felt)).size:
             k = int(at[0])
             low, high = response.frequency[k], response.frequency[k + 1]
+            step, cure = _step(float(used[k + 1] - used[k]))
             yield (
-                f"{response.path}: the phase of {name} goes from {math.degrees(written[k]):.4g} to "
-                f"{math.degrees(written[k + 1]):.4g} deg between {low:.4g} and {high:.4g} rad/s, and is taken the "
-                f"short way, by {math.degrees(used[k + 1] - used[k]):.4g} deg. If the other way is meant, motions "
-                "between these rows are wrong. Add rows, so that no phase steps by more than 150 deg"
+                f"{response.path}: the phase of {name}{of} goes from {math.degrees(written[k]):.4g} to "
+                f"{math.degrees(written[k + 1]):.4g} deg between {low:.4g} and {high:.4g} rad/s. {step}. {cure}"
             )
+
+
+def _step(used: float) -> tuple[str, str]:
+    """How a step of a phase, rad, is taken, and what to do where another is meant."""
+    wrong = "If another way is meant, motions between these rows are wrong"
+    if abs(used) < FULL:
+        cure = "Write both phases within one turn, or add rows if the phase turns between them"
+        return f"That is a whole turn, and is taken as no step. {wrong}", cure
+    if abs(used) > 0.5 * TURN - FULL:
+        cure = (
+            "Add rows, so that no phase steps by more than 150 deg. If the response goes through zero and changes its "
+            "sign there, add a row with the amplitude 0 at that frequency"
+        )
+        return f"That is half a turn: both ways are as long. {wrong}", cure
+    cure = "Add rows, so that no phase steps by more than 150 deg"
+    if abs(used) <= AMBIGUOUS * (1.0 + ROUNDED):
+        cure += ", or write the phases within one turn"
+    return f"It is taken the short way, by {math.degrees(used):.4g} deg. {wrong}", cure

@@ -94,7 +94,7 @@ def operability(
     quiet: Quiet = False,
 ) -> None:
     """Storms over sea states: extremes, and the allowable significant wave height against period and heading."""
-    from crane.operability.storms import occurring
+    from crane.operability.storms import occurring, warnings_of_storms
     from crane.operability.storms import operability as run
     from tautline.cli.options.changes import change_of
     from tautline.cli.output.console import say
@@ -116,6 +116,7 @@ def operability(
 
     def begin() -> None:
         # What cannot be is refused first: before that nothing should read as a start.
+        told[:] = warnings_of_storms(told, read, asked)
         print_warnings(told)
         if not quiet:
             _introduce(asked, len(whole.conditions) - len(asked.conditions))
@@ -303,9 +304,12 @@ def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
         one_year = found.fatigue
         # What failed, or was too steep to run, does not stand in the sum: its share is said with each number.
         part = "" if one_year.whole else ", of the time that was run"
+        ranged, cycles = "not known", "not known"
+        if one_year.any:
+            ranged, cycles = quantity(one_year.range, "N"), significant(one_year.cycles)
         rows += [
-            (f"equivalent tension range over the scatter diagram{part}", quantity(one_year.range, "N")),
-            (f"cycles in a year{part}", significant(one_year.cycles)),
+            (f"equivalent tension range over the scatter diagram{part}", ranged),
+            (f"cycles in a year{part}", cycles),
             ("share of time that was run", f"{significant(100.0 * one_year.covered)} %"),
         ]
         if one_year.life is not None:

@@ -87,7 +87,7 @@ class Section(Model):
         key, what = ("od", "outside diameter") if self.tool_joint_od is None else ("tool_joint_od", "tool joint")
         if not self._of_tubular(key):
             if self.contact_diameter == hole:
-                cure = f"make {key} 1 mm smaller at least: a contact needs some clearance, to know where it presses"
+                cure = f"make {key} smaller, such as by 1 mm: a contact needs some clearance, to know where it presses"
                 return key, "exactly as wide, does not fit", cure
             return key, "does not fit", f"widen well.diameter, or give a smaller {key}"
         size = _inches(self.contact_diameter)
@@ -123,7 +123,9 @@ class Section(Model):
             cause = f"wider than the tool joint of the tubular, {_inches(self.tool_joint_od)}"
             raise fault("od", cause, "give a smaller od, or write tool_joint_od too")
         if self.tool_joint_od is not None and self.tool_joint_od < self.od:
-            raise fault("tool_joint_od", f"smaller than od = {self.od:g}", "give at least od, or remove it")
+            of = "od of the tubular" if self._of_tubular("od") else "od"
+            cause = f"smaller than the {of}, {_inches(self.od)}"
+            raise fault("tool_joint_od", cause, "give at least that, or remove it")
         if hypot(*self.eccentricity) >= 0.5 * self.contact_diameter:
             cause = f"the centre of gravity is {hypot(*self.eccentricity):g} m off the axis, outside of the pipe"
             raise fault("eccentricity", cause, "give some millimetres, such as [0, 2 mm]")

@@ -142,7 +142,8 @@ def read_measured(path: Path, block: float = 0.0) -> Measured:
     size = columns.factor((place, columns.units[place]), "depth", "m")
     unit = unit_named(columns.units[place])
     known = {head for heads in COLUMNS.values() for head in heads}
-    unused = tuple(title for name, title in zip(columns.names, columns.titles, strict=True) if name not in known)
+    heads = zip(columns.names, columns.titles, strict=True)
+    unused = tuple(title for name, title in heads if name not in known and title.strip())
     measured = Measured(values["depth"], up - block, down - block, lines, unit, size, unused)
     _check(path, measured, block, columns)
     return measured

@@ -184,6 +184,8 @@ class Solver(Model):
 INTERVAL = 0.05
 """Interval of the frames of which statistics are taken, s, where none is given."""
 FRAMES, STATISTICS = "frames", "statistics"
+FRAMES_OF_A_BLOCK = 100
+"""Frames of a block that is named as an example."""
 OF_STATISTICS = ("windows", "block", "begin", "of")
 
 
@@ -219,7 +221,10 @@ class Output(Model):
                     raise fault(key, "is for statistics, and every frame is kept", f"add keep: {STATISTICS}")
         elif self.block < self.interval * (1.0 - 1e-9):
             cause = f"is shorter than output.interval ({self.interval:g} s): blocks would hold no frame"
-            raise fault("block", cause, "give a block of many frames, such as 600 s")
+            if "block" not in self.model_fields_set:
+                cause = f"is not given. It is {self.block:g} s then, and {cause}"
+            several = f"{FRAMES_OF_A_BLOCK * self.interval:g} s"
+            raise fault("block", cause, f"give a block of many frames, such as {several}, or a shorter interval")
         return self
 
     @property

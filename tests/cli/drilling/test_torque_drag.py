@@ -387,6 +387,11 @@ def test_measured_loads_are_told_as_written_where_the_block_has_a_weight_and_oth
     assert measured.unused == ("rotating [kN]",) and measured.pick_up.tolist() == [450e3]
 
 
+def test_a_comma_at_the_end_of_the_header_of_measured_loads_is_no_column(folder):
+    Path("gauge.csv").write_text("md [m],pick_up [kN],slack_off [kN],\n2000,800,600,\n", "utf8")
+    assert read_measured(Path("gauge.csv")).unused == ()
+
+
 def test_a_friction_factor_may_be_a_share():
     assert parse_frictions("25 %,0.3") == parse_frictions("0.25,0.3")
     with pytest.raises(SceneError, match="one lies between 0 and"):

@@ -46,9 +46,35 @@ def test_a_sea_of_next_to_no_components_is_told(components, doubtful):
     ],
 )  # fmt: skip
 def test_a_phase_that_may_go_either_way_between_two_rows_is_told(phases, between, tmp_path):
-    place = tmp_path / "rao.csv"
-    sizes = ((0.4, 1.0), (0.8, 0.9), (1.2, 0.8), (2.0, 0.3), (6.0, 0.0))
-    rows = [f"{w},{size},{phase}\n" for (w, size), phase in zip(sizes, phases, strict=True)]
-    place.write_text("".join(["frequency [rad/s],heave [m/m],heave phase [deg]\n", *rows]))
-    found = list(doubts_of_phases(read_response(place)))
+    found = doubts(phases, tmp_path)
     assert (len(found) == 1 and f"phase of heave goes {between}" in found[0]) if between else found == []
+
+
+def doubts(phases, folder, sizes=(1.0, 0.9, 0.8, 0.3, 0.0)):
+    place = folder / "rao.csv"
+    rows = [f"{w},{size},{phase}\n" for w, size, phase in zip((0.4, 0.8, 1.2, 2.0, 6.0), sizes, phases, strict=True)]
+    place.write_text("".join(["frequency [rad/s],heave [m/m],heave phase [deg]\n", *rows]))
+    return list(doubts_of_phases(read_response(place)))
+
+
+@pytest.mark.parametrize(
+    ("phases", "words", "not_said"),
+    [
+        # A heave that goes through zero and changes its sign.
+        ((0, 0, 180, 180, 180), ("half a turn: both ways are as long", "a row with the amplitude 0"), "short way"),
+        ((90, 90, -90, -90, -90), ("half a turn: both ways are as long", "a row with the amplitude 0"), "short way"),
+        # The same phase, written a turn apart.
+        ((700, 710, 350, 360, 0), ("a whole turn, and is taken as no step", "within one turn"), "short way"),
+        ((0, -90, -300, -700, -700), ("the short way, by 150 deg", "or write the phases within one turn"), "half"),
+        ((0, 90, -110, -120, -120), ("the short way, by 160 deg", "Add rows"), "within one turn"),
+    ],
+)  # fmt: skip
+def test_what_a_doubtful_phase_is_taken_as_and_the_cure_are_those_of_its_step(phases, words, not_said, tmp_path):
+    (text,) = doubts(phases, tmp_path)
+    assert all(word in text for word in words) and not_said not in text
+
+
+def test_a_null_with_a_row_of_its_own_and_a_step_of_150_deg_are_not_doubtful(tmp_path):
+    assert doubts((0, 90, 180, 180, 180), tmp_path, (1.0, 0.0, 0.8, 0.3, 0.0)) == []
+    # -100 to -250 deg is 150 deg and a rounding more, in radians.
+    assert doubts((0, -100, -250, -320, -350), tmp_path) == []

@@ -1,6 +1,7 @@
 """Contacts that begin or end to slip one after the other, within one step, do not use up the iterations of a step."""
 
 from math import radians, sin, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -50,8 +51,31 @@ def test_a_pull_raises_the_hook_load_by_that_of_the_length_that_slips(found):
 
 
 def test_a_run_that_stops_while_contacts_change_names_the_limit_of_iterations():
-    with pytest.raises(StoppedEarly, match=r"solver\.max_iterations"):
+    with pytest.raises(StoppedEarly, match=r"after 1 iteration it still .*solver\.max_iterations"):
         run(1)
+
+
+def told(changed, last, free, most):
+    """What is advised where laws changed last in an iteration, of which some did not count."""
+    c = SimpleNamespace(changed=np.array([0, changed, 0, 0, 0]), chain=np.zeros(6, int), max_iterations=most)
+    c.chain[newton.SINCE], c.chain[newton.FREE] = last, free
+    return newton.advice(SimpleNamespace(corrector=c), newton.NOT_CONVERGED)
+
+
+@pytest.mark.parametrize(
+    ("last", "free", "most", "words"),
+    [
+        (24, 0, 25, "after 25 iterations it still changed"), (34, 10, 25, "after 25 iterations it still changed"),
+        # Statuses were found, and three iterations were left for what follows from them: as in data/tripping.yaml.
+        (2, 0, 5, "5 iterations were too few once"), (8, 6, 5, "5 iterations were too few once"),
+        # Twenty iterations of the same statuses: what lacks is no iteration.
+        (5, 0, 25, ""),
+    ],
+)  # fmt: skip
+def test_more_iterations_are_advised_where_few_were_left_after_the_last_change(last, free, most, words):
+    found = told(1, last, free, most)
+    assert found.startswith(words) and ("solver.max_iterations may help" in found if words else found == "")
+    assert told(0, last, free, most) == ""
 
 
 @entry

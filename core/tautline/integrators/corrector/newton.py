@@ -63,6 +63,8 @@ ROUNDED = 8.0 * float(np.finfo(float).eps)
 ROUNDING_MOST = 1.0e4
 """Times the tolerance up to which a residual is put down to rounding. A contact that rolls at speed v, with friction of
 stiffness c, leaves eps c v in the residual, and smaller steps only raise c."""
+SETTLING = 5
+"""Iterations that a step takes, as a rule, once what sticks and what slips is found."""
 FIRST_PLACE, PAST_PLACE, FIRST_WAY, PAST_WAY, SINCE, FREE = range(6)
 """Places in ``Corrector.chain``: where laws changed their status last, first and past the last full degree of freedom;
 the way that either went last (1 to higher places, -1 to lower ones, 0 none yet); the iteration in which they changed;
@@ -127,16 +129,21 @@ def corrector(
 
 
 def advice(method: Any, status: int) -> str:
-    """What may help a run whose step was not solved: empty, unless laws changed until the last iteration allowed."""
+    """What may help a run whose step was not solved: empty, unless laws changed shortly before its last iteration.
+
+    Each change begins the search anew. After the last of them Newton's method needs some iterations for the statuses
+    that were found: where fewer were left, more of them may be all that lacks.
+    """
     c = getattr(method, "corrector", None)
     if status != NOT_CONVERGED or c is None or c.changed[EVER] == 0:
         return ""
-    if c.chain[SINCE] - c.chain[FREE] < c.max_iterations - 1:
+    counted = c.chain[SINCE] - c.chain[FREE]
+    most = f"{c.max_iterations} iteration{'' if c.max_iterations == 1 else 's'}"
+    if counted >= c.max_iterations - 1:
+        return f"after {most} it still changed what sticks and what slips: a larger solver.max_iterations may help"
+    if c.max_iterations - counted > SETTLING:
         return ""
-    return (
-        f"after {c.max_iterations} iterations it still changed what sticks and what slips: a larger "
-        "solver.max_iterations may help"
-    )
+    return f"{most} were too few once it was found what sticks and what slips: a larger solver.max_iterations may help"
 
 
 @kernel(forceinline=True)
