@@ -57,7 +57,7 @@ def test_a_force_that_is_no_number_at_a_frame_stops_an_explicit_run_there():
     """The result was refused with a fault of the program, and with it all frames before."""
     sim = tautline.Simulation(tautline.read(DATA / "hoist.yaml").replace(EXPLICIT))
     sim.add_force(lambda t, q, v: np.full(3, np.nan if t > 0.3 else 0.0), on="payload.position")
-    with pytest.raises(tautline.StoppedEarly, match="NOT_FINITE"):
+    with pytest.raises(tautline.StoppedEarly, match="NO_FORCE"):
         sim.advance_to(0.5)
     assert np.isfinite(sim["payload.position"]).all() and sim.result["time"][-1] == pytest.approx(0.25)
 

@@ -25,7 +25,8 @@ def _apply(typing, row, kind, group, arguments):
     hook, expected, _ = list(SUMS.values())[row.literal_value]
     member, given_types = kind.instance_type, tuple(map(kind_of, expected.values()))
     compiled = _compiled(member.instance_class, hook, (member, *given_types))
-    ours = comes_with_us(KINDS[member.instance_class][hook].py_func)
+    kernel: Any = KINDS[member.instance_class][hook]
+    ours = comes_with_us(kernel.py_func)
 
     def code(context, builder, _, given):
         g = builder.load(builder.inttoptr(given[2], context.get_value_type(member).as_pointer()))
@@ -53,7 +54,7 @@ WRITTEN = ("r", "e", "p", "matrix")
 def _spoil(context: Any, builder: Any, expected: dict[str, Any], given: list[Any]) -> None:
     """Make what a hook has written no number, for it raised: the sum lacks the rest, and the run must not go on."""
     for name, x in zip(expected, given, strict=True):
-        t = kind_of(expected[name])
+        t: Any = kind_of(expected[name])
         if name in WRITTEN and _is_vector(t):
             array = make_array(t)(context, builder, x)
             with cgutils.for_range(builder, array.nitems) as loop:
