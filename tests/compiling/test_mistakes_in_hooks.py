@@ -16,7 +16,7 @@ from tautline.kernels import groups
 from tautline.kernels.compiling.errors import KernelError
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import link, register
-from tautline.kernels.jit import kernel
+from tautline.kernels.jit import entry, kernel
 from tautline.system import hook_bounds
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
@@ -73,9 +73,12 @@ def ours(g, t, q, v, a, r):
     r[0] -= g.nosuch[0]
 
 
+PUSHES = (Push(np.ones(1)),)
+
+
 def linked(hook):
     register(Push, residual=hook)
-    return link((Push(np.ones(1)),), "residual")
+    return link(PUSHES, "residual")
 
 
 def line_of(function, word):
@@ -151,6 +154,66 @@ def test_a_hook_that_can_raise_is_refused_with_the_line_of_it(hook, at, word):
     assert error.path == f"{HERE}:{line_of(at, word)}"
     assert f"hook 'residual' of kind Push ({hook.__module__}.{hook.__name__}) can raise an error" in error.cause
     assert "where the group is made" in error.cure and "write nan" in error.cure
+
+
+BY_CASE = (checked_by_numba, checked_by_numba)
+
+
+@kernel
+def choosing(g, t, q, v, a, r):
+    r[0] -= BY_CASE[0](g.force[0])
+
+
+@compiled
+def test_a_function_that_can_raise_is_found_in_a_tuple_of_functions():
+    with pytest.raises(KernelError, match="can raise an error"):
+        linked(choosing)
+
+
+def force(scene):
+    """It has the name of what the hooks' group holds, and no hook calls it."""
+    if scene is None:
+        raise ValueError
+
+
+@kernel
+def leaving_the_tuple(g, t, q, v, a, r):
+    r[1] -= (g.force[0], 5.0)[int(t)]
+
+
+@kernel
+def by_one(g, t, q, v, a, r):
+    r[0] -= 1.0
+
+
+@kernel
+def by_two(g, t, q, v, a, r):
+    r[0] -= 2.0
+
+
+@entry
+def summed(table, t, q, v, a, r):
+    groups.residual(table, t, q, v, a, r)
+
+
+@compiled
+def test_a_hook_that_raises_without_a_raise_of_its_own_leaves_no_number_behind():
+    # the force was gone from then on, and the run was "done"; numba raises where a tuple has no such place
+    table, nothing = linked(leaving_the_tuple), np.zeros(3)
+    for t, wanted in ((0.0, [0.0, -1.0, 0.0]), (1.0, [0.0, -5.0, 0.0]), (2.0, [np.nan] * 3)):
+        r = np.zeros(3)
+        summed(table, t, nothing, nothing, nothing, r)
+        np.testing.assert_array_equal(r, wanted)
+
+
+@compiled
+def test_a_kind_that_is_registered_anew_runs_the_hook_of_now():
+    found = []
+    for hook in (by_one, by_two, by_one):
+        r = np.zeros(3)
+        summed(linked(hook), 0.0, np.zeros(3), np.zeros(3), np.zeros(3), r)
+        found.append(r[0])
+    assert found == [-1.0, -2.0, -1.0]
 
 
 @compiled

@@ -4,10 +4,14 @@ import importlib
 import json
 import os
 import sys
+import types
 
 import pytest
+from numba import cfunc
+from numba.extending import overload
 from young_processes import young_processes
 
+from tautline.kernels.jit import kernel
 from tautline.kernels.machine import sources
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is about what is compiled")
@@ -176,3 +180,80 @@ def test_a_file_with_the_name_of_a_module_of_python_is_no_module_of_python(tmp_p
     sources._is_known_package.cache_clear()
     monkeypatch.delitem(sys.modules, "wave")
     assert found[0] == found[2] != found[1]
+
+
+laws = types.ModuleType("laws")
+laws.sub = types.ModuleType("laws.sub")
+
+
+@kernel
+def second(x):
+    return x * laws.sub.B
+
+
+@kernel
+def first(x):
+    return laws.sub.A * second(x)
+
+
+def test_each_function_counts_with_the_names_that_it_takes_of_a_module_in_a_module():
+    """Of a submodule only those names counted that the first function took."""
+    laws.sub.A, laws.sub.B = 1.0, 5.0
+    before = sources.fingerprint(first)
+    assert sources.fingerprint(first) == before
+    laws.sub.B = 7.0
+    assert sources.fingerprint(first) != before
+
+
+def test_a_callback_for_c_is_never_taken_from_a_cache():
+    """Its address is in the machine code, and another process ended at it."""
+
+    @cfunc("float64(float64)")
+    def law(x):
+        return 5.0 * x
+
+    @kernel
+    def calling(x):
+        return law(x)
+
+    assert sources.fingerprint(calling) != sources.fingerprint(calling)
+
+
+def test_what_a_library_has_by_its_name_is_known_whatever_it_is():
+    """Functions of numpy that dispatch, its operators and types, and contexts of numba are objects of classes."""
+    import numba
+    import numpy as np
+
+    assert all(map(sources.is_known, (np.linalg.solve, np.sum, np.sin, np.float64, np.dtype("f8"), numba.objmode, abs)))
+
+
+def test_an_overload_that_is_edited_counts():
+    found = []
+    for factor in (5.0, 7.0):
+
+        def law(x):
+            """What the overload stands for."""
+
+        @overload(law)
+        def _law(x, factor=factor):
+            return lambda x: factor * x
+
+        @kernel
+        def calling(x, law=law):
+            return law(x)
+
+        found.append(sources.fingerprint(calling))
+    assert found[0] != found[1]
+
+
+place = object()
+
+
+@kernel
+def of_a_group(g):
+    return g.place[0]
+
+
+def test_an_attribute_with_the_name_of_a_global_is_not_that_global():
+    """An object without contents of that name had the kernel compiled in every process."""
+    assert sources.fingerprint(of_a_group) == sources.fingerprint(of_a_group)

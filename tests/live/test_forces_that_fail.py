@@ -1,6 +1,7 @@
 """Forces that a user adds and that are wrong: told with their name, and never by a process that ends."""
 
 import os
+import sys
 from pathlib import Path
 
 import numba
@@ -11,6 +12,7 @@ import tautline
 from tautline.elements.nodal.node import PointMasses
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.compiling.errors import KernelError
+from tautline.live import forces
 from tautline.live.errors import SimulationError
 
 HOIST = Path(__file__).parents[2] / "data" / "hoist.yaml"
@@ -92,6 +94,60 @@ def test_a_compiled_force_that_asks_for_a_place_beyond_its_vectors_is_refused(st
     # compiled, it wrote into memory of something else and ended the process
     with pytest.raises(SimulationError, match=rf"{Path(__file__).name}:\d+: index \d is out of bounds.*places 0 to 2"):
         standing.copy().add_force(force, on="payload.position")
+
+
+GUST = np.full(10, 1000.0)
+
+
+@numba.njit
+def from_now_on(t, q, v, force):
+    force[0] = GUST[int((t - 0.2) / 0.01)]
+
+
+@compiled
+def test_a_compiled_force_is_looked_at_with_the_time_at_which_it_is_added(standing):
+    sim = standing.copy()
+    with pytest.raises(SimulationError, match=r"a place that an array has not .*index -20 .*t is 0 s now"):
+        sim.add_force(from_now_on, on="payload.position")
+    sim.advance(0.2)
+    sim.add_force(from_now_on, on="payload.position")
+    sim.advance(0.02)
+    assert sim["payload.position"][0] != standing["payload.position"][0]
+
+
+class Endless:
+    """What a compiled force is written as, without an end in Python."""
+
+    @staticmethod
+    def py_func(t, q, v, force):
+        while True:
+            force[0] += 1.0
+
+
+def test_the_look_at_a_compiled_force_is_given_up_where_it_takes_long(monkeypatch):
+    monkeypatch.setattr(forces, "LONGEST", 0.02)
+    forces._check_indices(Endless, 0.0, np.zeros(3), np.zeros(3))
+    assert sys.gettrace() is None
+
+
+@numba.njit
+def returning(t, q, v, force):
+    return np.array([1000.0, 0.0, 0.0])
+
+
+@numba.njit("void(float32, float32[:], float32[:], float32[:])")
+def of_halves(t, q, v, force):
+    force[0] = 1000.0
+
+
+@compiled
+@pytest.mark.parametrize(
+    ("force", "said"), [(returning, r"returns array\(float64"), (of_halves, "cannot be compiled: Invalid use")]
+)
+def test_a_compiled_force_of_another_form_is_refused_with_the_form_that_it_needs(standing, force, said):
+    with pytest.raises(SimulationError, match=rf"{said}.*writes into force, with @njit") as refused:
+        standing.copy().add_force(force, on="payload.position")
+    assert len(str(refused.value)) < 600 and "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize("beyond", [-2, 400])

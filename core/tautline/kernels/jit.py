@@ -116,7 +116,9 @@ class Kernel:
     def _made(self, forms: tuple[Form, ...]) -> Machine:
         address, stored = compiler().compile_whole(self.compiled, forms)
         self.compilations += 1
-        write(self.py_func, name_of(self.py_func, forms), stored)
+        name = name_of(self.py_func, forms)
+        if name == name_of(self.py_func, forms):  # else it takes in something without known contents: for this process
+            write(self.py_func, name, stored)
         return self._found.setdefault(forms, Machine(address, stored.returned))
 
     def __call__(self, *arguments: Any) -> Any:

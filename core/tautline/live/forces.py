@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import inspect
 import sys
+import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -142,6 +144,7 @@ def compiled(function: Any) -> Any:
     """
 
     from numba import carray, cfunc, types
+    from numba.core.errors import NumbaError
 
     vector = types.CPointer(types.float64)
 
@@ -160,7 +163,27 @@ def compiled(function: Any) -> Any:
         if known and not found and mark[n] == 0.0:
             mark[n] = NO_NUMBER
 
-    return cfunc(types.void(types.float64, vector, vector, vector, types.int64))(outer)
+    try:
+        code = cfunc(types.void(types.float64, vector, vector, vector, types.int64))(outer)
+    except NumbaError as error:
+        from tautline.kernels.compiling.errors import words_of
+
+        raise SimulationError(f"the force cannot be compiled: {words_of(error)}", CURE_OF_FORM) from None
+    _check_returned(function)
+    return code
+
+
+CURE_OF_FORM = "write a function of (t, q, v, force) that writes into force, with @njit and without types"
+
+
+def _check_returned(function: Any) -> None:
+    """Refuse a compiled function that gives back more than a number: a force is written, and nobody reads that."""
+    from numba.core import types
+
+    for each in getattr(getattr(function, "compiled", function), "nopython_signatures", ()):
+        given = types.unliteral(each.return_type)
+        if not isinstance(given, (types.NoneType, types.Number, types.Boolean, types.Optional)):
+            raise SimulationError(f"the force returns {given}, which nobody reads", CURE_OF_FORM)
 
 
 def _is_compiled(function: Any) -> bool:
@@ -184,25 +207,73 @@ def _check_arguments(function: Any) -> None:
         raise SimulationError(cause, "give it these arguments") from None
 
 
-def _check_indices(function: Any, places: np.ndarray, system: System) -> None:
-    """Refuse a compiled function that asks for more places than it is given; raises SimulationError.
+LONGEST = 0.5
+"""Time, s, after which a look at the places that a force asks for is given up."""
+
+
+class _Beyond(IndexError):
+    """A vector of a force was asked for a place that it has not."""
+
+
+class _Vector(np.ndarray):
+    """A vector that a force is called with: it tells when it is asked for what it has not."""
+
+    def __getitem__(self, at: Any) -> Any:
+        try:
+            return super().__getitem__(at)
+        except IndexError as error:
+            raise _Beyond(str(error)) from None
+
+    def __setitem__(self, at: Any, value: Any) -> None:
+        try:
+            super().__setitem__(at, value)
+        except IndexError as error:
+            raise _Beyond(str(error)) from None
+
+
+def _check_indices(function: Any, t: float, q: np.ndarray, v: np.ndarray) -> None:
+    """Refuse a compiled function that asks for a place that an array has not; raises SimulationError.
 
     Compiled code does not look whether an array has a place, and would end the process. So the function as it was
-    written is gone through once at the start: what it asks for later, or in what it calls of others, is not seen.
+    written is gone through once, at the present time: what it asks for later, or in what it calls of others, is not
+    seen. One that takes long in Python is left unfinished.
     """
     source = getattr(function, "py_func", None)
     if source is None:
         return
-    q, v = system.q[places], system.v[places]
+    x, rate, force = (vector.copy().view(_Vector) for vector in (q, v, np.zeros(q.size)))
     try:
-        with in_python(), np.errstate(all="ignore"):
-            source(0.0, q, v, np.zeros(places.size))
+        with in_python(), np.errstate(all="ignore"), _given_up_after(LONGEST):
+            source(t, x, rate, force)
     except IndexError as error:
-        last = traceback.extract_tb(error.__traceback__)[-1]
-        cause = f"the force asks for a place that its vectors have not ({last.filename}:{last.lineno}: {error})"
-        raise SimulationError(cause, f"q, v and force have the places 0 to {places.size - 1}") from None
+        last = next(one for one in reversed(traceback.extract_tb(error.__traceback__)) if one.filename != __file__)
+        of, cure = "an array has not", f"t is {t:g} s now, and an array of n has the places 0 to n - 1"
+        if isinstance(error, _Beyond):
+            of, cure = "its vectors have not", f"q, v and force have the places 0 to {q.size - 1}"
+        cause = f"the force asks for a place that {of} ({last.filename}:{last.lineno}: {error})"
+        raise SimulationError(cause, cure) from None
     except Exception:  # what Python cannot run tells nothing of places
         return
+
+
+@contextlib.contextmanager
+def _given_up_after(longest: float) -> Iterator[None]:
+    """End what runs in Python with a TimeoutError; not below a debugger, whose place this takes."""
+    if sys.gettrace() is not None:
+        yield
+        return
+    end = time.perf_counter() + longest
+
+    def look(frame: Any, event: str, argument: Any) -> Any:
+        if time.perf_counter() > end:
+            raise TimeoutError
+        return look
+
+    sys.settrace(look)
+    try:
+        yield
+    finally:
+        sys.settrace(None)
 
 
 def places_of(on: Any) -> np.ndarray:
@@ -218,8 +289,10 @@ def places_of(on: Any) -> np.ndarray:
     return places
 
 
-def force_of(function: Any, places: np.ndarray | None, system: System) -> Force | Group:
-    """What adds a function, or a group, to a system.
+def force_of(
+    function: Any, places: np.ndarray | None, system: System, now: tuple[float, np.ndarray, np.ndarray]
+) -> Force | Group:
+    """What adds a function, or a group, to a system, with the time, position and velocity now.
 
     Raises
     ------
@@ -242,7 +315,8 @@ def force_of(function: Any, places: np.ndarray | None, system: System) -> Force 
             "a force has to act on some degrees of freedom", f"give numbers from 0 to {system.q.size - 1}"
         )
     if _is_compiled(function):
-        _check_indices(function, at, system)
+        t, q, v = now
+        _check_indices(function, t, q[at], v[at])
     known = np.zeros((at.size, at.size), np.int64) if places is None else room_for(at, system)
     return Force(function, at, known)
 

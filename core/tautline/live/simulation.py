@@ -640,7 +640,8 @@ class Simulation:
         elif on is not None:
             places = places_of(on)
         with self._turn.change:
-            self._add(force_of(force, places, self.model.system))
+            now = self._time, self._state.full_q, self._state.full_v
+            self._add(force_of(force, places, self.model.system, now))
 
     def _add(self, force: Force | Group) -> None:
         """Take a further group into the system, with the state as it is."""

@@ -57,6 +57,11 @@ def error_of_hook(kind: type, hook: str, function: Any, error: Exception) -> Ker
     return KernelError(place, cause, CURE)
 
 
+def words_of(error: Exception) -> str:
+    """What numba said is wrong, as one line."""
+    return _first_lines(COLOUR.sub("", str(error)))
+
+
 def _first_lines(text: str) -> str:
     """The lines of numba's that say what is wrong, as one."""
     said: list[str] = []

@@ -25,6 +25,8 @@ def _apply(typing, row, kind, group, arguments):
     hook, expected, _ = list(SUMS.values())[row.literal_value]
     member, given_types = kind.instance_type, tuple(map(kind_of, expected.values()))
     compiled = _compiled(member.instance_class, hook, (member, *given_types))
+    kernel: Any = KINDS[member.instance_class][hook]
+    ours = comes_with_us(kernel.py_func)
 
     def code(context, builder, _, given):
         g = builder.load(builder.inttoptr(given[2], context.get_value_type(member).as_pointer()))
@@ -37,10 +39,26 @@ def _apply(typing, row, kind, group, arguments):
             builder, callee, types.none, compiled.signature.args, [g, *rest], attrs=("alwaysinline",)
         )
         with cgutils.if_unlikely(builder, status.is_error):
+            if not ours:
+                _spoil(context, builder, expected, rest)
             context.call_conv.return_status_propagate(builder, status)
         return context.get_dummy_value()
 
     return types.void(row, kind, group, arguments), code
+
+
+WRITTEN = ("r", "e", "p", "matrix")
+"""Arguments into which a hook writes what it computes."""
+
+
+def _spoil(context: Any, builder: Any, expected: dict[str, Any], given: list[Any]) -> None:
+    """Make what a hook has written no number, for it raised: the sum lacks the rest, and the run must not go on."""
+    for name, x in zip(expected, given, strict=True):
+        t: Any = kind_of(expected[name])
+        if name in WRITTEN and _is_vector(t):
+            array = make_array(t)(context, builder, x)
+            with cgutils.for_range(builder, array.nitems) as loop:
+                builder.store(ir.Constant(ir.DoubleType(), float("nan")), builder.gep(array.data, [loop.index]))
 
 
 def _compiled(kind: type, hook: str, signature: tuple[types.Type, ...]) -> Any:

@@ -70,8 +70,17 @@ def _compiled(found: Any) -> tuple[int, Stored]:
 
 
 def forget(compiled: Inner, forms: tuple[Form, ...]) -> None:
-    """Have numba forget what it has compiled for the forms of some arguments."""
+    """Have numba forget what it has compiled for the forms of some arguments, and what our intrinsics wrote for types.
+
+    A kind of group that is registered anew has the same type, and other hooks.
+    """
     compiled.overloads.pop(tuple(map(kind_of, forms)), None)
+    for template in _templates:
+        template._impl_cache.clear()
+
+
+_templates: list[Any] = []
+"""What numba asks for the intrinsics that are defined here; each remembers what it was given."""
 
 
 def make_ready() -> None:
@@ -98,6 +107,7 @@ def intrinsic_for(stub: Any, *, prefer_literal: bool = False) -> Callable[[Any],
         template = make_intrinsic_template(stub, defined, stub.__name__, prefer_literal=prefer_literal)
         infer(template)
         infer_global(stub, types.Function(template))
+        _templates.append(template)
         return defined
 
     return registered

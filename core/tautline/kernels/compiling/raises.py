@@ -13,7 +13,7 @@ from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from tautline.kernels.compiling.errors import KernelError
-from tautline.kernels.machine.sources import comes_with_us, is_known
+from tautline.kernels.machine.sources import comes_with_us, globals_in, is_known, names_in
 
 CURE = (
     "take the `raise` or `assert` out: refuse such values where the group is made, or write nan, which stops the run "
@@ -47,7 +47,11 @@ def _line_that_raises(code: CodeType) -> int | None:
 
 
 def _functions_of(thing: Any, seen: set[int]) -> Iterator[FunctionType]:
-    """A function of others as it was written, and all of theirs that it may call."""
+    """A function of others as it was written, and all of theirs that it may call; those of a tuple are among them."""
+    if isinstance(thing, (tuple, list)):
+        for one in thing:
+            yield from _functions_of(one, seen)
+        return
     function = getattr(thing, "py_func", thing)
     if not isinstance(function, FunctionType) or id(function) in seen:
         return
@@ -55,17 +59,21 @@ def _functions_of(thing: Any, seen: set[int]) -> Iterator[FunctionType]:
         return
     seen.add(id(function))
     yield function
-    names = _names(function.__code__)
-    used = [function.__globals__[name] for name in names if name in function.__globals__]
-    used += [vars(one)[name] for one in used if isinstance(one, ModuleType) for name in names if name in vars(one)]
-    for cell in function.__closure__ or ():
-        with suppress(ValueError):  # a name that has no value yet
-            used.append(cell.cell_contents)
-    for one in used:
+    for one in _used_by(function):
         yield from _functions_of(one, seen)
 
 
-def _names(code: CodeType) -> list[str]:
-    """Names that a function, and those inside of it, look up outside, in their order."""
-    inner = (constant for constant in code.co_consts if isinstance(constant, CodeType))
-    return list(dict.fromkeys([*code.co_names, *(name for each in inner for name in _names(each))]))
+def _used_by(function: FunctionType) -> list[Any]:
+    """What a function takes from outside: of its closure, by global names, and by all of its names behind a module."""
+    used = []
+    for cell in function.__closure__ or ():
+        with suppress(ValueError):  # a name that has no value yet
+            used.append(cell.cell_contents)
+    names, at_hand = sorted(names_in(function.__code__)), function.__globals__
+    used += [at_hand[name] for name in sorted(globals_in(function.__code__)) if name in at_hand]
+    modules = set()
+    for one in used:  # grows by what stands in modules
+        if isinstance(one, ModuleType) and id(one) not in modules:
+            modules.add(id(one))
+            used += [vars(one)[name] for name in names if name in vars(one)]
+    return used

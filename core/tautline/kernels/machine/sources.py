@@ -11,6 +11,7 @@ installation.
 
 from __future__ import annotations
 
+import dis
 import enum
 import functools
 import hashlib
@@ -204,7 +205,7 @@ def _fingerprint_of_ours(function: Any) -> str:
     return digest.hexdigest()
 
 
-def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
+def _contents(thing: Any, seen: set[Any]) -> Iterator[str]:
     """Text that changes where a value does that compiled code takes in."""
     if isinstance(thing, enum.Enum):
         yield f"{type(thing).__name__}.{thing.name} {thing.value!r}"
@@ -225,8 +226,9 @@ def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
             yield from _contents(each, seen)
     elif isinstance(thing, dict):
         yield f"dict {len(thing)}"
-        for pair in thing.items():
-            yield from _contents(pair, seen)
+        for key, value in thing.items():  # pairs of them die, and others get their identities
+            yield from _contents(key, seen)
+            yield from _contents(value, seen)
     elif isinstance(thing, python_types.ModuleType):
         yield f"module {thing.__name__}"
     elif comes_with_us(function):
@@ -250,7 +252,7 @@ def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
 PLAIN_VALUES = (type(None), bool, int, float, complex, str, bytes, np.generic)
 
 
-def _contents_of_class(kind: type, seen: set[int]) -> Iterator[str]:
+def _contents_of_class(kind: type, seen: set[Any]) -> Iterator[str]:
     """Members of an enumeration, defaults of a named tuple, constants and functions of any class."""
     for base in kind.__mro__[:-1]:
         for name, value in vars(base).items():
@@ -267,10 +269,29 @@ NOT_OF_A_VALUE = {"__doc__", "__module__", "__qualname__", "__firstlineno__"}
 """What a class has that no compiled code takes in."""
 
 
+DEFINITIONS = (
+    type, np.ufunc, np.dtype, python_types.FunctionType, python_types.BuiltinFunctionType, python_types.ModuleType,
+    python_types.MethodDescriptorType, python_types.WrapperDescriptorType,
+)  # fmt: skip
+"""Kinds of things that a package defines, and that no user makes of its classes."""
+
+
 def is_known(thing: Any) -> bool:
-    """Whether a function, class or object is of a package that is known by its version."""
+    """Whether a function, class or object is of a package that is known by its version.
+
+    An object that a user made of a class of such a package, as a callback for C, is not: it has contents of its own.
+    """
     module = getattr(thing, "__module__", None) or getattr(type(thing), "__module__", "")
-    return isinstance(module, str) and _is_known_package(module.split(".")[0]) and not _is_type(thing)
+    if not isinstance(module, str) or not _is_known_package(module.split(".")[0]) or _is_type(thing):
+        return False
+    return isinstance(thing, DEFINITIONS) or _is_held(thing, module, type(thing).__module__)
+
+
+def _is_held(thing: Any, *modules: str) -> bool:
+    """Whether one of some modules, or of their packages, has an object among its names."""
+    places = dict.fromkeys(name for module in modules for name in (module, module.split(".")[0]))
+    held = (vars(sys.modules[name]) for name in places if name in sys.modules and _is_known_package(name.split(".")[0]))
+    return any(one is thing for names in held for one in names.values())
 
 
 @functools.cache
@@ -290,16 +311,19 @@ def _is_type(thing: Any) -> bool:
     return "numba" in sys.modules and isinstance(thing, sys.modules["numba"].types.Type)
 
 
-def _contents_of_function(function: python_types.FunctionType, seen: set[int]) -> Iterator[str]:
+def _contents_of_function(function: python_types.FunctionType, seen: set[Any]) -> Iterator[str]:
     yield from _contents_of_code(function.__code__, seen)
     yield from _contents(function.__defaults__, seen)
+    yield from _contents(function.__kwdefaults__, seen)
+    for each in _implementations(function):
+        yield from _contents(each, seen)
     for cell in function.__closure__ or ():
         try:
             yield from _contents(cell.cell_contents, seen)
         except ValueError:  # a name that has no value yet
             yield "empty"
-    names = sorted(_names(function.__code__))
-    for name in names:
+    names = sorted(names_in(function.__code__))
+    for name in sorted(globals_in(function.__code__)):
         if name not in function.__globals__:
             continue
         value = function.__globals__[name]
@@ -309,7 +333,18 @@ def _contents_of_function(function: python_types.FunctionType, seen: set[int]) -
             yield from _contents_of_module(value, names, seen)
 
 
-def _contents_of_module(module: python_types.ModuleType, names: list[str], seen: set[int]) -> Iterator[str]:
+def _implementations(function: python_types.FunctionType) -> Iterator[python_types.FunctionType]:
+    """What numba takes for a function that is written for Python alone: its overloads."""
+    if "numba" not in sys.modules:
+        return
+    templates = sys.modules["numba"].core.typing.templates
+    for named, its_type in templates.builtin_registry.globals:
+        if named is function:
+            found = (getattr(one, "_overload_func", None) for one in getattr(its_type, "templates", ()))
+            yield from (one for one in found if one is not None)
+
+
+def _contents_of_module(module: python_types.ModuleType, names: list[str], seen: set[Any]) -> Iterator[str]:
     """What a function may take of a module: all that goes by one of the names in its code, in its packages too."""
     package = module.__name__.split(".")[0]
     if _is_known_package(package):
@@ -321,13 +356,14 @@ def _contents_of_module(module: python_types.ModuleType, names: list[str], seen:
         if name in vars(module):
             value = vars(module)[name]
             yield f"{module.__name__}.{name}"
-            first = id(value) not in seen
             yield from _contents(value, seen)
-            if first and isinstance(value, python_types.ModuleType):
+            # Another function takes other names of the same module: a module was seen only as far as its names go.
+            if isinstance(value, python_types.ModuleType) and (way := (id(value), *names)) not in seen:
+                seen.add(way)
                 yield from _contents_of_module(value, names, seen)
 
 
-def _contents_of_code(code: python_types.CodeType, seen: set[int]) -> Iterator[str]:
+def _contents_of_code(code: python_types.CodeType, seen: set[Any]) -> Iterator[str]:
     yield f"{code.co_code.hex()} {code.co_names} {code.co_varnames} {code.co_freevars} {code.co_cellvars}"
     for constant in code.co_consts:
         if isinstance(constant, python_types.CodeType):
@@ -336,7 +372,17 @@ def _contents_of_code(code: python_types.CodeType, seen: set[int]) -> Iterator[s
             yield from _contents(constant, seen)
 
 
-def _names(code: python_types.CodeType) -> set[str]:
-    """Names that a function, and those inside of it, look up outside."""
-    inner = (constant for constant in code.co_consts if isinstance(constant, python_types.CodeType))
-    return set(code.co_names).union(*map(_names, inner))
+def names_in(code: python_types.CodeType) -> set[str]:
+    """Names that a function, and those inside of it, look up outside: globals and attributes of anything."""
+    return set(code.co_names).union(*map(names_in, _inner(code)))
+
+
+def globals_in(code: python_types.CodeType) -> set[str]:
+    """Those of them that are looked up in its module; an attribute of a group may go by the same name as a function."""
+    found = {one.argval for one in dis.get_instructions(code) if one.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
+    return found.union(*map(globals_in, _inner(code)))
+
+
+def _inner(code: python_types.CodeType) -> Iterator[python_types.CodeType]:
+    """Functions inside of a function."""
+    return (constant for constant in code.co_consts if isinstance(constant, python_types.CodeType))
