@@ -1,7 +1,6 @@
 """Forces that a user adds and that are wrong: told with their name, and never by a process that ends."""
 
 import os
-import sys
 from pathlib import Path
 
 import numba
@@ -12,7 +11,6 @@ import tautline
 from tautline.elements.nodal.node import PointMasses
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.compiling.errors import KernelError
-from tautline.live import forces
 from tautline.live.errors import SimulationError
 
 HOIST = Path(__file__).parents[2] / "data" / "hoist.yaml"
@@ -122,12 +120,6 @@ class Endless:
     def py_func(t, q, v, force):
         while True:
             force[0] += 1.0
-
-
-def test_the_look_at_a_compiled_force_is_given_up_where_it_takes_long(monkeypatch):
-    monkeypatch.setattr(forces, "LONGEST", 0.02)
-    forces._check_indices(Endless, 0.0, np.zeros(3), np.zeros(3))
-    assert sys.gettrace() is None
 
 
 @numba.njit

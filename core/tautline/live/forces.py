@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import inspect
 import sys
-import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -207,10 +205,6 @@ def _check_arguments(function: Any) -> None:
         raise SimulationError(cause, "give it these arguments") from None
 
 
-LONGEST = 0.5
-"""Time, s, after which a look at the places that a force asks for is given up."""
-
-
 class _Beyond(IndexError):
     """A vector of a force was asked for a place that it has not."""
 
@@ -236,14 +230,14 @@ def _check_indices(function: Any, t: float, q: np.ndarray, v: np.ndarray) -> Non
 
     Compiled code does not look whether an array has a place, and would end the process. So the function as it was
     written is gone through once, at the present time: what it asks for later, or in what it calls of others, is not
-    seen. One that takes long in Python is left unfinished.
+    seen.
     """
     source = getattr(function, "py_func", None)
     if source is None:
         return
     x, rate, force = (vector.copy().view(_Vector) for vector in (q, v, np.zeros(q.size)))
     try:
-        with in_python(), np.errstate(all="ignore"), _given_up_after(LONGEST):
+        with in_python(), np.errstate(all="ignore"):
             source(t, x, rate, force)
     except IndexError as error:
         last = next(one for one in reversed(traceback.extract_tb(error.__traceback__)) if one.filename != __file__)
@@ -254,26 +248,6 @@ def _check_indices(function: Any, t: float, q: np.ndarray, v: np.ndarray) -> Non
         raise SimulationError(cause, cure) from None
     except Exception:  # what Python cannot run tells nothing of places
         return
-
-
-@contextlib.contextmanager
-def _given_up_after(longest: float) -> Iterator[None]:
-    """End what runs in Python with a TimeoutError; not below a debugger, whose place this takes."""
-    if sys.gettrace() is not None:
-        yield
-        return
-    end = time.perf_counter() + longest
-
-    def look(frame: Any, event: str, argument: Any) -> Any:
-        if time.perf_counter() > end:
-            raise TimeoutError
-        return look
-
-    sys.settrace(look)
-    try:
-        yield
-    finally:
-        sys.settrace(None)
 
 
 def places_of(on: Any) -> np.ndarray:
