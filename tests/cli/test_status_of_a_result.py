@@ -124,7 +124,9 @@ MISSING = "stopped early: two blocked, last frame at "
 def blocked(tmp_path_factory):
     """A result of a run that two-blocked."""
     path = tmp_path_factory.mktemp("blocked") / "r.nc"
-    (path.parent / "scene.yaml").write_text(yaml.safe_dump(RUNS["two blocked"][0]))
+    scene = RUNS["two blocked"][0]
+    scene["rope"] = scene["rope"] | {"diameter": 0.03}  # bending is told by it
+    (path.parent / "scene.yaml").write_text(yaml.safe_dump(scene))
     with pytest.raises(StoppedEarly):
         tautline.simulate(path.parent / "scene.yaml", path)
     return path

@@ -193,7 +193,9 @@ def test_kill_9_keeps_every_frame_that_was_stored(folder, fake_here):
 def test_an_unforeseen_error_is_one_line_and_exit_1(folder, fake_here):
     done = fake_here("simulate", "bug.yaml")
     assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
-    assert "unexpected ZeroDivisionError: nobody foresaw this" in done.stderr and "report it" in done.stderr
+    assert "unexpected ZeroDivisionError: nobody foresaw this" in done.stderr
+    # The application of this test is none of ours.
+    assert "this file is no part of the program: correct it there" in done.stderr
     assert only_object(fake_here("simulate", "bug.yaml", "--json"))["status"] == "internal error"
 
 

@@ -6,7 +6,7 @@ import pytest
 from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
-    CHANGE,
+    OWED,
     SPEED,
     book_speeds,
     ease,
@@ -26,7 +26,7 @@ STEP = 1e-3
 
 @entry
 def _prescribe_end(dofs, functions, t, h, equal, known, q, v, a):
-    return prescribe_end(dofs, functions, t, h, equal, 0.5, known, q, v, a)
+    return prescribe_end(dofs, functions, t, h, equal, 1.0, 0.5, known, q, v, a)
 
 
 @entry
@@ -61,7 +61,7 @@ def pushed(function, end, h=STEP, gamma=0.5, equal=True):
     degrees.prescribe(0, 0)
     dofs = assemble((), degrees, functions, np.zeros(2), [], []).dofs
     q, v, a = (np.full(2, x) for x in value_at(functions, 0, 0.0))
-    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((CHANGE + 1, 2))
+    first, total, found, true, bends, known = v[0], 0.0, [], [], [], np.zeros((OWED + 1, 2))
     for k in range(round(end / h)):
         t, speed, place = h * k, v[0], q[0]
         known[:3, 0], known[SPEED, 0] = a[0], v[0]

@@ -65,8 +65,6 @@ START, END, BEGUN, BEHIND = range(4)
 is driven had those with which the step began, and with those with which it goes on."""
 TWICE = 2
 """Solutions for accelerations behind a push: the force that holds what is driven is then that of those found."""
-ALIKE = 1e-3
-"""Part by which steps that are as long as each other may differ."""
 STILL = -1
 """Order of the prediction that nothing moves."""
 VECTOR = form_of(np.zeros(0))
@@ -80,7 +78,7 @@ class GeneralizedAlpha(NamedTuple):
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
-    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (12,
+    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (14,
     n_full) is what is known of what follows functions, see `prescribe_end`;
     ``begun`` (n,) are accelerations behind a push with those of what is driven from before it, and ``forces`` (2,
     n_full) full residuals at the end of a step with a push, with its mean accelerations and those at its start.
@@ -437,10 +435,9 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     while True:
         if stage == END:
             _predict(m, state, h, ratio)
-            equal = m.tolerance == 0.0 and abs(ratio - 1.0) < ALIKE
-            late = 0.5 - m.alpha_f
+            equal, late = m.tolerance == 0.0, 0.5 - m.alpha_f
             bends = prescribe_end(
-                dofs, functions, t + h, h, equal, late, m.driven, state.full_q, state.full_v, state.full_a
+                dofs, functions, t + h, h, equal, ratio, late, m.driven, state.full_q, state.full_v, state.full_a
             )
             if bends and not asked:
                 asked = True
@@ -538,7 +535,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros((12, system.q.size)), np.zeros(system.size), np.zeros((2, system.q.size)),
+        np.zeros((14, system.q.size)), np.zeros(system.size), np.zeros((2, system.q.size)),
     )  # fmt: skip
 
 

@@ -112,13 +112,14 @@ BESIDE = 1e-6
 """How far beside an instant, over a step, both sides of a corner are seen."""
 GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
-BEFORE, BEGIN, LAGGED, BENDS, SPEED, LOST, QUIET, AUXILIARY, DEBT, UNREST, FASTEST, CHANGE = range(12)
+BEFORE, BEGIN, LAGGED, BENDS, SPEED, LOST, QUIET, AUXILIARY, DEBT, UNREST, FASTEST, CHANGE, SHIFT, OWED = range(14)
 """Rows of what is known of what is driven. In a step: their accelerations at its start, as they were and as they count,
 and the auxiliary one there; 1 or `OWES` where it is pushed, the speed at its start, what accelerations at both ends
 leave of the change of speed, and 1 where that is next to nothing. That speed is kept, not asked for again: where a step
 ends and the next begins, times differ by rounding, and a corner may lie between. From step to step: the auxiliary
 acceleration of eq. 2.86, by how much the change of speed is more than all steps have made of it, how many calm ones
-have to follow, the largest speed so far, and the largest of late of a step's length times its acceleration."""
+have to follow, the largest speed so far, and the largest of late of a step's length times its acceleration. Last, what
+a step leaves as it is shorter or longer than the one before, and what all of them have left since the last push."""
 OWES = 2.0
 """What stands for a push that is not one of many: nothing bends, but steps before have left too much."""
 FADES = 0.99
@@ -126,17 +127,18 @@ FADES = 0.99
 
 
 @kernel(forceinline=True)
-def prescribe_end(dofs, functions, t, h, equal, late, known, q, v, a):
+def prescribe_end(dofs, functions, t, h, equal, ratio, late, known, q, v, a):
     """Set what follows a function of time to where it is at t, the end of a step of length h; whether any bends in it.
 
-    The vectors hold the start of the step; ``equal`` says whether the step before was as long. Steps make more of a
-    change of speed than means of the accelerations at their ends do, by ``late`` times the length and what the
-    auxiliary acceleration is behind. Between its ends a
-    function may jump in speed, or change it within less time than the step takes: a valve shuts, a table has a corner.
-    The accelerations at the ends do not show that, and what is carried along would never feel its push, or ten times of
-    it. All steps of one motion are pushed, or none: of a smooth one each makes too little of the change or too much,
-    which is nothing in the end, and a push of some of them would stay. ``known`` (12, n_full) takes what is seen, see
-    `FASTEST`.
+    The vectors hold the start of the step; ``equal`` says whether steps are as long as each other as a rule, and
+    ``ratio`` how long this one is over the one before. Steps make more of a change of speed than means of the
+    accelerations at their ends do, by ``late`` times the length and what the auxiliary acceleration is behind.
+
+    Between its ends a function may jump in speed, or change it within less time than the step takes: a valve shuts, a
+    table has a corner. The accelerations at the ends do not show that, and what is carried along would never feel its
+    push, or ten times of it. All steps of one motion are pushed, or none: of a smooth one each makes too little of the
+    change or too much, which is nothing in the end, and a push of some of them would stay. ``known`` (14, n_full) takes
+    what is seen, see `FASTEST`.
     """
     bends = False
     for k in dofs.driven:
@@ -154,11 +156,13 @@ def prescribe_end(dofs, functions, t, h, equal, late, known, q, v, a):
                 bent = _bends(functions, motion, t, h, v[i], a[i])
             else:
                 bent = abs(left) > LARGE * scale or _bends_within(functions, motion, t, h, v[i], a[i])
-        elif not equal:
-            # Steps that are long and short in phase with a swing leave more and more. Of equal ones it is a twelfth of
-            # what the acceleration changes by, and swings.
-            owed = known[DEBT, i] + left + h * (late * (a[i] - known[LAGGED, i]) + (second - a[i]) / 12.0)
-            bent = owes = abs(owed) > LARGE * max(scale, known[CHANGE, i]) and abs(owed) > fast
+        swings = h * (late * (a[i] - known[LAGGED, i]) + (second - a[i]) / 12.0)
+        known[SHIFT, i] = (1.0 - 1.0 / (ratio * ratio)) * swings
+        if not bent and known[UNREST, i] == 0.0:
+            # Equal steps leave a twelfth of what the acceleration changes by, which swings with it. Of steps that are
+            # long and short in phase with a swing more and more stays.
+            owed = known[OWED, i] + known[SHIFT, i] if equal else known[DEBT, i] + left + swings
+            bent = owes = abs(owed) > max(LARGE * max(scale, known[CHANGE, i]), fast)
         known[LOST, i], known[BENDS, i] = left, OWES if owes else 1.0 if bent else 0.0
         known[QUIET, i] = 1.0 if abs(left) <= max(STRICT * scale, fast) else 0.0
         bends = bends or bent
@@ -185,6 +189,7 @@ def book_speeds(dofs, h, alpha_m, alpha_f, gamma, bends, known, v, a):
         made = h * ((1.0 - gamma) * lagged + gamma * auxiliary)
         known[DEBT, i] = known[LOST, i] if pushed else known[DEBT, i] + v[i] - known[SPEED, i] - made
         known[AUXILIARY, i] = a[i] + (alpha_m - alpha_f) * (0.0 if pushed else a[i] - begin) if bends else auxiliary
+        known[OWED, i] = 0.0 if pushed else known[OWED, i] + known[SHIFT, i]
         known[CHANGE, i] = max(FADES * known[CHANGE, i], h * abs(a[i]))
         if known[QUIET, i] > 0.0:
             known[UNREST, i] = max(known[UNREST, i] - 1.0, 0.0)

@@ -205,7 +205,7 @@ def _check_arguments(function: Any) -> None:
         raise SimulationError(cause, "give it these arguments") from None
 
 
-class _Beyond(IndexError):
+class _Beyond(SimulationError, IndexError):
     """A vector of a force was asked for a place that it has not."""
 
 
@@ -216,13 +216,13 @@ class _Vector(np.ndarray):
         try:
             return super().__getitem__(at)
         except IndexError as error:
-            raise _Beyond(str(error)) from None
+            raise _Beyond(str(error), "") from None
 
     def __setitem__(self, at: Any, value: Any) -> None:
         try:
             super().__setitem__(at, value)
         except IndexError as error:
-            raise _Beyond(str(error)) from None
+            raise _Beyond(str(error), "") from None
 
 
 def _check_indices(function: Any, t: float, q: np.ndarray, v: np.ndarray) -> None:

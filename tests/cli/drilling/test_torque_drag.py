@@ -303,7 +303,8 @@ def test_both_models_stand_beside_each_other_in_table_json_and_figure(drillstrin
     [
         (("--friction", "0.2,x"), ("--friction", "'x'|x", "is no friction factor")),
         (("--friction", "-0.2"), ("--friction", "between 0 and 2")),
-        (("--friction", "nan"), ("--friction", "between 0 and 2")),
+        (("--friction", "nan"), ("--friction nan", "a share such as 25 %")),
+        (("--friction", "3"), ("--friction", "between 0 and 2")),
         (("--friction", "0.2,,0.3"), ("--friction", "empty")),
         (("--friction", "0.1/0.2/0.3"), ("--friction", "cased/open")),
         (("--reaming", "fast"), ("--reaming",)),
