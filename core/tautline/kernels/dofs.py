@@ -158,7 +158,7 @@ def prescribe_end(dofs, functions, t, h, equal, ratio, late, known, q, v, a):
                 bent = abs(left) > LARGE * scale or _bends_within(functions, motion, t, h, v[i], a[i])
         swings = h * (late * (a[i] - known[LAGGED, i]) + (second - a[i]) / 12.0)
         known[SHIFT, i] = (1.0 - 1.0 / (ratio * ratio)) * swings
-        if not bent and known[UNREST, i] == 0.0:
+        if not bent and known[UNREST, i] == 0.0 and (equal or abs(left) <= max(STRICT * scale, fast)):
             # Equal steps leave a twelfth of what the acceleration changes by, which swings with it. Of steps that are
             # long and short in phase with a swing more and more stays.
             owed = known[OWED, i] + known[SHIFT, i] if equal else known[DEBT, i] + left + swings
