@@ -1,8 +1,8 @@
 """Hooks that can raise an error: whoever calls a hook by its address does not look whether it did.
 
 Numba has compiled code raise by what it gives back, and no hook of ours does. So what others write may not raise: a
-``raise`` or ``assert`` is refused as it is compiled. What raises without the word is not seen here; where a hook fills a
-vector, hooks.py has it become nan.
+``raise`` or ``assert`` is refused as it is compiled. What raises without the word is not seen here; where a hook fills
+a vector, hooks.py has it become nan.
 """
 
 from __future__ import annotations
