@@ -67,6 +67,8 @@ TWICE = 2
 """Solutions for accelerations behind a push: the force that holds what is driven is then that of those found."""
 STILL = -1
 """Order of the prediction that nothing moves."""
+DISTURBED = -2
+"""Order before a step at whose start somebody has changed a force, a stiffness or a place: accelerations jump there."""
 VECTOR = form_of(np.zeros(0))
 
 
@@ -78,7 +80,7 @@ class GeneralizedAlpha(NamedTuple):
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
-    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`. ``driven`` (14,
+    on; ``order`` (1,) is that of the polynomial that continues them best, `STILL` or `DISTURBED`. ``driven`` (14,
     n_full) is what is known of what follows functions, see `prescribe_end`;
     ``begun`` (n,) are accelerations behind a push with those of what is driven from before it, and ``forces`` (2,
     n_full) full residuals at the end of a step with a push, with its mean accelerations and those at its start.
@@ -370,7 +372,7 @@ def _open_step(m, groups, dofs, state, t, h, beta, gamma):
         m.order[0] = min(m.order[0], 0)
     m.corrector.changed[COUNT] = 0
     over.jump(groups, m.corrector.changed)
-    jumped = m.corrector.changed[COUNT] > 0
+    jumped = m.corrector.changed[COUNT] > 0 or m.order[0] == DISTURBED
     if jumped:
         _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
     for k in dofs.driven:
@@ -547,7 +549,13 @@ def _set_aside(method: GeneralizedAlpha, h: float, moving: float) -> float:
     return energy_set_aside(method.beta, method.gamma, h, moving)
 
 
+def _disturb(method: GeneralizedAlpha) -> None:
+    method.order[0] = DISTURBED
+
+
 GENERALIZED_ALPHA = add(
-    Stepping(GeneralizedAlpha, generalized_alpha, generalized_alpha_step, False, _sums, amplification, _set_aside)
+    Stepping(
+        GeneralizedAlpha, generalized_alpha, generalized_alpha_step, False, _sums, amplification, _set_aside, _disturb
+    )
 )
 NEWMARK = replace(GENERALIZED_ALPHA, make=newmark)

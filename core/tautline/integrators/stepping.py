@@ -37,6 +37,9 @@ class Stepping:
     set_aside : callable
         ``set_aside(scratch, h, moving)`` -> energy, J, that the method keeps for accelerations, of which ``moving`` is
         the sum m a^2.
+    disturb : callable
+        ``disturb(scratch)``: forces are others from now on, such as after a parameter has been set. A method that keeps
+        accelerations from step to step finds them anew before its next step.
     """
 
     scratch: type
@@ -46,6 +49,7 @@ class Stepping:
     sums: Callable[[Any], tuple[str, ...]]
     amplification: Callable[[Any, float], complex]
     set_aside: Callable[[Any, float, float], float] = lambda scratch, h, moving: 0.0
+    disturb: Callable[[Any], None] = lambda scratch: None
 
 
 _of_scratch: dict[type, Stepping] = {}

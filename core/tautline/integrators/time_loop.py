@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.integrators.corrector.newton import DONE, NOT_FINITE
+from tautline.integrators.corrector.newton import ASTRAY, DONE, NOT_FINITE
 from tautline.integrators.explicit import accelerate, account, is_finite
 from tautline.integrators.linearise import NO_SEARCH, SUMS, evaluate_scene
 from tautline.integrators.newton_at_rest import iterate
@@ -145,6 +145,8 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
             pause[PART] = at
             method.control[1] = size / finest
             return PAUSED
+        # The last attempt is let run.
+        method.corrector.astray[0] = ASTRAY if size > 1 else np.inf
         status = take_step(method, groups, dofs, functions, state, t + h * (at / finest), h * (size / finest))
         if status == DONE:
             state.counters[STEPS] += 1

@@ -17,6 +17,7 @@ from tautline.integrators.corrector.newton import advice
 from tautline.integrators.method import method_for
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import (
     PART,
     STEP,
@@ -443,8 +444,13 @@ class Simulation:
             work = self._energy() - before
             self._state.ledger[WORK] += work
             self._state.ledger[THROUGHPUT] += abs(work)
+            self._disturb()
             self._record_anew()
         self._observed = None
+
+    def _disturb(self) -> None:
+        """Let the method find accelerations anew: those that it has are in balance with what was before."""
+        stepping_with(self._run.method).disturb(self._run.method)
 
     def _energy(self) -> float:
         """Kinetic, strain and potential energy of the state as it is, J."""
@@ -652,6 +658,7 @@ class Simulation:
         method = method_for(system, self.model.solver)
         recall(remember((), (), old), (), (), method)
         run.method = method
+        self._disturb()
         run.renew_watch()
         self._forces.append(force)
         compile_for(method, system, run.state)

@@ -65,6 +65,10 @@ ROUNDING_MOST = 1.0e4
 stiffness c, leaves eps c v in the residual, and smaller steps only raise c."""
 SETTLING = 5
 """Iterations that a step takes, as a rule, once what sticks and what slips is found."""
+ASTRAY = 10.0
+"""Times its first residual above which the iteration of a step is given up, and the step divided: what it would still
+find may be a solution in which elements are folded. Of 84 runs of stiff ropes in steps of 10 to 30 ms 21 came to no end
+without such a bound, 13 with 100, one with 30, four or five with 10 and with 3, all of them with the loosest tolerance."""
 FIRST_PLACE, PAST_PLACE, FIRST_WAY, PAST_WAY, SINCE, FREE = range(6)
 """Places in ``Corrector.chain``: where laws changed their status last, first and past the last full degree of freedom;
 the way that either went last (1 to higher places, -1 to lower ones, 0 none yet); the iteration in which they changed;
@@ -82,7 +86,8 @@ class Corrector(NamedTuple):
     whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they belong to, zeros where they are out
     of date. ``rounded`` (1,) is 1 after an increment that rounding has made, and ``fastest`` (1,) the largest
     velocity when all rows were last solved for. ``rows`` are those of the iteration under way. ``chain`` (6,) tells how
-    changes of status go on from contact to contact (`_follow_chain`).
+    changes of status go on from contact to contact (`_follow_chain`). ``astray`` (1,) is how many times the first
+    residual of a step an iteration may leave: `ASTRAY`, infinite where the step cannot be divided.
     """
 
     tolerance: float
@@ -103,6 +108,7 @@ class Corrector(NamedTuple):
     fastest: np.ndarray
     rows: AllRows | Window
     chain: np.ndarray
+    astray: np.ndarray
 
 
 def corrector(
@@ -125,6 +131,7 @@ def corrector(
         new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL, improved=True),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         new_changed(), np.zeros(1, np.int64), np.zeros(1), rows, np.zeros(6, np.int64),
+        np.full(1, ASTRAY),
     )  # fmt: skip
 
 
@@ -176,7 +183,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
     """
     c.chain.fill(0)
     changed = c.changed
-    previous = energy = np.inf
+    previous = energy = first = np.inf
     event = False
     contraction = c.contraction
     for iteration in range(c.max_iterations + state.q.size + 1):
@@ -212,8 +219,9 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             previous = energy = np.inf
             event = True
             continue
+        first = size if previous == np.inf else first
         counted = iteration - c.chain[FREE]
-        if counted >= c.max_iterations:
+        if counted >= c.max_iterations or size > c.astray[0] * first:
             break
         slow = c.full or size > contraction * previous
         slow = choose_rows(c.rows, dofs, state, c.increment, c.per_scale, c.tolerance, previous < np.inf, slow)
