@@ -79,7 +79,7 @@ def displacement_of(name: str, by: Any, outputs: Mapping[str, Output], found: Ou
         cure = f"displace {on}: {name} goes along" if on else "displace what it is tied to"
         raise SimulationError(f"{name} cannot be displaced by itself: it rides on other things", cure)
     if nothing and asked.any():
-        cause = f"{name} does not move by {by!r}: it is held or prescribed there"
+        cause = f"{name} does not move by {np.asarray(by).tolist()}: it is held or prescribed there"
         raise SimulationError(cause, "displace what is free to move; what is prescribed is moved by `inputs`")
     return Displacement(vector, places[free], number[free], given[free])
 

@@ -38,7 +38,7 @@ def energies(sim):
 @pytest.mark.parametrize("name, by", [("position", [0.0, 0.0, -0.01]), ("position", [1.0, 0.0, 0.0]),
                                       ("velocity", [0.0, 0.0, -1.0])])  # fmt: skip
 def test_the_step_behind_a_blow_loses_no_more_than_there_is_and_the_energy_balances(step, name, by):
-    """The way of the blow counted as motion through the dampers: 30 times its work was lost, and more with less step."""
+    """The way of the blow counted as motion through the dampers: up to 30 times its work was lost."""
     sim = tautline.Simulation(a_fall(solver={"step": step}))
     sim.advance(2.0 * step)
     before = energies(sim)
