@@ -567,13 +567,14 @@ class Simulation:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
 
         What is prescribed or held in a direction stays as it is in that. What is tied to the thing goes along at once,
-        such as the end of the rope at a load.
+        such as the end of the rope at a load. Outputs are then of the state as it is, forces with the accelerations of
+        the last step.
 
         Raises
         ------
         UnknownName, SimulationError
-            For what is no position or velocity of a thing, what is no vector of its size, and what goes along with
-            other things alone, such as the end of the rope at a load that turns.
+            For what is no position or velocity of a thing, what is no vector of its size, what goes along with other
+            things alone, such as the end of the rope at a load that turns, and where nothing would move.
         """
         dofs, outputs = self.model.system.dofs, self.outputs
         vector, places, unknowns, more = displacement_of(name, by, outputs.handles, outputs.handle(name), dofs)
