@@ -206,9 +206,12 @@ class Observer:
         """What the spans found, with the forces at t = 0 as they are before anything moves: stretch and load alone.
 
         Where a scene begins with a speed, one element alone takes all of the jump at t = 0: its damping is c EA v / L,
-        and has no bound as the mesh gets finer. What is left of it at any later time, the mesh does not change.
+        and has no bound as the mesh gets finer. What is left of it at any later time, the mesh does not change. A blow
+        at t = 0 does work: behind it forces are as behind one at any other time.
         """
-        first = np.flatnonzero(np.asarray(frames.time) == 0.0)
+        first = np.flatnonzero(
+            (np.asarray(frames.time) == 0.0) & (frames.energy[:, ENERGIES.index("external_work")] == 0.0)
+        )
         if self.spans is None or self.hangs is None or first.size == 0:
             return found
         found, rows = found.copy(), self.spans.rows

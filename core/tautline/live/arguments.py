@@ -58,7 +58,8 @@ def displacement_of(name: str, by: Any, outputs: Mapping[str, Output], found: Ou
     Raises
     ------
     SimulationError
-        For what is no position or velocity of a thing, no vector of its size, or what only goes along with others.
+        For what is no position or velocity of a thing, no vector of its size, what only goes along with others, and
+        where nothing would move.
     """
     try:
         given = np.asarray(by, float)
@@ -71,11 +72,15 @@ def displacement_of(name: str, by: Any, outputs: Mapping[str, Output], found: Ou
         raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")
     places, given = np.atleast_1d(places), np.atleast_1d(given)
     number = dofs.number[places]
-    free = number >= 0
-    if not free.any() and (number == TIED).any():
+    free, asked = number >= 0, given != 0.0
+    nothing = not (free & asked if asked.any() else free).any()
+    if nothing and (number[asked] == TIED if asked.any() else number == TIED).any():
         on = _what_carries(places, vector, outputs, dofs)
         cure = f"displace {on}: {name} goes along" if on else "displace what it is tied to"
         raise SimulationError(f"{name} cannot be displaced by itself: it rides on other things", cure)
+    if nothing and asked.any():
+        cause = f"{name} does not move by {np.asarray(by).tolist()}: it is held or prescribed there"
+        raise SimulationError(cause, "displace what is free to move; what is prescribed is moved by `inputs`")
     return Displacement(vector, places[free], number[free], given[free])
 
 

@@ -14,8 +14,9 @@ import numpy as np
 
 from tautline.application.installed import Installed
 from tautline.integrators.corrector.newton import advice
+from tautline.integrators.look import Look, book_change, look_at
 from tautline.integrators.method import method_for
-from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
+from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import (
@@ -27,7 +28,6 @@ from tautline.integrators.time_loop import (
     loop_of,
     new_frames,
     new_pause,
-    record_now,
 )
 from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
@@ -191,6 +191,9 @@ class Simulation:
             *self._checked.arrays(),
         ]  # fmt: skip
         self._memory = Memory(arrays)
+        # Functions of the user's are called by steps alone: what looks at a state between two of them goes without.
+        own = system.groups[: len(system.groups) - len(self._forces)]
+        self._scene_alone = replace(system, groups=own, linked={}) if self._forces else system
 
     def _memorable(self) -> list[tuple[str, Any]]:
         return [("state", self._state), ("groups", self.model.system.groups), ("method", self._run.method)]
@@ -393,17 +396,27 @@ class Simulation:
         self._record_anew()
 
     def _record_anew(self) -> None:
-        """Write the frame of the state as it is; accelerations and reactions are those of the last step."""
-        before = self._frames.rows[0].copy()
-        record_now(self._run.method, self.model.system, self._state, self._time, self._frames.rows[0])
+        """Write the frame of the state as it is; accelerations are those of the last step.
+
+        So are reactions where forces were added: steps alone ask for these.
+        """
+        before, row = self._frames.rows[0].copy(), self._frames.rows[0]
+        look = self._look()
+        row[:] = look.row
         # A force that raised, and is no number then, leaves its places without a reaction.
         size = self.model.system.q.size
-        now, last = (frames_of(rows, size).residual[0] for rows in (self._frames.rows, before[None]))
+        now, last = (frames_of(rows, size).residual[0] for rows in (row[None], before[None]))
+        now[:] = self._state.residual if self._forces else look.residual
         np.copyto(now, last, where=~np.isfinite(now))
-        if not np.isfinite(self._frames.rows[0]).all():
+        if not np.isfinite(row).all():
             # What the inputs ask for from here on cannot be: the last frame is all that is known.
-            self._frames.rows[0] = before
+            row[:] = before
         self._observed = None
+
+    def _look(self) -> Look:
+        """The state as it is, without forces that were added."""
+        width = self._frames.rows.shape[1]
+        return look_at(self._run.method, self._scene_alone, self._state, self._time, width)
 
     @property
     def parts(self) -> Parts:
@@ -437,13 +450,11 @@ class Simulation:
         """
         counts = self._begun
         self._judge_step()
-        before = self._energy() if counts else 0.0
+        before = self._look() if counts else None
         yield
         self._checked.forget()
-        if counts:
-            work = self._energy() - before
-            self._state.ledger[WORK] += work
-            self._state.ledger[THROUGHPUT] += abs(work)
+        if before is not None:
+            book_change(self._state, before, self._look(), self._run.explicit)
             self._disturb()
             self._record_anew()
         self._observed = None
@@ -451,12 +462,6 @@ class Simulation:
     def _disturb(self) -> None:
         """Let the method find accelerations anew: those that it has are in balance with what was before."""
         stepping_with(self._run.method).disturb(self._run.method)
-
-    def _energy(self) -> float:
-        """Kinetic, strain and potential energy of the state as it is, J."""
-        row = np.zeros_like(self._frames.rows[:1])
-        record_now(self._run.method, self.model.system, self._state, self._time, row[0])
-        return float(frames_of(row, self.model.system.q.size).energy[0, :3].sum())
 
     def __repr__(self) -> str:
         if not getattr(self, "_begun", False):  # one whose start was not found
@@ -568,13 +573,14 @@ class Simulation:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
 
         What is prescribed or held in a direction stays as it is in that. What is tied to the thing goes along at once,
-        such as the end of the rope at a load.
+        such as the end of the rope at a load. Outputs are then of the state as it is, forces with the accelerations of
+        the last step.
 
         Raises
         ------
         UnknownName, SimulationError
-            For what is no position or velocity of a thing, what is no vector of its size, and what goes along with
-            other things alone, such as the end of the rope at a load that turns.
+            For what is no position or velocity of a thing, what is no vector of its size, what goes along with other
+            things alone, such as the end of the rope at a load that turns, and where nothing would move.
         """
         dofs, outputs = self.model.system.dofs, self.outputs
         vector, places, unknowns, more = displacement_of(name, by, outputs.handles, outputs.handle(name), dofs)

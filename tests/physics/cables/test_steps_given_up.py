@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks.race.scenes import CATENARY, cases, text
 
+from benchmarks.race.scenes import CATENARY, cases, text
 from tautline.cable.input.scene import parse
 from tautline.cable.model.build import build
 from tautline.simulation import simulate

@@ -67,8 +67,8 @@ SETTLING = 5
 """Iterations that a step takes, as a rule, once what sticks and what slips is found."""
 ASTRAY = 10.0
 """Times its first residual above which the iteration of a step is given up, and the step divided: what it would still
-find may be a solution in which elements are folded. Of 84 runs of stiff ropes in steps of 10 to 30 ms 21 came to no end
-without such a bound, 13 with 100, one with 30, four or five with 10 and with 3, all of them with the loosest tolerance."""
+find may be a solution in which elements are folded. Of 84 runs of stiff ropes in steps of 10 to 30 ms 21 failed
+without such a bound, 13 with 100, one with 30, and four or five with 10 and 3: those with the loosest tolerance."""
 FIRST_PLACE, PAST_PLACE, FIRST_WAY, PAST_WAY, SINCE, FREE = range(6)
 """Places in ``Corrector.chain``: where laws changed their status last, first and past the last full degree of freedom;
 the way that either went last (1 to higher places, -1 to lower ones, 0 none yet); the iteration in which they changed;

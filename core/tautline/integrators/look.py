@@ -1,0 +1,67 @@
+"""A look at a state between two calls of the time loop, and the books of a change that was made there from outside."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tautline.integrators.state import POWER, THROUGHPUT, WORK, State
+from tautline.integrators.time_loop import frames_of, loop_of, record_frame
+from tautline.kernels import groups as over
+from tautline.kernels.jit import entry
+from tautline.system.memory import arrays_of
+from tautline.system.system import System
+
+
+class Look(NamedTuple):
+    """What was seen: the frame; the forces (n_full,) with the accelerations of the last step; power supplied, W."""
+
+    row: np.ndarray
+    residual: np.ndarray
+    power: float
+
+    @property
+    def energy(self) -> float:
+        """Kinetic, strain and potential energy, J."""
+        return float(frames_of(self.row[None], self.residual.size).energy[0, :3].sum())
+
+
+@entry
+def _look(groups, dofs, state, t, residual, power, row, at):
+    over.residual(groups, t, state.full_q, state.full_v, state.full_a, residual)
+    over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
+    over.supply(groups, t, state.full_q, state.full_v, power)
+    record_frame(groups, dofs, state, t, row, at)
+
+
+def look_at(method: Any, system: System, state: State, t: float, width: int) -> Look:
+    """Evaluate a state as it is, and put the groups back: the run goes on as if nobody had looked.
+
+    What groups record of their last evaluation, such as the tension at a rope's ends, is then of this state and not of
+    that of the last step. ``width`` is that of a frame.
+    """
+    kept = [(array, array.copy()) for _, array in arrays_of(system.groups, "groups")]
+    row, residual, power = np.zeros(width), np.zeros(state.full_q.size), np.zeros(2)
+    linked = system.link(loop_of(method)[1])
+    _look(linked, system.dofs, state, t, residual, power, row, np.zeros(2, np.int64))
+    for array, before in kept:
+        array[...] = before
+    system.functions.frames.time[0] = np.nan
+    return Look(row, residual, float(power.sum()))
+
+
+def book_change(state: State, before: Look, after: Look, explicit: bool) -> None:
+    """Book what a change from outside has put in, and have the entries of the next step begin behind the change.
+
+    The way of a blow is no motion through dampers. The work of a step is a mean of forces and powers at both ends: an
+    explicit method enters these anew where its step begins, others have entered them at the end of the last one.
+    """
+    work = after.energy - before.energy
+    state.ledger[WORK] += work
+    state.ledger[THROUGHPUT] += abs(work)
+    state.passed[:] = state.full_q
+    if not explicit:
+        more = after.residual - before.residual
+        state.entered[1] += np.where(np.isfinite(more), more, 0.0)
+        state.ledger[POWER] += after.power - before.power
