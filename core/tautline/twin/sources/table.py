@@ -33,6 +33,9 @@ SEPARATORS = ";\t,"
 USUAL_ROWS = 100
 """Rows before one that is longer than the header, by which it is judged together with those of earlier times."""
 
+FEW = 10
+"""Of so many rows, one that is shorter than most broke off."""
+
 
 class NewHeader(SourceStopped):
     """A header in the midst of rows by which those after it cannot be read."""
@@ -138,8 +141,8 @@ class Header:
     ----------
     notes : list of str
         What is to be known of units that say nothing, and of stamps.
-    offsets : set of int
-        How many cells rows have had more than the header has titles, also rows by the headers before.
+    offsets : Counter
+        How many rows have had so many cells more than the header has titles, also rows by the same titles before.
 
     Raises
     ------
@@ -163,7 +166,7 @@ class Header:
         self.notes: list[str] = [] if notes is None else notes
         self._later: Later | None = None
         self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
-        self.offsets: set[int] = set()
+        self.offsets: Counter[int] = Counter()
         self._begun = False  # whether any row was read, also one in doubt
         # The latest rows that are no longer than the header, and what they and those before them have had by column.
         self._plain: deque[list[str]] = deque(maxlen=USUAL_ROWS)
@@ -212,7 +215,7 @@ class Header:
 
     def _places(self, column: str, titles: Sequence[str]) -> list[int]:
         """Where a column is, by its name or by its whole title, ``rope [kN]``."""
-        return [i for i, one in enumerate(titles) if column in (one, self.names[i])]
+        return [i for i, (one, name) in enumerate(zip(titles, heads(titles)[0], strict=True)) if column in (one, name)]
 
     def _twice(self, column: str, titles: Sequence[str], where: str, number: int) -> list[Problem]:
         """That a column is there more than once: nothing shows which of them is meant."""
@@ -301,12 +304,22 @@ class Header:
                 self._later = later
             return self if sure else None
         found._behind = True
-        found._told, found.offsets = self._told, self.offsets
+        found._told, found._marks = self._told, self._marks
+        if found.titles == self.titles:
+            found.offsets = self.offsets
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
+
+    @property
+    def usual(self) -> set[int]:
+        """How many cells rows have more than titles; not so the few that are shorter than most: they broke off."""
+        if not self.offsets:
+            return set()
+        most, few = max(self.offsets, key=self.offsets.__getitem__), max(1, self.offsets.total() // FEW)
+        return {offset for offset, rows in self.offsets.items() if offset >= most or rows > few}
 
     @property
     def most_cells(self) -> int:
@@ -369,7 +382,7 @@ class Header:
                 raise
             self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
             return self
-        found._told, found._behind, found.offsets = self._told, self._behind, self.offsets
+        found._told, found._marks, found._behind, found.offsets = self._told, self._marks, self._behind, self.offsets
         return found
 
     def _described(self, line: str, number: int, told: bool) -> Header | None:
@@ -417,11 +430,12 @@ class Header:
     def is_header(self, line: str) -> bool | None:
         """Whether a line is a header; None where the row behind it must show that.
 
-        One that has all columns is. So is one without a number that has a name with a unit of time, or two names with
-        units; or the stamp and a column; or the stamp and as many other names as the header has, or more. Units below
-        a header are none, nor is a remark among rows, nor a line of one cell. A line that has units, fewer cells than
-        the header and no stamp is in doubt: a remark may read `stop [s], crane 2`. But where all its cells have units,
-        one of them of time, it is a header.
+        One that has the stamp and all columns is; and one as wide as this header that has all columns in other places:
+        `tare,load` among rows is a remark. So is one without a number that has a name with a unit of time, or two names
+        with units; or the stamp and a column; or the stamp and as many other names as the header has, or more. Units
+        below a header are none, nor is a remark among rows, nor a line of one cell. A line that has units, fewer cells
+        than the header and no stamp is in doubt: a remark may read `stop [s], crane 2`. But where all its cells have
+        units, one of them of time, it is a header.
         """
         columns, *_ = self._given
         separator = separator_of(line)
@@ -430,12 +444,13 @@ class Header:
         names = {*found, *titles}
         if len(titles) < 2 and columns:  # it cannot have the stamp and a column
             return False
-        if names.issuperset(columns):
+        stamped = self._stamped(titles)
+        if names.issuperset(columns) and (stamped or self._are_moved(titles)):
             return True
         if not all(math.isnan(number_of(one)) for one in titles) or self._are_units(titles):
             return False
         named = [unit for name, unit in zip(found, units, strict=True) if name and is_unit(unit)]
-        timed, stamped = any(is_unit_of_time(unit) for unit in named), self._stamped(titles)
+        timed = any(is_unit_of_time(unit) for unit in named)
         if (len(named) > 1 or timed) and separator != self.separator:
             return None
         if len(named) > 1 or timed:
@@ -450,6 +465,11 @@ class Header:
             return None
         # Names are not twice in a header: `NaN,NaN,NaN` and `bad,bad,bad` are none.
         return None if len(titles) != self.width and len({*titles}) == len(titles) else False
+
+    def _are_moved(self, titles: Sequence[str]) -> bool:
+        """Whether as many cells as this header has name columns of the map in other places than it does."""
+        moved = any(self._places(column, titles) != [place] for column, place in self.places.items())
+        return len(titles) == self.width and moved
 
     def _is_named(self, titles: Sequence[str]) -> bool:
         """Whether cells name a stamp, or have units as those of a header do."""
@@ -506,10 +526,10 @@ class Header:
                 return None
             self._status |= not shows_nothing(first_beyond(cells, self._cells))
             self._tell_remark(line, at)
-            self.offsets.add(count - self.width)
+            self.offsets[count - self.width] += 1
         elif math.isfinite(stamp) and not doubtful:
             self._widths.add(count)
-            self.offsets.add(count - self.width)
+            self.offsets[count - self.width] += 1
             self._whole_times |= ":" in cells[self.stamp] and count >= self.width
             if count <= self._cells:
                 self._plain.append(cells)
