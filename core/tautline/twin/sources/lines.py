@@ -22,9 +22,9 @@ stands before the header there is the piece of a row. The rule:
 6. A line with a stamp in its place that fills no more cells than the header has is a row, whatever its text says. But
    where it may end with all titles that are needed, it is left out, counted and told, and the header before counts as
    the longest in rule 4: one row that is longer than those of a header in it shows that it was a row. (So a row shows
-   that a line in which a header begins nowhere was a remark.) So does a second line of that kind right behind it, and
-   from there on all such lines are rows, unless a number breaks off before a title. Most rows are known by a quick look
-   at their cells.
+   that a line of words in which a header begins nowhere was a remark.) So does a second line of that kind right behind
+   it, and from there on all such lines are rows, unless a number breaks off before a title. Most rows are known by a
+   quick look at their cells.
 7. What stands before the title in its cell is a piece if it is one of a number before the stamp or before a title that
    is not needed, ``12time``; and any piece if all titles of the header before stand behind it, but for a word where
    rows have the stamp or a column of the map: ``aux winch`` is no ``winch``. Where such a piece stands before a title
@@ -99,6 +99,11 @@ class HeaderInLine:
         """Whether the line may be a row whose last cells are text: no number breaks off before a title, ``12time``."""
         tail = self.cells[-self.most :]
         return self.as_row and not any(cell[:1].isdecimal() and not _is_plain(cell) for cell in tail)
+
+    @property
+    def may_be_none(self) -> bool:
+        """Whether there may be no header: the line may be a row, or it is one of words in which none begins."""
+        return self.as_row or not (self.starts or any(kind_of(cell) == "number" for cell in self.cells))
 
     def header(self, start: int) -> str:
         """The header as a line of its own."""
@@ -245,8 +250,9 @@ class Lines:
         """Whether a line is a row by a header that begins where rows have shown."""
         found, usual = doubt.found, self.header.usual  # where the line may be a row, it is still the one before
         cells = cells_of(line, found.separator)
-        longer = len(cells) > found.most + max([0, *usual]) and _has_stamp(self.header, cells)
-        if longer and (found.as_row or not found.starts):
+        count = len(cells) if found.as_row and usual else filled(cells)
+        longer = count > found.most + max([0, *usual]) and filled(cells) <= self.header.most_cells
+        if longer and found.may_be_none and _has_stamp(self.header, cells):
             self._doubt = None  # longer than rows of that header would be: there was none
             return True
         if not any(is_number_or_date(cell) for cell in cells):

@@ -33,6 +33,8 @@ SEPARATORS = ";\t,"
 USUAL_ROWS = 100
 """Rows before one that is longer than the header, by which it is judged together with those of earlier times."""
 
+LONGER = 3
+"""Rows with more cells than before, one behind the other, that are no lines that ran into one."""
 FEW = 10
 """Of so many rows, one that is shorter than most broke off."""
 
@@ -173,6 +175,7 @@ class Header:
         self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
+        self._longer = 0  # rows, one behind the other, that had more cells than any before
         self._marks: dict[str, Marks] = {}
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
@@ -527,6 +530,9 @@ class Header:
             self._status |= not shows_nothing(first_beyond(cells, self._cells))
             self._tell_remark(line, at)
             self.offsets[count - self.width] += 1
+        elif math.isfinite(stamp) and not doubtful and self._may_be_two(cells, count):
+            self._tell_two(line, count, at)
+            return None
         elif math.isfinite(stamp) and not doubtful:
             self._widths.add(count)
             self.offsets[count - self.width] += 1
@@ -544,6 +550,26 @@ class Header:
             name: self.factors[name] * self._number(name, cells[place]) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
+
+    def _may_be_two(self, cells: Sequence[str], count: int) -> bool:
+        """Whether a row may be two lines that ran into one, the second with empty cells at its end.
+
+        It has more cells than the header and any row before, and numbers behind the columns of the map, where that line
+        may have moved its own. Where it is the third one behind the other, rows have more cells from here on.
+        """
+        if count <= self.width or not self.offsets or count <= self.width + max(self.offsets):
+            self._longer = 0
+            return False
+        behind = max(self.stamp, *self.places.values(), 0) + 1
+        self._longer += any(kind_of(cell) == "number" for cell in cells[behind:])
+        return 0 < self._longer < LONGER
+
+    def _tell_two(self, line: str, count: int, at: int) -> None:
+        """Tell once that a row is left out, for two lines may have run into one."""
+        most = self.width + max(self.offsets)
+        said = f"has {count} cells, and rows before had {most} at most: two lines may have run into one"
+        told = f"the row '{shorten(line)}' {said}. Such rows are left out, but for the third one behind the other"
+        self.tell_once("two", f"{self.where}:{at}: {told}")
 
     def _refuse_doubtful(self, cell: str) -> None:
         """Refuse a number as a stamp where the header leaves it in doubt in which unit that is; a date needs none.
