@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tautline.errors import TautlineError
-from tautline.scene.reading.columns import NO_UNIT, may_mark_thousands, unit_named
+from tautline.scene.reading.columns import NO_UNIT, NUMBER, may_mark_thousands, unit_named
 from tautline.scene.values.units import TABLE, Uncounted, Unit, UnknownUnit, converted, read_unit
 
 CODES = {
@@ -152,7 +153,7 @@ def _ratio(written: Unit, wanted: Unit) -> float:
 
 @dataclass
 class Marks:
-    """Decimal marks of a column where commas do not separate cells.
+    """Decimal marks of a table where commas do not separate cells: one program has written all its columns.
 
     Attributes
     ----------
@@ -163,11 +164,16 @@ class Marks:
     decimal: dict[str, str] = field(default_factory=dict)
     unsure: dict[str, str] = field(default_factory=dict)
 
-    def take(self, cell: str) -> tuple[bool, str]:
-        """Whether the mark of a number is taken as decimal, and what is to be said of it and of those before."""
+    def take(self, cell: str, beside: Sequence[str] = ()) -> tuple[bool, str]:
+        """Whether the mark of a number is taken as decimal, and what is to be said of it and of those before.
+
+        Numbers `beside` it in its row, also in columns that nobody asks for, may show which mark is decimal.
+        """
         mark, other = (",", ".") if "," in cell else (".", ",")
         if mark in self.decimal:
             return True, ""
+        if may_mark_thousands(cell):
+            self._learn(beside)
         if not may_mark_thousands(cell):
             self.decimal[mark] = cell
             wrong = self.unsure.pop(other, "")
@@ -182,3 +188,10 @@ class Marks:
         one = "the second" if other in self.decimal else "one of the two"
         said = f"{one} may have a mark of thousands. Cells like the second are left out"
         return False, f"'{before}' and '{cell}': {said}"
+
+    def _learn(self, cells: Sequence[str]) -> None:
+        """Keep the marks that numbers show to be decimal."""
+        for cell in cells:
+            mark = "," if "," in cell else "."
+            if mark in cell and NUMBER.fullmatch(cell.replace(",", ".")) and not may_mark_thousands(cell):
+                self.decimal.setdefault(mark, cell)

@@ -176,7 +176,7 @@ class Header:
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
         self._longer = 0  # rows, one behind the other, that had more cells than any before
-        self._marks: dict[str, Marks] = {}
+        self._marks = Marks()
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -520,7 +520,7 @@ class Header:
             self._refuse_doubtful(cells[self.stamp])
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
             cell = cells[self.stamp]
-            if not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell)):
+            if not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell, cells)):
                 stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
@@ -547,7 +547,7 @@ class Header:
         if doubtful:
             return stamp, dict.fromkeys(self.places, float("nan"))
         return stamp, {
-            name: self.factors[name] * self._number(name, cells[place]) if place < len(cells) else float("nan")
+            name: self.factors[name] * self._number(name, cells[place], cells) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
 
@@ -686,13 +686,14 @@ class Header:
         numbers = len(cells) > 1 and not any(math.isnan(number_of(one)) for one in cells)
         return another and not later.sure and numbers
 
-    def _number(self, name: str, cell: str) -> float:
+    def _number(self, name: str, cell: str, beside: Sequence[str]) -> float:
         """A cell's number; NaN for one with a comma or a point that may be a mark of thousands.
 
-        So it is with a comma in a table that commas separate; and in a column that has both, where the first is taken.
+        So it is with a comma in a table that commas separate; and in a table that has both, where the first is taken.
+        `beside` are all cells of the row.
         """
         if self.separator != ",":
-            return number_of(cell) if self._is_of_one_mark(name, cell) else math.nan
+            return number_of(cell) if self._is_of_one_mark(name, cell, beside) else math.nan
         if "," not in cell:
             return number_of(cell)
         self.tell_once(
@@ -703,15 +704,15 @@ class Header:
         )
         return math.nan
 
-    def _is_of_one_mark(self, name: str, cell: str) -> bool:
-        """Whether the mark of a cell, if any, is taken as decimal; tells once where a column leaves that in doubt.
+    def _is_of_one_mark(self, name: str, cell: str, beside: Sequence[str]) -> bool:
+        """Whether the mark of a cell, if any, is taken as decimal; tells once where the table leaves that in doubt.
 
-        `999.5` shows that its mark is decimal, and `1,001` shows nothing: where the other mark came before, it is left
-        out until a cell shows its mark to be decimal, too.
+        `999.5` shows that its mark is decimal, in any column, and `1,001` shows nothing: where the other mark came
+        before, or is beside it, it is left out until a cell shows its mark to be decimal, too.
         """
         if not ("," in cell or "." in cell) or math.isnan(number_of(cell)):
             return True
-        decimal, note = self._marks.setdefault(name, Marks()).take(cell)
+        decimal, note = self._marks.take(cell, beside)
         if note:
             self.tell_once(
                 "marks", f"column '{name}' has cells such as {note}: write numbers without marks of thousands"
