@@ -200,10 +200,11 @@ class Columns:
         """
         long = [(line, row) for line, row in self.rows if len(row) > width]
         most = Counter(len(row) for _, row in self.rows).most_common(1)[0][0] if long else 0
+        long = [(line, row) for line, row in long if len(row) > most]
         usual = [row for _, row in self.rows if len(row) == most][:USUAL_ROWS] if long else []
+        known = {i for row in usual for i, cell in enumerate(row) if kind_or_state(cell) == "number"}
         for line, row in long:
-            numbers = [i for i, cell in enumerate(row) if len(row) > most and kind_or_state(cell) == "number"]
-            if any("number" not in {kind_or_state(_cell(one, i)) for one in usual} for i in numbers):
+            if any(kind_or_state(cell) == "number" and i not in known for i, cell in enumerate(row)):
                 cause = f"has {len(row)} cells, and most rows have {most}: two lines may have run into one"
                 cure = "delete that row, or write each of its lines anew"
                 self.stop(line, "row", self.separator.join(row)[:60], cause, cure)
@@ -337,15 +338,16 @@ class Columns:
         if not self._has_commas:
             return
         own = [(line, cell) for line, row in self.rows if _mark(cell := _cell(row, place))]
-        shown = {mark: next(self._decimals(mark), None) for mark in ".,"} if own else {}
-        for line, cell in own:
-            mark, other = (",", ".") if "," in cell else (".", ",")
-            seen = shown[other] or next((one for one in own if other in one[1]), None)
-            if shown[mark] is None and seen is not None:
-                words = {",": "comma", ".": "point"}
-                cause = f"has a {words[mark]}, and {seen[1]} in line {seen[0]} has a {words[other]}"
-                cure = "write numbers without marks of thousands"
-                self.stop(line, name, cell, f"{cause}: one of both may be a mark of thousands", cure)
+        for mark, other, one, two in ((",", ".", "comma", "point"), (".", ",", "point", "comma")):
+            marked = [(line, cell) for line, cell in own if mark in cell]
+            if not marked or not all(may_mark_thousands(cell) for _, cell in marked):
+                continue
+            seen = next((beside for beside in own if other in beside[1]), None) or next(self._decimals(other), None)
+            if seen is not None:
+                cause = (
+                    f"has a {one}, and {seen[1]} in line {seen[0]} has a {two}: one of both may be a mark of thousands"
+                )
+                self.stop(marked[0][0], name, marked[0][1], cause, "write numbers without marks of thousands")
 
     @functools.cached_property
     def _has_commas(self) -> bool:

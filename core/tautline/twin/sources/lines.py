@@ -357,13 +357,16 @@ def _may_end_with_titles(line: str, header: Header) -> bool:
     """Whether a line like a row may have all titles that are needed, or one behind half a number: a quick look."""
     name, title = header.names[header.stamp] or header.titles[header.stamp], header.titles[header.stamp]
     ends = (name, title, *header.columns)
-    words = {one for cell in BETWEEN.split(line) if (one := cell.strip(' "')) and not _is_plain(one)}
+    words = [one for cell in BETWEEN.split(line) if (one := cell.strip(' "')) and not _is_plain(one)]
     if any(not one[0].isalpha() and one.endswith(ends) for one in words):
         return True
-    words.update([one for one in heads([*words])[0] if one])
-    if not all(any(word.endswith(one) for word in words) for one in header.columns):
+    if len(words) <= len(header.columns):
         return False
-    return any(word.endswith((name, title)) for word in words) or header.stamp_among([*words]) is not None
+    different = {*words}
+    different.update(heads([one for one in different if one[-1] in "])"])[0])
+    if not all(any(word.endswith(one) for word in different) for one in header.columns):
+        return False
+    return any(word.endswith((name, title)) for word in different) or header.stamp_among([*different]) is not None
 
 
 def _is_plain(cell: str) -> bool:

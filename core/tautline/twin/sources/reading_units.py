@@ -153,14 +153,17 @@ def _ratio(written: Unit, wanted: Unit) -> float:
 
 @dataclass
 class Marks:
-    """Decimal marks of a table where commas do not separate cells: one program has written all its columns.
+    """Decimal marks of a column where commas do not separate cells.
 
     Attributes
     ----------
+    table : dict of str
+        By mark, a cell of any column that shows it to be decimal: one for all columns.
     decimal, unsure : dict of str
-        By mark, a cell that shows it to be decimal, and one in which it may mark thousands as well.
+        By mark, a cell of this column that shows it to be decimal, and one in which it may mark thousands as well.
     """
 
+    table: dict[str, str] = field(default_factory=dict)
     decimal: dict[str, str] = field(default_factory=dict)
     unsure: dict[str, str] = field(default_factory=dict)
 
@@ -172,26 +175,28 @@ class Marks:
         mark, other = (",", ".") if "," in cell else (".", ",")
         if mark in self.decimal:
             return True, ""
-        if may_mark_thousands(cell):
-            self._learn(beside)
         if not may_mark_thousands(cell):
             self.decimal[mark] = cell
+            self.table.setdefault(mark, cell)
             wrong = self.unsure.pop(other, "")
             said = (
                 "the second may have a mark of thousands. Cells like it were read as decimals before, and may be wrong"
             )
             return True, f"'{cell}' and '{wrong}': {said}; from here on they are left out" if wrong else ""
-        before = self.decimal.get(other) or self.unsure.get(other)
+        self._learn(beside)
+        shown = self.decimal.get(other) or self.table.get(other)
+        before = shown or self.unsure.get(other)
         if before is None:
             self.unsure.setdefault(mark, cell)
             return True, ""
-        one = "the second" if other in self.decimal else "one of the two"
+        one = "the second" if shown else "one of the two"
         said = f"{one} may have a mark of thousands. Cells like the second are left out"
-        return False, f"'{before}' and '{cell}': {said}"
+        read = "; those before were read as decimals, and may be wrong" if mark in self.unsure else ""
+        return False, f"'{before}' and '{cell}': {said}{read}"
 
     def _learn(self, cells: Sequence[str]) -> None:
         """Keep the marks that numbers show to be decimal."""
         for cell in cells:
             mark = "," if "," in cell else "."
             if mark in cell and NUMBER.fullmatch(cell.replace(",", ".")) and not may_mark_thousands(cell):
-                self.decimal.setdefault(mark, cell)
+                self.table.setdefault(mark, cell)

@@ -176,7 +176,7 @@ class Header:
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
         self._longer = 0  # rows, one behind the other, that had more cells than any before
-        self._marks = Marks()
+        self._marks: dict[str, Marks] = {}  # by column
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -712,7 +712,10 @@ class Header:
         """
         if not ("," in cell or "." in cell) or math.isnan(number_of(cell)):
             return True
-        decimal, note = self._marks.take(cell, beside)
+        marks = self._marks.get(name)
+        if marks is None:
+            marks = self._marks[name] = Marks(next((one.table for one in self._marks.values()), {}))
+        decimal, note = marks.take(cell, beside)
         if note:
             self.tell_once(
                 "marks", f"column '{name}' has cells such as {note}: write numbers without marks of thousands"
