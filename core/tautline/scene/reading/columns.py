@@ -198,7 +198,7 @@ class Columns:
 
         It has more cells than most, and a number in a column that has none in those.
         """
-        long = [(line, row) for line, row in self.rows if len(row) > width]
+        long = [(line, row) for line, row in self.rows if len(row) > width >= filled(row)]
         most = Counter(len(row) for _, row in self.rows).most_common(1)[0][0] if long else 0
         long = [(line, row) for line, row in long if len(row) > most]
         usual = [row for _, row in self.rows if len(row) == most][:USUAL_ROWS] if long else []
