@@ -7,7 +7,7 @@ import math
 import re
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from tautline.scene.errors import Problem, SceneError, shorten
 from tautline.scene.reading.columns import NO_UNIT
@@ -26,7 +26,7 @@ from tautline.scene.reading.long_rows import (
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import Marks, OtherQuantity, factor_between
-from tautline.twin.sources.record import SourceStopped
+from tautline.twin.sources.record import Later, NewHeader
 from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column, stamp_of
 
 SEPARATORS = ";\t,"
@@ -37,15 +37,6 @@ LONGER = 3
 """Rows with more cells than before, one behind the other, that are no lines that ran into one."""
 FEW = 10
 """Of so many rows, one that is shorter than most broke off."""
-
-
-class NewHeader(SourceStopped):
-    """A header in the midst of rows by which those after it cannot be read."""
-
-    def __init__(self, error: SceneError) -> None:
-        cure = "If that line is a remark, begin it with #, or delete it"
-        end = "" if str(error).endswith(("?", ".")) else "."
-        super().__init__(f"the data have a new header, and rows cannot be read by it: {error}{end} {cure}")
 
 
 def has_end(line: str) -> bool:
@@ -73,40 +64,6 @@ def cells_of(line: str, separator: str) -> list[str]:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
     except csv.Error:  # a cell of more than 100,000 letters
         return []
-
-
-@dataclass(frozen=True)
-class Later:
-    """A line behind the header that is, or may be, one by which rows cannot be read.
-
-    Attributes
-    ----------
-    error : NewHeader
-        What is wrong with it.
-    separator, width : str, int
-        Of its cells.
-    sure : bool
-        Whether it is one; else the row behind it shows whether it is a remark.
-    named : bool
-        Whether it names a stamp, or has units. One that does not is a header only if rows behind it have as many cells.
-    told : str
-        What to say where it stays in doubt.
-    rows : int
-        Rows behind it that speak for a header, and do not prove it.
-    """
-
-    error: NewHeader
-    separator: str
-    width: int
-    sure: bool
-    named: bool
-    told: str
-    rows: int = 0
-
-    @property
-    def weight(self) -> tuple[bool, bool]:
-        """The larger, the more speaks for a header: a line in doubt takes no place of one that is sure."""
-        return self.sure, self.named
 
 
 def _are_alike(one: str, other: str) -> bool:
