@@ -89,7 +89,8 @@ def bending_told(scene: CraneScene) -> dict[str, str]:
         "max_bending_cycles": "without it each tremble of the rope at a sheave would be a cycle",
         "smallest_bending_ratio": "it is that of a sheave over that of the rope",
     }
-    return {name: f"give rope.diameter: {reason}" for name, reason in why.items()}
+    told = {name: f"give rope.diameter: {reason}" for name, reason in why.items()}
+    return told | {"bending": "give rope.diameter, and name max_bending_cycles or smallest_bending_ratio"}
 
 
 def hook_load_told(scene: CraneScene) -> str:

@@ -3,6 +3,7 @@
 import pytest
 from pydantic import TypeAdapter
 
+from crane.model.handles import bending_told
 from crane.scene.scene import CraneScene
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import places, time_function
@@ -329,3 +330,31 @@ def test_a_remark_behind_a_column_that_is_mostly_a_word_and_sometimes_a_number_i
     """A machine that stands most of the time shows `Off`: the whole file was refused."""
     rows = "".join(f"{k},{k / 10},{'Off' if k % 10 < standing else 12.5}\n" for k in range(40))
     assert found(tmp_path, f"time,heave,rpm\n{rows}40,4,12.5,STOP\n", "heave") == (0, 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            "time,x,load,note\n0,5,100,\n1,2,7,300,\n3,7,400,\n",
+            "has 5 cells, and most rows have 4: two lines may have run",
+        ),
+        ("time;load\n0.5;998\n1.5;1,001\n", "0.5 in line 2 has a point: one of both may be a mark of thousands"),
+        ("time;load\n0,5;998\n1,5;1.001\n", "0,5 in line 2 has a comma: one of both may be a mark of thousands"),
+    ],
+    ids=["two lines in one row", "a comma of thousands", "a point of thousands"],
+)
+def test_two_lines_in_one_row_and_marks_that_other_columns_contradict_are_refused(tmp_path, text, told):
+    """Loads of 7 and of 1.001 were read, where 1001 and none was meant."""
+    (tmp_path / "record.csv").write_text(text)
+    with pytest.raises(SceneError) as caught:
+        columns = Columns(tmp_path / "record.csv")
+        columns.numbers(columns.index(["load"]), "load")
+    assert told in str(caught.value)
+
+
+def test_a_limit_on_bending_of_a_rope_without_a_diameter_is_answered_with_the_diameter():
+    """`tension` was proposed."""
+    scene = CraneScene.parse(open("data/hoist.yaml").read())
+    bare = scene.model_copy(update={"rope": scene.rope.model_copy(update={"diameter": None})})
+    assert "give rope.diameter" in bending_told(bare)["bending"] and not bending_told(scene)

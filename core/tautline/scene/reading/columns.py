@@ -8,10 +8,11 @@ and lines without any cell are passed over. Units stand in the header: ``md [ft]
 from __future__ import annotations
 
 import csv
+import functools
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import NoReturn
@@ -182,6 +183,7 @@ class Columns:
             status = any(not shows_nothing(first_beyond(row, width)) for _, _, row in long)
             long = [one for one in long if not plain or not has_remark(one[2], width, usual, status)]
         if not long:
+            self._refuse_two_lines(width)
             return
         line, number, row = long[0]
         of = "the header has" if self.headed else f"line {self.header_line} has"
@@ -190,6 +192,22 @@ class Columns:
             cause += f"; so do all {len(long)} rows" if len(long) == len(self.rows) else f"; {len(long)} rows do"
         one_more = self.headed and len(long) == len(self.rows) and all(n == width + 1 for _, n, _ in long)
         self.stop(line, "row", self.separator.join(row)[:60], cause, cure_of_long_rows(self.separator, one_more))
+
+    def _refuse_two_lines(self, width: int) -> None:
+        """Refuse a row that two lines may have run into, the second with empty cells at its end.
+
+        It has more cells than most, and a number in a column that has none in those.
+        """
+        long = [(line, row) for line, row in self.rows if len(row) > width >= filled(row)]
+        most = Counter(len(row) for _, row in self.rows).most_common(1)[0][0] if long else 0
+        long = [(line, row) for line, row in long if len(row) > most]
+        usual = [row for _, row in self.rows if len(row) == most][:USUAL_ROWS] if long else []
+        known = {i for row in usual for i, cell in enumerate(row) if kind_or_state(cell) == "number"}
+        for line, row in long:
+            if any(kind_or_state(cell) == "number" and i not in known for i, cell in enumerate(row)):
+                cause = f"has {len(row)} cells, and most rows have {most}: two lines may have run into one"
+                cure = "delete that row, or write each of its lines anew"
+                self.stop(line, "row", self.separator.join(row)[:60], cause, cure)
 
     def _cells(self, line: int, text: str) -> list[str]:
         if '"' not in text:
@@ -305,6 +323,7 @@ class Columns:
         try:
             values = np.array([float(row[place]) for _, row in self.rows])
             if np.isfinite(values).all() and not any("_" in row[place] for _, row in self.rows):
+                self._refuse_two_marks(place, name)
                 return values
         except (IndexError, ValueError):
             pass
@@ -312,17 +331,33 @@ class Columns:
         return np.array([self.number(line, name, _cell(row, place), missing) for line, row in self.rows])
 
     def _refuse_two_marks(self, place: int, name: str) -> None:
-        """Refuse a column of points and commas where one of both may mark thousands: none shows it to be decimal."""
-        if self.separator == ",":
+        """Refuse a column whose points or commas may mark thousands: others in the table show the other to be decimal.
+
+        So it is also where the other mark is in the same column, and none is shown to be decimal.
+        """
+        if not self._has_commas:
             return
-        cells = [(line, _cell(row, place)) for line, row in self.rows]
-        numbers = [(line, cell) for line, cell in cells if NUMBER.fullmatch(cell.replace(",", "."))]
-        pointed, comma = ([one for one in numbers if mark in one[1]] for mark in ".,")
-        unsure = any(all(may_mark_thousands(cell) for _, cell in cells) for cells in (pointed, comma))
-        if pointed and comma and unsure:
-            (other, point), (line, cell) = pointed[0], comma[0]
-            cause = f"has a comma, and {point} in line {other} has a point: one of both may be a mark of thousands"
-            self.stop(line, name, cell, cause, "write numbers without marks of thousands")
+        own = [(line, cell) for line, row in self.rows if _mark(cell := _cell(row, place))]
+        for mark, other, one, two in ((",", ".", "comma", "point"), (".", ",", "point", "comma")):
+            marked = [(line, cell) for line, cell in own if mark in cell]
+            if not marked or not all(may_mark_thousands(cell) for _, cell in marked):
+                continue
+            seen = next((beside for beside in own if other in beside[1]), None) or next(self._decimals(other), None)
+            if seen is not None:
+                cause = (
+                    f"has a {one}, and {seen[1]} in line {seen[0]} has a {two}: one of both may be a mark of thousands"
+                )
+                self.stop(marked[0][0], name, marked[0][1], cause, "write numbers without marks of thousands")
+
+    @functools.cached_property
+    def _has_commas(self) -> bool:
+        """Whether commas are within cells: else all marks are points."""
+        return self.separator != "," and any("," in cell for _, row in self.rows for cell in row)
+
+    def _decimals(self, mark: str) -> Iterator[tuple[int, str]]:
+        """Lines and numbers, of all columns, that show a mark to be decimal."""
+        for line, row in self.rows:
+            yield from ((line, cell) for cell in row if _mark(cell) == mark and not may_mark_thousands(cell))
 
     def number(self, line: int, name: str, cell: str, missing: str = "fill it in, or delete the row") -> float:
         """Number in a cell; nan for anything else, which is noted."""
@@ -370,6 +405,12 @@ class Columns:
 def may_mark_thousands(cell: str) -> bool:
     """Whether the mark of a number may stand for thousands: ``1,001``, but neither ``0,500`` nor ``10,25``."""
     return THOUSAND.fullmatch(cell) is not None
+
+
+def _mark(cell: str) -> str:
+    """The one point or comma of a number; empty where there is none."""
+    marks = [one for one in cell if one in ".,"]
+    return marks[0] if len(marks) == 1 and NUMBER.fullmatch(cell.replace(",", ".")) else ""
 
 
 def thousand(cell: str) -> str:

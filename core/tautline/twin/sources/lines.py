@@ -1,36 +1,34 @@
 """Lines of a table: rows, headers that come again, and rows that broke off with a header behind them.
 
 A logger that loses its power, or files that are put together, leave lines such as ``1006.0,12time,winch,load``. What
-stands before the header there is the piece of a row. The rule for such lines, and for headers with columns added in
-front, is one:
+stands before the header there is the piece of a row. The rule:
 
-*What is a header in a line.* All columns of the map and a stamp are there as titles, quotes taken off, with no number
-among them or behind them. Or the line ends with all titles of the header before, in their order, whatever stands before
-them.
-
-*Where it begins.* It ends where the line ends. It begins behind the last number or date, for these are no titles; and
-no later than the first of its titles that is known: a column of the map, the stamp, or a title of the header before.
-Every cell between the two may be its first title, or the last one of a row that broke off.
-
-*What decides.* The number of cells of the row behind the line. Where the line ends with the titles of the header
-before, the row is longer or shorter than the header by as many cells as rows before it were. Behind other titles it
-shows only that no header begins by which it is longer than rows were: it may lack its last cells, though none did
-before. And where the header has the stamp and the columns of the map, the row has a stamp there; words in columns of
-the map speak against a place where the number of cells leaves several. A line of units below the header counts as a
-row. Where this leaves one place, the header begins there, and that row is the first one that is read by it. Where it
-leaves several, or none, the row is left out, and this is told: another row may show it. After `IN_DOUBT` of them the
-source ends.
-
-*What may be a row.* A line with a stamp in its place that fills no more cells than the header has is a row, whatever
-its text says; but where it may end with all titles that are needed, it is left out, counted and told. A row behind it
-that is longer than rows of such a header shows that there was none; so does a second line of that kind right behind
-it, and from there on all such lines are rows, unless a number breaks off before a title. Most
-rows are known by a quick look at their cells.
-
-*The piece in the cell of the first title.* A piece of a number, ``12time``, is taken off the title of a stamp. Any
-piece is taken off where all titles of the header before stand behind it, but for a word where rows have the stamp or a
-column of the map: ``aux winch`` is no ``winch``. Where such a piece stands before a title that is needed, the source
-ends at the next row: rows behind it are read by no header. So it does where the header behind a piece lacks columns.
+1. A table's header may come again in the midst, also at the end of a line. There it has all columns of the map and a
+   stamp as titles, quotes taken off, with no number among them or behind them; or all titles of the header before.
+2. It ends where the line ends. It begins behind the last number or date, for these are no titles, and no later than
+   the first of its titles that is known: a column of the map, the stamp, or a title of the header before. Where that is
+   one cell, rows behind the line are read by it.
+3. Where it may begin in several cells, rows behind the line show in which; an empty cell is no first title. A row
+   speaks for a place if it has the cells of a row of that header, with a stamp and numbers where the header has them,
+   and if it speaks for no other place. Where the line ends with all titles of the header before, rows have as many
+   cells more than titles as they had before, empty ones counted. Behind other titles they fill a cell for each title.
+   Words in columns of the map speak against a place only where the number of cells leaves several.
+4. A row that broke off has fewer cells than a whole one, and seldom more: two lines may run into one. So a row that
+   speaks for the longest header is read by it, and two of them prove it. A shorter header is proved by three such
+   rows, one behind the other but for rows that speak for no place; and only where the line ends with all titles of the
+   header before, or leaves no other place. For rows of other titles may all lack their last cells.
+5. Until one is proved, rows that do not speak for it are left out, counted and told. Where nothing can show it, rows
+   are left out until a header comes on a line of its own. No such line ends a source.
+6. A line with a stamp in its place that fills no more cells than the header has is a row, whatever its text says. But
+   where it may end with all titles that are needed, it is left out, counted and told, and the header before counts as
+   the longest in rule 4: one row that is longer than those of a header in it shows that it was a row. (So a row shows
+   that a line of words in which a header begins nowhere was a remark.) So does a second line of that kind right behind
+   it, and from there on all such lines are rows, unless a number breaks off before a title. Most rows are known by a
+   quick look at their cells.
+7. What stands before the title in its cell is a piece if it is one of a number before the stamp or before a title that
+   is not needed, ``12time``; and any piece if all titles of the header before stand behind it, but for a word where
+   rows have the stamp or a column of the map: ``aux winch`` is no ``winch``. Where such a piece stands before a title
+   that is needed, or the header behind a piece lacks columns, it begins nowhere (rule 5).
 """
 
 from __future__ import annotations
@@ -39,19 +37,19 @@ import csv
 import io
 import math
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
 
-from tautline.scene.errors import Problem, SceneError, shorten
+from tautline.scene.errors import shorten
 from tautline.scene.reading.columns import NO_UNIT
 from tautline.scene.reading.long_rows import NO_WORDS, STATES, filled, is_number_or_date, kind_of, shows_nothing
 from tautline.twin.sources.stamps import heads, is_unit, number_of, stamp_of
-from tautline.twin.sources.table import Header, NewHeader, cells_of, separator_of
+from tautline.twin.sources.table import Header, cells_of, separator_of
 
 BETWEEN = re.compile("[;\t,]")
 """What may stand between cells."""
-IN_DOUBT = 20
-"""Lines that are left out, at most, before rows have shown where a header begins."""
+PROOF_OF_LONGEST, PROOF = 2, 3
+"""Rows that prove the longest header that a line may have, for seldom do lines run into one; and a shorter one."""
 HALF = re.compile(r"(\d{4}-\d\d?-\d\d?[ T])?[\d.,:+-]*")
 """What may be left of a number or a date before a title: ``1006.time``."""
 
@@ -78,10 +76,10 @@ class HeaderInLine:
     line : str
     number : int
         Of the line, for messages.
-    as_row : int
-        Where the line may as well be a row: the most titles that a header in it has. Else 0.
-    left_out : int
-        Lines behind it that did not show where it begins.
+    most : int
+        Titles that a header in the line has at most.
+    as_row : bool
+        Whether the line may as well be a row.
     """
 
     cells: list[str]
@@ -93,14 +91,19 @@ class HeaderInLine:
     again: bool
     line: str
     number: int
-    as_row: int = 0
-    left_out: int = 0
+    most: int
+    as_row: bool
 
     @property
     def may_be_text(self) -> bool:
         """Whether the line may be a row whose last cells are text: no number breaks off before a title, ``12time``."""
-        tail = self.cells[-self.as_row :] if self.as_row else []
-        return bool(tail) and not any(cell[:1].isdecimal() and not _is_plain(cell) for cell in tail)
+        tail = self.cells[-self.most :]
+        return self.as_row and not any(cell[:1].isdecimal() and not _is_plain(cell) for cell in tail)
+
+    @property
+    def may_be_none(self) -> bool:
+        """Whether there may be no header: the line may be a row, or it is one of words in which none begins."""
+        return self.as_row or not (self.starts or any(kind_of(cell) == "number" for cell in self.cells))
 
     def header(self, start: int) -> str:
         """The header as a line of its own."""
@@ -111,29 +114,69 @@ class HeaderInLine:
         csv.writer(text, delimiter=self.separator, lineterminator="").writerow(cells)
         return text.getvalue()
 
-    def fitting(self, cells: Sequence[str], offsets: set[int]) -> list[int]:
-        """Where the header may begin, as the cells of the row, or of the units, behind it show.
+    def fitting(self, cells: Sequence[str], usual: Set[int]) -> list[int]:
+        """Where the header may begin, as the cells of a row behind it show.
 
-        `offsets` are how many cells rows had more than titles. A sensor may show a word: words in columns of the map
-        decide only where the number of cells does not.
+        `usual` is how many cells rows of its last titles have more than titles; none where that is not known. A sensor
+        may show a word: words in columns of the map decide only where the number of cells does not.
         """
-        wide = [start for start in self.starts if self._has_width(start, cells, offsets)]
-        if _are_units(cells):
-            return wide
+        count, more = (len(cells), usual) if usual else (filled(cells), {0})
+        wide = [start for start in self.starts if count - (len(self.cells) - start) in more]
         return [start for start in wide if self._has_numbers(start, cells, words=len(wide) == 1)]
-
-    def _has_width(self, start: int, cells: Sequence[str], offsets: set[int]) -> bool:
-        """Whether there are as many cells as rows of that header have; empty cells at the end of a row may be none."""
-        titles = len(self.cells) - start
-        if self.again:
-            return not offsets.isdisjoint((len(cells) - titles, filled(cells) - titles))
-        return filled(cells) - titles <= max(offsets)
 
     def _has_numbers(self, start: int, cells: Sequence[str], words: bool) -> bool:
         """Whether there is a stamp; and numbers, or nothing, in columns of the map, where they may have no `words`."""
         stamp, *wanted = (cells[place - start] if place - start < len(cells) else "" for place in self.needed)
         is_stamp = not math.isnan(number_of(stamp)) or math.isfinite(stamp_of(stamp))
         return is_stamp and (words or all(shows_nothing(cell) or kind_of(cell) == "number" for cell in wanted))
+
+
+@dataclass
+class Doubt:
+    """A line in which a header begins, nobody knows where, and what rows behind it have shown.
+
+    Attributes
+    ----------
+    found : HeaderInLine
+    usual : set of int
+        How many cells rows of its titles have more than titles, empty where that is not known.
+    spoke, rows : int
+        The place that rows spoke for last, and how many did without one between them for another place.
+    chosen : int or None
+        The place from which rows are read, and may be no more.
+    units : tuple of str and int, optional
+        A line of units behind the header, and its number.
+    told : bool
+    """
+
+    found: HeaderInLine
+    usual: Set[int]
+    spoke: int = -1
+    rows: int = 0
+    chosen: int | None = None
+    units: tuple[str, int] | None = None
+    told: bool = False
+
+    def take(self, starts: Sequence[int]) -> bool:
+        """Whether a row that speaks for some places is read by the header that begins there: there is one only."""
+        if len(starts) != 1:
+            self.rows = 0 if starts else self.rows
+            return False
+        self.rows = self.rows + 1 if starts[0] == self.spoke else 1
+        self.spoke = starts[0]
+        return self.is_proved or self._is_longest
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether there are rows enough."""
+        if self._is_longest:
+            return self.rows >= PROOF_OF_LONGEST
+        return self.rows >= PROOF and (bool(self.usual) or len(self.found.starts) == 1)
+
+    @property
+    def _is_longest(self) -> bool:
+        """Whether no header that is longer is possible: where the line may be a row, that is the one before."""
+        return self.spoke == min(self.found.starts) and not self.found.as_row
 
 
 class Lines:
@@ -154,7 +197,7 @@ class Lines:
 
     def __init__(self, header: Header) -> None:
         self.header, self.headed = header, False
-        self._doubt: HeaderInLine | None = None
+        self._doubt: Doubt | None = None
         self._titles_in_rows = False  # whether rows have shown that they may end as a header does
 
     def take(self, line: str, whole: bool = True, number: int = 0) -> tuple[float, Mapping[str, float]] | None:
@@ -163,16 +206,12 @@ class Lines:
         Raises
         ------
         SceneError, NewHeader
-            As `Header.read` and `Header.next_header`; and where rows do not show where a header begins.
+            As `Header.read` and `Header.next_header`.
         """
         self.headed = False
         found = header_in(line, number, self.header)
         if found is not None and not self._is_row(found):
-            self._doubt = found if whole else self._doubt
-            self.headed = whole and not found.as_row
-            if found.as_row:
-                said = "is a row, or one that broke off with a header behind it: it is left out"
-                self.header.tell_once("as row", f"{self.header.where}:{number}: '{shorten(line)}' {said}")
+            self._head(found, whole)
             return None
         if self._doubt is not None and not self._shown(self._doubt, line, whole, number):
             return None
@@ -183,10 +222,21 @@ class Lines:
         self._follow(line, number, whole)
         return None if self.headed else row
 
+    def _head(self, found: HeaderInLine, whole: bool) -> None:
+        """Read rows by a header in a line, or let them show where it begins; half a line is none."""
+        if found.as_row:
+            said = "is a row, or one that broke off with a header behind it: it is left out"
+            self.header.tell_once("as row", f"{self.header.where}:{found.number}: '{shorten(found.line)}' {said}")
+        if not whole:
+            return
+        self._doubt, self.headed = Doubt(found, self.header.usual if found.again else frozenset()), not found.as_row
+        if len(found.starts) == 1 and not found.as_row:
+            self._begin(found, found.starts[0])
+
     def _is_row(self, found: HeaderInLine) -> bool:
         """Whether a line that may be a row is one: nobody writes two headers, one right behind the other."""
         before = self._doubt
-        if before is not None and not before.left_out and before.may_be_text and found.may_be_text:
+        if before is not None and not before.told and before.found.may_be_text and found.may_be_text:
             self._doubt, self._titles_in_rows = None, True
         return found.may_be_text and self._titles_in_rows
 
@@ -196,49 +246,66 @@ class Lines:
         if later is not None:
             self.header, self.headed, self._doubt = later, True, None
 
-    def _shown(self, doubt: HeaderInLine, line: str, whole: bool, number: int) -> bool:
-        """Whether a line shows where a header begins; rows are read by that header then."""
-        cells = cells_of(line, doubt.separator)
-        offsets = self.header.offsets or {0}
-        count = len(cells) if doubt.may_be_text else filled(cells)
-        if doubt.as_row and count > doubt.as_row + max(0, *offsets) and _has_stamp(self.header, cells):
+    def _shown(self, doubt: Doubt, line: str, whole: bool, number: int) -> bool:
+        """Whether a line is a row by a header that begins where rows have shown."""
+        found, usual = doubt.found, self.header.usual  # where the line may be a row, it is still the one before
+        cells = cells_of(line, found.separator)
+        count = len(cells) if found.as_row and usual else filled(cells)
+        longer = count > found.most + max([0, *usual]) and filled(cells) <= self.header.most_cells
+        if longer and found.may_be_none and _has_stamp(self.header, cells):
             self._doubt = None  # longer than rows of that header would be: there was none
             return True
-        offsets = offsets if doubt.again else {0, *offsets}
-        starts = doubt.fitting(cells, offsets) if whole else []
-        if len(starts) == 1:
-            self._begin(doubt, starts[0])
-            return True
         if not any(is_number_or_date(cell) for cell in cells):
-            self._follow(line, number, whole)  # a header on a line of its own
+            if _are_units(cells) and doubt.chosen is None:
+                doubt.units, self.headed = (line, number), whole
+            else:
+                self._follow(line, number, whole)  # a header on a line of its own
             return False
-        if not (doubt.starts or doubt.as_row) or doubt.left_out >= IN_DOUBT:
-            raise self._end(doubt)
-        if not doubt.left_out:
-            where, said = self.header.where, "a new header, or a row that broke off with one behind it?"
-            self.header.notes.append(f"{where}:{doubt.number}: {said} Rows are left out until one shows it")
-        self._doubt = replace(doubt, starts=starts or doubt.starts, left_out=doubt.left_out + 1)
-        return False
+        starts = found.fitting(cells, doubt.usual) if whole else []
+        as_before = found.as_row and len(cells) - self.header.width in usual
+        if as_before or not doubt.take(starts):
+            self._tell(doubt)
+            return False
+        if doubt.chosen != starts[0]:
+            self._choose(doubt, starts[0], number)
+        self._doubt = None if doubt.is_proved else doubt
+        return True
 
-    def _begin(self, doubt: HeaderInLine, start: int) -> None:
+    def _choose(self, doubt: Doubt, start: int, number: int) -> None:
+        """Read rows by a header that begins in a cell of a line, with the line of units below it."""
+        if doubt.chosen is not None:
+            where, behind = self.header.where, doubt.found.number
+            said = f"shows that the header in line {behind} begins later than the rows behind it have shown so far"
+            self.header.notes.append(f"{where}:{number}: {said}: what was read of these may be wrong")
+        doubt.chosen = start
+        self._begin(doubt.found, start)
+        if doubt.units is not None:
+            self._follow(*doubt.units)
+
+    def _tell(self, doubt: Doubt) -> None:
+        """Tell once that rows behind a line are left out."""
+        if doubt.told:
+            return
+        doubt.told, found = True, doubt.found
+        at = f"{self.header.where}:{found.number}: in '{shorten(found.line)}' a header stands"
+        at += " in the midst of a row that broke off, or has columns added in front"
+        until = "until one shows which of its titles is the first" if found.starts or found.as_row else ""
+        until = until or "until a header comes on a line of its own"
+        cure = "put the header on a line of its own, and delete the row"
+        self.header.notes.append(f"{at}. Rows are left out {until}: {cure}")
+
+    def _begin(self, found: HeaderInLine, start: int) -> None:
         """Read rows by a header that begins in a cell of a line; tell once that the row before it broke off."""
-        again, header = doubt.header(start), self.header
-        same = start == doubt.known and [doubt.title, *doubt.cells[start + 1 :]] == header.titles
-        if start or again != doubt.line:
+        again, header = found.header(start), self.header
+        same = start == found.known and [found.title, *found.cells[start + 1 :]] == header.titles
+        if start or again != found.line:
             header.tell_once(
                 "torn",
-                f"{header.where}:{doubt.number}: the row '{shorten(doubt.line)}' breaks off, and "
+                f"{header.where}:{found.number}: the row '{shorten(found.line)}' breaks off, and "
                 f"{'the header comes once more' if same else 'a header comes'} behind it. Such rows are left out",
             )
-        self._follow(again, doubt.number)
         self._doubt = None
-
-    def _end(self, doubt: HeaderInLine) -> NewHeader:
-        shown = shorten(doubt.line)
-        cause = f"in '{shown}' a header stands in the midst of a row that broke off, or has columns added in front"
-        cause += ", and it is not clear which of its titles is the first" if doubt.starts else ""
-        cure = "put the header on a line of its own, and delete the row"
-        return NewHeader(SceneError([Problem(self.header.where, doubt.number, "", None, cause, cure)]))
+        self._follow(again, found.number)
 
 
 def header_in(line: str, number: int, header: Header) -> HeaderInLine | None:
@@ -293,9 +360,13 @@ def _may_end_with_titles(line: str, header: Header) -> bool:
     words = [one for cell in BETWEEN.split(line) if (one := cell.strip(' "')) and not _is_plain(one)]
     if any(not one[0].isalpha() and one.endswith(ends) for one in words):
         return True
-    if len(words) <= len(header.columns) or not all(any(one in word for word in words) for one in header.columns):
+    if len(words) <= len(header.columns):
         return False
-    return any(word.endswith((name, title)) for word in words) or header.stamp_among(words) is not None
+    different = {*words}
+    different.update(heads([one for one in different if one[-1] in "])"])[0])
+    if not all(any(word.endswith(one) for word in different) for one in header.columns):
+        return False
+    return any(word.endswith((name, title)) for word in different) or header.stamp_among([*different]) is not None
 
 
 def _is_plain(cell: str) -> bool:
@@ -319,8 +390,8 @@ class _Search:
             return None
         known, title, needed, starts = one
         again = same is not None
-        most = len(self.cells) - min(self._behind_numbers(known), known) if self.like_row and not again else 0
-        return HeaderInLine(self.cells, self.separator, starts, known, title, needed, again, line, number, most)
+        most, as_row = len(self.cells) - min(self._behind_numbers(known), known), self.like_row and not again
+        return HeaderInLine(self.cells, self.separator, starts, known, title, needed, again, line, number, most, as_row)
 
     def _same(self) -> tuple[int, str, list[int], Sequence[int]] | None:
         """All titles of the header before, in their order, at the end of the line, with something before them."""
@@ -332,7 +403,7 @@ class _Search:
         if not (known or piece) or (piece and self.header.stamp_among([cells[known]]) == 0):
             return None  # `Datetime` is a title itself
         word, of_needed = not (HALF.fullmatch(piece) or _may_be_missing(piece)), 0 in self.needed
-        starts: Sequence[int] = range(self._behind_numbers(known), known + 1)
+        starts = self._starts(known)
         if piece and of_needed:
             unsure = word and known in self.needed
             if unsure and not known:
@@ -361,7 +432,7 @@ class _Search:
         if known == 0 and cells == self.cells:
             return None  # it begins with the line
         needed = [stamp, *(place for place in wanted if place is not None)]
-        starts = range(first, known + 1) if cells == self.cells else [known]
+        starts = self._starts(known) if cells == self.cells else [known]
         return known, cells[known], needed, starts
 
     def _without_columns(
@@ -369,7 +440,6 @@ class _Search:
     ) -> tuple[int, str, list[int], Sequence[int]] | None:
         """A header behind the piece of a row that lacks what is needed, or has it behind a piece: none can be read."""
         needed = [self.titles[place] for place in self.needed]
-        broken = first or cells != self.cells
         tail = [*cells[min(first, known) :]]
         # `12time` breaks off a number. `aux winch` and `overload` are words of a row, unless all titles are there; and
         # so is `start`, whatever stands beside it, where `t` is the stamp.
@@ -377,15 +447,18 @@ class _Search:
             any(cell == one or (cell.endswith(one) and (len(one) > 1 or not self.like_row)) for cell in tail)
             for one in needed
         )
-        glued = any(
-            cell != title and cell.endswith(title) and (all_there or HALF.fullmatch(cell.removesuffix(title)))
+        glued = [
+            cell.removesuffix(title)
             for cell in self.cells[: known + 1]
             for title in needed
-        )
+            if cell != title and cell.endswith(title)
+        ]
+        of_number = any(HALF.fullmatch(piece) or _may_be_missing(piece) for piece in glued)
         there = not {*needed}.isdisjoint(cells[known:])
-        others = stamp is not None and broken and not self.like_row
+        others = stamp is not None and (first or cells != self.cells) and not self.like_row
         others = others and bool(self.header.is_header(_as_line(tail, self.separator)))
-        return (known, "", [], []) if (broken and glued and there) or others else None
+        torn = there and (of_number or (all_there and glued))
+        return (known, "", [], []) if torn or others else None
 
     def _is_unneeded_or_stamp(self, title: str) -> bool:
         """Whether a title, behind a piece of a number, is the stamp or is known and not one of the map."""
@@ -401,6 +474,11 @@ class _Search:
             found |= {title: place for title in (name, cell) if title in known and title}
         stamp = self.header.stamp_among(cells)
         return found if stamp is None else found | {names[stamp]: stamp}
+
+    def _starts(self, known: int) -> list[int]:
+        """Cells that may be the first title, up to one that is known to be a title."""
+        first = self._behind_numbers(known)
+        return [place for place in range(first, known + 1) if place == known or self.cells[place]]
 
     def _behind_numbers(self, known: int) -> int:
         """The cell behind the last number or date before the first title that is known."""

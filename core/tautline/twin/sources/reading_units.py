@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tautline.errors import TautlineError
-from tautline.scene.reading.columns import NO_UNIT, may_mark_thousands, unit_named
+from tautline.scene.reading.columns import NO_UNIT, NUMBER, may_mark_thousands, unit_named
 from tautline.scene.values.units import TABLE, Uncounted, Unit, UnknownUnit, converted, read_unit
 
 CODES = {
@@ -156,29 +157,46 @@ class Marks:
 
     Attributes
     ----------
+    table : dict of str
+        By mark, a cell of any column that shows it to be decimal: one for all columns.
     decimal, unsure : dict of str
-        By mark, a cell that shows it to be decimal, and one in which it may mark thousands as well.
+        By mark, a cell of this column that shows it to be decimal, and one in which it may mark thousands as well.
     """
 
+    table: dict[str, str] = field(default_factory=dict)
     decimal: dict[str, str] = field(default_factory=dict)
     unsure: dict[str, str] = field(default_factory=dict)
 
-    def take(self, cell: str) -> tuple[bool, str]:
-        """Whether the mark of a number is taken as decimal, and what is to be said of it and of those before."""
+    def take(self, cell: str, beside: Sequence[str] = ()) -> tuple[bool, str]:
+        """Whether the mark of a number is taken as decimal, and what is to be said of it and of those before.
+
+        Numbers `beside` it in its row, also in columns that nobody asks for, may show which mark is decimal.
+        """
         mark, other = (",", ".") if "," in cell else (".", ",")
         if mark in self.decimal:
             return True, ""
         if not may_mark_thousands(cell):
             self.decimal[mark] = cell
+            self.table.setdefault(mark, cell)
             wrong = self.unsure.pop(other, "")
             said = (
                 "the second may have a mark of thousands. Cells like it were read as decimals before, and may be wrong"
             )
             return True, f"'{cell}' and '{wrong}': {said}; from here on they are left out" if wrong else ""
-        before = self.decimal.get(other) or self.unsure.get(other)
+        self._learn(beside)
+        shown = self.decimal.get(other) or self.table.get(other)
+        before = shown or self.unsure.get(other)
         if before is None:
             self.unsure.setdefault(mark, cell)
             return True, ""
-        one = "the second" if other in self.decimal else "one of the two"
+        one = "the second" if shown else "one of the two"
         said = f"{one} may have a mark of thousands. Cells like the second are left out"
-        return False, f"'{before}' and '{cell}': {said}"
+        read = "; those before were read as decimals, and may be wrong" if mark in self.unsure else ""
+        return False, f"'{before}' and '{cell}': {said}{read}"
+
+    def _learn(self, cells: Sequence[str]) -> None:
+        """Keep the marks that numbers show to be decimal."""
+        for cell in cells:
+            mark = "," if "," in cell else "."
+            if mark in cell and NUMBER.fullmatch(cell.replace(",", ".")) and not may_mark_thousands(cell):
+                self.table.setdefault(mark, cell)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from tautline.errors import TautlineError
+from tautline.scene.errors import SceneError
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,3 +93,46 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Let go of file, thread or connection."""
+
+
+class NewHeader(SourceStopped):
+    """A header in the midst of rows by which those after it cannot be read."""
+
+    def __init__(self, error: SceneError) -> None:
+        cure = "If that line is a remark, begin it with #, or delete it"
+        end = "" if str(error).endswith(("?", ".")) else "."
+        super().__init__(f"the data have a new header, and rows cannot be read by it: {error}{end} {cure}")
+
+
+@dataclass(frozen=True)
+class Later:
+    """A line behind the header that is, or may be, one by which rows cannot be read.
+
+    Attributes
+    ----------
+    error : NewHeader
+        What is wrong with it.
+    separator, width : str, int
+        Of its cells.
+    sure : bool
+        Whether it is one; else the row behind it shows whether it is a remark.
+    named : bool
+        Whether it names a stamp, or has units. One that does not is a header only if rows behind it have as many cells.
+    told : str
+        What to say where it stays in doubt.
+    rows : int
+        Rows behind it that speak for a header, and do not prove it.
+    """
+
+    error: NewHeader
+    separator: str
+    width: int
+    sure: bool
+    named: bool
+    told: str
+    rows: int = 0
+
+    @property
+    def weight(self) -> tuple[bool, bool]:
+        """The larger, the more speaks for a header: a line in doubt takes no place of one that is sure."""
+        return self.sure, self.named

@@ -148,7 +148,7 @@ class Stamps:
 
 
 def number_of(value: Any) -> float:
-    """A reading; NaN for what is no number. A comma in place of a point is understood."""
+    """A reading; NaN for what is no number, as `1_000`. A comma in place of a point is understood."""
     if isinstance(value, bool) or value is None:
         return math.nan
     if isinstance(value, (int, float)):
@@ -157,6 +157,8 @@ def number_of(value: Any) -> float:
         except OverflowError:  # a whole number of hundreds of digits
             return math.nan
     text = str(value).strip()
+    if "_" in text:  # a number to Python only
+        return math.nan
     try:
         return float(text)
     except ValueError:

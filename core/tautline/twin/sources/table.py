@@ -7,7 +7,7 @@ import math
 import re
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from tautline.scene.errors import Problem, SceneError, shorten
 from tautline.scene.reading.columns import NO_UNIT
@@ -26,21 +26,17 @@ from tautline.scene.reading.long_rows import (
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import Marks, OtherQuantity, factor_between
-from tautline.twin.sources.record import SourceStopped
+from tautline.twin.sources.record import Later, NewHeader
 from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column, stamp_of
 
 SEPARATORS = ";\t,"
 USUAL_ROWS = 100
 """Rows before one that is longer than the header, by which it is judged together with those of earlier times."""
 
-
-class NewHeader(SourceStopped):
-    """A header in the midst of rows by which those after it cannot be read."""
-
-    def __init__(self, error: SceneError) -> None:
-        cure = "If that line is a remark, begin it with #, or delete it"
-        end = "" if str(error).endswith(("?", ".")) else "."
-        super().__init__(f"the data have a new header, and rows cannot be read by it: {error}{end} {cure}")
+LONGER = 3
+"""Rows with more cells than before, one behind the other, that are no lines that ran into one."""
+FEW = 10
+"""Of so many rows, one that is shorter than most broke off."""
 
 
 def has_end(line: str) -> bool:
@@ -68,40 +64,6 @@ def cells_of(line: str, separator: str) -> list[str]:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
     except csv.Error:  # a cell of more than 100,000 letters
         return []
-
-
-@dataclass(frozen=True)
-class Later:
-    """A line behind the header that is, or may be, one by which rows cannot be read.
-
-    Attributes
-    ----------
-    error : NewHeader
-        What is wrong with it.
-    separator, width : str, int
-        Of its cells.
-    sure : bool
-        Whether it is one; else the row behind it shows whether it is a remark.
-    named : bool
-        Whether it names a stamp, or has units. One that does not is a header only if rows behind it have as many cells.
-    told : str
-        What to say where it stays in doubt.
-    rows : int
-        Rows behind it that speak for a header, and do not prove it.
-    """
-
-    error: NewHeader
-    separator: str
-    width: int
-    sure: bool
-    named: bool
-    told: str
-    rows: int = 0
-
-    @property
-    def weight(self) -> tuple[bool, bool]:
-        """The larger, the more speaks for a header: a line in doubt takes no place of one that is sure."""
-        return self.sure, self.named
 
 
 def _are_alike(one: str, other: str) -> bool:
@@ -138,8 +100,8 @@ class Header:
     ----------
     notes : list of str
         What is to be known of units that say nothing, and of stamps.
-    offsets : set of int
-        How many cells rows have had more than the header has titles, also rows by the headers before.
+    offsets : Counter
+        How many rows have had so many cells more than the header has titles, also rows by the same titles before.
 
     Raises
     ------
@@ -163,14 +125,15 @@ class Header:
         self.notes: list[str] = [] if notes is None else notes
         self._later: Later | None = None
         self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
-        self.offsets: set[int] = set()
+        self.offsets: Counter[int] = Counter()
         self._begun = False  # whether any row was read, also one in doubt
         # The latest rows that are no longer than the header, and what they and those before them have had by column.
         self._plain: deque[list[str]] = deque(maxlen=USUAL_ROWS)
         self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
-        self._marks: dict[str, Marks] = {}
+        self._longer = 0  # rows, one behind the other, that had more cells than any before
+        self._marks: dict[str, Marks] = {}  # by column
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
         stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
@@ -212,7 +175,7 @@ class Header:
 
     def _places(self, column: str, titles: Sequence[str]) -> list[int]:
         """Where a column is, by its name or by its whole title, ``rope [kN]``."""
-        return [i for i, one in enumerate(titles) if column in (one, self.names[i])]
+        return [i for i, (one, name) in enumerate(zip(titles, heads(titles)[0], strict=True)) if column in (one, name)]
 
     def _twice(self, column: str, titles: Sequence[str], where: str, number: int) -> list[Problem]:
         """That a column is there more than once: nothing shows which of them is meant."""
@@ -301,12 +264,22 @@ class Header:
                 self._later = later
             return self if sure else None
         found._behind = True
-        found._told, found.offsets = self._told, self.offsets
+        found._told, found._marks = self._told, self._marks
+        if found.titles == self.titles:
+            found.offsets = self.offsets
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
+
+    @property
+    def usual(self) -> set[int]:
+        """How many cells rows have more than titles; not so the few that are shorter than most: they broke off."""
+        if not self.offsets:
+            return set()
+        most, few = max(self.offsets, key=self.offsets.__getitem__), max(1, self.offsets.total() // FEW)
+        return {offset for offset, rows in self.offsets.items() if offset >= most or rows > few}
 
     @property
     def most_cells(self) -> int:
@@ -369,7 +342,7 @@ class Header:
                 raise
             self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
             return self
-        found._told, found._behind, found.offsets = self._told, self._behind, self.offsets
+        found._told, found._marks, found._behind, found.offsets = self._told, self._marks, self._behind, self.offsets
         return found
 
     def _described(self, line: str, number: int, told: bool) -> Header | None:
@@ -417,11 +390,12 @@ class Header:
     def is_header(self, line: str) -> bool | None:
         """Whether a line is a header; None where the row behind it must show that.
 
-        One that has all columns is. So is one without a number that has a name with a unit of time, or two names with
-        units; or the stamp and a column; or the stamp and as many other names as the header has, or more. Units below
-        a header are none, nor is a remark among rows, nor a line of one cell. A line that has units, fewer cells than
-        the header and no stamp is in doubt: a remark may read `stop [s], crane 2`. But where all its cells have units,
-        one of them of time, it is a header.
+        One that has the stamp and all columns is; and one as wide as this header that has all columns in other places:
+        `tare,load` among rows is a remark. So is one without a number that has a name with a unit of time, or two names
+        with units; or the stamp and a column; or the stamp and as many other names as the header has, or more. Units
+        below a header are none, nor is a remark among rows, nor a line of one cell. A line that has units, fewer cells
+        than the header and no stamp is in doubt: a remark may read `stop [s], crane 2`. But where all its cells have
+        units, one of them of time, it is a header.
         """
         columns, *_ = self._given
         separator = separator_of(line)
@@ -430,12 +404,13 @@ class Header:
         names = {*found, *titles}
         if len(titles) < 2 and columns:  # it cannot have the stamp and a column
             return False
-        if names.issuperset(columns):
+        stamped = self._stamped(titles)
+        if names.issuperset(columns) and (stamped or self._are_moved(titles)):
             return True
         if not all(math.isnan(number_of(one)) for one in titles) or self._are_units(titles):
             return False
         named = [unit for name, unit in zip(found, units, strict=True) if name and is_unit(unit)]
-        timed, stamped = any(is_unit_of_time(unit) for unit in named), self._stamped(titles)
+        timed = any(is_unit_of_time(unit) for unit in named)
         if (len(named) > 1 or timed) and separator != self.separator:
             return None
         if len(named) > 1 or timed:
@@ -450,6 +425,11 @@ class Header:
             return None
         # Names are not twice in a header: `NaN,NaN,NaN` and `bad,bad,bad` are none.
         return None if len(titles) != self.width and len({*titles}) == len(titles) else False
+
+    def _are_moved(self, titles: Sequence[str]) -> bool:
+        """Whether as many cells as this header has name columns of the map in other places than it does."""
+        moved = any(self._places(column, titles) != [place] for column, place in self.places.items())
+        return len(titles) == self.width and moved
 
     def _is_named(self, titles: Sequence[str]) -> bool:
         """Whether cells name a stamp, or have units as those of a header do."""
@@ -497,7 +477,7 @@ class Header:
             self._refuse_doubtful(cells[self.stamp])
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
             cell = cells[self.stamp]
-            if not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell)):
+            if not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell, cells)):
                 stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
@@ -506,10 +486,13 @@ class Header:
                 return None
             self._status |= not shows_nothing(first_beyond(cells, self._cells))
             self._tell_remark(line, at)
-            self.offsets.add(count - self.width)
+            self.offsets[count - self.width] += 1
+        elif math.isfinite(stamp) and not doubtful and self._may_be_two(cells, count):
+            self._tell_two(line, count, at)
+            return None
         elif math.isfinite(stamp) and not doubtful:
             self._widths.add(count)
-            self.offsets.add(count - self.width)
+            self.offsets[count - self.width] += 1
             self._whole_times |= ":" in cells[self.stamp] and count >= self.width
             if count <= self._cells:
                 self._plain.append(cells)
@@ -521,9 +504,29 @@ class Header:
         if doubtful:
             return stamp, dict.fromkeys(self.places, float("nan"))
         return stamp, {
-            name: self.factors[name] * self._number(name, cells[place]) if place < len(cells) else float("nan")
+            name: self.factors[name] * self._number(name, cells[place], cells) if place < len(cells) else float("nan")
             for name, place in self.places.items()
         }
+
+    def _may_be_two(self, cells: Sequence[str], count: int) -> bool:
+        """Whether a row may be two lines that ran into one, the second with empty cells at its end.
+
+        It has more cells than the header and any row before, and numbers behind the columns of the map, where that line
+        may have moved its own. Where it is the third one behind the other, rows have more cells from here on.
+        """
+        if count <= self.width or not self.offsets or count <= self.width + max(self.offsets):
+            self._longer = 0
+            return False
+        behind = max(self.stamp, *self.places.values(), 0) + 1
+        self._longer += any(kind_of(cell) == "number" for cell in cells[behind:])
+        return 0 < self._longer < LONGER
+
+    def _tell_two(self, line: str, count: int, at: int) -> None:
+        """Tell once that a row is left out, for two lines may have run into one."""
+        most = self.width + max(self.offsets)
+        said = f"has {count} cells, and rows before had {most} at most: two lines may have run into one"
+        told = f"the row '{shorten(line)}' {said}. Such rows are left out, but for the third one behind the other"
+        self.tell_once("two", f"{self.where}:{at}: {told}")
 
     def _refuse_doubtful(self, cell: str) -> None:
         """Refuse a number as a stamp where the header leaves it in doubt in which unit that is; a date needs none.
@@ -640,13 +643,14 @@ class Header:
         numbers = len(cells) > 1 and not any(math.isnan(number_of(one)) for one in cells)
         return another and not later.sure and numbers
 
-    def _number(self, name: str, cell: str) -> float:
+    def _number(self, name: str, cell: str, beside: Sequence[str]) -> float:
         """A cell's number; NaN for one with a comma or a point that may be a mark of thousands.
 
-        So it is with a comma in a table that commas separate; and in a column that has both, where the first is taken.
+        So it is with a comma in a table that commas separate; and in a table that has both, where the first is taken.
+        `beside` are all cells of the row.
         """
         if self.separator != ",":
-            return number_of(cell) if self._is_of_one_mark(name, cell) else math.nan
+            return number_of(cell) if self._is_of_one_mark(name, cell, beside) else math.nan
         if "," not in cell:
             return number_of(cell)
         self.tell_once(
@@ -657,15 +661,18 @@ class Header:
         )
         return math.nan
 
-    def _is_of_one_mark(self, name: str, cell: str) -> bool:
-        """Whether the mark of a cell, if any, is taken as decimal; tells once where a column leaves that in doubt.
+    def _is_of_one_mark(self, name: str, cell: str, beside: Sequence[str]) -> bool:
+        """Whether the mark of a cell, if any, is taken as decimal; tells once where the table leaves that in doubt.
 
-        `999.5` shows that its mark is decimal, and `1,001` shows nothing: where the other mark came before, it is left
-        out until a cell shows its mark to be decimal, too.
+        `999.5` shows that its mark is decimal, in any column, and `1,001` shows nothing: where the other mark came
+        before, or is beside it, it is left out until a cell shows its mark to be decimal, too.
         """
         if not ("," in cell or "." in cell) or math.isnan(number_of(cell)):
             return True
-        decimal, note = self._marks.setdefault(name, Marks()).take(cell)
+        marks = self._marks.get(name)
+        if marks is None:
+            marks = self._marks[name] = Marks(next((one.table for one in self._marks.values()), {}))
+        decimal, note = marks.take(cell, beside)
         if note:
             self.tell_once(
                 "marks", f"column '{name}' has cells such as {note}: write numbers without marks of thousands"
