@@ -411,7 +411,7 @@ class Simulation:
     @property
     def parts(self) -> Parts:
         """What it works with, for what stands beside it: a linearisation, a twin. To change it is to change the run."""
-        return Parts(self._state, self._run.method, self._frames, self._memory)
+        return Parts(self._state, self._run.method, self._frames, self._memory, self._forces)
 
     @property
     def driven_scene(self) -> Any:
@@ -615,7 +615,7 @@ class Simulation:
     def equations(self) -> Equations:
         """The equations of motion, at the state as it is, for integrators of others."""
         other = self.copy()
-        return Equations(other.model, other._time, other._state)
+        return Equations(other.model, other._time, other._state, other._forces)
 
     def add_force(self, force: Any, on: str | Sequence[int] | None = None) -> None:
         """Add a force to the scene, from now on.
@@ -627,8 +627,9 @@ class Simulation:
             writes it; or a group of a registered kind.
         on : str or sequence of int, optional
             What it acts on: an output that is a position (``"payload.position"``), or numbers of full degrees of
-            freedom; q, v and the force are vectors of these. By default of all of them; then its derivatives are not
-            in the tangent, and a stiff force takes small steps.
+            freedom; q, v and the force are vectors of these. By default of all of them; then the tangent of the steps
+            has none of its derivatives, and a stiff force takes small steps. Nor has it those between places that are
+            far apart in the scene. `linearise` and `equations` have all of them.
 
         Raises
         ------
