@@ -434,7 +434,7 @@ class _Linearisation:
     ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
         """Central differences of the compiled outputs along a direction, and how large these are."""
         state = self.state
-        _, method, frames, memory = self.sim.parts
+        _, method, frames, memory, _ = self.sim.parts
         noted = memory.read()
         kept = [array.copy() for array in (state.full_q, state.full_v, state.full_a, state.residual)]
         compiled = [one for one in self.outputs if one.places is None]
