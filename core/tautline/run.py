@@ -38,11 +38,13 @@ from tautline.integrators.statics.relaxation import relax, relax_to_stable
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
+from tautline.integrators.suspects import Instant, blamed_for, hook_of_energy
 from tautline.integrators.time_loop import (
     PART,
     STEP,
     WORK_LIMIT,
     Frames,
+    loop_of,
     new_frames,
     new_pause,
     run_steps,
@@ -145,6 +147,8 @@ class Run:
         if brief is not None:
             self.batch, self.work = brief.batch, brief.work
         self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
+        self.no_energy = ""
+        """What is said of energies that are no finite numbers."""
         self.memory: dict[str, np.ndarray] = {}
         self.places: tuple[Any, dict[str, np.ndarray]] = (None, {})
         self.remembered = 0.0
@@ -176,7 +180,7 @@ class Run:
             raise ResultError(place_of(earlier), cause, "give a later end of the run (solver.end)")
         self.ends = self.ends[later]
         self.steps = steps_to(self.ends, self.time, self.model.solver.step)
-        self.balance.add(np.column_stack([frames[name] for name in ENERGIES]))
+        self.book(None, frames)
         self.memory = remember(*self._parts())
         return frames
 
@@ -186,6 +190,13 @@ class Run:
 
     def start(self) -> None:
         """Find the equilibrium the scene asks for, and set it moving."""
+        try:
+            self._start()
+        except StoppedEarly as stop:
+            raise self.blamed_for(stop) from None
+
+    def _start(self) -> None:
+        """The same; what stops it may have its cause in a force of others."""
         model = self.model
         if model.start == "static":
             self._start_at_rest()
@@ -252,13 +263,21 @@ class Run:
     def store_first(self, store: FrameStore) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
         system = self.model.system
-        run_steps(self.method, system, self.state, np.zeros(1), np.zeros(1, np.int64), 0.0, self.frames)
-        if not np.isfinite(self.frames.rows[0]).all():
-            raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
+        none = np.zeros(1, np.int64)
+        _, filled, _ = run_steps(self.method, system, self.state, np.zeros(1), none, 0.0, self.frames)
+        if not filled or not np.isfinite(self.frames.rows[0]).all():
+            raise self.without_start()
         self.ahead = 1
         self._remember()
         if self.look is not None:
             self.look(self.state, self.time, self.method)
+
+    def without_start(self) -> StoppedEarly:
+        """What stops a run whose first frame was not found, or holds what is no number."""
+        stop, state = StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start"), self.state
+        blamed = self.blamed_for(stop)
+        cause = hook_of_energy(self.model.system, [Instant(0.0, state.full_q, state.full_v)])
+        return StoppedEarly(Status.NO_FORCE, 0.0, stop.part, cause) if blamed is stop and cause else blamed
 
     def advance(self, store: FrameStore) -> None:
         """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``.
@@ -312,7 +331,11 @@ class Run:
         if stopped:
             worst = int(self.state.counters[WORST])
             end, part, detail = self.model.end_of(self.state, Status(status), worst)
-            raise StoppedEarly(end, reached, part, detail or advice(self.method, end))
+            raise self.blamed_for(StoppedEarly(end, reached, part, detail or advice(self.method, end)))
+
+    def blamed_for(self, stop: StoppedEarly) -> StoppedEarly:
+        """What stopped the run, with the hook of others that is to blame for it where there is one."""
+        return blamed_for(stop, self.model.system, self.state, loop_of(self.method)[1], self.step)
 
     def _count_waiting(self) -> int:
         """Have frames that wait for the one that is under way be done, to be stored next; returns how many."""
@@ -417,9 +440,25 @@ class Run:
             stored = made.also(time=lambda: part.time)
         else:
             stored = {"time": part.time.copy(), **self.model.observe(part)}
-        self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
+        self.book(part, stored)
         store.append(stored, self.memory, {} if self.brief is not None else self.progress())
         self.ahead, self.stored_at = 0, time.perf_counter()
+
+    def book(self, frames: Frames | None, stored: Mapping[str, np.ndarray]) -> None:
+        """Take note of the energies of frames; of the first one that is no number, where it comes from.
+
+        Of an earlier run there is what it stored, and no `frames`.
+        """
+        energies = np.column_stack([stored[name] for name in ENERGIES])
+        if self.balance.finite and not np.isfinite(energies).all():
+            first, column = np.argwhere(~np.isfinite(energies))[0]
+            self.no_energy = f"{ENERGIES[column]} is no finite number from {float(stored['time'][first]):.6g} s on"
+            if frames is not None:
+                seen = slice(max(0, first - 1), first + 1)
+                rows = zip(frames.time[seen], frames.q[seen], frames.v[seen], strict=True)
+                cause = hook_of_energy(self.model.system, [Instant(float(t), q, v) for t, q, v in rows])
+                self.no_energy += f": {cause}" if cause else ""
+        self.balance.add(energies)
 
     def progress(self) -> dict[str, Any]:
         """What a run that is killed must leave beside its state, to be gone on with."""
@@ -522,6 +561,8 @@ class Run:
         Ringing that the step cannot follow, as of a stiff hose that its flow has just begun to pull, may be all the
         motion there is, and wrong, while what the run is for is right. Against a steady flow it is warned of only.
         """
+        if not self.balance.finite:
+            return Status.NO_BALANCE
         return Status.IMBALANCE if self.energy_created() > GAINED else Status.DONE
 
     def oscillation_frequency(self) -> float:
@@ -540,6 +581,8 @@ class Run:
         """What a reader of the result should know of its accuracy; `step` is the mean one, s."""
         found = []
         gained, omega, lag = self.energy_gained(), self.oscillation_frequency(), self.phase_lag(step)
+        if not self.balance.finite:
+            found.append(f"the energy has no value, so that it is not known whether it balances: {self.no_energy}")
         if abs(gained) > POOR_BALANCE:
             share = (
                 f"{100.0 * abs(gained):.2g} %" if abs(gained) < HUGE_SHARE else f"More than {100.0 * HUGE_SHARE:g} %"

@@ -71,7 +71,8 @@ def simulate(
     ------
     StoppedEarly
         Where no start was found or a step failed, with the status and what was stored until then; and IMBALANCE where
-        the run came to its end with a twentieth of its energy created numerically.
+        the run came to its end with a twentieth of its energy created numerically, NO_BALANCE where it came there with
+        an energy that is no number.
     Interrupted
         On Ctrl-C, with what was stored until then.
     ResultError
@@ -134,6 +135,8 @@ def _run(
         with undisturbed(tell=False):
             result = run.finish(store, run.end_status().word, *further)
     assert result is not None
+    if run.end_status() == Status.NO_BALANCE:
+        raise StoppedEarly(Status.NO_BALANCE, run.time, "the whole scene", run.no_energy, result)
     if run.end_status() == Status.IMBALANCE:
         detail = f"{100.0 * run.energy_created():.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)

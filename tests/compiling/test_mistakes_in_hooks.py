@@ -164,6 +164,24 @@ def choosing(g, t, q, v, a, r):
     r[0] -= BY_CASE[0](g.force[0])
 
 
+made_by_exec = {}
+exec("def law(x):\n    if x > 0.2:\n        raise ValueError(x)\n    return x", {}, made_by_exec)
+law_of_exec = njit(made_by_exec["law"])
+
+
+@kernel
+def calling_what_exec_made(g, t, q, v, a, r):
+    r[0] -= law_of_exec(t)
+
+
+@compiled
+def test_a_function_of_exec_that_can_raise_is_refused():
+    # it has no module, and was taken for one of Python's own
+    with pytest.raises(KernelError, match="can raise an error") as refused:
+        linked(calling_what_exec_made)
+    assert "<string>:3" in str(refused.value)
+
+
 @compiled
 def test_a_function_that_can_raise_is_found_in_a_tuple_of_functions():
     with pytest.raises(KernelError, match="can raise an error"):

@@ -1,12 +1,16 @@
 """Kernels of a user's own script: what is edited is compiled anew, and what is not comes from the cache."""
 
+import functools
 import importlib
 import json
+import math
 import os
 import sys
 import types
 
+import numpy as np
 import pytest
+import sympy
 from numba import cfunc
 from numba.extending import overload
 from young_processes import young_processes
@@ -182,6 +186,62 @@ def test_a_file_with_the_name_of_a_module_of_python_is_no_module_of_python(tmp_p
     assert found[0] == found[2] != found[1]
 
 
+def _of_exec(factor, names):
+    """A function that text in a program makes, as `sympy.lambdify` does."""
+    made = {}
+    exec(f"def law(x):\n    return {factor} * x", names, made)
+    return made["law"]
+
+
+def _in_wraps(factor):
+    """A function that goes by the name and the module of one of numpy's."""
+
+    @functools.wraps(np.sum)
+    def law(x):
+        return factor * x
+
+    return law
+
+
+def _in_a_class(factor):
+    """A class of numbers that text makes: it says of itself that it is Python's own."""
+    made = {}
+    exec(f"class Law:\n    factor = {factor}", {}, made)
+    return made["Law"]
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda factor: _of_exec(factor, {}),
+        lambda factor: eval(f"lambda x: {factor} * x", {}),
+        lambda factor: _of_exec(factor, vars(math).copy()),
+        lambda factor: sympy.lambdify(sympy.Symbol("x"), factor * sympy.Symbol("x")),
+        _in_wraps,
+        _in_a_class,
+    ],
+    ids=["exec", "eval", "exec with the names of math", "sympy.lambdify", "functools.wraps", "a class of exec"],
+)
+def test_what_has_no_module_of_its_own_counts_by_its_contents(made):
+    """It was taken for Python's own: an edited law ran as it had been compiled before."""
+    found = []
+    for factor in (2.0, 3.0, 2.0):
+        law = made(factor)
+
+        @kernel
+        def calling(x, law=law):
+            return law(x)
+
+        found.append(sources.fingerprint(calling))
+    assert found[0] == found[2] != found[1]
+
+
+def test_a_law_of_exec_that_is_edited_is_compiled_anew(run):
+    made = "ns = {{}}\nexec('def law(x): return {} * x', {{}}, ns)\nfrom numba import njit\nlaw = njit(ns['law'])"
+    for factor in (2.0, 3.0):
+        assert run(imports=made.format(factor), body="law(x)")[0] == 2.0 * factor
+
+
 laws = types.ModuleType("laws")
 laws.sub = types.ModuleType("laws.sub")
 
@@ -222,9 +282,10 @@ def test_a_callback_for_c_is_never_taken_from_a_cache():
 def test_what_a_library_has_by_its_name_is_known_whatever_it_is():
     """Functions of numpy that dispatch, its operators and types, and contexts of numba are objects of classes."""
     import numba
-    import numpy as np
 
-    assert all(map(sources.is_known, (np.linalg.solve, np.sum, np.sin, np.float64, np.dtype("f8"), numba.objmode, abs)))
+    known = np.linalg.solve, np.sum, np.sin, np.float64, np.dtype("f8"), numba.objmode, abs, math.sin, str.upper, float
+    assert all(map(sources.is_known, known))
+    assert all(map(sources.is_known, (json.dumps, functools.wraps, numba.types.Float, np.linalg.LinAlgError)))
 
 
 def test_an_overload_that_is_edited_counts():

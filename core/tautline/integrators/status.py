@@ -27,6 +27,7 @@ class Status(IntEnum):
     SLACK_ON_WHEEL = 13
     IMBALANCE = 14
     NO_FORCE = 15
+    NO_BALANCE = 16
 
     @property
     def word(self) -> str:
@@ -83,7 +84,13 @@ SENTENCES = {
         "a smaller step, and finer elements where they fold. If a smaller step does not help, a force law of the "
         "scene creates energy"
     ),
-    Status.NO_FORCE: "a force that was added has no value: the fault is in its function; correct that",
+    Status.NO_FORCE: (
+        "a force that was added, or a hook of an extension, has no value: the fault is in its function; correct that"
+    ),
+    Status.NO_BALANCE: (
+        "the run went to its end, but its energy has no value: nobody can say whether it balances, and so whether what "
+        "the run shows is right. Correct the hook that gives no number"
+    ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,10 @@ from scipy.sparse.linalg import splu
 from tautline.integrators.equations import SUMS, evaluate_at, evaluate_mass
 from tautline.integrators.state import State
 from tautline.kernels.bound import Lasting
-from tautline.kernels.groups import hold_laws
+from tautline.kernels.groups import hold_laws, link
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
 from tautline.live.errors import SimulationError, plain_numbers, real
+from tautline.live.forces import Force, Group, room_for_all
 from tautline.system.model import Model
 
 INSTANT = 1.0e-6
@@ -36,7 +38,7 @@ class Equations:
         Force or moment that counts as large in each row, N or N m.
     """
 
-    def __init__(self, model: Model, time: float, state: State) -> None:
+    def __init__(self, model: Model, time: float, state: State, added: Sequence[Force | Group] = ()) -> None:
         system = model.system
         # With what is held where the run has put it: a static start finds how much rope there is.
         self._system, self._state, self._time = system, state, time
@@ -49,6 +51,9 @@ class Equations:
         self.names, self.algebraic, self.scale = list(system.names), system.algebraic.copy(), system.scale.copy()
         self._residual = np.zeros(system.size)
         self._matrix = new_matrix(system.size, system.bandwidth, system.border)
+        self._room = room_for_all(system, added)
+        """Of the tangent alone, which is asked for less often than forces and masses are."""
+        self._whole: tuple[Any, Any] | None = None
         self._factors = new_factors(system.size, system.bandwidth, system.border)
         self._none = np.zeros(system.size)
         # Laws with a memory that no step has written yet take it from here, not from what is asked first.
@@ -95,8 +100,17 @@ class Equations:
         self, t: float, q: np.ndarray, v: np.ndarray, a: np.ndarray, cm: float = 0.0, cc: float = 0.0, ck: float = 1.0
     ) -> Any:
         """``cm dr/da + cc dr/dv + ck dr/dq`` (n, n) as `scipy.sparse.csc_array`; raises as `residual` does."""
-        self._evaluate(t, q, v, a, _factor(cm, "cm"), _factor(cc, "cc"), _factor(ck, "ck"), self._matrix)
-        return sparse(self._matrix)
+        factors = _factor(cm, "cm"), _factor(cc, "cc"), _factor(ck, "ck")
+        if self._room.groups is self._system.groups:
+            self._evaluate(t, q, v, a, *factors, self._matrix)
+            return sparse(self._matrix)
+        if self._whole is None:
+            matrix = new_matrix(self.size, self._room.bandwidth, self._system.border)
+            self._whole = (link(self._room.groups, *SUMS), *self._scene[1:]), matrix
+        scene, matrix = self._whole
+        q, v, a = self._checked(q, v, a)
+        evaluate_at(*scene, matrix, _time(t), self._h, q, v, a, *factors, self._residual)
+        return sparse(matrix)
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Accelerations (n,) that follow from positions and velocities; those of multipliers are their forces.

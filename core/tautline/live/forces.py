@@ -7,7 +7,7 @@ import inspect
 import sys
 import traceback
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -293,6 +293,26 @@ def force_of(
         _check_indices(function, t, q[at], v[at])
     known = np.zeros((at.size, at.size), np.int64) if places is None else room_for(at, system)
     return Force(function, at, known)
+
+
+class Room(NamedTuple):
+    """Groups of a system, and the bandwidth of a tangent that has room for all that they tell of their forces."""
+
+    groups: tuple[Any, ...]
+    bandwidth: int
+
+
+def room_for_all(system: System, added: Sequence[Force | Group]) -> Room:
+    """Room for every derivative of the forces that were added, also between places that nothing else couples.
+
+    A run does without: its iterations are slower then, and what they lead to is the same. Whoever asks for the tangent
+    itself wants all of it.
+    """
+    told = (isinstance(one, Force) and one.group.known.all() for one in added)
+    if all(told):
+        return Room(system.groups, system.bandwidth)
+    groups = (g._replace(known=np.ones_like(g.known)) if isinstance(g, OutsideForces) else g for g in system.groups)
+    return Room(tuple(groups), max(system.bandwidth, system.size - system.border - 1))
 
 
 def room_for(places: np.ndarray, system: System) -> np.ndarray:

@@ -20,9 +20,12 @@ class Parts(NamedTuple):
         The one frame that it stands at.
     memory : Memory
         Of all that a saved state holds.
+    forces : list
+        Those that were added.
     """
 
     state: Any
     method: Any
     frames: Frames
     memory: Memory
+    forces: list[Any]

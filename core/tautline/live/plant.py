@@ -25,11 +25,12 @@ from scipy.sparse import csr_array
 from tautline.integrators.equations import SUMS, evaluate_full, settle
 from tautline.integrators.time_loop import record_now
 from tautline.kernels.dofs import HELD, TIED, Dofs
-from tautline.kernels.groups import MEMORY, hold_laws
+from tautline.kernels.groups import MEMORY, hold_laws, link
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
 from tautline.live.errors import SimulationError, plain_numbers
+from tautline.live.forces import room_for_all
 from tautline.system.handles import Input, Output
 
 COMPLEX_STEP = 1.0e-30
@@ -169,7 +170,10 @@ class _Linearisation:
         self.sim = sim.copy()
         self.system, self.state, self.t = self.sim.model.system, self.sim.parts.state, sim.time
         hold_laws(self.system.groups)
-        self.groups, self.laws = self.system.link(SUMS), self.system.link(("commit",))
+        self.room = room_for_all(self.system, self.sim.parts.forces)
+        as_it_is = self.room.groups is self.system.groups
+        self.groups = self.system.link(SUMS) if as_it_is else link(self.room.groups, *SUMS)
+        self.laws = self.system.link(("commit",))
         dofs, functions = self.system.dofs, self.system.functions
         held = [int(dofs.held[k]) for k in dofs.driven]
         self.held, self.motion = held, [int(dofs.motion[k]) for k in dofs.driven]
@@ -199,7 +203,7 @@ class _Linearisation:
     def _matrix(self, cm: float, cc: float, ck: float) -> np.ndarray:
         """One of M, C and K with rows of the unknowns and columns of these and of what is held, (n, n + held)."""
         m = len(self.held)
-        matrix = new_matrix(self.n + m, self.system.bandwidth, self.system.border + m)
+        matrix = new_matrix(self.n + m, self.room.bandwidth, self.system.border + m)
         residual = np.zeros(self.n + m)
         evaluate_full(self.groups, self.extended, self.state, self.t, cm, cc, ck, matrix, residual)
         return dense(matrix)[: self.n]
@@ -430,7 +434,7 @@ class _Linearisation:
     ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
         """Central differences of the compiled outputs along a direction, and how large these are."""
         state = self.state
-        _, method, frames, memory = self.sim.parts
+        _, method, frames, memory, _ = self.sim.parts
         noted = memory.read()
         kept = [array.copy() for array in (state.full_q, state.full_v, state.full_a, state.residual)]
         compiled = [one for one in self.outputs if one.places is None]

@@ -44,7 +44,7 @@ from tautline.live.memory import Memory, State, check
 from tautline.live.parts import Parts
 from tautline.live.readings import Outputs, Parameters, handles_of
 from tautline.live.turn import Turn
-from tautline.results.assessment.balance import ENERGIES, Balance
+from tautline.results.assessment.balance import Balance
 from tautline.results.assessment.start import Start
 from tautline.results.result import Result
 from tautline.results.resumption import (
@@ -169,9 +169,9 @@ class Simulation:
         run.start()
         self._bind()
         self._steps[0], self._ends[0] = 0, 0.0
-        self._call(0.0)
-        if not np.isfinite(self._frames.rows[0]).all():
-            raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
+        _, filled, _ = self._call(0.0)
+        if not filled or not np.isfinite(self._frames.rows[0]).all():
+            raise run.without_start()
         self._begun = True
         self._kept.begin(self._frames.rows[0])
         self._starts = {self._kept.mark: run.began}
@@ -386,8 +386,12 @@ class Simulation:
         blamed = next((force for force in self._forces if force.fault), None)
         if blamed is not None and status in (Status.NOT_FINITE, Status.NOT_CONVERGED, Status.SINGULAR):
             status, part, detail = Status.NO_FORCE, f"force {blamed.name}", blamed.fault
-        self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
-        raise StoppedEarly(status, reached, part, detail or advice(self._run.method, status), self._so_far())
+        stop = StoppedEarly(status, reached, part, detail or advice(self._run.method, status))
+        if blamed is None:
+            stop = self._run.blamed_for(stop)
+        self._stopped, self._status = f"{stop.status.name} at {reached:.6g} s", stop.status.word
+        stop.result = self._so_far()
+        raise stop
 
     def _stand_at(self, time: float) -> None:
         """Make the outputs those of the state as it is, at a time that is no end of an advance."""
@@ -421,7 +425,7 @@ class Simulation:
     @property
     def parts(self) -> Parts:
         """What it works with, for what stands beside it: a linearisation, a twin. To change it is to change the run."""
-        return Parts(self._state, self._run.method, self._frames, self._memory)
+        return Parts(self._state, self._run.method, self._frames, self._memory, self._forces)
 
     @property
     def driven_scene(self) -> Any:
@@ -502,7 +506,7 @@ class Simulation:
         frames = frames_of(rows.copy(), model.system.q.size)
         found = {"time": frames.time.copy(), **model.observe(frames)}
         run.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
-        run.balance.add(np.column_stack([found[name] for name in ENERGIES]))
+        run.book(frames, found)
         stored.append(found)
         if self._kept.start is not None and self._kept.start[0, 0] < rows[0, 0]:
             start = frames_of(self._kept.start.copy(), model.system.q.size)
@@ -623,7 +627,7 @@ class Simulation:
     def equations(self) -> Equations:
         """The equations of motion, at the state as it is, for integrators of others."""
         other = self.copy()
-        return Equations(other.model, other._time, other._state)
+        return Equations(other.model, other._time, other._state, other._forces)
 
     def add_force(self, force: Any, on: str | Sequence[int] | None = None) -> None:
         """Add a force to the scene, from now on.
@@ -635,8 +639,9 @@ class Simulation:
             writes it; or a group of a registered kind.
         on : str or sequence of int, optional
             What it acts on: an output that is a position (``"payload.position"``), or numbers of full degrees of
-            freedom; q, v and the force are vectors of these. By default of all of them; then its derivatives are not
-            in the tangent, and a stiff force takes small steps.
+            freedom; q, v and the force are vectors of these. By default of all of them; then the tangent of the steps
+            has none of its derivatives, and a stiff force takes small steps. Nor has it those between places that are
+            far apart in the scene. `linearise` and `equations` have all of them.
 
         Raises
         ------

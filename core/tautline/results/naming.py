@@ -6,11 +6,12 @@ from tautline.results.output_path import TWIN
 from tautline.results.result import Result
 from tautline.whole_file import legible
 
-DONE, IMBALANCE = "done", "imbalance"
+DONE, IMBALANCE, NO_BALANCE = "done", "imbalance", "no balance"
 WORDS = {
     "running": "unfinished: the run goes on, or was killed",
     "interrupted": "stopped early: interrupted",
     IMBALANCE: "the energy of the run does not balance",
+    NO_BALANCE: "the energy of the run has no value",
 }
 """What is said of some statuses of runs. Any other is the cause of an early stop by itself."""
 
@@ -34,4 +35,4 @@ def shortfall(result: Result) -> str:
     if status == DONE or (status in WORDS and result.attributes.get("application") == TWIN):
         return ""
     cause = WORDS.get(status, f"stopped early: {status}")
-    return cause if status == IMBALANCE else f"{cause}, last frame at {float(result.time[-1]):.6g} s"
+    return cause if status in (IMBALANCE, NO_BALANCE) else f"{cause}, last frame at {float(result.time[-1]):.6g} s"

@@ -270,10 +270,10 @@ NOT_OF_A_VALUE = {"__doc__", "__module__", "__qualname__", "__firstlineno__"}
 
 
 DEFINITIONS = (
-    type, np.ufunc, np.dtype, python_types.FunctionType, python_types.BuiltinFunctionType, python_types.ModuleType,
+    np.ufunc, np.dtype, python_types.BuiltinFunctionType, python_types.ModuleType,
     python_types.MethodDescriptorType, python_types.WrapperDescriptorType,
 )  # fmt: skip
-"""Kinds of things that a package defines, and that no user makes of its classes."""
+"""Kinds of things, beside functions and classes, that a package defines, and that no user makes of its classes."""
 
 
 def is_known(thing: Any) -> bool:
@@ -281,10 +281,43 @@ def is_known(thing: Any) -> bool:
 
     An object that a user made of a class of such a package, as a callback for C, is not: it has contents of its own.
     """
-    module = getattr(thing, "__module__", None) or getattr(type(thing), "__module__", "")
-    if not isinstance(module, str) or not _is_known_package(module.split(".")[0]) or _is_type(thing):
+    if isinstance(thing, python_types.FunctionType):
+        return _is_function_of_a_known_package(thing)
+    if isinstance(thing, type):
+        return _is_class_of_a_known_package(thing)
+    module: Any = getattr(thing, "__module__", None) or getattr(type(thing), "__module__", "")
+    if not _is_known_module(module) or _is_type(thing):
         return False
     return isinstance(thing, DEFINITIONS) or _is_held(thing, module, type(thing).__module__)
+
+
+def _is_function_of_a_known_package(function: python_types.FunctionType) -> bool:
+    """Whether a function takes its globals from a module of a known package, and goes by the name of one.
+
+    The name alone says little: what `exec` or `eval` makes has none, or that of whose names it was handed, and
+    `functools.wraps` gives a function the name of another one.
+    """
+    room = function.__globals__
+    name = room.get("__name__")
+    if not _is_known_module(name) or not _is_known_module(function.__module__):
+        return False
+    return name in sys.modules and vars(sys.modules[name]) is room
+
+
+def _is_class_of_a_known_package(kind: type) -> bool:
+    """Whether a class stands by its own name in a module of a known package; one that `exec` makes may only say so."""
+    name = getattr(kind, "__module__", None)
+    if not _is_known_module(name) or name not in sys.modules:
+        return False
+    found: Any = sys.modules[name]
+    for part in kind.__qualname__.split("."):
+        found = getattr(found, part, None)
+    return found is kind
+
+
+def _is_known_module(name: Any) -> bool:
+    """Whether something is the name of a module of a package that is known by its version."""
+    return isinstance(name, str) and _is_known_package(name.split(".")[0])
 
 
 def _is_held(thing: Any, *modules: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,8 @@ class Balance:
         self._rows: list[np.ndarray] = []
         self._before: np.ndarray | None = None
         self._gained: tuple[Any, float] = None, 0.0
+        self.finite = True
+        """Whether all energies are finite numbers: of others no sum says whether they balance."""
 
     def add(self, energies: np.ndarray) -> None:
         """Take note of frames (m, 5), J, in the order of `ENERGIES`.
@@ -49,6 +52,7 @@ class Balance:
             self._before = np.array([0.0, 0.0, 0.0, *energies[0, 3:]])
         self._rows.append(energies if self._before is None else energies - self._before)
         self._gained = None, 0.0
+        self.finite = self.finite and bool(np.isfinite(energies).all())
 
     def missing(self, steps: int = 0) -> float:
         """Energy created numerically since the start, J; negative where it is lost without account.
@@ -59,6 +63,8 @@ class Balance:
         """
         if not self._rows:
             return 0.0
+        if not self.finite:
+            return math.nan
         first, last = self._rows[0][0], self._rows[-1][-1]
         stored = max(np.abs(first[:3]).max(), np.abs(last[:3]).max())
         lost = max(float(rows[:, 4].max()) for rows in self._rows)
@@ -72,6 +78,8 @@ class Balance:
 
     def gained(self, throughput: float, aside: float = 0.0, motion: float | None = None) -> float:
         """Energy created numerically over what went through the system; `throughput` J is the work without sign.
+
+        It is NaN where an energy is no finite number.
 
         Of what was gained, `aside` J is what the method had set aside at the start.
 
@@ -93,6 +101,8 @@ class Balance:
     def _found(self, throughput: float, aside: float, motion: float | None) -> float:
         if not self._rows:
             return 0.0
+        if not self.finite:
+            return math.nan
         kinetic, strain, potential, work, lost = np.concatenate(self._rows).T
         lost = np.maximum.accumulate(lost)
         total = kinetic + strain + potential

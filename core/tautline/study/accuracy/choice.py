@@ -593,7 +593,7 @@ class _Search:
 
     def goes_on_after(self, stop: StoppedEarly, method: str, divisor: float) -> bool:
         """Whether another run follows one that stopped early."""
-        if stop.status == Status.IMBALANCE and self.following is None:
+        if stop.status in (Status.IMBALANCE, Status.NO_BALANCE) and self.following is None:
             return False
         stored = stop.result.attributes if stop.result is not None else {}
         self.following = self.choice.fail(method, divisor, stop.sentence, float(stored.get("cpu_time", 0.0)))
