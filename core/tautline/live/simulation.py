@@ -123,6 +123,7 @@ class Simulation:
         self._prepare(model)
         for name, value in begin.items():
             self.parameters[name] = value
+        self.parameters.check()
         for name, value in held.items():
             self.inputs.begin(name, value)
         self._start()
@@ -216,6 +217,7 @@ class Simulation:
         duration = seconds(duration)
         if not duration > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
+        self.parameters.check()
         with self._turn.change:
             self._advance_to(self._time + duration)
 
@@ -233,17 +235,20 @@ class Simulation:
         Raises
         ------
         SimulationError
-            For a time that is not ahead or beyond what is prepared, where the simulation has stopped before, and where
-            another thread advances it.
+            For a time that is not ahead or beyond what is prepared, where the simulation has stopped before, where
+            parameters cannot be beside one another, and where another thread advances it.
         StoppedEarly
             Where a step fails. Time and outputs are then those of the last step that did not, and frames are kept.
         Interrupted
             On Ctrl-C, after the step under way.
         """
+        self.parameters.check()
         self.advance_heard(seconds(time), None)
 
     def advance_heard(self, time: float, ear: Ear | None) -> None:
         """Go on to a time, s, as `advance_to` does; on a thread that cannot hear Ctrl-C, with the ear of one that can.
+
+        Parameters are taken as they are: whoever estimates them tries values on both sides of a bound.
 
         Raises
         ------
