@@ -173,6 +173,7 @@ def test_the_method_of_the_page_is_the_one_that_the_order_tests_measure():
     assert FILES["midpoint.py"].split("\n", 1)[1] == (ROOT / "tests" / "order" / "midpoint.py").read_text("utf8")
 
 
+@pytest.mark.study
 def test_an_fmu_of_an_item_of_others_names_the_package_that_its_host_needs(folder, ran):
     """Where it is written, in its documentation, and by a host that has it not."""
     pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")

@@ -76,6 +76,7 @@ class Core:
         self.fault = ""
         self.begin, self.timed = 0.0, False
         self.stale, self.initialised, self.stepped = False, False, False
+        self.running, self.terminated = False, False
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
         parts = (name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked))
         self.inputs = list(dict.fromkeys(parts))
@@ -131,8 +132,21 @@ class Core:
 
         Where none is found, inputs that are set next are still those of the start.
         """
+        self.running = True
         self.begun()
         self.initialised = True
+
+    def terminate(self) -> None:
+        """Take no further step, until a state is set that was saved while steps were made."""
+        self.running, self.terminated = False, True
+
+    def asked_step(self, time: float, length: float) -> None:
+        """One communication step that a host asks for; raises as `step` does, and where none may be asked for."""
+        if not self.running and not self.refused:  # which would have a cause of its own
+            if self.terminated:
+                raise SimulationError("the unit was terminated", "reset it, or set a state that was saved before")
+            raise SimulationError("the unit is not initialised", "leave the initialisation mode before the first step")
+        self.step(time, length)
 
     def get(self, name: str) -> float:
         """An input, an output or a parameter. Of a start that is not found it is what the start before has."""
@@ -222,7 +236,7 @@ class Core:
         return {
             "state": self.begun().save(), "sent": dict(self.sent), "given": dict(self.given),
             "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
-            "timed": self.timed, "initialised": self.initialised,
+            "timed": self.timed, "initialised": self.initialised, "running": self.running,
         }  # fmt: skip
 
     def refuse_output(self, name: str) -> None:
@@ -250,7 +264,7 @@ class Core:
         self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
         self.stepped, self.begin, self.timed = saved["stepped"], saved["begin"], saved["timed"]
         # Else an input that is set next would be taken for one of a start that is still to be found, or the reverse.
-        self.initialised = saved["initialised"]
+        self.initialised, self.running = saved["initialised"], saved["running"]
 
 
 def no_state(cause: str) -> dict[str, Any]:
@@ -314,6 +328,6 @@ def _switch(told: Any) -> bool:
 
 READ: dict[str, Callable[[Any], Any]] = {
     "sent": _values, "given": _values, "held": _values, "changed": _values, "stepped": _switch, "begin": _finite,
-    "timed": _switch, "initialised": _switch,
+    "timed": _switch, "initialised": _switch, "running": _switch,
 }  # fmt: skip
 """What a state of an FMU holds beside that of its simulation, and how it is read of bytes."""
