@@ -55,7 +55,8 @@ def test_an_input_named_twice_is_one(tmp_path):
 @pytest.mark.parametrize(
     ("name", "inputs", "wanted"),
     [
-        ("winch.tension", ["winch.tension"], "winch.tension.actual"), ("winch.tension", ["winch.torque"], "winch.tension"),
+        ("winch.tension", ["winch.tension"], "winch.tension.actual"),
+        ("winch.tension", ["winch.torque"], "winch.tension"),
         ("load.force[2]", ["load.force"], "load.force.actual[2]"), ("load [a].x", ["load [a].y"], "load [a].x"),
         ("load.force[0]", ["load.force[1]"], "load.force.actual[0]"),
     ],

@@ -123,3 +123,18 @@ def test_damage_csv_tells_how_much_of_each_sea_state_was_run(tmp_path):
     head, *rows = (line.split(",") for line in (tmp_path / "damage.csv").read_text().splitlines())
     shares = [[float(row[head.index(name)]) for name in ("share of time", "share of it that was run")] for row in rows]
     assert shares == [[0.75, 1.0], [0.25, 0.5]]
+
+
+def test_the_line_under_the_title_of_a_figure_of_limits_ends_inside_of_the_picture():
+    from matplotlib import pyplot
+
+    from crane.operability.output import _figure
+
+    table, one = made_of([*MILD, *MILD], ["done"] * 8)
+    said = ", ".join(f"largest {name} of each storm, P90 by the Gumbel fit" for name in ("max_tension", "min_tension"))
+    figure = _figure(table, table.allowable[0], one.text, "An offshore hoist", said)
+    figure.canvas.draw()
+    title = figure.axes[0]._left_title
+    assert "see allowable.csv" in " ".join(title.get_text().split())
+    assert title.get_window_extent().x1 <= figure.bbox.x1
+    pyplot.close(figure)

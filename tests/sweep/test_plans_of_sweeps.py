@@ -148,7 +148,9 @@ def test_sobol_indices_tell_how_many_samples_are_left_where_cases_failed(failed,
     if left > 1:
         heading = _indices_figure(data, "y").axes[0].get_figure().get_suptitle()
         shown = heading + "".join(one.get_text() for one in _indices_figure(data, "y").texts)
-        shown += "".join(one.get_title(loc=side) for one in _indices_figure(data, "y").axes for side in ("left", "center"))
+        shown += "".join(
+            one.get_title(loc=side) for one in _indices_figure(data, "y").axes for side in ("left", "center")
+        )
         assert ("of 6 of 8 samples" in shown) == bool(failed)
 
 

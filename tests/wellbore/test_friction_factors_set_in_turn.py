@@ -55,7 +55,9 @@ def test_static_friction_below_the_kinetic_one_is_refused_once_a_simulation_goes
     sim.advance(H)
     sim.parameters[STATIC] = 0.05
     for go_on in (lambda: sim.advance(H), lambda: sim.advance_to(1.0)):
-        with pytest.raises(SimulationError, match=r"wall.friction.static = 0.05 is less than wall.friction.kinetic = 0"):
+        with pytest.raises(
+            SimulationError, match=r"wall.friction.static = 0.05 is less than wall.friction.kinetic = 0"
+        ):
             go_on()
     assert sim.time == pytest.approx(H)
     sim.parameters[STATIC] = 0.4

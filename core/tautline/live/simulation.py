@@ -190,7 +190,7 @@ class Simulation:
             ("frame", self._frames.rows), ("clock", self._clock),
             *self._checked.arrays(),
         ]  # fmt: skip
-        self._memory = Memory(arrays)
+        self._memory = Memory(arrays, [force.name for force in self._forces])
 
     def _memorable(self) -> list[tuple[str, Any]]:
         return [("state", self._state), ("groups", self.model.system.groups), ("method", self._run.method)]
@@ -544,7 +544,8 @@ class Simulation:
         Raises
         ------
         SimulationError
-            For a state of another scene, or of a simulation with other inputs or forces; nothing is changed then.
+            For a state of another scene, or of a simulation with other inputs or forces, which are told by their names
+            and their order; nothing is changed then.
         """
         check(state, self._mark, self._memory.layout, self._memory.size)
         with self._turn.change:

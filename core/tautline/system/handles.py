@@ -182,8 +182,8 @@ class Parameter:
     most : float
         The largest.
     not_below : str
-        Another parameter, whose value it may equal and not be less than once the run goes on; empty where there is none.
-        Which of two is given first does not matter.
+        Another parameter, whose value it may equal and not be less than once the run goes on; empty where there is
+        none. Which of two is given first does not matter.
     """
 
     name: str
