@@ -5,7 +5,7 @@ second rate that the function has now, so that nothing jumps. The rate at its en
 it is the harmonic mean of the slopes of this advance and of the last, and zero where these differ in sign (F. N.
 Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): a value that is given in every advance is followed
 smoothly, and one that is given once is come to rest at. A value that is not given again counts as given again: the
-slope of an advance in which nothing moves is zero, whoever says so. A way of which an advance was left in the middle, on Ctrl-C, is
+slope of an advance in which nothing moves is zero. A way of which an advance was left in the middle, on Ctrl-C, is
 gone on with; by an advance that goes beyond its end what was given is come to rest at, at the end of that.
 """
 

@@ -41,7 +41,7 @@ def parts_of(output: Output) -> list[tuple[str, tuple[int, ...]]]:
 
 
 def actual_of(name: str, inputs: Sequence[str]) -> str:
-    """The name of an output in an FMU: its own, or with ``.actual`` where an input has it, as a winch's set tension has.
+    """The name of an output in an FMU: its own, or with ``.actual`` where an input has it, such as a winch's tension.
 
     An FMU has each name once, for what is asked for or for what is.
     """
