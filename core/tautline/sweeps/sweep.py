@@ -232,7 +232,7 @@ class _Sweep:
         files = hashes_of(scenes)
         self.job = job_of(application, scene, read.verb, read.options, self.collected, files)
         self.runner = Runner(self.job, application, scene)
-        self.journal = None
+        self.journal: Journal | None = None
         if folder is not None:
             mark, about = self._mark(scenes), self._about()
             self.journal = Journal(folder, mark, len(self.cases), execution.resume, files, about)
