@@ -52,7 +52,7 @@ def sobol_indices(data: Variables, cases: Cases) -> Variables:
         made = len(samples)
         samples = samples[np.isfinite(samples).all(axis=1)]
         text = f"samples of which {name} has its indices: those without a case that failed or has no number"
-        left = {"units": "", "long_name": text, MADE: made}
+        left = {"units": "", "long_name": text, MADE: str(made)}
         entries[name + LEFT] = Column((), np.array(len(samples)), left)
         if len(samples) < 2 or not np.ptp(samples) > 0.0:
             continue
