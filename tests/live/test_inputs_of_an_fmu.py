@@ -407,7 +407,7 @@ def test_bytes_of_a_state_without_a_name_that_is_read_are_refused(folder, saved,
 
 
 @pytest.mark.parametrize(
-    "name", ["state", "sent", "given", "held", "changed", "stepped", "begin", "timed", "initialised"]
+    "name", ["state", "sent", "given", "held", "changed", "stepped", "begin", "timed", "initialised", "running"]
 )
 def test_bytes_of_a_unit_without_a_name_that_is_read_are_refused(folder, saved, name):
     assert_refused(folder, with_head(saved, lambda told: told.pop(name)), "the saved state is damaged")

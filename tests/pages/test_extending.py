@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -170,3 +171,21 @@ def test_the_application_of_the_page_is_the_one_whose_verbs_are_tested():
 
 def test_the_method_of_the_page_is_the_one_that_the_order_tests_measure():
     assert FILES["midpoint.py"].split("\n", 1)[1] == (ROOT / "tests" / "order" / "midpoint.py").read_text("utf8")
+
+
+@pytest.mark.study
+def test_an_fmu_of_an_item_of_others_names_the_package_that_its_host_needs(folder, ran):
+    """Where it is written, in its documentation, and by a host that has it not."""
+    pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
+    host = "import sys; from tautline.live.fmu.unit import Core; Core(sys.argv[1]); print('the host has made it')"
+    unpacked = folder / "lamp"
+    installed(folder)
+    told = ran(folder, "-m", "tautline.cli.main", "fmu", "lamp.yaml", "--outputs", "node 1.position").stderr
+    assert "the package wind 1.0" in " ".join(told.split())
+    zipfile.ZipFile(folder / "lamp.fmu").extractall(unpacked)
+    assert "the package wind 1.0" in (unpacked / "documentation" / "index.txt").read_text(encoding="utf8")
+    assert "has made it" in ran(folder, "-c", host, str(unpacked / "resources")).stdout
+    elsewhere = folder / "elsewhere"
+    elsewhere.mkdir()
+    refused = ran(elsewhere, "-c", host, str(unpacked / "resources"), code=1).stderr
+    assert "this FMU needs wind 1.0, not installed in the Python" in refused

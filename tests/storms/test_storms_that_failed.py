@@ -54,13 +54,23 @@ def test_a_life_is_told_where_all_of_the_time_was_run_and_else_what_it_is_at_mos
         assert ("cycles in a year, of the time that was run" in rows) == (found is part)
 
 
+def test_a_rope_that_no_cycle_wears_has_a_life_without_end_and_where_part_was_run_it_is_not_known():
+    still, part = a_year_of([[0.0], [0.0]]), a_year_of([[0.0, 0.0], [0.0, math.nan]])
+    for found, words in ((still, "without end: no damage"), (part, "not known: no damage, of the time that was run")):
+        said = told(found)
+        assert said["no_damage"] is True and said["life_years"] is said["life_years_at_most"] is None
+        shown = SimpleNamespace(table=None, fatigue=found, criteria=[], outcome=SimpleNamespace(done=4, wall_time=1.0))
+        assert dict(_rows(shown, asked()))["fatigue life"] == words
+    assert told(a_year_of([[10.0], [20.0]]))["no_damage"] is False
+
+
 @pytest.mark.parametrize("constant", [2.0e6, None])
 def test_nothing_is_told_of_a_rope_of_which_no_storm_was_run(constant):
     ranges = np.full((1, 1, 2, 4), math.nan)
     found = fatigue_over(DIAGRAM, DIAGRAM.heights, DIAGRAM.periods, ranges, ranges, 100.0, 1000.0, constant)
     assert told(found) == {
         "equivalent_tension_range": None, "cycles_per_year": None, "slope": 5.0, "share_of_time": 0.0,
-        "life_years": None, "life_years_at_most": None,
+        "life_years": None, "life_years_at_most": None, "no_damage": False,
     }  # fmt: skip
     shown = SimpleNamespace(table=None, fatigue=found, criteria=[], outcome=SimpleNamespace(done=0, wall_time=1.0))
     rows = dict(_rows(shown, asked()))
@@ -113,3 +123,18 @@ def test_damage_csv_tells_how_much_of_each_sea_state_was_run(tmp_path):
     head, *rows = (line.split(",") for line in (tmp_path / "damage.csv").read_text().splitlines())
     shares = [[float(row[head.index(name)]) for name in ("share of time", "share of it that was run")] for row in rows]
     assert shares == [[0.75, 1.0], [0.25, 0.5]]
+
+
+def test_the_line_under_the_title_of_a_figure_of_limits_ends_inside_of_the_picture():
+    from matplotlib import pyplot
+
+    from crane.operability.output import _figure
+
+    table, one = made_of([*MILD, *MILD], ["done"] * 8)
+    said = ", ".join(f"largest {name} of each storm, P90 by the Gumbel fit" for name in ("max_tension", "min_tension"))
+    figure = _figure(table, table.allowable[0], one.text, "An offshore hoist", said)
+    figure.canvas.draw()
+    title = figure.axes[0]._left_title
+    assert "see allowable.csv" in " ".join(title.get_text().split())
+    assert title.get_window_extent().x1 <= figure.bbox.x1
+    pyplot.close(figure)

@@ -126,6 +126,34 @@ def of_function(cases, values):
     return dataset(cases, {"y": Finding(None, "", "y")}, rows, {})
 
 
+@pytest.mark.parametrize(("failed", "left"), [([], 8), ([0, 1, 9], 6), (list(range(0, 28, 4)), 1)])
+def test_sobol_indices_tell_how_many_samples_are_left_where_cases_failed(failed, left):
+    """Four cases make a sample of two parameters: one that failed takes the three others with it."""
+    from types import SimpleNamespace
+
+    from tautline.cli.commands.sweep import _left_of_samples, _samples
+    from tautline.sweeps.figures import _indices_figure
+    from tautline.sweeps.indices import sobol_indices
+
+    cases = cases_of([spread(key, "uniform", 0.0, 1.0) for key in "ab"], Plan("sobol", 8, 3), True)
+    values = cases.numbers["a"] + 2.0 * cases.numbers["b"]
+    values[failed] = np.nan
+    data = of_function(cases, values)
+    data = data.with_variables(sobol_indices(data, cases))
+    assert int(data["y_indices_of"].values) == left
+    outcome = SimpleNamespace(data=data, cases=cases)
+    assert _samples(outcome) == {"y": (left, 8)}
+    text = "".join(_left_of_samples(outcome))
+    assert (f"{left} of 8 samples" in text) == bool(failed) and ("no Sobol' indices" in text) == (left == 1)
+    if left > 1:
+        heading = _indices_figure(data, "y").axes[0].get_figure().get_suptitle()
+        shown = heading + "".join(one.get_text() for one in _indices_figure(data, "y").texts)
+        shown += "".join(
+            one.get_title(loc=side) for one in _indices_figure(data, "y").axes for side in ("left", "center")
+        )
+        assert ("of 6 of 8 samples" in shown) == bool(failed)
+
+
 def test_sobol_indices_of_the_function_of_ishigami_are_those_of_its_closed_form():
     # Ishigami and Homma 1990, a = 7, b = 0.1: the third parameter acts by its interaction with the first alone.
     from tautline.sweeps.indices import sobol_indices

@@ -313,6 +313,12 @@ def test_what_is_not_there_is_refused(rehearsal, here, option, value, said):
     assert said in told
 
 
+def test_a_quiet_record_says_nothing_where_all_is_well(rehearsal, here, tmp_path):
+    words = ["record", SCENE, "--map", rehearsal / "map.yaml", "--end", "0.2 s", "-o", tmp_path / "r.csv"]
+    code, out, err = here(*map(str, words), "-q")
+    assert code == 0 and (out + err).strip() == "" and (tmp_path / "r.csv").is_file()
+
+
 def test_a_record_replaces_a_record_by_force_and_nothing_else(rehearsal, here, tmp_path):
     words = ["record", SCENE, "--map", rehearsal / "map.yaml", "--end", "0.2 s", "-o"]
     scene = tmp_path / "mine.yaml"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,8 @@ NAMED = "allowable_"
 """Begins the names of figures."""
 OWN = "as in the scene"
 ALL = "all limits"
+LINE = 95
+"""Letters that have room in a line under the title of a figure."""
 
 
 def degrees(heading: float | None) -> str:
@@ -189,7 +192,7 @@ def _figure(table: Table, allowable: np.ndarray, text: str, title: str, compared
         plot.text(0.5, 0.5, said, transform=plot.transAxes, ha="center", va="center")
     within = "shaded" if len(periods) > 1 else "bar"
     of_curves = f"; {within}: its confidence interval; open: bounded, see allowable.csv" if in_view else ""
-    plot.set_title(f"{compared}{of_curves}", fontsize=8, loc="left")
+    plot.set_title(textwrap.fill(f"{compared}{of_curves}", LINE), fontsize=8, loc="left")
     return figure
 
 

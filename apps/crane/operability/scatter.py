@@ -163,6 +163,11 @@ class Fatigue(NamedTuple):
         return self.covered > 0.0
 
     @property
+    def unharmed(self) -> bool:
+        """Whether the time that was run does no damage: no cycle is counted."""
+        return self.any and not self.damage.any()
+
+    @property
     def whole(self) -> bool:
         """Whether all of the time was run."""
         return self.covered > 1.0 - WHOLE
@@ -227,5 +232,5 @@ def told(found: Fatigue) -> dict[str, Any]:
         "equivalent_tension_range": found.range if found.any else None,
         "cycles_per_year": found.cycles if found.any else None, "slope": SLOPE,
         "share_of_time": found.covered, "life_years": found.life if found.whole else None,
-        "life_years_at_most": None if found.whole else found.life,
+        "life_years_at_most": None if found.whole else found.life, "no_damage": found.unharmed,
     }  # fmt: skip

@@ -315,6 +315,9 @@ def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
         if one_year.life is not None:
             most = "" if one_year.whole else "not known, at most "
             rows.append(("fatigue life", f"{most}{significant(one_year.life)} years"))
+        if one_year.unharmed:
+            life = "without end" if one_year.whole else "not known"
+            rows.append(("fatigue life", f"{life}: no damage{part}"))
     if said := dict.fromkeys(_compared_said(asked, one) for one in found.criteria):
         rows.append(("compared with limits", ", ".join(said)))
     rows.append(("storms", str(found.outcome.done)))

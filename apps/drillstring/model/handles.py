@@ -145,7 +145,9 @@ def _friction(scene: DrillstringScene, groups: tuple[Any, ...]) -> Iterator[Para
                 factors.parameter(f"casing.friction.{kind}", f"{kind} friction factor of the cased hole", cased=True)
             )
     for where, hole in (("wall", "open"), ("casing", "cased")):
-        yield from found[where]
+        for one, kind in zip(found[where], arrays, strict=False):
+            # As in a scene: friction of slip is at most that of rest.
+            yield replace(one, not_below=f"{where}.friction.kinetic") if kind == "static" else one
         if len(found[where]) == len(arrays):
             yield _together(f"{where}.friction", f"friction factor of the {hole} hole", *found[where])
 

@@ -482,6 +482,7 @@ def record(
     seed: Seed = 0,
     force: Force = False,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write what sensors would show of a scene: a record to rehearse a twin with."""
     from tautline.cli.commands import twin as verb
@@ -490,7 +491,7 @@ def record(
         end=end, rate=rate, noise=noise, delay=delay, dropout=dropout, jitter=jitter, gap=gap, fault=fault, seed=seed,
         input_noise=input_noise,
     )  # fmt: skip
-    verb.record(context.obj, scene, map, output, changes, given, as_json, force)
+    verb.record(context.obj, scene, map, output, changes, given, as_json, quiet, force)
 
 
 def sweep(

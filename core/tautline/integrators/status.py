@@ -51,8 +51,8 @@ SENTENCES = {
         "implicit method generalized-alpha"
     ),
     Status.INACCURATE: (
-        "the error of a step stays above what `control: error` allows, even with the step halved as often as is "
-        "allowed; allow a larger error, or take a smaller nominal step"
+        "the error of a step stays above what `control: error` allows (a crane has it by default), even with the step "
+        "halved as often as is allowed; allow a larger error, or take a smaller nominal step"
     ),
     Status.NO_LENGTH: (
         "an element has lost its length: all of its material has moved out through its nodes; end the run earlier, or "

@@ -4,7 +4,8 @@ What is given is reached at the end of the next advance. The way there is a poly
 second rate that the function has now, so that nothing jumps. The rate at its end is that given beside the value; else
 it is the harmonic mean of the slopes of this advance and of the last, and zero where these differ in sign (F. N.
 Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): a value that is given in every advance is followed
-smoothly, and one that is given once is come to rest at. A way of which an advance was left in the middle, on Ctrl-C, is
+smoothly, and one that is given once is come to rest at. A value that is not given again counts as given again: the
+slope of an advance in which nothing moves is zero. A way of which an advance was left in the middle, on Ctrl-C, is
 gone on with; by an advance that goes beyond its end what was given is come to rest at, at the end of that.
 """
 
@@ -261,7 +262,12 @@ class Inputs(Unpickled, Mapping[str, Any]):
 
     def recalled(self) -> None:
         """Take notice that the memory was written from outside."""
-        self._active = {k for k in range(len(self._list)) if self.memory[k, STATE] in (GIVEN, MOVING)}
+        states, slopes = self.memory[:, STATE], self.memory[:, SLOPE]
+        self._active = {
+            k
+            for k in range(len(self._list))
+            if states[k] in (GIVEN, MOVING) or (states[k] == AT_REST and isfinite(slopes[k]) and slopes[k] != 0.0)
+        }
 
     def write(self, begin: float, end: float) -> None:
         """Write the way of every input that has one from one time, s, to another."""
@@ -273,10 +279,29 @@ class Inputs(Unpickled, Mapping[str, Any]):
                 until = self._way_end(k)
                 if begin < until and end <= until * (1.0 + ROUNDING):
                     continue  # the last advance was left in its middle: what it had for it goes on
+                if row[STATE] == AT_REST:
+                    self._rest(k, row, begin, end)
+                    continue
                 # It stays at what was given before, and comes to rest there.
                 row[RATE], row[SECOND], row[STATE] = 0.0, 0.0, GIVEN
             self._write(k, row, begin, end)
         self._functions.frames.time[0] = np.nan
+
+    def _rest(self, k: int, row: np.ndarray, begin: float, end: float) -> None:
+        """Keep the slope that an input at rest has in an advance without a new value: zero, but for the end of a way.
+
+        The next value would else be taken for one that goes on from the way of before the rest.
+        """
+        if begin >= self._way_end(k) * (1.0 - ROUNDING):
+            row[SLOPE] = 0.0
+            self._active.discard(k)
+        else:
+            row[SLOPE] = self._slope(k, row[TARGET], begin, end)
+
+    def _slope(self, k: int, target: float, begin: float, end: float) -> float:
+        """Mean rate of an input on its way to a value."""
+        steering, function = self._list[k].members[0]
+        return float((target - self._now(function)[steering.order] / steering.factor) / (end - begin))
 
     def _way_end(self, k: int) -> float:
         """When the way that was written last for an input ends, s."""
@@ -289,7 +314,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
         steering, function = members[0]
         now = self._now(function)
         target, rate, second, last, _ = row.tolist()  # plain floats take a third of the time of an array's
-        slope = (target - now[steering.order] / steering.factor) / h
+        slope = self._slope(k, target, begin, end)
         if not isfinite(rate):
             # What the scene itself has moved goes on from its rate.
             rate = _between(last if isfinite(last) else now[steering.order + 1] / steering.factor, slope)
@@ -303,7 +328,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
         row[SLOPE] = slope
         moving = rate != 0.0 or second != 0.0
         row[STATE] = MOVING if moving else AT_REST
-        if not moving:
+        if not moving and slope == 0.0:
             self._active.discard(k)
 
     def _lay(self, function: int, begin: float, end: float, way: np.ndarray) -> None:

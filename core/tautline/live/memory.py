@@ -192,10 +192,20 @@ def damaged() -> SimulationError:
 
 
 class Memory:
-    """Arrays that together are a state; they are written in place."""
+    """Arrays that together are a state; they are written in place.
 
-    def __init__(self, arrays: Iterable[tuple[str, np.ndarray]]) -> None:
-        self._views, seen, described, numbers = [], set(), [], []
+    Parameters
+    ----------
+    arrays : iterable of (str, array)
+        Names, which are those of another simulation of the same scene too, and arrays.
+    forces : sequence of str
+        Names of forces that were added, in their order.
+    """
+
+    def __init__(self, arrays: Iterable[tuple[str, np.ndarray]], forces: Sequence[str] = ()) -> None:
+        self._views, seen, numbers = [], set(), []
+        # Arrays of two forces are alike: by their names alone one is told from another.
+        described = [f"force {name}" for name in forces]
         for name, array in arrays:
             place = (array.ctypes.data, array.nbytes)
             if array.nbytes == 0 or place in seen:  # an array that two groups share is kept once
@@ -263,8 +273,8 @@ def check(state: Any, scene: str, layout: str, size: int) -> None:
         raise SimulationError("the state belongs to another scene", cure)
     if state.layout != layout or state.block.dtype != np.uint8 or state.block.shape != (size,):
         cause = (
-            "the state belongs to a simulation with other inputs, forces or another method, or was written by another "
-            "version of the program"
+            "the state belongs to a simulation with other inputs, other forces or forces in another order, or another "
+            "method, or was written by another version of the program"
         )
         raise SimulationError(cause, cure)
     if not (np.isfinite(state.time) and state.time >= 0.0):

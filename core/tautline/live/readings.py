@@ -15,6 +15,9 @@ from tautline.live.turn import Turn
 from tautline.system.handles import Handles, Output, Parameter, output_named, outputs_of
 from tautline.system.model import Model
 
+ROUNDING = 1e-12
+"""Share by which two values that are equal may differ."""
+
 
 def with_shapes(outputs: dict[str, Output], model: Model) -> dict[str, Output]:
     """Outputs of a model with the shapes that a frame shows, where its coordinates do not tell them.
@@ -177,6 +180,8 @@ class Parameters(Unpickled, Mapping[str, Any]):
         self, parameters: dict[str, Parameter], changes: Callable[[str], AbstractContextManager[None]]
     ) -> None:
         self._parameters, self._changes = parameters, changes
+        self._pairs = [(name, one.not_below) for name, one in parameters.items() if one.not_below in parameters]
+        self._anew = False
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._parameters)
@@ -211,6 +216,18 @@ class Parameters(Unpickled, Mapping[str, Any]):
         given = self.checked(name, value)
         with self._changes(name):
             self._parameters[name].set(given)
+        self._anew = True
+
+    def check(self) -> None:
+        """Refuse values that cannot be beside one another, once all are given; raises SimulationError."""
+        if not self._anew:
+            return
+        for name, other in self._pairs:
+            value, least = self[name], self[other]
+            if value < least * (1.0 - ROUNDING):
+                cause = f"{name} = {value:g} is less than {other} = {least:g}"
+                raise SimulationError(cause, f"give a larger {name}, or a smaller {other}")
+        self._anew = False
 
     def checked(self, name: str, value: Any) -> float:
         """What a parameter would become; it is not changed. Raises as changing it does."""

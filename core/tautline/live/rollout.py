@@ -57,6 +57,8 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
         raise SimulationError(
             f"cannot advance to {until:g} s from {first:g} s", "give a later time; restore() goes back"
         )
+    for one in different:
+        one.parameters.check()
     with listening(patient=True) as ear:
         _advance(different, until, workers, ear)
 

@@ -14,11 +14,9 @@ import numpy as np
 
 from tautline.application.installed import Installed
 from tautline.integrators.corrector.newton import advice
-from tautline.integrators.look import Look, book_change, look_at
 from tautline.integrators.method import method_for
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
-from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import (
     PART,
     STEP,
@@ -40,6 +38,7 @@ from tautline.live.forces import Force, Group, force_of, places_of
 from tautline.live.frame_clock import CLOSE, FrameClock
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
+from tautline.live.look import Look, book_change, disturb, look_at
 from tautline.live.memory import Memory, State, check
 from tautline.live.parts import Parts
 from tautline.live.readings import Outputs, Parameters, handles_of
@@ -124,6 +123,7 @@ class Simulation:
         self._prepare(model)
         for name, value in begin.items():
             self.parameters[name] = value
+        self.parameters.check()
         for name, value in held.items():
             self.inputs.begin(name, value)
         self._start()
@@ -190,7 +190,7 @@ class Simulation:
             ("frame", self._frames.rows), ("clock", self._clock),
             *self._checked.arrays(),
         ]  # fmt: skip
-        self._memory = Memory(arrays)
+        self._memory = Memory(arrays, [force.name for force in self._forces])
         # Functions of the user's are called by steps alone: what looks at a state between two of them goes without.
         own = system.groups[: len(system.groups) - len(self._forces)]
         self._scene_alone = replace(system, groups=own, linked={}) if self._forces else system
@@ -220,6 +220,7 @@ class Simulation:
         duration = seconds(duration)
         if not duration > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
+        self.parameters.check()
         with self._turn.change:
             self._advance_to(self._time + duration)
 
@@ -237,17 +238,20 @@ class Simulation:
         Raises
         ------
         SimulationError
-            For a time that is not ahead or beyond what is prepared, where the simulation has stopped before, and where
-            another thread advances it.
+            For a time that is not ahead or beyond what is prepared, where the simulation has stopped before, where
+            parameters cannot be beside one another, and where another thread advances it.
         StoppedEarly
             Where a step fails. Time and outputs are then those of the last step that did not, and frames are kept.
         Interrupted
             On Ctrl-C, after the step under way.
         """
+        self.parameters.check()
         self.advance_heard(seconds(time), None)
 
     def advance_heard(self, time: float, ear: Ear | None) -> None:
         """Go on to a time, s, as `advance_to` does; on a thread that cannot hear Ctrl-C, with the ear of one that can.
+
+        Parameters are taken as they are: whoever estimates them tries values on both sides of a bound.
 
         Raises
         ------
@@ -458,14 +462,9 @@ class Simulation:
         yield
         self._checked.forget()
         if before is not None:
-            book_change(self._state, before, self._look(), self._run.explicit)
-            self._disturb()
+            book_change(self._run.method, self._state, before, self._look())
             self._record_anew()
         self._observed = None
-
-    def _disturb(self) -> None:
-        """Let the method find accelerations anew: those that it has are in balance with what was before."""
-        stepping_with(self._run.method).disturb(self._run.method)
 
     def __repr__(self) -> str:
         if not getattr(self, "_begun", False):  # one whose start was not found
@@ -554,7 +553,8 @@ class Simulation:
         Raises
         ------
         SimulationError
-            For a state of another scene, or of a simulation with other inputs or forces; nothing is changed then.
+            For a state of another scene, or of a simulation with other inputs or forces, which are told by their names
+            and their order; nothing is changed then.
         """
         check(state, self._mark, self._memory.layout, self._memory.size)
         with self._turn.change:
@@ -669,7 +669,7 @@ class Simulation:
         method = method_for(system, self.model.solver)
         recall(remember((), (), old), (), (), method)
         run.method = method
-        self._disturb()
+        disturb(method)
         run.renew_watch()
         self._forces.append(force)
         compile_for(method, system, run.state)

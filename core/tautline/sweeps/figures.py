@@ -11,7 +11,7 @@ import numpy as np
 
 from tautline.scene.values.printed import printed_in
 from tautline.scene.values.printed import shown as printed
-from tautline.sweeps.indices import PARAMETER
+from tautline.sweeps.indices import PARAMETER, samples_left
 from tautline.sweeps.missing import Missing, listed_shortly
 from tautline.sweeps.plans import AS_IN_THE_SCENE, GRID, ONE, Cases, Parameter, word_of
 from tautline.sweeps.table import DATASET, PERCENTILES, TABLE, TIMES, Column, Variables
@@ -537,7 +537,10 @@ def _band(data: Variables, name: str) -> Any:
 def _indices_figure(data: Variables, name: str) -> Any:
     """First-order and total indices, with their intervals."""
     keys: Sequence[str] = [str(key) for key in data[PARAMETER].values]
-    figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + 0.5 * len(keys), _title(data, name))
+    title, (left, made) = _title(data, name), samples_left(data, name) or (0, 0)
+    if left < made:
+        title += f"\nof {left} of {made} samples: of the others a case failed or has no number"
+    figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + 0.5 * len(keys), title)
     plot, places = plots[0, 0], np.arange(len(keys))[::-1]
     for k, word in enumerate(("first", "total")):
         shares, half = data[f"{name}_{word}"].values, data[f"{name}_{word}_interval"].values

@@ -9,8 +9,16 @@ from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import TIMES, Column, Variables
 
 PARAMETER = "parameter"
+LEFT, MADE = "_indices_of", "samples_made"
+"""What the number of samples is called of which a result has its indices; and the attribute with those of the plan."""
 RESAMPLES, CONFIDENCE = 200, 0.95
 """Resamples of the confidence interval, and its probability."""
+
+
+def samples_left(data: Variables, name: str) -> tuple[int, int] | None:
+    """Samples that are left for the indices of a result, and those of the plan; None of what has no indices."""
+    one = data.data_vars.get(name + LEFT)
+    return None if one is None else (int(one.values), int(one.attrs[MADE]))
 
 
 def sobol_indices(data: Variables, cases: Cases) -> Variables:
@@ -21,7 +29,8 @@ def sobol_indices(data: Variables, cases: Cases) -> Variables:
     Returns
     -------
     Variables
-        ``NAME_first``, ``NAME_total`` and the half widths of their 95 % intervals, along ``parameter``.
+        ``NAME_first``, ``NAME_total`` and the half widths of their 95 % intervals, along ``parameter``. And
+        ``NAME_indices_of``: the samples that are left, also where they are too few for indices.
 
     Raises
     ------
@@ -40,7 +49,11 @@ def sobol_indices(data: Variables, cases: Cases) -> Variables:
         if one.dims != cases.dims or one.values.dtype.kind != "f" or name in TIMES:
             continue
         samples = one.values.reshape(-1, len(keys) + 2)
+        made = len(samples)
         samples = samples[np.isfinite(samples).all(axis=1)]
+        text = f"samples of which {name} has its indices: those without a case that failed or has no number"
+        left = {"units": "", "long_name": text, MADE: str(made)}
+        entries[name + LEFT] = Column((), np.array(len(samples)), left)
         if len(samples) < 2 or not np.ptp(samples) > 0.0:
             continue
         found = sobol.analyze(

@@ -45,6 +45,8 @@ class Journal:
         Whether to go on with the journal that is there.
     files : mapping, optional
         Path -> hash of the files that the sweep reads, to tell which of them is another one.
+    about : mapping, optional
+        Key -> what the sweep's file says of it, to tell which of them is another one.
 
     Raises
     ------
@@ -53,9 +55,12 @@ class Journal:
     """
 
     def __init__(
-        self, folder: Path, mark: str, cases: int, resume: bool, files: Mapping[str, str] | None = None
-    ) -> None:
+        self, folder: Path, mark: str, cases: int, resume: bool, files: Mapping[str, str] | None = None,
+        about: Mapping[str, Any] | None = None,
+    ) -> None:  # fmt: skip
         self.path, self.mark, self.cases, self.files = folder / NAME, mark, cases, dict(files or {})
+        # As it is read again: of tuples lists.
+        self.about = json.loads(json.dumps(dict(about or {}), default=str))
         self.done: set[int] = set()
         self.columns: dict[str, Finding] | None = None
         self.figures: list[str] = []
@@ -87,10 +92,10 @@ class Journal:
             return
         _check_program(folder, head.get("version"), head.get("sources"))
         if head.get("sweep") != self.mark:
-            self._refuse(folder, head.get("files"))
+            self._refuse(folder, head.get("files"), head.get("about"))
 
-    def _refuse(self, folder: Path, before: Any) -> None:
-        """Raise ResultError for the journal of another sweep, and name the files that make it another one."""
+    def _refuse(self, folder: Path, before: Any, about: Any) -> None:
+        """Raise ResultError for the journal of another sweep, and name the files or keys that make it another one."""
         before = before if isinstance(before, dict) else {}
         changed = [path for path, found in self.files.items() if before.get(path, found) != found]
         # A file by which no scene can be read any more is not among those that are read now.
@@ -98,7 +103,11 @@ class Journal:
         if changed:
             cause = f"belongs to another sweep: {', '.join(changed)} has been changed since it began"
             raise ResultError(folder, cause, "put the file back as it was, or name another folder with -o")
-        raise ResultError(folder, "belongs to another sweep", "name another folder with -o, or leave out --resume")
+        other = "its scene, or the order of the keys under `vary`, is another one"
+        told = ("; ".join(_differences(about, self.about)) or other) if isinstance(about, dict) else other
+        raise ResultError(
+            folder, f"belongs to another sweep: {told}", "name another folder with -o, or leave out --resume"
+        )
 
     def _read(self) -> dict[str, Any]:
         head: dict[str, Any] = {}
@@ -134,7 +143,7 @@ class Journal:
             version, sources = program()
             head = {"format": FORMAT, "sweep": self.mark, "cases": self.cases, "version": version, "sources": sources}
             moved = {"aside": self.aside.name, "moved": self._moved} if self.aside is not None else {}
-            self._write(head | {"files": self.files} | moved)
+            self._write(head | {"files": self.files, "about": self.about} | moved)
 
     def _set_aside(self) -> None:
         """Move the files of the finished sweep that is there into a folder of their own.
@@ -223,6 +232,35 @@ class Journal:
             self._file.close()
             self._file = None
         self._lock.give_back()
+
+
+def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
+    """In which keys two sweeps differ; of a list what only one of them has."""
+    for key in dict.fromkeys([*before, *now]):
+        old, new = before.get(key), now.get(key)
+        if old == new:
+            continue
+        if isinstance(old, list) and isinstance(new, list):
+            only = [[_word(one) for one in a if one not in b] for a, b in ((old, new), (new, old))]
+            words = [
+                f"{verb} {', '.join(names)}" for verb, names in zip(("had", "now has"), only, strict=True) if names
+            ]
+            yield f"`{key}` {' and '.join(words) or 'has another order'}"
+        elif isinstance(old, dict) and isinstance(new, dict):
+            yield from (f"in `{key}`, {text}" for text in _differences(old, new))
+        elif isinstance(old, (dict, list)) or isinstance(new, (dict, list)):
+            yield f"`{key}` is another one"
+        else:
+            yield f"`{key}` was {_word(old)} and is {_word(new)}"
+
+
+def _word(value: Any) -> str:
+    """A value of a sweep's file in a sentence."""
+    if value is None:
+        return "not given"
+    if isinstance(value, dict):
+        return " ".join(str(one) for one in value.values())
+    return str(value)
 
 
 def _check_program(folder: Path, version: Any, sources: Any) -> None:

@@ -181,6 +181,9 @@ class Parameter:
         Whether it must be more than that.
     most : float
         The largest.
+    not_below : str
+        Another parameter, whose value it may equal and not be less than once the run goes on; empty where there is
+        none. Which of two is given first does not matter.
     """
 
     name: str
@@ -191,6 +194,7 @@ class Parameter:
     least: float = -np.inf
     positive: bool = False
     most: float = np.inf
+    not_below: str = ""
 
 
 @dataclass(frozen=True)

@@ -122,7 +122,7 @@ class Forecast:
             for name, path in paths.items():
                 sim.inputs[name] = tuple(path[i].tolist())
             try:
-                sim.advance_to(begin + after)
+                sim.advance_heard(begin + after, None)
             except StoppedEarly as error:
                 self.found.stopped = (float(after), error.status.name)
                 return

@@ -30,6 +30,7 @@ def fmu(
         For bad input, and names that there are not; nothing is written then.
     """
     from tautline.live.errors import SimulationError
+    from tautline.live.fmu.unit import actual_of
     from tautline.live.fmu.writing import write_fmu
 
     application, scene = catalogue.read(path, change_of(changes))
@@ -47,6 +48,9 @@ def fmu(
     warnings = application.warnings(scene)
     print_warnings(warnings)
     say(f"wrote {target}")
+    for name in named["--outputs"]:
+        if (own := actual_of(name, named["--inputs"])) != name:
+            say(f"{name} is an input too: the output has the name {own}")
     say(f"the host needs, beside a master of FMI {fmi}.0:")
     for line in needs:
         say(f"  {line}")

@@ -130,6 +130,7 @@ def _report(
                 "earlier": outcome.earlier,
                 "result": None if outcome.result is None else str(outcome.result),
                 "table": None if outcome.table is None else str(outcome.table),
+                "samples_of_indices": {name: left for name, (left, _) in _samples(outcome).items()},
                 "percentiles": None if outcome.percentiles is None else str(outcome.percentiles),
                 "earlier_results": None if outcome.aside is None else str(outcome.aside),
                 "figures": [str(path) for path in figures],
@@ -174,13 +175,35 @@ def _rows(outcome: Outcome) -> list[tuple[str, str]]:
 def _left_out(outcome: Outcome) -> list[str]:
     """What percentiles and indices do not hold: cases that failed or have no number, seldom a fair draw of all."""
     told = []
-    if outcome.cases.indices and outcome.failed:
-        told.append("Sobol' indices leave out each sample of which a case failed")
+    told += _left_of_samples(outcome)
     if outcome.percentiles is not None and outcome.failed:
         told.append(f"percentiles are those of the {outcome.done} cases that came to their end: they may be biased")
     if outcome.percentiles is not None and outcome.interrupted:
         told.append(f"percentiles are those of the {outcome.done} cases so far, of {len(outcome.cases)}")
     return told + _empty(outcome) + _without_number(outcome) + _along(outcome)
+
+
+def _left_of_samples(outcome: Outcome) -> list[str]:
+    """Of how many samples Sobol' indices are, where it is not all of them; those of one number in one sentence."""
+    numbers: dict[tuple[int, int], list[str]] = {}
+    for name, (left, made) in _samples(outcome).items():
+        if left < made:
+            numbers.setdefault((left, made), []).append(name)
+    rule = "a sample of which a case failed, or has no number, is left out"
+    return [
+        f"Sobol' indices of {', '.join(names)} are those of {left} of {made} samples: {rule}"
+        if left > 1
+        else f"there are no Sobol' indices of {', '.join(names)}: {left} of {made} samples are left, for {rule}"
+        for (left, made), names in numbers.items()
+    ]
+
+
+def _samples(outcome: Outcome) -> dict[str, tuple[int, int]]:
+    """Samples that are left for indices, and those of the plan, by what was collected."""
+    from tautline.sweeps.indices import samples_left
+
+    found = {str(name): samples_left(outcome.data, str(name)) for name in outcome.data.data_vars}
+    return {name: both for name, both in found.items() if both is not None}
 
 
 def _empty(outcome: Outcome) -> list[str]:

@@ -501,7 +501,7 @@ class RecordOptions:
 
 def record(
     catalogue: Catalogue, path: Path, map: Path, output: Path, changes: Sequence[str] | None,
-    given: RecordOptions, as_json: bool, force: bool = False,
+    given: RecordOptions, as_json: bool, quiet: bool, force: bool = False,
 ) -> None:  # fmt: skip
     """Run a scene with sensors, and write what they show.
 
@@ -546,7 +546,8 @@ def record(
     following = typed(catalogue.name, "twin", path, "--map", map) + as_given(changes)
     following += f" --source {quoted(str(output))}"
     kept = "" if written.status == "done" else ", what there was until then"
-    say(f"wrote {output}: {written.rows} rows{kept}. Next: {following}", "green")
+    if not quiet:
+        say(f"wrote {output}: {written.rows} rows{kept}. Next: {following}", "green")
     if as_json:
         report = {"status": written.status, "scene": str(path), "record": str(output), "rows": written.rows}
         print_json(report | {"scene_warnings": warning_records(warnings)})

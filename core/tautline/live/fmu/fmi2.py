@@ -99,7 +99,7 @@ class Unit:
 
     def step(self, current_time: float, step_size: float) -> bool:
         """One communication step; a failure is told in the host's log."""
-        return self._guarded(lambda: self.core.step(current_time, step_size))
+        return self._guarded(lambda: self.core.asked_step(current_time, step_size))
 
     def save(self) -> dict[str, Any]:
         """All that a state is. Where no start is found it is told in the host's log, and the state is none."""

@@ -69,9 +69,13 @@ class Unit(Fmi3Slave):
         """Find the start with the parameters and inputs as they are now."""
         self._guarded(self.core.initialise)
 
+    def terminate(self) -> None:
+        """Take no further step."""
+        self.core.terminate()
+
     def do_step(self, current_time: float, step_size: float) -> Fmi3StepResult:
         """One communication step; a failure is told in the host's log."""
-        done = self._guarded(lambda: self.core.step(current_time, step_size))
+        done = self._guarded(lambda: self.core.asked_step(current_time, step_size))
         return Fmi3StepResult(status=Fmi3Status.ok if done else Fmi3Status.error)
 
     def _set(self, name: str, value: float) -> None:

@@ -52,6 +52,9 @@ class Scene(Fmi2Slave):
     def exit_initialization_mode(self):
         self.unit.initialise()
 
+    def terminate(self):
+        self.unit.core.terminate()
+
     def do_step(self, current_time, step_size):
         return self.unit.step(current_time, step_size)
 

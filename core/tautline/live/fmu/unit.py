@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -14,9 +14,10 @@ import numpy as np
 
 from tautline.errors import TautlineError
 from tautline.live.errors import SimulationError
+from tautline.live.fmu.needs import check_packages
 from tautline.live.memory import State, damaged, number_of, read_exactly, state_of, word_of
 from tautline.live.simulation import SHORTEST, Simulation
-from tautline.system.handles import Output
+from tautline.system.handles import PART, Output
 
 SCENE, DESCRIPTION = "scene.yaml", "unit.json"
 """Names of the scene, and of what goes in and out, among the resources."""
@@ -39,6 +40,17 @@ def parts_of(output: Output) -> list[tuple[str, tuple[int, ...]]]:
     return [(f"{output.name}[{','.join(map(str, at))}]", at) for at in np.ndindex(*output.shape)]
 
 
+def actual_of(name: str, inputs: Sequence[str]) -> str:
+    """The name of an output in an FMU: its own, or with ``.actual`` where an input has it, such as a winch's tension.
+
+    An FMU has each name once, for what is asked for or for what is.
+    """
+    found = PART.fullmatch(name)
+    thing, index = (found[1], name[len(found[1]) :]) if found else (name, "")
+    driven = {match[1] if (match := PART.fullmatch(one)) else one for one in inputs}
+    return f"{thing}.actual{index}" if thing in driven else name
+
+
 NO_STATE = "no state"
 """Key under which it stands why bytes are no state."""
 
@@ -56,6 +68,7 @@ class Core:
         folder = Path(resources)
         self.told: dict[str, Any] = json.loads((folder / DESCRIPTION).read_text(encoding="utf8"))
         self.scene = folder / SCENE
+        check_packages(self.told["packages"])
         self.changed: dict[str, float] = {}
         self.given: dict[str, float] = {}
         self.held: dict[str, float] = {}
@@ -63,11 +76,15 @@ class Core:
         self.fault = ""
         self.begin, self.timed = 0.0, False
         self.stale, self.initialised, self.stepped = False, False, False
+        self.running, self.terminated = False, False
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
-        self.inputs = [name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked)]
+        parts = (name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked))
+        self.inputs = list(dict.fromkeys(parts))
         self.sent: dict[str, float] = {}
         self.outputs = {
-            part: (name, at) for name in self.told["outputs"] for part, at in parts_of(self.sim.outputs.handle(name))
+            actual_of(part, self.told["inputs"]): (name, at)
+            for name in self.told["outputs"]
+            for part, at in parts_of(self.sim.outputs.handle(name))
         }
 
     def signals(self) -> list[tuple[str, str, str, str]]:
@@ -115,8 +132,21 @@ class Core:
 
         Where none is found, inputs that are set next are still those of the start.
         """
+        self.running = True
         self.begun()
         self.initialised = True
+
+    def terminate(self) -> None:
+        """Take no further step, until a state is set that was saved while steps were made."""
+        self.running, self.terminated = False, True
+
+    def asked_step(self, time: float, length: float) -> None:
+        """One communication step that a host asks for; raises as `step` does, and where none may be asked for."""
+        if not self.running and not self.refused:  # which would have a cause of its own
+            if self.terminated:
+                raise SimulationError("the unit was terminated", "reset it, or set a state that was saved before")
+            raise SimulationError("the unit is not initialised", "leave the initialisation mode before the first step")
+        self.step(time, length)
 
     def get(self, name: str) -> float:
         """An input, an output or a parameter. Of a start that is not found it is what the start before has."""
@@ -131,6 +161,9 @@ class Core:
                 self.begun()
             value = self.sim[output]
             return float(value[at]) if at else float(value)
+        with suppress(SimulationError):
+            # Of two that set the same, such as both friction factors and one of them, the later one counts for both.
+            return float(self.begun().parameters[name])
         return float(self.changed.get(name, self.sim.parameters[name]))
 
     def set(self, name: str, value: float) -> None:
@@ -159,7 +192,10 @@ class Core:
             self.given[name] = value
             return
         self.given.pop(name, None)
-        (self.held if name in self.inputs else self.changed)[name] = value
+        kept = self.held if name in self.inputs else self.changed
+        # One that is set again is the last one: a start is found with parameters in the order in which they were set.
+        kept.pop(name, None)
+        kept[name] = value
         if not self.stepped:
             self.stale, self.fault = True, ""
 
@@ -200,7 +236,7 @@ class Core:
         return {
             "state": self.begun().save(), "sent": dict(self.sent), "given": dict(self.given),
             "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
-            "timed": self.timed, "initialised": self.initialised,
+            "timed": self.timed, "initialised": self.initialised, "running": self.running,
         }  # fmt: skip
 
     def refuse_output(self, name: str) -> None:
@@ -228,7 +264,7 @@ class Core:
         self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
         self.stepped, self.begin, self.timed = saved["stepped"], saved["begin"], saved["timed"]
         # Else an input that is set next would be taken for one of a start that is still to be found, or the reverse.
-        self.initialised = saved["initialised"]
+        self.initialised, self.running = saved["initialised"], saved["running"]
 
 
 def no_state(cause: str) -> dict[str, Any]:
@@ -292,6 +328,6 @@ def _switch(told: Any) -> bool:
 
 READ: dict[str, Callable[[Any], Any]] = {
     "sent": _values, "given": _values, "held": _values, "changed": _values, "stepped": _switch, "begin": _finite,
-    "timed": _switch, "initialised": _switch,
+    "timed": _switch, "initialised": _switch, "running": _switch,
 }  # fmt: skip
 """What a state of an FMU holds beside that of its simulation, and how it is read of bytes."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tautline.live.errors import SimulationError
-from tautline.live.fmu.needs import host_needs, page_of
+from tautline.live.fmu.needs import host_needs, packages_of_others, page_of
 from tautline.live.fmu.scripts import module_of, script_of
 from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
 from tautline.live.simulation import Simulation
@@ -71,7 +71,8 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         if not parts_of(sim.outputs.handle(name)):
             raise SimulationError(f"the output {name} has no numbers in this scene", "name another")
     _refuse_rivals(sim, inputs)
-    name = _model_name(path)
+    name, packages = _model_name(path), packages_of_others(sim)
+    needs = host_needs(packages)
     with tempfile.TemporaryDirectory() as work:
         folder = Path(work)
         files = _files(sim.scene, folder)
@@ -79,12 +80,12 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         script.write_text(script_of(fmi), encoding="utf8")
         told = {
             "inputs": list(inputs), "outputs": list(outputs), "name": name, "title": _title(path),
-            "version": __version__,
+            "version": __version__, "packages": packages,
         }  # fmt: skip
         (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
         notes = folder / "documentation"
         notes.mkdir()
-        (notes / "index.txt").write_text(page_of(fmi), encoding="utf8")
+        (notes / "index.txt").write_text(page_of(fmi, needs), encoding="utf8")
         try:
             # PythonFMU3 names the file itself, and both leave one behind where they fail.
             made = folder / "made"
@@ -98,7 +99,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
                 shutil.copyfile(made / f"{name}.fmu", waiting)
         except OSError as error:
             raise unwritten(path, error, "choose another place") from None
-    return host_needs()
+    return needs
 
 
 def _builder(path: Path, fmi: int) -> Any:

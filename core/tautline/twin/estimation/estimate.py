@@ -567,7 +567,7 @@ class Estimate:
         # Where the load itself is: at the far end of a long rope a ripple is all there is until the wave has come.
         for k in range(1, STRUCK_MOST + 1):
             for sim in (calm, struck):
-                sim.advance_to(self._first.time + STRUCK_STEP * k)
+                sim.advance_heard(self._first.time + STRUCK_STEP * k, None)
             found.append(float(np.ravel(blow.by) @ (np.ravel(struck[blow.output]) - np.ravel(calm[blow.output]))))
             if k % STRUCK_STEPS == 0 and (period := _period(np.array(found))) > 0.0:
                 break

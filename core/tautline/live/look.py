@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tautline.integrators.state import POWER, THROUGHPUT, WORK, State
+from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import frames_of, loop_of, record_frame
 from tautline.kernels import groups as over
 from tautline.kernels.jit import entry
@@ -51,8 +52,13 @@ def look_at(method: Any, system: System, state: State, t: float, width: int) -> 
     return Look(row, residual, float(power.sum()))
 
 
-def book_change(state: State, before: Look, after: Look, explicit: bool) -> None:
-    """Book what a change from outside has put in, and have the entries of the next step begin behind the change.
+def disturb(method: Any) -> None:
+    """Let a method find its accelerations anew: those that it has are in balance with what was before a change."""
+    stepping_with(method).disturb(method)
+
+
+def book_change(method: Any, state: State, before: Look, after: Look) -> None:
+    """Book what a change from outside has put in, and have the next step begin behind the change.
 
     The way of a blow is no motion through dampers. The work of a step is a mean of forces and powers at both ends: an
     explicit method enters these anew where its step begins, others have entered them at the end of the last one.
@@ -61,7 +67,8 @@ def book_change(state: State, before: Look, after: Look, explicit: bool) -> None
     state.ledger[WORK] += work
     state.ledger[THROUGHPUT] += abs(work)
     state.passed[:] = state.full_q
-    if not explicit:
+    disturb(method)
+    if not stepping_with(method).explicit:
         more = after.residual - before.residual
         state.entered[1] += np.where(np.isfinite(more), more, 0.0)
         state.ledger[POWER] += after.power - before.power
