@@ -43,8 +43,9 @@ Verify = Annotated[
     bool | None,
     typer.Option(
         "--verify/--no-verify",
-        help="Estimate the error from two more runs with shorter steps, for any scene. "
-        "[dim]\\[default: with friction between fixed steps; else from longer steps][/]",
+        help="Estimate the error from two more runs with shorter steps, or not at all. "
+        "[dim]\\[default: shorter steps for scenes with friction and fixed steps; "
+        "longer ones, which cost less, for others][/]",
     ),
 ]
 Changes = Annotated[

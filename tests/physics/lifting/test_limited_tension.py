@@ -1,7 +1,8 @@
 """A winch that holds a tension, and that its torque limit holds back for a while.
 
-The rope runs straight from the drum to an anchor, so light and so stiff that it is a spring with a dashpot: the tension is
-T = k (x + tau x.), with k = EA / L and the rope x that the drum has taken in. The drum is a mass m = I / R^2 at its rim,
+The rope runs straight from the drum to an anchor, so light and so stiff that it is a spring with a dashpot: the tension
+is T = k (x + tau x.), with k = EA / L and the rope x that the drum has taken in. The drum is a mass m = I / R^2 at its
+rim,
 
     m x.. = F - T,   F = N + p (N - T) + i S within the limit / R,   S. = N - T where F is within it, else 0,
 
