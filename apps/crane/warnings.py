@@ -34,7 +34,7 @@ from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
 from tautline.scene.functions import Ramp, Spectrum, Sum, Table
 from tautline.scene.unit_slips import meant, units_that_fit
-from tautline.scene.values.printed import shown
+from tautline.scene.values.printed import as_typed, shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -468,7 +468,7 @@ def rope_warnings(scene: CraneScene) -> Sentences:
         text = (
             f"{sized(value, own.unit)} does not go with a diameter of {1e3 * rope.diameter:.4g} mm: {what} over the "
             f"area of its circle is {sized(value / area, row.unit)}, and {in_range(row)} is plausible. "
-            f"{meant(written or '', options, own.unit)}. Or see whether rope.diameter is what was meant"
+            f"{as_typed(meant(written or '', options, own.unit))}. Or see whether rope.diameter is what was meant"
         )
         yield f"rope.{key}", text
 

@@ -28,7 +28,7 @@ from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step
 from tautline.scene.unit_slips import meant, units_that_fit
-from tautline.scene.values.printed import shown
+from tautline.scene.values.printed import as_typed, shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
@@ -299,7 +299,7 @@ def _stiff_enough(scene: DrillstringScene, enough: float) -> str:
     written = None if scene.document is None else scene.document.written("well.wall.stiffness")
     row = RANGES["contact stiffness"]
     fitting = units_that_fit(written or "", row.unit, row, scene.units, lambda value: value >= enough)
-    asked = f"{meant(written, fitting[:1], row.unit)}. Else give" if written and fitting else "Give"
+    asked = f"{as_typed(meant(written, fitting[:1], row.unit))}. Else give" if written and fitting else "Give"
     return f"{asked} {shown(enough, 'N/m', scene.units)} or more; 1.0e9 N/m is usual"
 
 

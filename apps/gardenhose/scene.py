@@ -24,8 +24,6 @@ from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import EARTH_GRAVITY, Direction, Gravity, Position, Vector, Velocity, unit
 
 MOST_ELEMENTS = 100_000
-SPRINGS = ("penalty", "augmented")
-"""Couplings that tie hose and water by springs, alone or beside multipliers."""
 FAR_AWAY = 1.0e9
 """Distance of the root from the origin, in lengths of an element, at which rounding would bend the hose."""
 PLAIN_HOSE = "{length: 0.5, elements: 10, axial_stiffness: 10, bending_stiffness: 0.00108, mass_per_length: 0.00313}"

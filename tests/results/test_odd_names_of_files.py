@@ -87,6 +87,7 @@ def test_commands_take_scenes_and_write_files_of_such_names(tmp_path, monkeypatc
     here = commands_of(Crane(), capsys)
     code, out, _ = here("simulate", scene, "--no-verify", "--end", "0.1", "-o", result, "--json")
     assert code == 0 and json.loads(out)["status"] == "done"
+    (tmp_path / f"{BYTES}_figures").mkdir()
     assert here("plot", result, result, "-o", tmp_path / f"{BYTES}_figures")[0] == 0
     assert here("export", result, "--csv", "-o", tmp_path / f"{BYTES}_tables")[0] == 0
     code, _, told = here("export", result, "--vtk", "-o", tmp_path / f"{BYTES}_frames")

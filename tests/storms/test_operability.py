@@ -24,7 +24,7 @@ from crane.operability.allowable import (
     governing,
 )
 from crane.operability.conditions import Condition, conditions_of, highest
-from crane.operability.scatter import YEAR, fatigue_over, read_scatter
+from crane.operability.scatter import fatigue_over, read_scatter
 from crane.operability.storms import Asked, operability
 from crane.verbs.operability_options import OperabilityOptions, read_options
 from tautline.scene.errors import SceneError
@@ -398,7 +398,7 @@ def test_fatigue_over_a_scatter_diagram_is_the_sum_by_occurrence(tmp_path):
     ranges = np.array([[[[10.0], [np.nan]], [[20.0], [40.0]]], [[[10.0], [np.nan]], [[20.0], [80.0]]]])
     cycles = np.full((2, 2, 2, 1), 50.0)
     found = fatigue_over(diagram, diagram.heights, diagram.periods, ranges, cycles, 100.0, 1000.0, 2.0e6)
-    storms = YEAR / 100.0 * 50.0
+    storms = 31557600.0 / 100.0 * 50.0
     damage = storms * (0.3 * 10.0**5 + 0.1 * 20.0**5 + 0.6 * 0.5 * (40.0**5 + 80.0**5))
     assert found.damage.sum() == pytest.approx(damage, rel=1e-12)
     assert found.cycles == pytest.approx(storms, rel=1e-12)

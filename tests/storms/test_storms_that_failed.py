@@ -14,7 +14,7 @@ from crane.operability.allowable import COMPUTED, FAILED, STOPPED, tabulate
 from crane.operability.conditions import Condition
 from crane.operability.criteria import read_criteria
 from crane.operability.output import write_all
-from crane.operability.scatter import YEAR, Scatter, fatigue_over, not_covered, told
+from crane.operability.scatter import Scatter, fatigue_over, not_covered, told
 from crane.operability.storms import failed_notes
 from crane.verbs.operability import _rows
 
@@ -33,7 +33,7 @@ def test_a_storm_that_failed_is_time_that_was_not_run_and_the_others_do_not_stan
     found = a_year_of([[10.0, 12.0, 11.0, 10.0], [20.0, math.nan, 21.0, math.nan]])
     # By hand: of the higher sea half of the time is lacking, which is an eighth of all.
     assert found.covered == pytest.approx(0.875, rel=1e-12)
-    storms = YEAR / 100.0 * 50.0 / 4.0
+    storms = 31557600.0 / 100.0 * 50.0 / 4.0
     damage = storms * (0.75 * sum(x**5 for x in (10.0, 12.0, 11.0, 10.0)) + 0.25 * (20.0**5 + 21.0**5))
     assert found.damage.sum() == pytest.approx(damage, rel=1e-12)
     assert found.run.tolist() == [[[1.0, 0.5]]] and found.share.tolist() == [[[0.75, 0.25]]]

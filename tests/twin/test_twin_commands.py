@@ -150,15 +150,17 @@ def test_an_operation_does_not_replace_the_result_of_another_one(rehearsal, here
 def test_the_result_of_a_twin_is_plotted_and_one_that_shows_nothing_is_refused(rehearsal, here, tmp_path, monkeypatch):
     arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv"]
     assert here(*arguments, "-o", tmp_path / "tw.nc")[0] == 0
+    (tmp_path / "figures").mkdir()
     code, out, _ = here("plot", tmp_path / "tw.nc", "-o", tmp_path / "figures", "--json")
     names = [f"tw_{name}.png" for name in ("estimates", "residuals", "alarms")]
     assert code == 0 and json.loads(out)["figures"] == [str(tmp_path / "figures" / name) for name in names]
     assert all((tmp_path / "figures" / name).stat().st_size > 0 for name in names)
     monkeypatch.setattr("tautline.view.figures.estimates.DRAWINGS", {})
+    (tmp_path / "none").mkdir()
     code, _, told = here("plot", tmp_path / "tw.nc", "-o", tmp_path / "none")
     said = " ".join(told.split())
     assert code == 2 and "holds nothing that the usual figures show" in said and "estimate payload.mass" in said
-    assert not (tmp_path / "none").exists()
+    assert not list((tmp_path / "none").iterdir())
 
 
 @pytest.mark.parametrize("option, name", [("--state", "one"), ("--account", "one"), ("--state", "link to it")])

@@ -213,7 +213,7 @@ def _drive(layout: Layout) -> Compensation | None:
         drive, factor = (item.pay_out, 1.0) if item.drive == "pay_out" else (item.speed, item.radius)
         steered = (
             Steering(
-                f"{item.name}.pay_out", "m", "unstretched rope paid out since the start", 0, way,
+                f"{item.name}.pay_out", "m", "length of unstretched rope paid out since the start", 0, way,
                 zero_at_start=from_zero,
             ),
             Steering(f"{item.name}.pay_out_speed", "m/s", "speed of unstretched rope, positive out", 1, way),

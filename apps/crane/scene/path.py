@@ -154,7 +154,8 @@ class Drum(Disc):
     Attributes
     ----------
     pay_out : function of time or None
-        Unstretched rope that leaves the drum, m/s.
+        Speed of the unstretched rope that leaves the drum, m/s, positive out. The input of a simulation that is
+        called so, ``winch.pay_out``, is its integral, a length in m; this one is ``winch.pay_out_speed`` there.
     speed : function of time or None
         Of the drum, rad/s, positive where it pays out.
     torque : function of time or None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from math import isfinite, nan
+from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,8 +45,8 @@ class Connection(NamedTuple):
 class Plateau(NamedTuple):
     """A stretch of steady motion off bottom.
 
-    ``motion`` is pick_up, slack_off or rotating; ``start`` and ``end`` in s; hook load N and surface torque N m as mean
-    and standard deviation of single samples; block speed m/s, positive down; rotary speed rad/s; bit depth m at its
+    ``motion`` is pick_up, slack_off or rotating; ``start`` and ``end`` in s; hook load N as mean and standard deviation
+    of single samples; mean surface torque N m; block speed m/s, positive down; rotary speed rad/s; bit depth m at its
     middle; number of samples; number of the stand, that of connections before it.
     """
 
@@ -58,7 +58,6 @@ class Plateau(NamedTuple):
     block_speed: float
     rotary_speed: float
     torque: float
-    torque_sd: float
     bit_depth: float
     samples: int
     stand: int
@@ -150,7 +149,7 @@ class Plateaus:
         moved = float((kept[-1, 1] - kept[0, 1]) / (ended - begun)) if self._motion != "rotating" else 0.0
         made = Plateau(
             self._motion, float(begun), float(ended), float(loads.mean()), float(loads.std(ddof=loads.size > 1)), moved,
-            _mean(kept[:, 4]), _mean(kept[:, 5]), _deviation(kept[:, 5]), _mean(kept[:, 6]), len(kept), stand,
+            _mean(kept[:, 4]), _mean(kept[:, 5]), _mean(kept[:, 6]), len(kept), stand,
         )  # fmt: skip
         self.all.append(made)
         return made
@@ -159,8 +158,3 @@ class Plateaus:
 def _mean(values: np.ndarray) -> float:
     known = values[np.isfinite(values)]
     return float(known.mean()) if known.size else nan
-
-
-def _deviation(values: np.ndarray) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.std(ddof=known.size > 1)) if known.size and isfinite(known[0]) else nan

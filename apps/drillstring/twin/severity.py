@@ -29,8 +29,7 @@ class StickSlip(NamedTuple):
     """Of the last few periods, at a time, s.
 
     Severity and its standard deviation; frequency of the oscillation, Hz; least, largest and mean rotary speed of the
-    bit, rad/s; amplitude of the surface torque at that frequency, N m; share of the torque's variance that the
-    harmonics explain: near one of stick-slip, small of noise.
+    bit, rad/s; share of the torque's variance that the harmonics explain: near one of stick-slip, small of noise.
     """
 
     time: float
@@ -40,7 +39,6 @@ class StickSlip(NamedTuple):
     least: float
     largest: float
     mean: float
-    torque_amplitude: float
     periodic: float
 
 
@@ -182,7 +180,7 @@ class Severity:
         sd = sqrt(sum(part**2 for part in parts))
         return StickSlip(
             float(time[-1]), severity, sd, omega / (2.0 * pi), mean + low, mean + high, mean,
-            float(abs(torque.waves[0])), torque.explained,
+            torque.explained,
         )  # fmt: skip
 
     def _at_bit(self, omega: float, torque: np.ndarray, speed: np.ndarray, damped: float = 1.0) -> np.ndarray:

@@ -1,1 +1,1 @@
-"""Figures and the look of a string in space; only these files import matplotlib or what draws."""
+"""Figures and the look of a string in space; only these files import what draws."""

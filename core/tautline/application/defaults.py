@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,7 +89,7 @@ class Defaults:
         """
         from tautline.application.limits import bare_limits
         from tautline.scene.content import too_fast
-        from tautline.scene.errors import SceneError, SceneWarning
+        from tautline.scene.errors import Doubt, SceneError, SceneWarning
         from tautline.scene.gaps import ends_of_records, gaps_of_records
         from tautline.scene.limits import reversed_limits
         from tautline.scene.solver import fixed_step
@@ -106,7 +106,9 @@ class Defaults:
         try:
             found = self.own_warnings(scene) + warnings_of(self.name, scene) + self._warnings_of_nobody()
         except SceneError as error:
-            doubtful = [document.problem(slip.where, slip.text) for slip in slips if document is not None]
+            doubtful = [
+                Doubt(*astuple(document.problem(slip.where, slip.text))) for slip in slips if document is not None
+            ]
             raise SceneError([*doubtful, *error.problems]) from None
         found += [SceneWarning(self.step_key, text)] if text else []
         ours = [replace(one, text=in_words(one.text, system), line=line_of(document, one.where)) for one in found]

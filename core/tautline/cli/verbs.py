@@ -43,8 +43,9 @@ Verify = Annotated[
     bool | None,
     typer.Option(
         "--verify/--no-verify",
-        help="Estimate the error from two more runs with shorter steps, for any scene. "
-        "[dim]\\[default: with friction between fixed steps; else from longer steps][/]",
+        help="Estimate the error from two more runs with shorter steps, or not at all. "
+        "[dim]\\[default: shorter steps for scenes with friction and fixed steps; "
+        "longer ones, which cost less, for others][/]",
     ),
 ]
 Changes = Annotated[
@@ -61,7 +62,12 @@ Results = Annotated[
 ]
 FigurePlace = Annotated[
     Path | None,
-    typer.Option("-o", "--output", metavar="FILE_OR_FOLDER", help="Where to. [dim]\\[default: the current folder][/]"),
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FILE_OR_FOLDER",
+        help="Where to: a folder that is there, or a file. [dim]\\[default: the current folder][/]",
+    ),
 ]
 ExportPlace = Annotated[
     Path | None,
@@ -258,7 +264,11 @@ Unit = Annotated[
 ]
 Driven = Annotated[
     list[str] | None,
-    typer.Option("--inputs", metavar="NAMES", help="What is driven, as winch.pay_out,vessel.heave. May be repeated."),
+    typer.Option(
+        "--inputs",
+        metavar="NAMES",
+        help="What is driven, as winch.pay_out_speed,vessel.heave (in m/s and m). May be repeated.",
+    ),
 ]
 Read = Annotated[
     list[str] | None,

@@ -46,6 +46,13 @@ class Problem:
         return f"{text}; {self.cure}" if self.cure else text
 
 
+class Doubt(Problem):
+    """A warning beside the faults of a scene, which may be their cause; its sentence has the line and the value."""
+
+    def __str__(self) -> str:
+        return f"warning: {self.file}: {shorten(self.key)}: {self.cause}"
+
+
 ALIKE = 3
 """Lines of a file with one and the same fault that are shown one by one."""
 NUMBERS = re.compile(r"[\d.]+")

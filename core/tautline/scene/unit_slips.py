@@ -249,12 +249,12 @@ def _in_unit(number: str, unit: str, wanted: str) -> float | None:
 
 
 def meant(typed: str, options: list[tuple[str, float]], unit: str) -> str:
-    """The sentence that names the units that were probably meant."""
+    """The sentence that names the units that were probably meant, without its point."""
     match = NUMBER.fullmatch(decimal(typed))
     if match is None or not options:
         return "Check the number and its unit"
     offers = [_both(f"{match['number']} {other}", sized(value, unit)) for other, value in options]
-    return f"Was {' or '.join(offers)} meant? Then write the unit"
+    return f"Was {' or '.join(offers)} meant? Then {'correct' if match['unit'] else 'write'} the unit"
 
 
 def _both(typed: str, read: str) -> str:

@@ -16,10 +16,11 @@ from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
 from tautline.cable.input.syntax.models import WrittenCable
 from tautline.cable.input.syntax.thesis_compat import read_compat
-from tautline.scene.errors import SceneWarning
+from tautline.scene.errors import SceneError, SceneWarning
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
 from tautline.scene.unit_slips import slips_of_units
+from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import quantity
 from tautline.scene.values.ranges import RANGES
 from tautline.scene.values.units import read_unit
@@ -107,7 +108,27 @@ def test_a_survey_whose_depths_are_those_of_no_hole_is_warned_of(tmp_path):
 
 def walled(text):
     scene = DrillstringScene.parse(text)
-    return [SceneWarning(*one) for one in soft_wall(scene, prepared(scene))]
+    return [SceneWarning(where, in_words(text, "si")) for where, text in soft_wall(scene, prepared(scene))]
+
+
+@pytest.mark.parametrize("system", ["si", "metric", "field"])
+def test_the_unit_that_was_perhaps_meant_stands_as_it_would_be_typed_in_a_scene_of_any_units(tmp_path, system):
+    (tmp_path / "scene.yaml").write_text(STRING.replace("1.0e9", "1.0e3 N/m") + f"units: {system}\n")
+    found = Installed().for_scene(tmp_path / "scene.yaml")
+    told = [one.text for one in found.warnings(found.read(tmp_path / "scene.yaml")) if "is soft" in one.text]
+    assert len(told) == 1 and "Was 1.0e3 kN/m = 1 MN/m meant? Then correct the unit" in told[0]
+    assert "\u00a0" not in told[0] and ("kip/ft" in told[0]) is (system == "field")
+
+
+def test_warnings_beside_the_faults_of_a_scene_say_that_they_are_no_faults(tmp_path):
+    deep = (ROOT / "data" / "jwell.yaml").read_text(encoding="utf8").replace("hold: 2200 m", "hold: 1e29")
+    (tmp_path / "odd.yaml").write_text(deep, encoding="utf8")
+    found = Installed().for_scene(tmp_path / "odd.yaml")
+    with pytest.raises(SceneError) as caught:
+        found.warnings(found.read(tmp_path / "odd.yaml"))
+    slip, *faults = str(caught.value).splitlines()
+    assert slip.startswith(f"warning: {tmp_path / 'odd.yaml'}: well.sections[0].hold: ") and slip.count("(line 5)") == 1
+    assert "is unusual" in slip and faults and not any(one.startswith("warning") for one in faults)
 
 
 def test_a_wall_too_soft_for_its_string_is_warned_of_with_the_depth_and_the_unit_that_was_meant():
@@ -249,13 +270,17 @@ def test_a_slip_in_an_option_is_told_without_a_line_of_the_file():
     assert found.where == "solver.step" and "line" not in found.text and "5.0 ms = 0.005 s" in found.text
 
 
+def roped(text):
+    return [(key, in_words(told, "si")) for key, told in rope_warnings(CraneScene.parse(text))]
+
+
 def test_numbers_of_a_rope_that_do_not_go_with_its_diameter_are_warned_of():
-    assert list(rope_warnings(CraneScene.parse(CRANE))) == []
-    ((key, text),) = rope_warnings(CraneScene.parse(CRANE.replace("1.1 MN", "1100")))
+    assert roped(CRANE) == []
+    ((key, text),) = roped(CRANE.replace("1.1 MN", "1100"))
     assert key == "rope.breaking_load" and "1100 kN = 1.1 MN" in text
-    ((key, text),) = rope_warnings(CraneScene.parse(CRANE.replace("80 MN", "80")))
+    ((key, text),) = roped(CRANE.replace("80 MN", "80"))
     assert key == "rope.axial_stiffness" and "80 MN" in text
-    ((key, text),) = rope_warnings(CraneScene.parse(CRANE.replace("5.5 kg/m", "5500")))
+    ((key, text),) = roped(CRANE.replace("5.5 kg/m", "5500"))
     assert key == "rope.mass_per_length" and "5500 g/m = 5.5 kg/m" in text
 
 

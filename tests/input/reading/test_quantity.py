@@ -15,7 +15,7 @@ from tautline.scene.values.quantity import MEANINGS, quantity
 from tautline.scene.values.units import TABLE, UnknownUnit, pint_registry, read_unit
 
 PINTS_NAME = {
-    "bbl": "oil_bbl",
+    **dict.fromkeys(("bbl", "bbls", "barrel", "barrels"), "oil_bbl"),
     "rev": "revolution",
     "%": "percent",
     "lbm": "pound",

@@ -419,7 +419,9 @@ class _Composer:
         except yaml.YAMLError as error:
             raise self.refuse(None, f"is not YAML: {error}", "check the file") from None
         if self.root is None or self.root.scalar == "":
-            raise self.refuse(1, "is empty", "write a scene: `new` prints one to start from")
+            raise self.refuse(
+                1, "is empty", "write a scene; the verb `new` writes one to start from, as `crane new` does"
+            )
         if not self.root.mapping:
             kind = "a list" if self.root.scalar is None else "a single value"
             raise self.refuse(

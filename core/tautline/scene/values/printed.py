@@ -14,6 +14,8 @@ PREFIXED = {"N", "J", "W", "Pa", "N m", "N/m", "Hz"}
 FIGURE = r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
 BETWEEN = r" (?:to|and|x|×|by) "
 """A figure in a sentence, and what stands between two that have one unit."""
+HELD = "\u00a0"
+"""In place of blanks it holds a figure and its unit together, so that they are not converted."""
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "": 1.0}
 
 
@@ -94,6 +96,11 @@ def printed_in(attributes: Mapping[str, Any]) -> str:
     return str(attributes.get("printed_in") or attributes.get("units") or "si")
 
 
+def as_typed(text: str) -> str:
+    """A text whose figures `in_words` leaves in the units they have: what was typed, or might have been."""
+    return text.replace(" ", HELD)
+
+
 def in_words(text: str, system: str) -> str:
     """A heading or a sentence with its figures converted: ``drill pipe at 1240 m`` -> ``drill pipe at 4068 ft``.
 
@@ -101,7 +108,7 @@ def in_words(text: str, system: str) -> str:
     """
     known = sorted(SYSTEMS[system], key=len, reverse=True)
     if not known:
-        return text
+        return text.replace(HELD, " ")
     units = "|".join(re.escape(f"{letter}{unit}") for unit in known for letter in PREFIXES)
 
     def put(found: re.Match[str]) -> str:
@@ -115,4 +122,4 @@ def in_words(text: str, system: str) -> str:
 
     # Of a unit that is written as a product or a quotient, N m/rad, no part is one.
     pattern = rf"(?<![\w.])({FIGURE}(?:{BETWEEN}{FIGURE})*) ({units})(?!\w|(?: (?:m|s|kg|N|rad))*[/²³^])"
-    return re.sub(pattern, put, text)
+    return re.sub(pattern, put, text).replace(HELD, " ")

@@ -16,6 +16,7 @@ from fractions import Fraction
 from typing import Any
 
 from tautline.scene.refusal import nearest
+from tautline.scene.values.unclear import unclear
 
 
 @dataclass(frozen=True)
@@ -110,15 +111,17 @@ def _table() -> dict[str, Unit]:
         "lbs": pound, "klb": Unit(ten**3) * pound, "klbm": Unit(ten**3) * pound,
         "usft": Unit(Fraction(1200, 3937)) * metre, "kft": Unit(ten**3) * foot, "hr": Unit(Fraction(3600)) * second,
         "ppf": pound * foot**-1, "pcf": pound * foot**-3,
-        "gal": gallon, "ppg": pound * gallon**-1, "bbl": Unit(Fraction(42)) * gallon,
+        "gal": gallon, "ppg": pound * gallon**-1,
+        **dict.fromkeys(("bbl", "bbls", "barrel", "barrels"), Unit(Fraction(42)) * gallon),
         "sg": Unit(ten**3) * kg * metre**-3,
     }  # fmt: skip
     return units
 
 
 TABLE = _table()
-"""Units read without pint. `bbl` is the oil barrel of 42 US gallons, `ppg` pounds per US gallon, `ppf`
-and `pcf` pounds per foot and per cubic foot, `sg` 1000 kg/m^3, `usft` the foot of the US survey."""
+"""Units read without pint. `bbl` is the oil barrel of 42 US gallons, so is `barrel`, which is another
+one to pint. `ppg` are pounds per US gallon, `ppf` and `pcf` pounds per foot and per cubic foot, `sg`
+1000 kg/m^3, `usft` the foot of the US survey."""
 
 METRIC = frozenset("meter gram second newton pascal joule watt hertz radian liter bar dyne erg poise stokes".split())
 """Units, by pint's names, that take any SI prefix. Others take those in the table: pint would read `mpsi` as a
@@ -167,9 +170,11 @@ class UnknownUnit(ValueError):
         if not self.name:
             return self.cause
         alike = [name for name, unit in TABLE.items() if unit.dimension == wanted.dimension]
-        meant = (nearest_unit(self.name, known) for known in (alike, TABLE))
+        # A name that is all of the unit can be none of another quantity: `xpm` is no rpm where a speed is wanted.
+        alone = written.strip() == self.name
+        meant = (nearest_unit(self.name, known) for known in ((alike,) if alone else (alike, TABLE)) if known)
         close = next((one for one in meant if one.startswith("did you mean")), "")
-        if not close and written.strip() == self.name and alike:
+        if not close and alone and alike:
             close = f"known: {', '.join(alike)}"
         return f"{self.cause}; {close}" if close else self.cause
 
@@ -209,7 +214,7 @@ def read_unit(text: str) -> Unit:
     Raises
     ------
     UnknownUnit
-        If a name is unknown or the expression cannot be read.
+        If a name is unknown or means several units, or the expression cannot be read.
     """
     if len(text) > LONGEST:
         raise UnknownUnit("too long for a unit")
@@ -257,6 +262,8 @@ def _product(tokens: list[re.Match[str]]) -> tuple[Unit, list[re.Match[str]]]:
 
 def _named(token: re.Match[str]) -> Unit:
     name = token["name"]
+    if name not in TABLE and (why := unclear(name)):
+        raise UnknownUnit(f"'{name}' {why}")
     raised = {"²": "2", "³": "3", "⁴": "4"}.get(token["raised"] or "", "")
     power = int((token["power"] or token["bare"] or raised or "1").strip("()"))
     return (TABLE.get(name) or ask_pint(name)) ** power
@@ -310,6 +317,7 @@ def ask_pint(name: str) -> Unit:
         found = registry.parse_units(name)
         base = registry.Quantity(1.0, found).to_base_units()
         magnitude = float(base.magnitude)
+        twice = float(registry.Quantity(2.0, found).to_base_units().magnitude)
         dimension = {str(key): float(value) for key, value in base.dimensionality.items()}
         counted = {str(key): float(value) for key, value in base.unit_items()}
     except Exception as error:  # pint raises a dozen kinds, and for a name that a person typed all mean the same
@@ -319,7 +327,13 @@ def ask_pint(name: str) -> Unit:
         said = f"'{name}' would be a {prefix}{stem.replace('_', ' ')}, and that unit takes no such prefix"
         raise UnknownUnit(said, name)
     exponents = {key: dimension.pop(f"[{key}]", 0.0) for key in ("mass", "length", "time")}
-    if not math.isfinite(magnitude) or magnitude <= 0.0 or any(not n.is_integer() for n in exponents.values()):
+    offset = not math.isclose(twice, 2.0 * magnitude, rel_tol=1e-12)
+    if (
+        not math.isfinite(magnitude)
+        or magnitude <= 0.0
+        or offset
+        or any(not n.is_integer() for n in exponents.values())
+    ):
         raise UnknownUnit(f"unit '{name}' cannot be used here")
     # Counts have no dimension in pint, and are neither turns nor cycles: a becquerel is no frequency.
     dimension |= {key: counted[key] for key in ("count",) if key in counted}
@@ -338,5 +352,6 @@ def pint_registry() -> Any:
     registry.define("ppg = pound / gallon")
     registry.define("ppf = pound / foot")
     registry.define("pcf = pound / foot ** 3")
+    registry.define("fpm = foot / minute")
     registry.define("sg = 1000 kilogram / meter ** 3")
     return registry

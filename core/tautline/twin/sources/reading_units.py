@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from tautline.errors import TautlineError
 from tautline.scene.reading.columns import NO_UNIT, NUMBER, may_mark_thousands, unit_named
+from tautline.scene.values.unclear import several
 from tautline.scene.values.units import TABLE, Uncounted, Unit, UnknownUnit, converted, read_unit
 
 CODES = {
@@ -57,13 +58,16 @@ def factor_between(header: str, asked: str) -> float | None:
     Raises
     ------
     OtherQuantity
-        For units of different dimensions, and for a rotary speed of something that is not counted.
+        For units of different dimensions, for a name of several units, and for a rotary speed of something that is
+        not counted.
     """
     header, asked = unit_named(header), unit_named(asked)
     if header in NO_UNIT or header == asked:
         return 1.0
     if not asked:
         return None
+    if why := several(header):
+        raise OtherQuantity(why)
     try:
         written, wanted = read_unit(header), read_unit(asked)
     except UnknownUnit:
@@ -94,8 +98,8 @@ def factor_stated(stated: str, asked: str) -> tuple[float, str] | None:
     except UnknownUnit:
         found = factor_between(stated, asked)
         return None if found is None else (found, "")
-    if stated.lower() in ("ton", "tons") and stated != asked and wanted.mass == 1:
-        raise OtherQuantity("may be the tonne of 1000 kg, or a ton of 2000 lb or 2240 lb")
+    if (why := several(stated)) and stated != asked and wanted.mass == 1:
+        raise OtherQuantity(why)
     if stated in OF_CURRENT and stated != asked:
         raise OtherQuantity("is a unit of another quantity")
     plain = WRITTEN.get(stated) or _usual(stated)

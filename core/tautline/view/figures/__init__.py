@@ -1,1 +1,1 @@
-"""Figures by matplotlib: style, curves, histories, spectra, waterfalls, orbits. Nothing else imports it."""
+"""Figures by matplotlib: style, curves, histories, spectra, waterfalls, orbits."""
