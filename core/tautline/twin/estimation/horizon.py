@@ -257,10 +257,22 @@ class Horizon:
         if not self.unknowns:
             return
         self._walk_to(sample.time)
-        info, pull = self._information([sample])
+        info, pull = self._information_of(self._stacked([sample]), of_line=self._of_line(sample))
         total = self.prior + info
         self.prior_mean = np.linalg.solve(total, self.prior @ self.prior_mean + pull)
         self.prior = total
+
+    def _of_line(self, sample: Sample) -> np.ndarray:
+        """Variances (m,) of what a sample is off by where its line is followed as far as to the estimate.
+
+        Samples of a window are off alike: all together they tell no more than one of them that has this error alone.
+        """
+        return (1 + len(self.samples)) * np.sum((sample.J * self._off_line()) ** 2, axis=-1)
+
+    def _off_line(self) -> np.ndarray:
+        """What the estimate (k,) may be wrong by as machines bend away from their derivatives: by the way squared."""
+        moved = np.abs(self.mean - self.theta0)[self.bent] / self.first_sd[self.bent]
+        return np.where(self.bent, BENT * moved.max(initial=0.0) ** 2 * self.first_sd, 0.0)
 
     def _walk_to(self, time: float) -> None:
         """Take information away from the prior as time goes by."""
@@ -294,8 +306,10 @@ class Horizon:
         """J' W J and J' W (y - y0 + J theta0) of samples, with the estimate's residuals for the weights."""
         return self._information_of(self._stacked(samples))
 
-    def _information_of(self, stacked: Stacked, alone: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """The same of samples that were stacked."""
+    def _information_of(
+        self, stacked: Stacked, alone: bool = False, of_line: np.ndarray | float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The same of samples that were stacked, with variances (m,) of what their line is off by."""
         y, y0, J, use, plain = stacked
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
         # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
@@ -310,7 +324,7 @@ class Horizon:
             scale = np.maximum(scale, np.median(np.abs(residual), axis=0) / 0.6745)
         far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
         sd, alike = sd if alone else spread, UNSURE * np.maximum(1.0, self.alike)
-        weight = np.where(use, 1.0 / (sd**2 * alike), 0.0) / np.maximum(1.0, far) ** 2
+        weight = np.where(use, 1.0 / (sd**2 * alike + of_line), 0.0) / np.maximum(1.0, far) ** 2
         info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
         wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
         return info, np.einsum("nmi,nm,nm->i", J, weight, wanted)
