@@ -138,8 +138,8 @@ class Horizon:
         Share of the rows of about a window that were not used, as none of their derivatives could be believed; and the
         time at which that was last followed, s.
     left : (m,)
-        Square of what is left of the window at the estimate, in variances of the sensor, as half of its rows exceed it:
-        with what all of them have in common, which is no part of `spread`.
+        Square of what is left of the window at the estimate, in variances of the sensor: `spread`, and what all of its
+        rows have in common.
     lasting : (k,)
         Standard deviations of what sensors that are off for good make of the estimate, however many rows say the same.
     beyond : (k,)
@@ -189,7 +189,7 @@ class Horizon:
         self.wild, self.wild_at = 0.0, np.nan
         self.variance = np.zeros(m)
         self.alike, self.learned = np.ones(m), np.zeros(m)
-        self._anew = False
+        self._anew, self._carried, self._carried_at = False, 0.0, -np.inf
 
     # -- samples -------------------------------------------------------------------------------------------------------
 
@@ -206,6 +206,9 @@ class Horizon:
 
     def replaced(self, samples: Sequence[Sample], theta0: np.ndarray) -> None:
         """The same window, linearised elsewhere, with the free motions at its begin unknown anew."""
+        shift = np.abs(theta0 - self.theta0)[self.bent] / self.first_sd[self.bent]
+        self._carried = max(self._states_off(samples[-1].time), float(shift.max(initial=0.0)) ** 2)
+        self._carried_at = samples[-1].time
         self.samples, self.theta0 = deque(samples), theta0.copy()
         lasting = ~self.free
         if self.free.any():
@@ -277,12 +280,24 @@ class Horizon:
 
         Samples of a window are off alike: all together they tell no more than one of them that has this error alone.
         """
-        return (1 + len(self.samples)) * np.sum((sample.J * self._off_line()) ** 2, axis=-1)
+        return (1 + len(self.samples)) * np.sum((sample.J * self._off_line(sample.time)) ** 2, axis=-1)
 
-    def _off_line(self) -> np.ndarray:
-        """What the estimate (k,) may be wrong by as machines bend away from their derivatives: by the way squared."""
-        moved = np.abs(self.mean - self.theta0)[self.bent] / self.first_sd[self.bent]
-        return np.where(self.bent, BENT * moved.max(initial=0.0) ** 2 * self.first_sd, 0.0)
+    def _off_line(self, time: float) -> np.ndarray:
+        """What the estimate (k,) may be wrong by as machines bend away from their derivatives: by the way squared.
+
+        The way from where it was linearised, or that by which the states were moved at the begin of the window.
+        """
+        moved = float((np.abs(self.mean - self.theta0)[self.bent] / self.first_sd[self.bent]).max(initial=0.0))
+        return np.where(self.bent, BENT * max(moved**2, self._states_off(time)) * self.first_sd, 0.0)
+
+    def _states_off(self, time: float) -> float:
+        """The square of the way, in deviations of the start, by which states were moved, as far as it lasts.
+
+        What a state is off by then, a machine forgets within about a window; a free motion is estimated.
+        """
+        if self.free.any() or not self._carried > 0.0:
+            return 0.0
+        return self._carried * float(np.exp(-max(0.0, time - self._carried_at) / self.window))
 
     def _walk_to(self, time: float) -> None:
         """Take information away from the prior as time goes by."""
@@ -382,7 +397,7 @@ class Horizon:
         told = np.where(use, residual / sd, np.nan)
         for m in range(len(rows)):
             own = told[use[:, m], m]
-            self.left[m] = float(np.median(np.abs(own)) / NORMAL) ** 2 if own.size >= FEWEST else 0.0
+            self.left[m] = self.spread[m] + (float(np.median(own)) ** 2 if own.size >= FEWEST else 0.0)
         noise = UNSURE * np.maximum(1.0, self.alike) * np.maximum(1.0, self.spread) / rows
         square = (np.nansum(told, axis=0) / rows) ** 2
         off = np.where((square > SEEN_OFF**2 * noise) & (rows >= FEWEST), square, 0.0)
