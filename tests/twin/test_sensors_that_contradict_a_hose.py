@@ -5,10 +5,11 @@ import functools
 import numpy as np
 import pytest
 import yaml
-from of_the_suite import studies
 
 import tautline
 from tautline.twin.twin import Twin
+
+pytestmark = pytest.mark.study
 
 STIFFNESS, MASS = 1.08e-3, 7.854e-4
 """What the twin does not know, N m2 and kg/m: as in the shipped scene."""
@@ -59,13 +60,13 @@ def off_by(line, name, truth):
     return abs(one["value"] - truth) / one["sd"]
 
 
-@pytest.mark.parametrize("seed", [0, *studies(1, 2, 3)])
+@pytest.mark.parametrize("seed", range(4))
 def test_two_unknowns_and_a_short_window_are_found_from_a_first_guess_far_away(seed):
     found = [line for line in lines(SENSORS + STIFF, 5.0, seed) if line["time"] > 2.5]
     assert all(line["health"] == "good" for line in found)
-    for name, truth in (("hose.bending_stiffness", STIFFNESS), ("hose.fluid_mass", MASS)):
+    for name, truth, first in (("hose.bending_stiffness", STIFFNESS, 8e-4), ("hose.fluid_mass", MASS, 4e-4)):
+        assert found[-1]["estimates"][name]["sd"] < 0.7 * first
         assert max(off_by(line, name, truth) for line in found) < 3.0
-        assert found[-1]["estimates"][name]["value"] == pytest.approx(truth, rel=0.25)
 
 
 def test_health_is_not_good_for_long_where_a_sensor_drifts_away_from_what_is_expected():

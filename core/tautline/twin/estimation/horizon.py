@@ -389,7 +389,8 @@ class Horizon:
 
         A sensor that is off for good, or sensors that contradict each other, are off by the same in all rows: what they
         make of the estimate does not fall with the number of rows. Which of them is off is not known, so each may be,
-        by what all of them leave. What has left the window is not believed to be better. Nor is it worse than the start.
+        by what all of them leave. What has left the window is not believed to be better.
+        Nothing is known less well than at the start.
         """
         _, _, J, use, sd = stacked
         residual, weight = self._weighed(stacked)
@@ -401,7 +402,8 @@ class Horizon:
         noise = UNSURE * np.maximum(1.0, self.alike) * np.maximum(1.0, self.spread) / rows
         square = (np.nansum(told, axis=0) / rows) ** 2
         off = np.where((square > SEEN_OFF**2 * noise) & (rows >= FEWEST), square, 0.0)
-        common = float(off.sum()) / max(1, np.count_nonzero(use.any(axis=0)) - np.count_nonzero(~self.free))
+        more = int(np.count_nonzero(use.any(axis=0))) - int(np.count_nonzero(~self.free))
+        common = float(off.sum()) / max(1, more)
         alone = np.einsum("nmi,nm,nmj->ij", J, weight, J) + np.diag(1.0 / self.first_sd**2)
         pull = np.linalg.solve(alone, np.einsum("nmi,nm,nm->im", J, weight, sd))
         self.lasting = np.minimum(np.sqrt(common * np.sum(pull**2, axis=1)), self.first_sd)
