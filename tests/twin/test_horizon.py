@@ -34,7 +34,9 @@ def test_the_estimate_is_that_of_all_data_though_only_a_window_is_kept():
     J = np.column_stack([np.ones(200), np.sin(t)])
     truth = np.array([3.0, -1.5])
     y = J @ truth + 0.2 * rng.standard_normal(200)
-    horizon = fed(Horizon([unknown("a", 0.0, 10.0), unknown("b", 0.0, 10.0)], [channel(0.2)], 3.0), t, y, J)
+    horizon = Horizon([unknown("a", 0.0, 10.0), unknown("b", 0.0, 10.0)], [channel(0.2)], 3.0)
+    horizon.theta0[:] = truth  # from far away a line would not be believed: who knows that it is straight
+    fed(horizon, t, y, J)
     info = J.T @ J / 0.2**2 + np.eye(2) / 10.0**2
     mean = np.linalg.solve(info, J.T @ y / 0.2**2)
     assert len(horizon.samples) == 31
@@ -160,3 +162,54 @@ def test_what_a_first_guess_left_unexplained_is_forgotten_and_noise_of_inputs_is
     horizon.replaced(rows(remembered), np.zeros(2))
     assert np.sqrt(horizon.spread[0]) == pytest.approx(remembered, rel=0.3)
     assert horizon.learned[0] == (1.0 if left_before > 2.0 * remembered else 34.0)
+
+
+def test_samples_of_a_first_guess_that_have_left_a_short_window_do_not_keep_the_estimate_from_the_truth():
+    # What is measured is the square of the unknown: its line from 3 says 1.67 where the truth is 1.
+    rng, truth = np.random.default_rng(7), 1.0
+    horizon = Horizon([unknown("a", 3.0, 1.5)], [channel(0.05)], 1.0)
+
+    def at(time, y):
+        a = horizon.theta0[0]
+        return Sample(time, np.array([y]), np.array([a**2]), np.array([[2.0 * a]]), np.ones(1, bool))
+
+    for k in range(150):
+        horizon.add(at(0.05 * k, truth**2 + 0.05 * rng.standard_normal()))
+        if k % 25 == 24:  # a window is gone through anew later than it lasts
+            a, kept = horizon.mean.copy(), list(horizon.samples)
+            horizon.theta0 = a
+            horizon.replaced([at(one.time, one.y[0]) for one in kept], a)
+        if k > 25:
+            assert abs(horizon.mean[0] - truth) < 3.0 * horizon.deviation[0]
+    assert horizon.mean[0] == pytest.approx(truth, abs=0.01)
+
+
+def told_by_two(off, rows=160):
+    """A horizon of one unknown, 3, that two sensors show alike; the second is off by so much."""
+    rng = np.random.default_rng(5)
+    horizon = Horizon([unknown("a", 3.0, 2.0)], [channel(0.05), channel(0.05)], 4.0)
+    for k in range(rows):
+        y = 3.0 + 0.05 * rng.standard_normal(2) + np.array([0.0, off])
+        horizon.add(Sample(0.05 * k, y, np.full(2, 3.0), np.ones((2, 1)), np.ones(2, bool)))
+    return horizon
+
+
+@pytest.mark.parametrize("off", [0.1, 0.2, 0.5, 1.0])
+def test_where_two_sensors_contradict_each_other_the_truth_is_within_three_stated_deviations(off):
+    horizon = told_by_two(off)
+    wrong = abs(horizon.mean[0] - 3.0)
+    assert wrong > 3.0 * horizon.linear_deviation[0]  # what the number of rows makes of it
+    assert wrong < 3.0 * horizon.stated[0] < 3.0 * horizon.first_sd[0]
+
+
+def test_sensors_that_agree_add_nothing_to_the_deviation():
+    horizon = told_by_two(0.0)
+    assert np.array_equal(horizon.stated, horizon.deviation)
+
+
+def test_what_all_rows_of_a_sensor_are_off_by_is_left_of_the_window_though_it_is_no_noise():
+    # Half of 0.5 N each are 5 deviations of a sensor of 0.05 N.
+    horizon = told_by_two(1.0)
+    assert np.all(horizon.spread < 4.0)
+    assert max(horizon.left) > 5.0**2
+    assert np.all(told_by_two(0.0).left < 2.0)

@@ -186,6 +186,17 @@ def test_since_when_a_sensor_is_stuck_is_said_as_a_time_of_day():
     assert health.text == "rope_tension has shown 49.12 kN since 2026-11-28 20:00:04.0 UTC"
 
 
+def test_by_how_much_a_sensor_is_off_on_average_is_said_without_a_limit_and_from_the_first_seconds_on():
+    health = rope_health()
+    for k in range(40):  # two seconds
+        health.compare(NOON + 4.0 + 0.05 * k, 49e3 + 60e3, 49e3, 500.0, settled=True)
+    assert health.mean_residual == pytest.approx(60e3)
+    for k in range(40, 400):
+        health.compare(NOON + 4.0 + 0.05 * k, 49e3, 49e3, 500.0, settled=True)
+    # The mean of a time constant of 20 s: 2 s of 60 kN, and 18 s of nothing behind them.
+    assert health.mean_residual == pytest.approx(60e3 * (np.exp(-18 / 20) - np.exp(-1)) / (1 - np.exp(-1)), rel=0.03)
+
+
 def test_when_a_reading_jumped_is_said_as_a_time_of_day():
     health = rope_health()
     health.check(NOON + 4.0, 400e3, [49e3, 49.1e3])

@@ -483,9 +483,9 @@ class Twin:
         sds, self.unsure = horizon.deviations(y0), False
         # Means of rows say nothing of what a row of its own is off by. A machine at rest shows it.
         alone = self.operation is None or self.operation.mean == 0.0
-        both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * (alone or self.rests), horizon.spread, strict=True)
+        both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * (alone or self.rests), horizon.left, strict=True)
         beyond = {}
-        for one, sd, (shaken, missed, spread) in zip(self.plan.measured, sds, both, strict=True):
+        for one, sd, (shaken, missed, left) in zip(self.plan.measured, sds, both, strict=True):
             value, own = outputs[one.name]
             beyond[one.name] = max(shaken, missed)
             more[one.name] = value, np.hypot(own, beyond[one.name])
@@ -494,9 +494,9 @@ class Twin:
             # What rows have missed is remembered for seconds, also of a first guess that shook the load by little.
             if self.readings.shaken:
                 self.unsure |= bool(np.hypot(own, shaken) > MANY * sd or missed > LONG_MISSED * sd)
-            # A step that is not recognised shows in what rows miss, and in what the best estimate leaves of the window:
-            # a single snap that comes a little later than computed is missed by more.
-            self.unsure |= bool(missed > MANY * sd and (self.rests or spread > MANY**2))
+            # A step that is not recognised, or a sensor that is off, shows in what rows miss, and in what the estimate
+            # leaves of the window: a single snap that comes a little later than computed is missed by more.
+            self.unsure |= bool(missed > MANY * sd and (self.rests or left > MANY**2))
             # Of means no single row shows it.
             self.unsure |= not alone and (bool(own > MANY * sd) or self.estimate.extrapolated)
         for name, swung in self.estimate.swung(read, beyond).items():
@@ -563,7 +563,7 @@ class Twin:
             for m, (name, health) in enumerate(self._health_of_outputs())
         }
         estimates = {
-            one.name: (float(horizon.mean[k]), float(horizon.deviation[k])) for k, one in enumerate(self.plan.unknowns)
+            one.name: (float(horizon.mean[k]), float(horizon.stated[k])) for k, one in enumerate(self.plan.unknowns)
         }
         found = self.operation.found(time, measured, outputs, estimates, self.estimate.family.simulations[0])
         units = self.operation.outputs
@@ -576,8 +576,9 @@ class Twin:
         residual: np.ndarray,
     ) -> dict[str, Any]:  # fmt: skip
         plan, h, rows = self.plan, self.estimate.horizon, self.readings.rows
+        sds = h.stated
         estimates = {
-            one.name: {"value": float(h.mean[k]), "sd": float(h.deviation[k]), "unit": one.unit}
+            one.name: {"value": float(h.mean[k]), "sd": float(sds[k]), "unit": one.unit}
             for k, one in enumerate(plan.unknowns)
         } | self._further
         names = [one.name for one in plan.measured]

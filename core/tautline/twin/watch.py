@@ -229,7 +229,7 @@ class Watch:
             self.alarms.judge(f"{column} jumping", health.jumping(time), time, health.jump)
             if i in numbers:
                 alike = float(correlation[numbers.index(i)])
-                off = health.channel.told(health.mean * health.sd)
+                off = health.channel.told(health.mean_residual)
                 text = f"{column} is off by {off} on average lately: the sensor, the weight or friction drifts"
                 self.alarms.judge(f"{column} drifting", health.drifting(alike) and converged, time, text)
                 side = "above" if health.off > 0.0 else "below"

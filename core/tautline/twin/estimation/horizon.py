@@ -56,12 +56,16 @@ BENT = 0.5
 MISSED, MOST_MISSED = 2.0, 100.0
 """Time over which it is averaged by how much rows miss what is expected of them, s; and standard deviations of the
 sensor that one counts as at most."""
+FEWEST, NORMAL = 8, 0.6745
+"""Samples of which a spread is told; and the median of the size of normal noise, in standard deviations."""
 FAR_LESS = 4.0
 """How many times less a window leaves unexplained, linearised anew, where what was left before was no noise."""
 MANY_WILD = 0.25
 """Share of a window's rows that are not used, as nothing in them can be believed, from which on it tells too little."""
 ONE_ROW = 0.1
 """Share of a window for which one row counts at most."""
+SEEN_OFF = 3.0
+"""Standard deviations of the mean residual of a window from which on it is no noise: a sensor is off for good."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
@@ -133,6 +137,11 @@ class Horizon:
     wild, wild_at : float
         Share of the rows of about a window that were not used, as none of their derivatives could be believed; and the
         time at which that was last followed, s.
+    left : (m,)
+        Square of what is left of the window at the estimate, in variances of the sensor: `spread`, and what all of its
+        rows have in common.
+    lasting : (k,)
+        Standard deviations of what sensors that are off for good make of the estimate, however many rows say the same.
     beyond : (k,)
         How far beyond its range each unknown would stand without it, in standard deviations.
     released : float
@@ -171,7 +180,7 @@ class Horizon:
         self.samples: deque[Sample] = deque()
         self.spread, self.correlation = np.ones(m), np.ones(m)
         self.at_bound = np.zeros(k, bool)
-        self.beyond = np.zeros(k)
+        self.beyond, self.lasting, self.left = np.zeros(k), np.zeros(k), np.zeros(m)
         self.released, self._contradicted = -np.inf, np.nan
         self.rough = np.zeros((m, k))
         self.largest = np.zeros(m)
@@ -180,7 +189,7 @@ class Horizon:
         self.wild, self.wild_at = 0.0, np.nan
         self.variance = np.zeros(m)
         self.alike, self.learned = np.ones(m), np.zeros(m)
-        self._anew = False
+        self._anew, self._carried, self._carried_at = False, 0.0, -np.inf
 
     # -- samples -------------------------------------------------------------------------------------------------------
 
@@ -197,6 +206,9 @@ class Horizon:
 
     def replaced(self, samples: Sequence[Sample], theta0: np.ndarray) -> None:
         """The same window, linearised elsewhere, with the free motions at its begin unknown anew."""
+        shift = np.abs(theta0 - self.theta0)[self.bent] / self.first_sd[self.bent]
+        self._carried = max(self._states_off(samples[-1].time), float(shift.max(initial=0.0)) ** 2)
+        self._carried_at = samples[-1].time
         self.samples, self.theta0 = deque(samples), theta0.copy()
         lasting = ~self.free
         if self.free.any():
@@ -219,6 +231,7 @@ class Horizon:
         self.prior = np.diag(1.0 / self.first_sd**2)
         self.prior_time = np.nan
         self.learned[:] = 0.0
+        self.lasting, self.left = np.zeros_like(self.lasting), np.zeros_like(self.left)
         self.mean, self.covariance = self.prior_mean.copy(), np.diag(self.first_sd**2)
 
     @property
@@ -257,10 +270,34 @@ class Horizon:
         if not self.unknowns:
             return
         self._walk_to(sample.time)
-        info, pull = self._information([sample])
+        info, pull = self._information_of(self._stacked([sample]), of_line=self._of_line(sample))
         total = self.prior + info
         self.prior_mean = np.linalg.solve(total, self.prior @ self.prior_mean + pull)
         self.prior = total
+
+    def _of_line(self, sample: Sample) -> np.ndarray:
+        """Variances (m,) of what a sample is off by where its line is followed as far as to the estimate.
+
+        Samples of a window are off alike: all together they tell no more than one of them that has this error alone.
+        """
+        return (1 + len(self.samples)) * np.sum((sample.J * self._off_line(sample.time)) ** 2, axis=-1)
+
+    def _off_line(self, time: float) -> np.ndarray:
+        """What the estimate (k,) may be wrong by as machines bend away from their derivatives: by the way squared.
+
+        The way from where it was linearised, or that by which the states were moved at the begin of the window.
+        """
+        moved = float((np.abs(self.mean - self.theta0)[self.bent] / self.first_sd[self.bent]).max(initial=0.0))
+        return np.where(self.bent, BENT * max(moved**2, self._states_off(time)) * self.first_sd, 0.0)
+
+    def _states_off(self, time: float) -> float:
+        """The square of the way, in deviations of the start, by which states were moved, as far as it lasts.
+
+        What a state is off by then, a machine forgets within about a window; a free motion is estimated.
+        """
+        if self.free.any() or not self._carried > 0.0:
+            return 0.0
+        return self._carried * float(np.exp(-max(0.0, time - self._carried_at) / self.window))
 
     def _walk_to(self, time: float) -> None:
         """Take information away from the prior as time goes by."""
@@ -294,8 +331,20 @@ class Horizon:
         """J' W J and J' W (y - y0 + J theta0) of samples, with the estimate's residuals for the weights."""
         return self._information_of(self._stacked(samples))
 
-    def _information_of(self, stacked: Stacked, alone: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """The same of samples that were stacked."""
+    def _information_of(
+        self, stacked: Stacked, alone: bool = False, of_line: np.ndarray | float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The same of samples that were stacked, with variances (m,) of what their line is off by."""
+        y, y0, J, use, _ = stacked
+        _, weight = self._weighed(stacked, alone, of_line)
+        info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
+        wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
+        return info, np.einsum("nmi,nm,nm->i", J, weight, wanted)
+
+    def _weighed(
+        self, stacked: Stacked, alone: bool = False, of_line: np.ndarray | float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals of samples (n, m) at the estimate, and what they weigh."""
         y, y0, J, use, plain = stacked
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
         # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
@@ -304,16 +353,13 @@ class Horizon:
         # would let an estimate that is not known keep all samples from telling of it.
         spread = np.maximum(sd, plain * np.sqrt(np.maximum(1.0, self.spread)))
         scale = spread
-        if alone and len(y) >= 8:
+        if alone and len(y) >= FEWEST:
             # What all samples have in common is no outlier.
             residual = residual - np.median(residual, axis=0)
-            scale = np.maximum(scale, np.median(np.abs(residual), axis=0) / 0.6745)
+            scale = np.maximum(scale, np.median(np.abs(residual), axis=0) / NORMAL)
         far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
         sd, alike = sd if alone else spread, UNSURE * np.maximum(1.0, self.alike)
-        weight = np.where(use, 1.0 / (sd**2 * alike), 0.0) / np.maximum(1.0, far) ** 2
-        info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
-        wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
-        return info, np.einsum("nmi,nm,nm->i", J, weight, wanted)
+        return residual, np.where(use, 1.0 / (sd**2 * alike + of_line), 0.0) / np.maximum(1.0, far) ** 2
 
     def solve(self) -> None:
         """Find the estimate of the window and its prior."""
@@ -336,6 +382,31 @@ class Horizon:
         # So must what a better estimate would explain: what is left is left by the best one that there is.
         best = np.linalg.solve(self.prior + info, self.prior @ self.prior_mean + pull)
         self._learn(stacked, np.clip(best, self.low, self.high))
+        self._follow_lasting(stacked)
+
+    def _follow_lasting(self, stacked: Stacked) -> None:
+        """Find what is left of the window at the estimate, and what the estimate is off by where that is no noise.
+
+        A sensor that is off for good, or sensors that contradict each other, are off by the same in all rows: what they
+        make of the estimate does not fall with the number of rows. Which of them is off is not known, so each may be,
+        by what all of them leave. What has left the window is not believed to be better.
+        Nothing is known less well than at the start.
+        """
+        _, _, J, use, sd = stacked
+        residual, weight = self._weighed(stacked)
+        rows = np.maximum(use.sum(axis=0), 1)
+        told = np.where(use, residual / sd, np.nan)
+        for m in range(len(rows)):
+            own = told[use[:, m], m]
+            self.left[m] = self.spread[m] + (float(np.median(own)) ** 2 if own.size >= FEWEST else 0.0)
+        noise = UNSURE * np.maximum(1.0, self.alike) * np.maximum(1.0, self.spread) / rows
+        square = (np.nansum(told, axis=0) / rows) ** 2
+        off = np.where((square > SEEN_OFF**2 * noise) & (rows >= FEWEST), square, 0.0)
+        more = int(np.count_nonzero(use.any(axis=0))) - int(np.count_nonzero(~self.free))
+        common = float(off.sum()) / max(1, more)
+        alone = np.einsum("nmi,nm,nmj->ij", J, weight, J) + np.diag(1.0 / self.first_sd**2)
+        pull = np.linalg.solve(alone, np.einsum("nmi,nm,nm->im", J, weight, sd))
+        self.lasting = np.minimum(np.sqrt(common * np.sum(pull**2, axis=1)), self.first_sd)
 
     def _within(self, total: np.ndarray, pull: np.ndarray) -> np.ndarray:
         """The minimum within the ranges: what would leave its range stands at the end of it."""
@@ -415,17 +486,17 @@ class Horizon:
     def _learn(self, stacked: Stacked, best: np.ndarray) -> None:
         """Learn how residuals spread, and how many samples count as one."""
         y, y0, J, use, sd = stacked
-        if len(y) < 8:
+        if len(y) < FEWEST:
             return
         e = np.where(use, y - y0 - J @ (best - self.theta0), 0.0)
         share = 1.0 / (MEMORY * len(y))
         for i in range(e.shape[1]):
             own = e[use[:, i], i]
-            if own.size < 8:
+            if own.size < FEWEST:
                 continue
             # What is off all the time is no noise, but a contradiction.
             part = (own - np.median(own)) / sd[use[:, i], i]
-            power = float(np.median(np.abs(part)) / 0.6745) ** 2
+            power = float(np.median(np.abs(part)) / NORMAL) ** 2
             part = np.clip(part, -LARGEST_RESIDUAL * power**0.5, LARGEST_RESIDUAL * power**0.5)
             if self._anew and self.shaken and FAR_LESS * power < self.spread[i]:
                 # A first guess far away has left it. Noise of inputs is left by every linearisation. Without any a
@@ -435,7 +506,7 @@ class Horizon:
             keep = max(3.0 * share, 1.0 / self.learned[i])
             self.spread[i] += keep * (power - self.spread[i])
             if not np.isfinite(self.sd[i]):
-                middle = float(np.median(np.abs(own)) / 0.6745) ** 2
+                middle = float(np.median(np.abs(own)) / NORMAL) ** 2
                 self.variance[i] = (
                     middle if self.variance[i] == 0.0 else (1 - share) * self.variance[i] + share * middle
                 )
@@ -451,6 +522,11 @@ class Horizon:
         moved = np.abs(self.mean - self.theta0)[bent] / self.first_sd[bent]
         off = np.where(bent, BENT * moved.max(initial=0.0) * self.first_sd, 0.0)
         return np.sqrt(np.diag(self.covariance) + off**2)
+
+    @property
+    def stated(self) -> np.ndarray:
+        """The same (k,) with what sensors that are off for good make of it: what is told to people."""
+        return np.hypot(self.deviation, self.lasting)
 
     @property
     def linear_deviation(self) -> np.ndarray:

@@ -103,6 +103,7 @@ class Health:
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
         self.mean, self.weight = 0.0, 0.0
+        self._residual, self._known = 0.0, 0.0
         self.off, self.contradicts = 0.0, False
         self._off_for, self._off_at = 0.0, np.nan
         self._before, self._passed, self._largest = np.nan, np.nan, 0.0
@@ -334,16 +335,25 @@ class Health:
             if self.fault == "unit":
                 self._set("", "")
         if settled and slip is None:
-            self._drift(time, float(np.clip((measured - computed) / sd, -FAR, FAR)))
+            self._drift(time, measured - computed)
         return slip is None
 
-    def _drift(self, time: float, e: float) -> None:
+    def _drift(self, time: float, residual: float) -> None:
         """Follow the mean residual, and how alike neighbours are."""
         passed = time - self._before if np.isfinite(self._before) else 0.0
         self._before = time
         keep = np.exp(-passed / DRIFT_TIME)
+        e = float(np.clip(residual / self.sd, -FAR, FAR))
         self.mean = keep * self.mean + (1.0 - keep) * e
+        # What is judged is of clipped residuals, and rises from zero. What is told is the mean itself.
+        self._residual = keep * self._residual + (1.0 - keep) * residual
+        self._known = keep * self._known + (1.0 - keep)
         self.weight = keep**2 * self.weight + (1.0 - keep) ** 2
+
+    @property
+    def mean_residual(self) -> float:
+        """Mean of the residuals of about the last `DRIFT_TIME`, SI."""
+        return self._residual / self._known if self._known > 0.0 else 0.0
 
     def drifting(self, alike: float) -> bool:
         """Whether the mean residual is beyond what noise makes, with so many samples counting as one."""
@@ -371,6 +381,7 @@ class Health:
         return {
             "fault": self.fault, "text": self.text, "seen": self.seen, "values": list(self._values),
             "changes": list(self._changes), "mean": self.mean, "weight": self.weight, "before": self._before,
+            "residual": [self._residual, self._known],
             "furthest": self._furthest, "largest": self._largest, "passed": self._passed, "leapt": self._leapt,
             "same": [self._same, self._same_from, self._abrupt, self._stopped],
             "last": [self._last, self._last_at, self._step],
@@ -383,6 +394,7 @@ class Health:
         self._values.extend(memory["values"])
         self._changes.extend(memory["changes"])
         self.mean, self.weight, self._before = memory["mean"], memory["weight"], memory["before"]
+        self._residual, self._known = memory.get("residual", [0.0, 0.0])
         self._furthest, self._leapt = memory["furthest"], memory["leapt"]
         self._largest, self._passed = memory["largest"], memory["passed"]
         self._same, self._same_from, self._abrupt, self._stopped = memory["same"]
