@@ -159,6 +159,12 @@ def enough(scene: DrillstringScene, well: Wellbore, tubes: Iterable[Tube], now: 
     return min(count, max(now, MOST_ELEMENTS))
 
 
+def follows_hole(scene: DrillstringScene) -> bool:
+    """Whether the string of a scene feels the bends of its hole; raises SceneError where the two do not fit."""
+    ready = prepared(scene)
+    return missed(scene, ready.well, ready.lumps) is None
+
+
 def _follows(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> bool:
     if scene.model.kind == BEAM and off_the_line(well, lumps).max() > SIDE_FORCE:
         return False
