@@ -46,15 +46,19 @@ class Doubling(NamedTuple):
         return max(abs(self.hook_load), abs(self.torque)) <= SETTLED
 
 
-def links(scene: DrillstringScene, depths: Sequence[float], unit: str | None = None) -> int:
+def links(
+    scene: DrillstringScene, depths: Sequence[float], unit: str | None = None, least: int | None = None
+) -> int:
     """Links of the string where they are not given, at the deepest of its depths: the scene's, if it has more.
+
+    There are ``least`` at least, if that is given.
 
     Raises
     ------
     SceneError
         For a depth at which the string does not fit the well, told in the ``unit``.
     """
-    now, well = max(ELEMENTS, scene.model.elements), well_of(scene)
+    now, well = max(ELEMENTS, scene.model.elements) if least is None else least, well_of(scene)
     hung = shortened(scene, well.length, max(depths), now, unit=unit)
     return enough(hung, well, tubes_of(hung, min(max(depths), well.length)), now)
 

@@ -392,6 +392,8 @@ def _of_model(fitted: Fit) -> str:
     model, loads = max(told)
     said = f"; of the error, {model:.2g} is that of the model and {loads:.2g} the scatter of the loads. "
     if fitted.elements_error >= model:
+        if fitted.compared > fitted.elements:
+            return f"{said}With {fitted.compared} elements, which follow the hole, the factor is that much different"
         return f"{said}With half the elements the factor is that much different: more make this smaller (--elements)"
     return (
         f"{said}A soft string, which has no stretch and no stiffness, gives a factor that is that much different. "
