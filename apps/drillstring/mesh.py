@@ -26,14 +26,13 @@ PLACES = 8
 """Of each element, at which the hole's curvature is taken."""
 MOST_ELEMENTS = 2000
 """Elements up to which a mesh that follows the hole is looked for."""
-MISSED, BESIDE = 0.05, 0.1
-"""Share of a string's bend that its elements may not feel before that is said, and how far beside the clearance the
-hole leaves an arc where that counts. Scatter of a survey of less than a tenth of the clearance moves no pipe.
+MISSED, LEFT, BESIDE = 0.05, 0.025, 0.1
+"""Share of a string's bend that its elements may not feel before that is said, the share that a finer mesh may leave,
+and how far beside the clearance the hole leaves an arc where that counts: scatter of a survey of less than a tenth of
+the clearance moves no pipe.
 
-Measured: wells of stations 29 m apart with 0.5 deg of scatter, 10 m apart with 0.25 deg, and a sine of 40 m period and
-0.11 m, friction 0.25, in a clearance of 25 mm. Where 5 % are missed, torque is 1 to 3 % below that of many times as
-many links; where 10 % are, up to 4 %; where 30 % are, up to 25 %. Wells of sections, and the surveys of smooth ones,
-miss less than 1.5 % with 100 links.
+Wells of sections, and the surveys of smooth ones, miss less than 1.5 % with 100 links. What a mesh that leaves `LEFT`
+is off by is in docs/torque_drag.md.
 """
 SCATTER, FINE = 0.2, 10.0
 """Share of a hole's bend that is to and fro within `FINE` m, and by less than `BESIDE` of the clearance, from which a
@@ -121,7 +120,7 @@ class Missed(NamedTuple):
     share: float
 
 
-def missed(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Missed | None:
+def missed(scene: DrillstringScene, well: Wellbore, lumps: Lumps, little: float = MISSED) -> Missed | None:
     """What the elements of a string miss of the bends of its hole; None where that is little, or there is no wall."""
     if scene.well.wall is None or lumps.length.size < 2:
         return None
@@ -130,7 +129,7 @@ def missed(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Missed | No
     total = float(found.bend.sum())
     counts = (found.missed > MISSED * found.bend) & (found.off > BESIDE * room)
     share = float(found.missed[counts].sum()) / total if total > 0.0 else 0.0
-    if share <= MISSED:
+    if share <= little:
         return None
     depth, worst = found.depth[counts], int(np.argmax(np.where(counts, found.off, 0.0)))
     return Missed(float(depth[0]), float(depth[-1]), float(found.off[worst]), float(room[worst]), share)
@@ -153,8 +152,9 @@ def _contacts(scene: DrillstringScene, lumps: Lumps) -> tuple[np.ndarray, np.nda
 def enough(scene: DrillstringScene, well: Wellbore, tubes: Iterable[Tube], now: int) -> int:
     """Elements, ``now`` at least and `MOST_ELEMENTS` at most, that feel the bends of the hole, shared by length."""
     free = [replace(tube, elements=None) for tube in tubes]
-    count = now
-    while count < MOST_ELEMENTS and not _follows(scene, well, cut(free, count)):
+    count, little = now, MISSED
+    while count < MOST_ELEMENTS and not _follows(scene, well, cut(free, count), little):
+        little = LEFT
         count += max(1, count // 50)
     return min(count, max(now, MOST_ELEMENTS))
 
@@ -165,10 +165,10 @@ def follows_hole(scene: DrillstringScene) -> bool:
     return missed(scene, ready.well, ready.lumps) is None
 
 
-def _follows(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> bool:
+def _follows(scene: DrillstringScene, well: Wellbore, lumps: Lumps, little: float) -> bool:
     if scene.model.kind == BEAM and off_the_line(well, lumps).max() > SIDE_FORCE:
         return False
-    return missed(scene, well, lumps) is None
+    return missed(scene, well, lumps, little) is None
 
 
 def _bends_within(scene: DrillstringScene, ready: Prepared, cure: Cure) -> str:

@@ -46,9 +46,7 @@ class Doubling(NamedTuple):
         return max(abs(self.hook_load), abs(self.torque)) <= SETTLED
 
 
-def links(
-    scene: DrillstringScene, depths: Sequence[float], unit: str | None = None, least: int | None = None
-) -> int:
+def links(scene: DrillstringScene, depths: Sequence[float], unit: str | None = None, least: int | None = None) -> int:
     """Links of the string where they are not given, at the deepest of its depths: the scene's, if it has more.
 
     There are ``least`` at least, if that is given.

@@ -237,7 +237,9 @@ def torque_drag(
     for number, model in enumerate(models):
         factors = [same(friction, own.shoe) for friction in frictions]
         count, doubling = settled_links(model, depths, factors, unit) if elements is None else (elements, None)
-        follows = elements is None or follows_hole(shortened(model, well_of(scene).length, max(depths), count, unit=unit))
+        follows = elements is None or follows_hole(
+            shortened(model, well_of(scene).length, max(depths), count, unit=unit)
+        )
         cases = [Case(friction, [], doubling, follows) for friction in factors]
         found += cases
         for done, depth in enumerate(depths, 1):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.scene.scene import LUMPED
+from drillstring.statics.enough_links import ELEMENTS
 from drillstring.statics.motion import REAMING
 from tautline.scene.errors import SceneWarning
 from tautline.scene.values.printed import shown
@@ -290,7 +291,14 @@ def _changed(share: float) -> str:
 
 def _beside_soft_string(cases: list[Case], system: str) -> list[str]:
     """Why both columns differ where they do by much, and which to go by."""
-    points = [point for case in cases if case.follows for point in case.points if not point.failures]
+    # The mesh is no reason with as many links as that.
+    points = [
+        point
+        for case in cases
+        if case.follows
+        for point in case.points
+        if not point.failures and point.link_depth.size >= ELEMENTS
+    ]
     found = [(*_furthest(point), point) for point in points]
     share, what, worst = max(found, key=lambda one: one[0], default=(0.0, "", None))
     if worst is None or share < COARSE:
