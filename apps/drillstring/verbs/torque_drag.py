@@ -216,9 +216,13 @@ def parse_depths(text: str) -> list[float]:
         # A line over depths as they were typed would double back.
         return sorted(found)
     parts = three_of(text, "--depth", "write 500:3500:250, or 500,1000,2000")
-    first, last, step = (number(part, "--depth", "m") for part in parts)
-    if last < first:
-        raise refuse("ends above where it begins", "write the shallow depth first, such as 500:3500:250")
+    first, last = (number(part, "--depth", "m") for part in parts[:2])
+    upwards = parts[2].strip().startswith("-")
+    if last < first or upwards:
+        shallow, deep = (part.strip() for part in (parts[:2] if first <= last else parts[1::-1]))
+        cure = f"write the shallow depth first, such as {shallow}:{deep}:{parts[2].strip().lstrip('-')}"
+        raise refuse("has a step below zero" if upwards else "ends above where it begins", cure)
+    step = number(parts[2], "--depth", "m")
     return stepped((first, last, step), text, "--depth", MOST_DEPTHS, "depths")
 
 
