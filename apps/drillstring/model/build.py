@@ -9,7 +9,7 @@ from drillstring.model.handles import handles, requests
 from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.break_away import ON_BOTTOM
-from drillstring.results.drilling import variables_of_ends
+from drillstring.results.drilling import creep_of, variables_of_ends
 from drillstring.results.limits import limits, pushed_at_the_top
 from drillstring.results.observe import (
     COORDINATE_UNITS,
@@ -73,7 +73,7 @@ def build(scene: DrillstringScene) -> Model:
         attributes=attributes_of(scene, "drillstring", COORDINATE_UNITS),
         observe=observer.observe,
         on_demand=observer.on_demand,
-        headline=lambda result: headline(result, lumps, scene.top.weight),
+        headline=lambda result: headline(result, lumps, scene.top.weight, creep_of(scene)),
         limits=lambda result: limits(result, scene, lumps),
         remarks=lambda result: _remarks(result, scene, lumps),
         figure_units=FIGURES,

@@ -10,13 +10,14 @@ import numpy as np
 from drillstring.drilling.bit_group import OWN
 from drillstring.drilling.bit_rock import BladeBit, RockBit
 from drillstring.drilling.top_drive import TopDrive
+from drillstring.scene.scene import DrillstringScene
 from tautline.results.variable import Variable, at_start, late_start
 from tautline.scene.values.printed import printed_in, shown
 
 LAST = 0.5
 """Part of a run, at its end, that tells of stick-slip and of means: what was before is how it came to that."""
-STILL = 0.02
-"""Share of the mean rotary speed below which a bit counts as stuck; of an exactly stuck one nothing is left."""
+STILL = 1.0e-4
+"""Share of the mean rotary speed below which a bit counts as stuck: one that sticks exactly has a millionth of it."""
 SLOWEST = 1.0e-3
 """Mean rotary speed, rad/s, below which a string does not count as turning."""
 ROCKING = 0.05
@@ -68,15 +69,21 @@ def last_part(time: np.ndarray) -> np.ndarray:
     return time >= time[-1] - LAST * (time[-1] - time[0])
 
 
-def stick_slip(time: np.ndarray, spin: np.ndarray) -> dict[str, float]:
+def creep_of(scene: DrillstringScene) -> float:
+    """Rotary speed, rad/s, up to which a bit at rest creeps in a run of a scene: none but in an explicit one."""
+    return scene.bit.slip_speed if scene.solver.explicit else 0.0
+
+
+def stick_slip(time: np.ndarray, spin: np.ndarray, creep: float = 0.0) -> dict[str, float]:
     """Severity (max - min) / (2 |mean|) of a bit's rotary speed (m,) rad/s in the last part of a run; share of that
     time stuck; mean, least and largest speed. The severity of a bit that rocks has no meaning and is NaN.
+    A bit at rest goes as fast as ``creep``, rad/s.
     """
     last = spin[last_part(time)]
     mean = float(last.mean())
     swing = float(np.ptp(last)) / 2.0
     rocks = swing > SLOWEST and abs(mean) < ROCKING * swing
-    still = STILL * abs(mean) if abs(mean) > SLOWEST else SLOWEST
+    still = max(creep, STILL * abs(mean) if abs(mean) > SLOWEST else SLOWEST)
     return {
         "severity": np.nan if rocks else swing / abs(mean) if swing > SLOWEST else 0.0,
         "stuck": float((np.abs(last) < still).mean()),
@@ -86,8 +93,8 @@ def stick_slip(time: np.ndarray, spin: np.ndarray) -> dict[str, float]:
     }
 
 
-def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, str, str]]:
-    """Headline figures of a bit on bottom: name -> (value, unit, text)."""
+def drilling_figures(result: Mapping[str, Any] | Any, creep: float = 0.0) -> dict[str, tuple[float, str, str]]:
+    """Headline figures of a bit on bottom: name -> (value, unit, text); ``creep`` as `creep_of` has it."""
     late, time, spin = late_start(result), result["time"], result["rotation_rate"][:, -1]
     last = last_part(time)
     figures = {
@@ -105,7 +112,7 @@ def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, 
             "m/s",
             f"rate of penetration, last half ({_per_hour(mean, result)})",
         )
-    found = stick_slip(time, spin)
+    found = stick_slip(time, spin, creep)
     if max(found["largest"], -found["least"]) > SLOWEST:
         severity, turning = found["severity"], "mean rotary speed of the bit, last half"
         if np.isnan(severity):

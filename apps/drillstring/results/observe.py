@@ -300,8 +300,12 @@ def _largest_contact(result: Any, contact: np.ndarray, lumps: Lumps) -> dict[str
     }
 
 
-def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[str, Any]]:
-    """Figures that sum a run up; ``block`` is the weight of block and drive, N, which hook loads do not hold."""
+def headline(result: Any, lumps: Lumps, block: float = 0.0, creep: float = 0.0) -> dict[str, dict[str, Any]]:
+    """Figures that sum a run up.
+
+    ``block`` is the weight of block and drive, N, which hook loads do not hold; ``creep`` the speed of a bit at rest,
+    rad/s (`drillstring.results.drilling.creep_of`).
+    """
     hook, torque = result["hook_load"], result["surface_torque"]
     bit, speed = result["bit_depth"], result["bit_speed"]
     contact, moving = result["contact_force"], np.ptp(result["block_position"]) > 0.0
@@ -328,7 +332,7 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
         figures["surface_torque_max"] = (np.abs(torque).max(), "N m", "largest surface torque")
         figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")
     if drills:
-        figures |= drilling_figures(result)
+        figures |= drilling_figures(result, creep)
     if _out_of_balance(lumps):
         figures |= whirl_figures(result)
     return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

@@ -9,11 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
+from drillstring.model.prepared import well_of
 from drillstring.scene.scene import DrillstringScene
+from drillstring.statics.enough_links import links, settled_links
 from drillstring.statics.helix import LockedUp
-from drillstring.statics.statics import Statics
-from drillstring.statics.torque_drag import links, own_friction, require_wall
-from drillstring.string.factors import Factors
+from drillstring.statics.statics import Statics, shortened
+from drillstring.statics.torque_drag import own_friction, require_wall
+from drillstring.string.factors import Factors, same
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import Columns, unit_named
@@ -77,8 +79,10 @@ class Fit(NamedTuple):
     of what the loads are off, N; ``pick_up`` and ``slack_off`` are the open hole's factors that fit each alone, NaN
     where there are too few loads. ``cased`` and ``cased_spread`` are None in a hole without casing. ``unexplained`` are
     the loads that no factor explains. ``model_error`` is what the model itself may be off by, which residuals do not
-    tell: it moves all loads together, and the factor with them. ``elements_error`` is what half the elements would
-    change in the factors, the largest, and about what more of them would.
+    tell: it moves all loads together, and the factor with them. ``elements_error`` is what other elements would
+    change in the factors, the largest, and about what more of them would. ``elements`` is how many the strings have,
+    ``compared`` how many those have that ``elements_error`` is from: half, or as many as feel the bends of the hole
+    where the strings' do not.
     """
 
     friction: float
@@ -93,6 +97,8 @@ class Fit(NamedTuple):
     model_error: float = 0.0
     cased_model_error: float | None = None
     elements_error: float = 0.0
+    elements: int = 0
+    compared: int = 0
 
     @property
     def error(self) -> float:
@@ -225,16 +231,10 @@ def fit(
         Where no equilibrium was found, naming the load.
     """
     require_wall(scene)
-    strings, count = [], links(scene) if elements is None else elements
-    for done, (depth, line) in enumerate(zip(measured.depth, measured.lines, strict=True), 1):
-        try:
-            strings.append(Statics(scene, float(depth), count, unit=measured.unit))
-        except SceneError as error:
-            found = error.problems[0]
-            problem = Problem(
-                str(path or "measured"), int(line), "depth", measured.told(depth), found.cause, found.cure
-            )
-            raise SceneError([problem]) from None
+    _check_depths(scene, measured, path)
+    count, strings = _links(scene, measured) if elements is None else elements, []
+    for done, depth in enumerate(measured.depth, 1):
+        strings.append(Statics(scene, float(depth), count, unit=measured.unit))
         if progress is not None:
             progress(done, measured.depth.size)
     rows = [
@@ -253,20 +253,42 @@ def fit(
     residual = float(np.sqrt(errors @ errors / n))
     both = (float(factors[1]), float(spread[1])) if shoe > 0.0 else (None, None)
     together = Factors(float(factors[0]), float(factors[-1]), shoe)
-    by_elements, by_soft = _model_error(scene, rows, together, errors, slopes, count)
+    compared = _compared(scene, float(measured.depth.max()), count)
+    by_elements, by_soft = _model_error(scene, rows, together, errors, slopes, compared)
     off = np.maximum(by_elements, by_soft)
     return Fit(
         float(factors[0]), float(spread[0]), residual, alone["pick_up"], alone["slack_off"], n, *both,
         unexplained=_unexplained(rows), model_error=float(off[0]),
         cased_model_error=float(off[1]) if shoe > 0.0 else None,
-        elements_error=float(by_elements.max()),
+        elements_error=float(by_elements.max()), elements=count, compared=compared[0],
     )  # fmt: skip
+
+
+def _check_depths(scene: DrillstringScene, measured: Measured, path: Path | None) -> None:
+    """Refuse depths at which the string does not fit the well, by row."""
+    length = well_of(scene).length
+    for depth, line in zip(measured.depth, measured.lines, strict=True):
+        try:
+            shortened(scene, length, float(depth), scene.model.elements, unit=measured.unit)
+        except SceneError as error:
+            found = error.problems[0]
+            problem = Problem(
+                str(path or "measured"), int(line), "depth", measured.told(depth), found.cause, found.cure
+            )
+            raise SceneError([problem]) from None
+
+
+def _links(scene: DrillstringScene, measured: Measured) -> int:
+    """Links that feel the bends of the hole, at about the friction that is sought."""
+    own = own_friction(scene)
+    friction = own if own.largest > 0.0 else same(START, own.shoe)
+    return settled_links(scene, measured.depth.tolist(), [friction], measured.unit)[0]
 
 
 @one_thread()
 def _model_error(
     scene: DrillstringScene, rows: list[tuple[Statics, str, float]], factors: Factors, errors: np.ndarray,
-    slopes: np.ndarray, count: int,
+    slopes: np.ndarray, compared: tuple[int, float],
 ) -> np.ndarray:  # fmt: skip
     """By how much other models would have other factors (2, m): half the elements, and the soft string.
 
@@ -277,9 +299,7 @@ def _model_error(
     """
     if len(rows) < slopes.shape[1] or not slopes.size:
         return np.full((2, 2), np.nan)
-    fewer = count // 2
-    # A string has an element for each of its sections at least.
-    other, share = (fewer, 1.0) if fewer >= len(scene.string) else (2 * count, 2.0)
+    other, share = compared
     others = {depth: Statics(scene, depth, other) for depth in {string.depth for string, *_ in rows}}
     # The fit has ended with these loads: they are not sought again.
     loads = errors + np.array([measured for *_, measured in rows])
@@ -288,6 +308,18 @@ def _model_error(
     # A soft string that locks up has no load to compare with.
     back = np.linalg.pinv(slopes, rcond=TOLD)
     return np.array([np.abs(back @ np.nan_to_num(each)) for each in (by_elements, by_soft)])
+
+
+def _compared(scene: DrillstringScene, depth: float, count: int) -> tuple[int, float]:
+    """Elements to compare with, and the share of the change to them that is told.
+
+    Where those of the fit do not feel the bends of the hole half of them do not either, and change nothing: then it is
+    those that do.
+    """
+    if (enough := links(scene, [depth], least=count)) > count:
+        return enough, 1.0
+    # A string has an element for each of its sections at least.
+    return (count // 2, 1.0) if count // 2 >= len(scene.string) else (2 * count, 2.0)
 
 
 def _soft_hook_load(string: Statics, way: str, factors: Factors) -> float:

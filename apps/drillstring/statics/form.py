@@ -37,6 +37,8 @@ BALANCE = 1.0e-14
 """Residual of the static solver over the scale of forces: rounding decides. A string may weigh next to nothing."""
 REST = 1.0e-10
 """Largest inertia force over the scale of forces that counts as rest in the relaxation, for the same reason."""
+MOVE_TO_REST = ". Take --by relaxation: the string then moves to its rest, however far that is"
+"""Cure where the static solver has found none."""
 STRAIGHT = 1.0e-9
 """Angle, rad, by which a hole that counts as straight may turn, or one that counts as vertical lean."""
 
@@ -189,7 +191,7 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
             if by == "static"
             else "by dynamic relaxation"
         )
-        raise NotAtRest(stop, scene.model.elements, way) from None
+        raise NotAtRest(stop, scene.model.elements, way, MOVE_TO_REST if by == "static" else "") from None
     frames = new_frames(1, system.q.size, model.own)
     frames.q[0], frames.residual[0] = state.full_q, state.residual
     seen = {name: values[0] for name, values in model.observe(frames).items()}
@@ -219,12 +221,12 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
 class NotAtRest(StoppedEarly):
     """A string that did not come to rest; its sentence says on which mesh and how it was tried."""
 
-    def __init__(self, stop: StoppedEarly, elements: int, way: str) -> None:
+    def __init__(self, stop: StoppedEarly, elements: int, way: str, cure: str = "") -> None:
         super().__init__(stop.status, stop.time, stop.part)
         cause = stop.sentence
         if stop.status == Status.NO_EQUILIBRIUM:
             cause = cause.replace("no static equilibrium was found to start from", "the string did not come to rest")
-        self.sentence = f"{cause}; {elements} elements, {way}"
+        self.sentence = f"{cause}; {elements} elements, {way}{cure}"
         self.args = (f"{stop.status.name}, {stop.part}: {self.sentence}",)
 
 

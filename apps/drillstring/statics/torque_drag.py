@@ -11,10 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.mesh import follows_hole
 from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene, check_lengths, of_kind
 from drillstring.statics.buckled import Stations, stations_of
 from drillstring.statics.buckling import Limits
+from drillstring.statics.enough_links import Doubling, links, settled_links
 from drillstring.statics.helix import LockedUp
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.statics.soft_string import SoftString
@@ -27,11 +29,6 @@ from tautline.scene.errors import SceneError
 
 DIRECTIONS = tuple(MOTIONS)
 """Picked up, slacked off, turned off bottom."""
-ELEMENTS = 100
-"""Links or elements of the string where they are not given. Hook loads of the J-well and of the ISCWSA well err by 2e-4
-so; that of lumps in a well in which the string passes from one side to the other at a jump of the curvature by 5e-3,
-for one lump lies on both. Those of a beam err by 2e-4 at half as many elements.
-"""
 
 
 class Overpull(NamedTuple):
@@ -91,10 +88,16 @@ class Point(NamedTuple):
 
 
 class Case(NamedTuple):
-    """All depths for one friction factor, of one kind of model."""
+    """All depths for one friction factor, of one kind of model.
+
+    ``doubling`` is what doubling the links changed, where their number followed the hole; ``follows`` whether the
+    string feels the bends of its hole.
+    """
 
     friction: Factors
     points: list[Point]
+    doubling: Doubling | None = None
+    follows: bool = True
 
     def hook_loads(self, direction: str) -> np.ndarray:
         """Against depth (m,), N."""
@@ -161,11 +164,6 @@ def own_friction(scene: DrillstringScene) -> Factors:
     return factors_of(scene.well.wall, "kinetic")
 
 
-def links(scene: DrillstringScene) -> int:
-    """Links of the string where they are not given: the scene's, if it has more than the default."""
-    return max(ELEMENTS, scene.model.elements)
-
-
 def meshes(
     scene: DrillstringScene,
     depths: Sequence[float] | None,
@@ -180,9 +178,12 @@ def meshes(
     SceneError
         As `torque_drag` does.
     """
-    deepest = own_depth(scene) if depths is None else max(depths)
-    length, count = well_of(scene).length, links(scene) if elements is None else elements
-    return [shortened(of_kind(scene, kind), length, deepest, count, unit=unit) for kind in kinds]
+    deepest, length = own_depth(scene) if depths is None else max(depths), well_of(scene).length
+    made = []
+    for model in (of_kind(scene, kind) for kind in kinds):
+        count = links(model, [deepest], unit) if elements is None else elements
+        made.append(shortened(model, length, deepest, count, unit=unit))
+    return made
 
 
 def torque_drag(
@@ -205,7 +206,7 @@ def torque_drag(
     depths : sequence of float, optional
         Measured depths of the bit, m; the scene's own if None.
     elements : int, optional
-        Links or elements of the string; see :func:`links`.
+        Links or elements of the string; as many as feel the bends of the hole if None (enough_links.py).
     progress : callable, optional
         Called with the number of depths done and that of all, each once to a model.
     reamed : dict of str to Motion, optional
@@ -234,10 +235,15 @@ def torque_drag(
     found = []
     models = [of_kind(scene, kind) for kind in kinds or (scene.model.kind,)]
     for number, model in enumerate(models):
-        cases = [Case(same(friction, own.shoe), []) for friction in frictions]
+        factors = [same(friction, own.shoe) for friction in frictions]
+        count, doubling = settled_links(model, depths, factors, unit) if elements is None else (elements, None)
+        follows = elements is None or follows_hole(
+            shortened(model, well_of(scene).length, max(depths), count, unit=unit)
+        )
+        cases = [Case(friction, [], doubling, follows) for friction in factors]
         found += cases
         for done, depth in enumerate(depths, 1):
-            statics = Statics(model, depth, links(model) if elements is None else elements, unit=unit)
+            statics = Statics(model, depth, count, unit=unit)
             weight = statics.weight[statics.lumps.section]
             stations = stations_of(model, statics.well, statics.lumps, statics.pipes, weight, statics.limits)
             for case in cases:

@@ -24,7 +24,7 @@ from drillstring.drilling.bit_numbers import bit_row, rate_at
 from drillstring.drilling.impedance import torsional_frequency
 from drillstring.model.build import build
 from drillstring.model.prepared import tubes_of, well_of
-from drillstring.results.drilling import last_part, stick_slip
+from drillstring.results.drilling import creep_of, last_part, stick_slip
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
 from tautline.integrators.status import StoppedEarly
@@ -188,7 +188,7 @@ def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | 
     except SceneError as error:
         return _empty(speed, weight, "bad input", str(error), time.perf_counter() - begun)
     last, spin = last_part(result.time), result["rotation_rate"][:, -1]
-    found = stick_slip(result.time, spin)
+    found = stick_slip(result.time, spin, creep_of(scene))
     hole, seconds = result["hole_depth"][last], result.time[last]
     cell = Cell(
         speed, weight, found["severity"], found["stuck"], found["mean"], found["least"], found["largest"],

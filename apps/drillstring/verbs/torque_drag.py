@@ -49,7 +49,7 @@ Elements = Annotated[
     int | None,
     typer.Option(
         "--elements", min=1, max=MOST_ELEMENTS, show_default=False,
-        help="Links or elements of the string. [dim]\\[default: 100, or the scene's if more][/]",
+        help="Links or elements of the string. [dim]\\[default: 100, or more as the scene has or the hole needs][/]",
     ),
 ]  # fmt: skip
 MeasuredFile = Annotated[
@@ -91,7 +91,8 @@ def torque_drag(
     as_json: Json = False,
 ) -> None:
     """Find hook loads, surface torque, side force and buckling, at one depth or many, for several friction factors."""
-    from drillstring.mesh import ELEMENTS, mesh_warnings
+    from drillstring.mesh import ELEMENTS, mesh_warnings, scatter
+    from drillstring.model.prepared import well_of
     from drillstring.scene.scene import of_kind, read
     from drillstring.statics.torque_drag import meshes, own_friction
     from drillstring.statics.torque_drag import torque_drag as compute
@@ -114,6 +115,7 @@ def torque_drag(
     # The mesh is not the scene's, and there may be several: warnings are of those that are computed.
     warnings = [one for one in warnings_without_a_run(drillstring) if one.where != ELEMENTS]
     warnings += mesh_warnings(meshes(drillstring, depths, elements, kinds, unit))
+    warnings += scatter(drillstring, well_of(drillstring))
     print_warnings(warnings)
     loads, fitted = _fitted(drillstring, measured, elements, as_json)
     if fitted is not None:
@@ -214,9 +216,13 @@ def parse_depths(text: str) -> list[float]:
         # A line over depths as they were typed would double back.
         return sorted(found)
     parts = three_of(text, "--depth", "write 500:3500:250, or 500,1000,2000")
-    first, last, step = (number(part, "--depth", "m") for part in parts)
-    if last < first:
-        raise refuse("ends above where it begins", "write the shallow depth first, such as 500:3500:250")
+    first, last = (number(part, "--depth", "m") for part in parts[:2])
+    upwards = parts[2].strip().startswith("-")
+    if last < first or upwards:
+        shallow, deep = (part.strip() for part in (parts[:2] if first <= last else parts[1::-1]))
+        cure = f"write the shallow depth first, such as {shallow}:{deep}:{parts[2].strip().lstrip('-')}"
+        raise refuse("has a step below zero" if upwards else "ends above where it begins", cure)
+    step = number(parts[2], "--depth", "m")
     return stepped((first, last, step), text, "--depth", MOST_DEPTHS, "depths")
 
 
@@ -256,7 +262,6 @@ def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: fl
     """
     every = [_report_of(case) for case in cases]
     return every[0] | {
-        "elements": cases[0].points[0].link_depth.size,
         "cases": every,
         "block_weight": block,
         "fit": None if fitted is None else _fit_report(fitted),
@@ -277,6 +282,8 @@ def _report_of(case: Case) -> dict[str, Any]:
     loads = {way: case.hook_loads(way) for way in DIRECTIONS} | {"torque": case.torques}
     return {
         "model": case.model,
+        "elements": last.link_depth.size,
+        "doubling": None if case.doubling is None else case.doubling._asdict(),
         "friction": case.friction.plain(),
         "depth": [point.depth for point in case.points],
         **loads,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.scene.scene import LUMPED
+from drillstring.statics.enough_links import ELEMENTS
 from drillstring.statics.motion import REAMING
 from tautline.scene.errors import SceneWarning
 from tautline.scene.values.printed import shown
@@ -194,7 +195,10 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
     if fitted is not None and fitted.out_of_reach:
         text = "the friction factor is the largest that is tried: the loads are out of its reach"
         found.append((f"{text}; check the loads, top.weight, mud and string", "yellow"))
-    found += [(text, "yellow") for text in _coarse(points, system)]
+    few = _coarse(points, system)
+    found += _doublings(cases) + [(text, "yellow") for text in few]
+    if not few:
+        found += [(text, "green") for text in _beside_soft_string(cases, system)]
     warned = [(text, "yellow") for point in points for text in _warnings(point, points, system)]
     found += warned[:MOST_SENTENCES]
     if len(warned) > MOST_SENTENCES:
@@ -259,7 +263,50 @@ def _coarse(points: list[Point], system: str) -> list[str]:
         return []
     few_are = f"{worst.link_depth.size} links are few, and the {what} is {100.0 * share:.0f} % off"
     return [
-        f"{_head(worst, points, system)}: {few_are} that of the soft string; give more with --elements, such as 100"
+        f"{_head(worst, points, system)}: {few_are} that of the soft string; give more with --elements, or leave it out"
+    ]
+
+
+def _doublings(cases: list[Case]) -> list[tuple[str, str]]:
+    """How many links followed the hole, and what doubling them changed: once for each model."""
+    found = []
+    for case in {case.model: case for case in cases if case.doubling is not None}.values():
+        doubling = case.doubling
+        assert doubling is not None
+        what = "links" if case.model == LUMPED else "elements of the beam"
+        text = (
+            f"the survey bends to and fro within short lengths, so {doubling.links} {what} were taken. Half as many "
+            f"change the hook load picking up by {_changed(doubling.hook_load)} and the torque by "
+            f"{_changed(doubling.torque)}"
+        )
+        more = "; more may change them further: check the survey, or give more with --elements"
+        found.append((text, "green") if doubling.settled else (text + more, "yellow"))
+    return found
+
+
+def _changed(share: float) -> str:
+    """What half of the links change, from what doubling them did."""
+    return f"{100.0 * (1.0 / (1.0 + share) - 1.0) + 0.0:+.2g} %"
+
+
+def _beside_soft_string(cases: list[Case], system: str) -> list[str]:
+    """Why both columns differ where they do by much, and which to go by."""
+    # The mesh is no reason with as many links as that.
+    points = [
+        point
+        for case in cases
+        if case.follows
+        for point in case.points
+        if not point.failures and point.link_depth.size >= ELEMENTS
+    ]
+    found = [(*_furthest(point), point) for point in points]
+    share, what, worst = max(found, key=lambda one: one[0], default=(0.0, "", None))
+    if worst is None or share < COARSE:
+        return []
+    return [
+        f"{_head(worst, points, system)}: the {what} is {100.0 * share:.0f} % off that of the soft string, which has "
+        "neither clearance nor stiffness, and presses on the wall in every bend of the hole. The statics has both: go "
+        "by its numbers"
     ]
 
 
@@ -353,6 +400,8 @@ def _of_model(fitted: Fit) -> str:
     model, loads = max(told)
     said = f"; of the error, {model:.2g} is that of the model and {loads:.2g} the scatter of the loads. "
     if fitted.elements_error >= model:
+        if fitted.compared > fitted.elements:
+            return f"{said}With {fitted.compared} elements, which follow the hole, the factor is that much different"
         return f"{said}With half the elements the factor is that much different: more make this smaller (--elements)"
     return (
         f"{said}A soft string, which has no stretch and no stiffness, gives a factor that is that much different. "

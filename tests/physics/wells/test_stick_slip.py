@@ -166,6 +166,17 @@ def test_severity_is_half_the_swing_over_the_size_of_the_mean_down_to_a_mean_of_
         assert found["severity"] == pytest.approx(expected, rel=1e-2, nan_ok=True)
 
 
+def test_the_bit_is_stuck_for_the_share_of_time_that_it_does_not_turn_in():
+    # At rest for a quarter of each second, then 4/3 (1 - cos): a hundredth of the mean is no rest, 1e-6 of it is.
+    phase = np.mod(np.arange(100_000) * 1e-4, 1.0)
+    turning = np.where(phase < 0.25, 1e-6, 4.0 / 3.0 * (1.0 - np.cos(2.0 * pi * (phase - 0.25) / 0.75)))
+    assert stick_slip(np.arange(100_000) * 1e-4, turning)["stuck"] == pytest.approx(0.25, abs=5e-3)
+    # That of an explicit run creeps by the speed at which its torque is in full.
+    crept = np.where(phase < 0.25, 0.05, 1.0)
+    stuck = [stick_slip(np.arange(100_000) * 1e-4, crept, creep)["stuck"] for creep in (0.0, 0.1)]
+    assert stuck == pytest.approx([0.0, 0.25], abs=1e-3)
+
+
 def test_rk4_takes_the_regularised_torque_says_so_and_has_nearly_the_same_cycle():
     scene = lump(2.0, end=8.0, solver__method="rk4")
     model = build(scene)

@@ -49,6 +49,11 @@ TOO_FAR = (
     "give positions closer to those at rest, or take finer elements"
 )
 """Cause and cure of a search that has found nothing, of scenes that give positions."""
+LOOSE_OR_FAR = (
+    "in a shape on the way a part moves without resistance: nothing holds a part of the scene, or the search began far "
+    "from rest; hold it, or give it stiffness or tension"
+)
+"""The same of one that came to a shape without stiffness, or went far away."""
 UNSETTLED = (
     "the search came next to a rest and did not settle there, as where next to nothing holds a part of the scene; "
     "hold it, or give it stiffness or tension"
@@ -127,7 +132,7 @@ def _why(system: System, ended: _Ended, spent: int, loose: bool) -> str:
     else:
         amount = f"after {spent} iterations {share} of the scene's largest force is still out of balance there"
     if ended.away or loose:
-        why = "nothing holds a part of the scene: it moves without resistance; hold it, or give it stiffness or tension"
+        why = LOOSE_OR_FAR
     else:
         why = UNSETTLED if ended.residual < NEXT_TO_REST else TOO_FAR
     return f"{amount}; {why}"

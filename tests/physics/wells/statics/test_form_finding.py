@@ -251,6 +251,21 @@ def test_a_string_that_still_moves_is_told_and_is_no_form():
     assert "10 elements" in stop.value.sentence and "40 steps" in stop.value.sentence
 
 
+def test_a_string_in_air_far_from_its_curved_axis_is_told_to_move_to_its_rest_and_does():
+    sections = [{"hold": 100.0}, {"build": {"radius": 200.0, "to": "80 deg"}}, {"hold": 100.0}]
+    pipe = [{"name": "pipe", "length": "rest", "od": 0.127, "id": 0.1086}]
+    scene = shipped(
+        "hanging", well={"diameter": 0.2159, "wall": "none", "sections": sections}, string=pipe, model__elements=20,
+        solver={"step": 0.005, "end": 1.0}, damping={"translation": 200.0, "structural": 0.01},
+    )  # fmt: skip
+    with pytest.raises(StoppedEarly, match="--by relaxation"):
+        find_form(scene)
+    found = find_form(scene, by="relaxation").finest
+    # A pendulum at rest: straight down, all of its weight on the hook.
+    assert found.position[-1, :2] == pytest.approx([0.0, 0.0], abs=0.5)
+    assert found.position[-1, 2] == pytest.approx(found.unstretched[-1], rel=1e-3)
+
+
 def test_fewer_elements_than_sections_are_refused_naming_the_option():
     with pytest.raises(SceneError, match="--elements") as refusal:
         find_form(shipped("hanging"), (1,))
