@@ -499,19 +499,22 @@ def _let_go(found: Estimate) -> Sentences:
     for one in lacks(found.scene, found.path, found.tension):
         drum, braked = one.drum, one.brake is not None
         load, needed, friction, motor = (sized(x, "N m") for x in (one.load, one.needed, one.friction, one.motor))
-        others = f"friction of {friction} and a motor with {motor}"
+        most = ", the limit of its torque," if one.limited else ""
+        others = f"friction of {friction} and a motor with {motor}{most}"
         partly = braked and one.closed < CLOSED
         way = f"brake closed to {one.closed:.4g}, that is" if partly else "closed brake of"
         holds = f"A {way} {sized(one.brake or 0.0, 'N m')}, {others}" if braked else f"No brake, {others}"
         of = " of brake.torque times brake.closed" if partly else ""
         helped = ", with the friction of the sheaves on its side" if one.helped else ""
+        key = "brake.torque" if braked else "torque_limit" if one.limited else drum.drive
+        held = f"a tension of {sized(one.needed / drum.radius, 'N')}" if key == "tension" else needed
         text = (
             "the drum does not hold the load, which falls from t = 0. The tension at rest, "
             f"{sized(one.tension, 'N')} on a radius of {drum.radius:.4g} m, turns the drum with {load}{helped}. "
-            f"{holds} act against it. To hold the load at rest it takes {needed} or more{of}; a load in motion "
+            f"{holds} act against it. To hold the load at rest it takes {held} or more{of}; a load in motion "
             "pulls more"
         )
-        yield where(found.scene, drum, "brake.torque" if braked else "torque"), text
+        yield where(found.scene, drum, key), text
 
 
 def _layers(scene: CraneScene, drum: Drum) -> Sentences:
