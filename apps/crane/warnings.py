@@ -239,12 +239,12 @@ def _dry(scene: CraneScene) -> Sentences:
 
 def _floating(found: Estimate) -> Sentences:
     """Bodies that do not pull on the rope that they hang on."""
-    for k, lift in floating(found.scene, found.path):
-        text = (
-            f"{found.scene.bodies[k].name} floats: buoyancy and force lift it with {lift:.4g} N more than it weighs, "
-            "at any height. Its rope goes slack. Give it less volume or more mass"
-        )
-        yield f"bodies[{k}]", text
+    scene = found.scene
+    for one in floating(scene, found.path):
+        name = scene.bodies[one.body].name
+        what, at = ("", ", at any height") if one.by_rope is None else (" up with its rope", "")
+        cure = f"{one.cure[0].upper()}{one.cure[1:]}"
+        yield f"bodies[{one.body}]", f"{name} floats{what}: {one.cause(name)}{at}. Its rope goes slack. {cure}"
 
 
 def fleet_angle(found: Estimate, i: int) -> float:

@@ -86,7 +86,8 @@ def test_what_cannot_hold_the_weight_times_the_radius_is_warned_of_with_the_torq
         f"tension: {0.5 * WEIGHT}, friction_torque: {0.55 * MOMENT}",
         f"tension: 0, brake: {{torque: {1.02 * MOMENT}}}",
         # A motor that seeks more than the brake lets it have pulls at its limit: the brake bears the rest.
-        f"tension: {1.1 * WEIGHT}, gains: {{proportional: 5}}, torque_limit: {0.6 * MOMENT}, brake: {{torque: {0.5 * MOMENT}}}",
+        f"tension: {1.1 * WEIGHT}, gains: {{proportional: 5}}, torque_limit: {0.6 * MOMENT}, "
+        f"brake: {{torque: {0.5 * MOMENT}}}",
     ],
 )
 def test_what_holds_and_what_is_let_go_on_purpose_is_not_warned_of(drive):
@@ -111,7 +112,7 @@ def test_a_motor_that_pays_out_against_its_brake_adds_to_what_the_brake_has_to_h
     "tension", ["-5 kN", "{ramp: {to: -1 kN, over: 1 s}}", "{table: {time: [0, 1], value: [0, -1]}}"]
 )
 def test_a_tension_below_zero_is_refused_for_a_rope_only_pulls(tension):
-    with pytest.raises(SceneError, match="path\\[0\\].drum.tension.*a rope only pulls"):
+    with pytest.raises(SceneError, match=r"path\[0\].drum.tension.*a rope only pulls"):
         read(f"tension: {tension}")
 
 

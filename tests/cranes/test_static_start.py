@@ -1,5 +1,7 @@
 """Where a load is that starts at rest: as high as drawn, or refused with the cause."""
 
+import math
+
 import pytest
 from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, fall, hoist, parsed, ran, sheave, stopped
 
@@ -33,6 +35,40 @@ def test_a_body_that_floats_is_refused_by_what_lifts_it():
     assert problem.key == "bodies[0]" and f"{lift:.4g} N more than it weighs" in problem.cause
     with pytest.raises(SceneError, match="does not pull"):
         lay_out(parsed(fall(MASS, load={"force": [0.0, 0.0, 1.1 * MASS * GRAVITY]})))
+
+
+def on_a_floating_rope(mass, **more):
+    """A load 500 m below the surface, and its anchor 10 m above: 1.8 kg/m of rope that takes the place of 2.013."""
+    rope = {"mass_per_length": 1.8, "axial_stiffness": 2.0e7, "diameter": 0.05} | more.pop("rope", {})
+    path, hung = [anchor((0.0, 0.0, 10.0)), end("load")], [body("load", mass, (0.0, 0.0, -500.0))]
+    return crane(path, hung, rope, water=WATER, mesh={"elements_per_span": 16}, solver={"end": 0.05}, **more)
+
+
+RISES = (0.25 * math.pi * 0.05**2 * DENSITY - 1.8) * GRAVITY * 500.0
+"""What the water lifts that rope with more than it weighs, up to the surface, N."""
+
+
+def test_a_rope_that_floats_and_lifts_its_load_is_refused_by_how_much():
+    scene = on_a_floating_rope(80.0)
+    with pytest.raises(SceneError, match="load does not keep its rope taut: its rope is lighter than water") as refused:
+        lay_out(parsed(scene))
+    (problem,) = refused.value.problems
+    assert problem.key == "bodies[0]" and f"{RISES:.4g} N more than it weighs" in problem.cause
+    assert f"{RISES - 80.0 * GRAVITY:.4g} N more than load pulls down with" in problem.cause
+    (text,) = floating(scene | {"start": "as drawn"})
+    assert text.startswith("load floats up with its rope") and f"{RISES:.4g} N" in text
+    assert len(floating(on_a_floating_rope(80.0, rope={"length": 510.5}))) == 1
+
+
+def test_a_load_that_keeps_a_floating_rope_taut_hangs_by_the_sum_of_their_weights():
+    """The tension is least at the surface, 7 N, and larger at the top by what 10 m of rope weigh in air."""
+    mass = (RISES + 7.0) / GRAVITY
+    scene = on_a_floating_rope(mass)
+    assert floating(scene) == []
+    result = ran(scene)
+    top, foot = result["tension"][0, 0]
+    assert top == pytest.approx(7.0 + 10.0 * 1.8 * GRAVITY, rel=2e-3)
+    assert foot == pytest.approx(mass * GRAVITY, rel=1e-4)
 
 
 @pytest.mark.parametrize("volume", [0.0, 3.0, 4.85])

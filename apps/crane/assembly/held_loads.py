@@ -54,7 +54,7 @@ def lacks(scene: CraneScene, path: Path, tension: np.ndarray | None) -> list[Lac
     """Drums from which a load pulls rope as soon as the run begins.
 
     Judged is what is meant to hold: a brake that is closed at t = 0, or stays partly closed, and without a brake a
-    motor whose torque or tension does not change, or whose `torque_limit` keeps it below the tension that it is to hold.
+    motor whose torque or tension does not change, or one that its `torque_limit` keeps from its tension.
     A brake that is open at t = 0, a motor whose torque or tension is a function of time, and a winch with a speed are
     left to their operator. So is a load that stands on the ground.
 

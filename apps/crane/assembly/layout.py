@@ -269,15 +269,12 @@ def _refuse_floating(scene: CraneScene, path: Path) -> None:
     """Refuse a load that is to hang at rest as high as drawn and goes up."""
     if scene.start != "static" or scene.rope.length is not None:
         return
-    problems = [
-        scene.problem(
-            f"bodies[{k}]",
-            f"{scene.bodies[k].name} does not pull on its rope: buoyancy and force lift it with {lift:.4g} N more than "
-            "it weighs, and no length of rope holds it where it is drawn",
-            "give it less volume or more mass, or start: as drawn",
-        )
-        for k, lift in floating(scene, path)
-    ]
+    problems = []
+    for one in floating(scene, path):
+        name = scene.bodies[one.body].name
+        what = "does not pull on its rope" if one.by_rope is None else "does not keep its rope taut"
+        cause = f"{name} {what}: {one.cause(name)}. No length of rope holds it where it is drawn"
+        problems.append(scene.problem(f"bodies[{one.body}]", cause, f"{one.cure}, or start: as drawn"))
     if problems:
         raise SceneError(problems)
 
