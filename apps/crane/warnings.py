@@ -13,7 +13,7 @@ from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
 from crane.assembly.layout import orientation_of
-from crane.assembly.loads import buoyancy_of, floating
+from crane.assembly.loads import buoyancy_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
 from crane.geometry.quaternion import quaternion_of
@@ -123,16 +123,17 @@ def _floats_after(scene: CraneScene, k: int) -> Sentences:
 
 
 def _turned(scene: CraneScene) -> Sentences:
-    """Bodies that the static start turns upside down, because the rope holds them below their centre."""
+    """Bodies that the static start turns upside down: hung below their centre, or buoys held down above it."""
     for k, body in enumerate(scene.bodies):
         if body.inertia is None:
             continue
         drawn, laid = quaternion_of(body.orientation), orientation_of(scene, body)
         angle = 2.0 * math.degrees(math.acos(min(1.0, abs(float(drawn @ laid)))))
         if angle > ANOTHER_SIDE:
+            side, other = ("above", "below") if rises(scene, body) else ("below", "above")
             text = (
-                f"start: static turns {body.name} by {angle:.3g} deg, because the rope holds it below its centre of "
-                "mass. Give the `end` an offset above the centre, or give the body an `orientation:`, or write "
+                f"start: static turns {body.name} by {angle:.3g} deg, because the rope holds it {side} its centre of "
+                f"mass. Give the `end` an offset {other} the centre, or give the body an `orientation:`, or write "
                 "start: as drawn"
             )
             yield f"bodies[{k}]", text

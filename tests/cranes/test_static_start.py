@@ -119,3 +119,48 @@ def test_a_body_that_floats_and_is_held_down_is_not_told():
     assert floating(crane(path, [guided], water=WATER)) == []
     below = crane([anchor((0.0, 0.0, -80.0)), end("payload")], [held | {"spring": None}], water=WATER, start="as drawn")
     assert floating(below) == []
+
+
+BUOY, VOLUME, LENGTH = 500.0, 3.0, 60.0
+LIFT = (DENSITY * VOLUME - BUOY) * GRAVITY
+
+
+def moored(height=-50.0, load=None, **rope):
+    """A buoy drawn above its anchor, which is at z = -100 m, on a rope of 5 kg/m that takes the place of 2.013."""
+    heavy = {"mass_per_length": 5.0, "axial_stiffness": 1.0e8, "diameter": 0.05, "strain": "engineering"} | rope
+    hung = body("buoy", BUOY, (0.0, 0.0, height), **({"volume": VOLUME} | (load or {})))
+    path = [anchor((0.0, 0.0, -100.0), "bed"), end("buoy")]
+    return crane(path, [hung], heavy, water=WATER, mesh={"elements_per_span": 8}, solver={"end": 0.1}, interval=0.05)
+
+
+@pytest.mark.parametrize("height", [-40.0, -60.0])
+@pytest.mark.parametrize("aside", [0.0, 3.0e3], ids=["upright", "in a current"])
+def test_a_buoy_stands_above_its_anchor_at_the_length_of_its_rope(height, aside):
+    """Drawn with its rope straight or slack: the force on it bears its rope, whose weight is that in water."""
+    result = ran(moored(height, {"force": [aside, 0.0, 0.0]}, length=LENGTH))
+    top = math.hypot(LIFT, aside)
+    hung = (5.0 - 0.25 * math.pi * 0.05**2 * DENSITY) * GRAVITY
+    foot = math.hypot(LIFT - hung * LENGTH, aside)
+    bottom, end_of_rope = result["tension"][0, 0]
+    assert end_of_rope == pytest.approx(top, rel=1e-5) and bottom == pytest.approx(foot, rel=1e-4)
+    # A catenary: the difference of the tensions is the weight of as much rope as the buoy is high, less its stretch.
+    rise = (top - foot) / hung + 0.5 * (top**2 - foot**2) / (1.0e8 * hung)
+    assert result["body_position"][0, 0, 2] == pytest.approx(-100.0 + rise, abs=2e-3)
+
+
+def test_a_buoy_that_turns_stands_with_the_end_of_its_rope_below_its_centre():
+    load = {"inertia": [100.0, 100.0, 80.0]}
+    scene = moored(-40.0, load, length=LENGTH)
+    scene["path"][1]["end"]["offset"] = [0.3, 0.0, 1.0]
+    (text,) = [one.text for one in warnings(parsed(scene)) if "start: static turns buoy" in one.text]
+    assert "holds it above its centre of mass" in text and "offset below the centre" in text
+    height = ran(scene)["body_position"][0, 0, 2]
+    stretched = LENGTH * (1.0 + (LIFT - 0.5 * (5.0 - 2.0126) * GRAVITY * LENGTH) / 1.0e8)
+    assert height == pytest.approx(-100.0 + stretched + math.hypot(0.3, 1.0), abs=2e-3)
+
+
+def test_a_buoy_without_a_length_of_rope_is_refused_in_words_that_are_true_of_it():
+    with pytest.raises(SceneError, match=r"above bed, which holds it down.*give rope\.length"):
+        lay_out(parsed(moored()))
+    with pytest.raises(SceneError, match="no taut rope holds it up there"):
+        lay_out(parsed(moored(load={"volume": 0.0}, length=LENGTH)))

@@ -28,6 +28,11 @@ def load_of(scene: CraneScene, body: Body) -> float:
     return weight + float(force @ g) / size
 
 
+def rises(scene: CraneScene, body: Body) -> bool:
+    """Whether buoyancy and force lift a body more than it weighs."""
+    return load_of(scene, body) < 0.0
+
+
 class Floating(NamedTuple):
     """A body that goes up, by its number: what lifts it more than it weighs, N; and of that what its rope does.
 
