@@ -18,6 +18,7 @@ from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
 from crane.geometry.quaternion import quaternion_of
 from crane.results.limits import LEAST_RATIO
+from crane.results.slack_feet import foreseen
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
@@ -69,7 +70,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
-        *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
+        *_sheaves(scene), *_steps(found), *_mesh(found), *foreseen(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
