@@ -129,7 +129,7 @@ def foreseen(found: Estimate) -> Iterator[tuple[str, str]]:
         foot, ends = scene.path[k + side], path.tangents[k][[side, 1 - side]]
         if getattr(foot, "body", None) in standing or (isinstance(foot, Anchor) and carries_nothing(scene)):
             rise = abs(float(np.diff(heights)[0])) / float(np.linalg.norm(scene.gravity))
-            parts = np.linspace(*ends[:, 2], 2 * PARTS + 1)[1::2]
+            parts = np.linspace(ends[0, 2], ends[1, 2], 2 * PARTS + 1)[1::2]
             top, half = rise * float(_net_weight(scene, parts).mean()), 0.5 * rise / elements
             lacks = half * float(_net_weight(scene, ends[0, 2])) - _least(found, k)
             if lacks > TOLD * top and lacks > MATTERS * found.largest_tension:
