@@ -13,11 +13,12 @@ from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
 from crane.assembly.layout import orientation_of
-from crane.assembly.loads import buoyancy_of, floating
+from crane.assembly.loads import buoyancy_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
 from crane.geometry.quaternion import quaternion_of
 from crane.results.limits import LEAST_RATIO
+from crane.results.slack_feet import foreseen
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
@@ -69,7 +70,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
-        *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
+        *_sheaves(scene), *_steps(found), *_mesh(found), *foreseen(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
@@ -123,16 +124,17 @@ def _floats_after(scene: CraneScene, k: int) -> Sentences:
 
 
 def _turned(scene: CraneScene) -> Sentences:
-    """Bodies that the static start turns upside down, because the rope holds them below their centre."""
+    """Bodies that the static start turns upside down: hung below their centre, or buoys held down above it."""
     for k, body in enumerate(scene.bodies):
         if body.inertia is None:
             continue
         drawn, laid = quaternion_of(body.orientation), orientation_of(scene, body)
         angle = 2.0 * math.degrees(math.acos(min(1.0, abs(float(drawn @ laid)))))
         if angle > ANOTHER_SIDE:
+            side, other = ("above", "below") if rises(scene, body) else ("below", "above")
             text = (
-                f"start: static turns {body.name} by {angle:.3g} deg, because the rope holds it below its centre of "
-                "mass. Give the `end` an offset above the centre, or give the body an `orientation:`, or write "
+                f"start: static turns {body.name} by {angle:.3g} deg, because the rope holds it {side} its centre of "
+                f"mass. Give the `end` an offset {other} the centre, or give the body an `orientation:`, or write "
                 "start: as drawn"
             )
             yield f"bodies[{k}]", text
@@ -239,12 +241,12 @@ def _dry(scene: CraneScene) -> Sentences:
 
 def _floating(found: Estimate) -> Sentences:
     """Bodies that do not pull on the rope that they hang on."""
-    for k, lift in floating(found.scene, found.path):
-        text = (
-            f"{found.scene.bodies[k].name} floats: buoyancy and force lift it with {lift:.4g} N more than it weighs, "
-            "at any height. Its rope goes slack. Give it less volume or more mass"
-        )
-        yield f"bodies[{k}]", text
+    scene = found.scene
+    for one in floating(scene, found.path):
+        name = scene.bodies[one.body].name
+        what, at = ("", ", at any height") if one.by_rope is None else (" up with its rope", "")
+        cure = f"{one.cure[0].upper()}{one.cure[1:]}"
+        yield f"bodies[{one.body}]", f"{name} floats{what}: {one.cause(name)}{at}. Its rope goes slack. {cure}"
 
 
 def fleet_angle(found: Estimate, i: int) -> float:
@@ -499,19 +501,22 @@ def _let_go(found: Estimate) -> Sentences:
     for one in lacks(found.scene, found.path, found.tension):
         drum, braked = one.drum, one.brake is not None
         load, needed, friction, motor = (sized(x, "N m") for x in (one.load, one.needed, one.friction, one.motor))
-        others = f"friction of {friction} and a motor with {motor}"
+        most = ", the limit of its torque," if one.limited else ""
+        others = f"friction of {friction} and a motor with {motor}{most}"
         partly = braked and one.closed < CLOSED
         way = f"brake closed to {one.closed:.4g}, that is" if partly else "closed brake of"
         holds = f"A {way} {sized(one.brake or 0.0, 'N m')}, {others}" if braked else f"No brake, {others}"
         of = " of brake.torque times brake.closed" if partly else ""
         helped = ", with the friction of the sheaves on its side" if one.helped else ""
+        key = "brake.torque" if braked else "torque_limit" if one.limited else drum.drive
+        held = f"a tension of {sized(one.needed / drum.radius, 'N')}" if key == "tension" else needed
         text = (
             "the drum does not hold the load, which falls from t = 0. The tension at rest, "
             f"{sized(one.tension, 'N')} on a radius of {drum.radius:.4g} m, turns the drum with {load}{helped}. "
-            f"{holds} act against it. To hold the load at rest it takes {needed} or more{of}; a load in motion "
+            f"{holds} act against it. To hold the load at rest it takes {held} or more{of}; a load in motion "
             "pulls more"
         )
-        yield where(found.scene, drum, "brake.torque" if braked else "torque"), text
+        yield where(found.scene, drum, key), text
 
 
 def _layers(scene: CraneScene, drum: Drum) -> Sentences:

@@ -10,7 +10,7 @@ import pytest
 import tautline
 from crane.application import Crane
 from crane.results.slipping_brakes import SLIPS, TURNS, closing, closures_of, slips_of
-from tautline import StoppedEarly
+from tautline import SceneError, StoppedEarly
 
 MASS, GRAVITY, RADIUS, INERTIA = 5000.0, 9.81, 0.5, 5000.0
 WEIGHT = MASS * GRAVITY
@@ -55,6 +55,9 @@ def braked(share, more=""):
         (f"torque: -{0.2 * MOMENT}, brake: {{torque: {1.1 * MOMENT}}}", "brake.torque"),
         (f"torque: {0.9 * MOMENT}", "torque"),
         (f"torque: {0.5 * MOMENT}, friction_torque: {0.4 * MOMENT}", "torque"),
+        (f"tension: {1.2 * WEIGHT}, torque_limit: {0.9 * MOMENT}", "torque_limit"),
+        (f"tension: {{ramp: {{to: {1.2 * WEIGHT}, over: 1 s}}}}, torque_limit: {0.9 * MOMENT}", "torque_limit"),
+        (f"tension: {1.2 * WEIGHT}, torque_limit: {0.4 * MOMENT}, friction_torque: {0.5 * MOMENT}", "torque_limit"),
     ],
 )
 def test_what_cannot_hold_the_weight_times_the_radius_is_warned_of_with_the_torque_that_is_needed(drive, key):
@@ -78,11 +81,39 @@ def test_what_cannot_hold_the_weight_times_the_radius_is_warned_of_with_the_torq
         braked(0.5, ", closed: 0"),
         braked(0.5, ", closed: {ramp: {to: 1, over: 1 s}}"),
         "torque: {ramp: {to: 30 kN m, over: 1 s}}",
-        f"tension: {0.5 * WEIGHT}",
+        f"tension: {{ramp: {{from: {0.5 * WEIGHT}, to: {WEIGHT}, over: 1 s}}}}",
+        f"tension: {WEIGHT}, torque_limit: {1.02 * MOMENT}",
+        f"tension: {0.5 * WEIGHT}, friction_torque: {0.55 * MOMENT}",
+        f"tension: 0, brake: {{torque: {1.02 * MOMENT}}}",
+        # A motor that seeks more than the brake lets it have pulls at its limit: the brake bears the rest.
+        f"tension: {1.1 * WEIGHT}, gains: {{proportional: 5}}, torque_limit: {0.6 * MOMENT}, "
+        f"brake: {{torque: {0.5 * MOMENT}}}",
     ],
 )
 def test_what_holds_and_what_is_let_go_on_purpose_is_not_warned_of(drive):
     assert told(read(drive)) == []
+
+
+@pytest.mark.parametrize("held", [0.0, 0.5, 0.9])
+def test_a_winch_that_is_to_hold_less_tension_than_the_load_pulls_with_is_warned_of(held):
+    (one,) = told(read(f"tension: {held * WEIGHT}"))
+    assert one.where == "path[0].drum.tension" and "falls from t = 0" in one.text
+    assert 1e3 * float(re.search(r"a tension of ([0-9.]+) kN or more", one.text)[1]) == pytest.approx(WEIGHT, rel=2e-3)
+
+
+def test_a_motor_that_pays_out_against_its_brake_adds_to_what_the_brake_has_to_hold():
+    """At rest the rope pulls with the weight: the controller asks for R (T + P (T - m g)), 0.9 - 2 x 0.1 of it."""
+    (one,) = told(read(f"tension: {0.9 * WEIGHT}, gains: {{proportional: 2}}, brake: {{torque: {0.2 * MOMENT}}}"))
+    needed = 1e3 * float(re.search(r"it takes ([0-9.]+) kN m or more", one.text)[1])
+    assert needed == pytest.approx(0.3 * MOMENT, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    "tension", ["-5 kN", "{ramp: {to: -1 kN, over: 1 s}}", "{table: {time: [0, 1], value: [0, -1]}}"]
+)
+def test_a_tension_below_zero_is_refused_for_a_rope_only_pulls(tension):
+    with pytest.raises(SceneError, match=r"path\[0\].drum.tension.*a rope only pulls"):
+        read(f"tension: {tension}")
 
 
 def test_a_sheave_that_takes_a_share_of_the_tension_helps_the_brake():

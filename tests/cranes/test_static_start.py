@@ -1,5 +1,7 @@
 """Where a load is that starts at rest: as high as drawn, or refused with the cause."""
 
+import math
+
 import pytest
 from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, fall, hoist, parsed, ran, sheave, stopped
 
@@ -33,6 +35,40 @@ def test_a_body_that_floats_is_refused_by_what_lifts_it():
     assert problem.key == "bodies[0]" and f"{lift:.4g} N more than it weighs" in problem.cause
     with pytest.raises(SceneError, match="does not pull"):
         lay_out(parsed(fall(MASS, load={"force": [0.0, 0.0, 1.1 * MASS * GRAVITY]})))
+
+
+def on_a_floating_rope(mass, **more):
+    """A load 500 m below the surface, and its anchor 10 m above: 1.8 kg/m of rope that takes the place of 2.013."""
+    rope = {"mass_per_length": 1.8, "axial_stiffness": 2.0e7, "diameter": 0.05} | more.pop("rope", {})
+    path, hung = [anchor((0.0, 0.0, 10.0)), end("load")], [body("load", mass, (0.0, 0.0, -500.0))]
+    return crane(path, hung, rope, water=WATER, mesh={"elements_per_span": 16}, solver={"end": 0.05}, **more)
+
+
+RISES = (0.25 * math.pi * 0.05**2 * DENSITY - 1.8) * GRAVITY * 500.0
+"""What the water lifts that rope with more than it weighs, up to the surface, N."""
+
+
+def test_a_rope_that_floats_and_lifts_its_load_is_refused_by_how_much():
+    scene = on_a_floating_rope(80.0)
+    with pytest.raises(SceneError, match="load does not keep its rope taut: its rope is lighter than water") as refused:
+        lay_out(parsed(scene))
+    (problem,) = refused.value.problems
+    assert problem.key == "bodies[0]" and f"{RISES:.4g} N more than it weighs" in problem.cause
+    assert f"{RISES - 80.0 * GRAVITY:.4g} N more than load pulls down with" in problem.cause
+    (text,) = floating(scene | {"start": "as drawn"})
+    assert text.startswith("load floats up with its rope") and f"{RISES:.4g} N" in text
+    assert len(floating(on_a_floating_rope(80.0, rope={"length": 510.5}))) == 1
+
+
+def test_a_load_that_keeps_a_floating_rope_taut_hangs_by_the_sum_of_their_weights():
+    """The tension is least at the surface, 7 N, and larger at the top by what 10 m of rope weigh in air."""
+    mass = (RISES + 7.0) / GRAVITY
+    scene = on_a_floating_rope(mass)
+    assert floating(scene) == []
+    result = ran(scene)
+    top, foot = result["tension"][0, 0]
+    assert top == pytest.approx(7.0 + 10.0 * 1.8 * GRAVITY, rel=2e-3)
+    assert foot == pytest.approx(mass * GRAVITY, rel=1e-4)
 
 
 @pytest.mark.parametrize("volume", [0.0, 3.0, 4.85])
@@ -83,3 +119,48 @@ def test_a_body_that_floats_and_is_held_down_is_not_told():
     assert floating(crane(path, [guided], water=WATER)) == []
     below = crane([anchor((0.0, 0.0, -80.0)), end("payload")], [held | {"spring": None}], water=WATER, start="as drawn")
     assert floating(below) == []
+
+
+BUOY, VOLUME, LENGTH = 500.0, 3.0, 60.0
+LIFT = (DENSITY * VOLUME - BUOY) * GRAVITY
+
+
+def moored(height=-50.0, load=None, **rope):
+    """A buoy drawn above its anchor, which is at z = -100 m, on a rope of 5 kg/m that takes the place of 2.013."""
+    heavy = {"mass_per_length": 5.0, "axial_stiffness": 1.0e8, "diameter": 0.05, "strain": "engineering"} | rope
+    hung = body("buoy", BUOY, (0.0, 0.0, height), **({"volume": VOLUME} | (load or {})))
+    path = [anchor((0.0, 0.0, -100.0), "bed"), end("buoy")]
+    return crane(path, [hung], heavy, water=WATER, mesh={"elements_per_span": 8}, solver={"end": 0.1}, interval=0.05)
+
+
+@pytest.mark.parametrize("height", [-40.0, -60.0])
+@pytest.mark.parametrize("aside", [0.0, 3.0e3], ids=["upright", "in a current"])
+def test_a_buoy_stands_above_its_anchor_at_the_length_of_its_rope(height, aside):
+    """Drawn with its rope straight or slack: the force on it bears its rope, whose weight is that in water."""
+    result = ran(moored(height, {"force": [aside, 0.0, 0.0]}, length=LENGTH))
+    top = math.hypot(LIFT, aside)
+    hung = (5.0 - 0.25 * math.pi * 0.05**2 * DENSITY) * GRAVITY
+    foot = math.hypot(LIFT - hung * LENGTH, aside)
+    bottom, end_of_rope = result["tension"][0, 0]
+    assert end_of_rope == pytest.approx(top, rel=1e-5) and bottom == pytest.approx(foot, rel=1e-4)
+    # A catenary: the difference of the tensions is the weight of as much rope as the buoy is high, less its stretch.
+    rise = (top - foot) / hung + 0.5 * (top**2 - foot**2) / (1.0e8 * hung)
+    assert result["body_position"][0, 0, 2] == pytest.approx(-100.0 + rise, abs=2e-3)
+
+
+def test_a_buoy_that_turns_stands_with_the_end_of_its_rope_below_its_centre():
+    load = {"inertia": [100.0, 100.0, 80.0]}
+    scene = moored(-40.0, load, length=LENGTH)
+    scene["path"][1]["end"]["offset"] = [0.3, 0.0, 1.0]
+    (text,) = [one.text for one in warnings(parsed(scene)) if "start: static turns buoy" in one.text]
+    assert "holds it above its centre of mass" in text and "offset below the centre" in text
+    height = ran(scene)["body_position"][0, 0, 2]
+    stretched = LENGTH * (1.0 + (LIFT - 0.5 * (5.0 - 2.0126) * GRAVITY * LENGTH) / 1.0e8)
+    assert height == pytest.approx(-100.0 + stretched + math.hypot(0.3, 1.0), abs=2e-3)
+
+
+def test_a_buoy_without_a_length_of_rope_is_refused_in_words_that_are_true_of_it():
+    with pytest.raises(SceneError, match=r"above bed, which holds it down.*give rope\.length"):
+        lay_out(parsed(moored()))
+    with pytest.raises(SceneError, match="no taut rope holds it up there"):
+        lay_out(parsed(moored(load={"volume": 0.0}, length=LENGTH)))

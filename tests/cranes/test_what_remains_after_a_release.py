@@ -78,3 +78,13 @@ def test_a_bodys_own_numbers_in_a_release_change_nothing():
 def test_water_and_ground_of_what_remains_are_refused_where_the_scene_has_none(key, value, lacks):
     with pytest.raises(SceneError, match=f"release.{key}.*the scene has no {lacks}"):
         parsed(dropped(left={key: value}))
+
+
+@pytest.mark.parametrize(
+    "given", [{"volume": 0.5}, {"added_mass": [0.0, 0.0, 10.0]}, {"drag": {"quadratic": [1.0, 0.0, 0.0]}}]
+)
+def test_a_body_without_a_release_has_one_fault_where_there_is_no_water(given):
+    scene = crane([anchor((0.0, 0.0, 0.0)), end("load")], [body("load", MASS, (0.0, 0.0, -20.0), **given)])
+    with pytest.raises(SceneError) as refused:
+        parsed(scene)
+    assert [one.key for one in refused.value.problems] == [f"bodies[0].{next(iter(given))}"]

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.assembly.friction import closure_of
+from crane.assembly.layout import carries_nothing
 from crane.geometry.reeving import Path
 from crane.scene.scene import CraneScene, Drum, Efficiency, Sheave
 from tautline.kernels.time_function import value_at
 from tautline.scene.functions import Constant
-from tautline.system.time_functions import FunctionRequest, compile_functions
+from tautline.system.time_functions import FunctionRequest, bounds_of, compile_functions
 
 SURE = 0.02
 """Share of the load's moment that may lack without a word: torques are written to two digits."""
@@ -24,7 +25,8 @@ class Lack(NamedTuple):
     """A drum that lets the load go: what pulls and what holds, N, m and N m.
 
     ``brake`` is None of a drum without one, or with one that is open at t = 0, and else its torque times ``closed``,
-    the share of :func:`holding_share`. ``motor`` is positive where it hoists.
+    the share of :func:`holding_share`. ``motor`` is positive where it hoists, and ``limited`` where `torque_limit` is
+    what keeps it from more.
     ``tension`` is the least that may stand at the drum, with all friction of sheaves on its side where ``helped``.
     """
 
@@ -35,6 +37,7 @@ class Lack(NamedTuple):
     friction: float
     motor: float
     helped: bool
+    limited: bool
 
     @property
     def load(self) -> float:
@@ -51,9 +54,9 @@ def lacks(scene: CraneScene, path: Path, tension: np.ndarray | None) -> list[Lac
     """Drums from which a load pulls rope as soon as the run begins.
 
     Judged is what is meant to hold: a brake that is closed at t = 0, or stays partly closed, and without a brake a
-    motor whose torque does not change. A brake that is open at t = 0, a motor whose torque is a function of
-    time, and a winch that holds a tension or a speed are left to their operator. So is a load that stands on the
-    ground.
+    motor whose torque or tension does not change, or one that its `torque_limit` keeps from its tension.
+    A brake that is open at t = 0, a motor whose torque or tension is a function of time, and a winch with a speed are
+    left to their operator. So is a load that stands on the ground.
 
     Parameters
     ----------
@@ -65,19 +68,36 @@ def lacks(scene: CraneScene, path: Path, tension: np.ndarray | None) -> list[Lac
     share = _left_by_sheaves(scene, path)
     found = []
     for drum in scene.drums:
-        if drum.torque is None:
+        if drum.prescribed or (drum.torque is None and carries_nothing(scene)):
+            # A rope without a load comes to the tension that its winch holds: nothing falls.
             continue
         closed = 0.0 if drum.brake is None else holding_share(drum)
         brake = drum.brake.torque * closed if drum.brake is not None and closed > 0.0 else None
-        meant = brake is not None or (drum.brake is None and isinstance(drum.torque, Constant))
-        if not meant:
-            continue
         pull = share * float(tension[(0, 0) if drum is scene.path[0] else (-1, 1)])
-        motor = _at_start(drum.torque)
-        one = Lack(drum, pull, brake, closed, drum.friction_torque, motor, share < 1.0)
+        asked = _asked_of_motor(drum, pull, brake is not None, scene.solver.end)
+        limit = math.inf if drum.torque_limit is None else drum.torque_limit
+        meant = brake is not None or isinstance(getattr(drum, drum.drive), Constant) or asked > limit
+        if not meant or (brake is None and drum.brake is not None):
+            continue
+        motor = min(max(asked, -limit), limit)
+        one = Lack(drum, pull, brake, closed, drum.friction_torque, motor, share < 1.0, asked > limit)
         if one.load - motor - drum.friction_torque - (brake or 0.0) > SURE * one.load:
             found.append(one)
     return found
+
+
+def _asked_of_motor(drum: Drum, pull: float, braked: bool, end: float) -> float:
+    """Torque that a motor is to have while the drum stands, N m, whatever limits it.
+
+    A winch that holds a tension adds its `proportional` share of what lacks only where a brake lets it lack: of a drum
+    that turns freely the rope takes the tension that is held. Without a brake the most counts that it ever is to hold.
+    """
+    if drum.tension is None:
+        return _at_start(drum.torque)
+    if not braked:
+        return drum.radius * bounds_of(drum.tension, end)[1]
+    held, gain = _at_start(drum.tension), 0.0 if drum.gains is None else drum.gains.proportional
+    return drum.radius * (held + gain * (held - pull))
 
 
 def _at_start(function: object) -> float:

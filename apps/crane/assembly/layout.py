@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from crane.assembly.loads import floating
+from crane.assembly.loads import floating, rises
 from crane.assembly.prepared import FrameMotion, motion_of
 from crane.geometry.line import WHEEL
 from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of, turned_least
@@ -160,6 +160,8 @@ def stands(scene: CraneScene, body: Body) -> bool:
 def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
     """Quaternion (4,) of a body that turns, as it is laid out: as drawn, or with its rope's end above its centre.
 
+    Of a buoy that is below its centre.
+
     A search for rest goes on from there. A body is turned only if its scene does not say how it is turned: it hangs by
     one end, nothing carries it from below, and no `orientation` is given. It is turned by the least angle.
     """
@@ -169,7 +171,7 @@ def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
     said = stands(scene, body) or len(ends) != 1 or "orientation" in body.model_fields_set
     if scene.start != "static" or said or not any(ends[0]) or not up.any():
         return drawn
-    return turned_least(drawn, rotation_of(drawn) @ ends[0], up)
+    return turned_least(drawn, rotation_of(drawn) @ ends[0], -up if rises(scene, body) else up)
 
 
 def lay_out(scene: CraneScene) -> Layout:
@@ -250,7 +252,10 @@ def _turned(scene: CraneScene, body: Body) -> np.ndarray:
 
 
 def _refuse_load_above(scene: CraneScene, wheels: list[Wheel]) -> None:
-    """Refuse a load that is to hang at rest and is drawn above all that its rope leads to."""
+    """Refuse a load that is to hang at rest and is drawn above all that its rope leads to.
+
+    A buoy may be there: rope of a given length holds it down.
+    """
     up = -np.array(scene.gravity, dtype=float)
     if scene.start != "static":
         return
@@ -260,24 +265,28 @@ def _refuse_load_above(scene: CraneScene, wheels: list[Wheel]) -> None:
         if not beside or body.spring is not None or body.mass == 0.0:
             continue
         highest = max(beside, key=lambda j: float(up @ wheels[j].center))
-        if all(up @ wheels[highest].center <= up @ wheels[i].center for i in at):
-            cause = f"is above {scene.path[highest].name}, which it hangs from: no taut rope holds it up there"
-            raise SceneError([scene.problem(f"bodies[{k}].position", cause, "put it below, or write start: as drawn")])
+        if any(up @ wheels[highest].center > up @ wheels[i].center for i in at):
+            continue
+        name, cure = scene.path[highest].name, "put it below, or write start: as drawn"
+        cause = f"is above {name}, which it hangs from: no taut rope holds it up there"
+        if rises(scene, body):
+            if scene.rope.length is not None:
+                continue
+            cause = f"is above {name}, which holds it down: no length of rope is looked for there"
+            cure = "give rope.length, or write start: as drawn"
+        raise SceneError([scene.problem(f"bodies[{k}].position", cause, cure)])
 
 
 def _refuse_floating(scene: CraneScene, path: Path) -> None:
     """Refuse a load that is to hang at rest as high as drawn and goes up."""
     if scene.start != "static" or scene.rope.length is not None:
         return
-    problems = [
-        scene.problem(
-            f"bodies[{k}]",
-            f"{scene.bodies[k].name} does not pull on its rope: buoyancy and force lift it with {lift:.4g} N more than "
-            "it weighs, and no length of rope holds it where it is drawn",
-            "give it less volume or more mass, or start: as drawn",
-        )
-        for k, lift in floating(scene, path)
-    ]
+    problems = []
+    for one in floating(scene, path):
+        name = scene.bodies[one.body].name
+        what = "does not pull on its rope" if one.by_rope is None else "does not keep its rope taut"
+        cause = f"{name} {what}: {one.cause(name)}. No length of rope holds it where it is drawn"
+        problems.append(scene.problem(f"bodies[{one.body}]", cause, f"{one.cure}, or start: as drawn"))
     if problems:
         raise SceneError(problems)
 

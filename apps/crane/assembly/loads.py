@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 
 from crane.geometry.reeving import Path
@@ -25,16 +28,69 @@ def load_of(scene: CraneScene, body: Body) -> float:
     return weight + float(force @ g) / size
 
 
-def floating(scene: CraneScene, path: Path) -> list[tuple[int, float]]:
-    """Bodies that hang on a rope from above and go up: their numbers, and what lifts them more than they weigh, N."""
+def rises(scene: CraneScene, body: Body) -> bool:
+    """Whether buoyancy and force lift a body more than it weighs."""
+    return load_of(scene, body) < 0.0
+
+
+class Floating(NamedTuple):
+    """A body that goes up, by its number: what lifts it more than it weighs, N; and of that what its rope does.
+
+    ``by_rope`` is None where the body goes up by itself.
+    """
+
+    body: int
+    lift: float
+    by_rope: float | None
+
+    def cause(self, name: str) -> str:
+        """What lifts the body of a name."""
+        if self.by_rope is None:
+            return f"buoyancy and force lift it with {self.lift:.4g} N more than it weighs"
+        return (
+            f"its rope is lighter than water. Between {name} and the surface the water lifts it with "
+            f"{self.by_rope:.4g} N more than it weighs, and that is {self.lift:.4g} N more than {name} pulls down with"
+        )
+
+    @property
+    def cure(self) -> str:
+        """What to change."""
+        if self.by_rope is None:
+            return "give it less volume or more mass"
+        return "give it more mass, or see whether rope.diameter and mass_per_length are those of the rope"
+
+
+def floating(scene: CraneScene, path: Path) -> list[Floating]:
+    """Bodies that hang on a rope from above and go up, by themselves or with a rope that floats."""
     up, pulls, found = -np.array(scene.gravity, float), pull(scene, path), []
     for k, body in enumerate(scene.bodies):
         sprung = body.spring is not None and any(body.spring.stiffness)
         free = any(up[c] != 0.0 and axis not in body.guide for c, axis in enumerate("xyz"))
         if body.name in pulls and free and not sprung and pulls[body.name] @ up > 0.0:
-            load = load_of(scene, body)
-            found += [(k, -load)] if load < 0.0 else []
+            load, rope = load_of(scene, body), rope_lift(scene, path, body)
+            if load < 0.0:
+                found.append(Floating(k, -load, None))
+            elif rope > load:
+                found.append(Floating(k, rope - load, rope))
     return found
+
+
+def rope_lift(scene: CraneScene, path: Path, body: Body) -> float:
+    """What the rope that leads up from a body takes off its pull, up to where that is least, N: 0 of rope that sinks.
+
+    That is at the surface. Above it the rope weighs; what it weighs there only the item above it bears.
+    """
+    water, rope = scene.water, scene.rope
+    if water is None or rope.diameter is None:
+        return 0.0
+    floats = 0.25 * math.pi * rope.diameter**2 * water.density - rope.mass_per_length
+    size = float(np.linalg.norm(scene.gravity))
+    at = [i for i, item in enumerate(scene.path) if isinstance(item, (End, Sheave)) and item.body == body.name]
+    tops = [(path.tangents[i][0, 2], path.tangents[i][1, 2]) for i in at if i < len(path.spans)]
+    tops += [(path.tangents[i - 1][1, 2], path.tangents[i - 1][0, 2]) for i in at if i > 0]
+    rise = max((min(top, water.surface) - low for low, top in tops), default=0.0)
+    falls = float(pull(scene, path)[body.name][2])
+    return max(0.0, floats * size * falls * rise)
 
 
 def buoyancy_of(scene: CraneScene, body: Body) -> float:

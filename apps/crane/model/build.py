@@ -19,6 +19,7 @@ from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
 from crane.results.ropes_that_lift import ropes_that_lift
 from crane.results.set_down import set_down_askew
+from crane.results.slack_feet import slack_feet
 from crane.results.slipping_brakes import remarks
 from crane.results.summary import (
     JOINED,
@@ -84,7 +85,8 @@ def build(scene: CraneScene) -> Model:
         headline=told,
         limits=lambda result: limits(result, scene),
         remarks=lambda result: [
-            *set_down_askew(result, scene), *remarks(result, scene), *ropes_that_lift(result, layout)
+            *set_down_askew(result, scene), *remarks(result, scene), *ropes_that_lift(result, layout),
+            *slack_feet(result, scene),
         ],
         figures=told,
         figure_units=layout.once(f"figure units, {bool(scene.rope.diameter)}", lambda: figure_units(scene)),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 from weakref import WeakValueDictionary
 
+from crane.scene.bodies import Drag
 from crane.scene.path import Anchor, Drum, End, PathItem, Sheave
 from tautline.scene.functions import FunctionOfTime
 from tautline.scene.model import Model, Scene
@@ -181,16 +182,22 @@ def _water(scene: Scene) -> Iterator[Fault]:
     """Water acts where there is any, on a rope whose diameter is known."""
     if scene.water is None:
         for i, body in enumerate(scene.bodies):
-            for at, one in ((("bodies", i), body), (("bodies", i, "release"), body.after_release())):
-                acting = {"added_mass": one.added_mass, "volume": (one.volume,)}
-                acting["drag"] = (*one.drag.linear, *one.drag.quadratic)
-                for key, values in acting.items():
-                    if any(values) and (one is body or getattr(body.release, key) is not None):
+            left = ("bodies", i, "release")
+            for at, one in ((left[:2], body), *(() if body.release is None else ((left, body.release),))):
+                for key in ("added_mass", "volume", "drag"):
+                    if _acts(getattr(one, key)):
                         yield (*at, key), "is given, and the scene has no water", "add `water:`, or remove this"
         return
     for key in ("rope_drag", "added_mass"):
         if getattr(scene.water, key) and scene.rope.diameter is None:
             yield ("water", key), "the diameter of the rope is not given", "add `diameter:` to rope, or remove this"
+
+
+def _acts(given: Drag | tuple[float, ...] | float | None) -> bool:
+    """Whether any number is not zero of what the water around a body does; None in a release says nothing."""
+    if isinstance(given, Drag):
+        return any((*given.linear, *given.quadratic))
+    return any(given) if isinstance(given, tuple) else bool(given)
 
 
 def _ground(scene: Scene) -> Iterator[Fault]:

@@ -212,6 +212,10 @@ class Drum(Disc):
         if drive != "tension":
             cause, cure = f"is not used: the drum is driven by {drive}", "remove it, or give `tension:` in its place"
             raise_all((key, cause, cure) for key in OF_A_TENSION if key in self.model_fields_set)
+        slack = [value for value in _values_of(self.tension) if value < 0.0]
+        if slack:
+            cause = f"is {slack[0]:g} N at some time, and a rope only pulls: the motor would drive the rope out slack"
+            raise fault("tension", cause, "give a tension that is not below 0, positive where the winch pulls")
         return self
 
     @model_validator(mode="after")
