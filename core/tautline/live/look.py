@@ -29,7 +29,7 @@ class Look(NamedTuple):
 
 
 @entry
-def _look(groups, dofs, state, t, residual, power, row, at):  # type: ignore[no-untyped-def]
+def _look(groups, dofs, state, t, residual, power, row, at):
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, residual)
     over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
     over.supply(groups, t, state.full_q, state.full_v, power)
