@@ -222,9 +222,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
         first = size if previous == np.inf else first
         counted = iteration - c.chain[FREE]
         if counted >= c.max_iterations or size > c.astray[0] * first:
-            # Factors of this very step may be what led astray.
-            if contraction < c.contraction:
-                doubt(c.factors)
+            doubt(c.factors)
             break
         slow = c.full or size > contraction * previous
         slow = choose_rows(c.rows, dofs, state, c.increment, c.per_scale, c.tolerance, previous < np.inf, slow)
