@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import tautline
 
@@ -73,12 +74,47 @@ def test_motion_behind_a_change_is_of_second_order(name, method):
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
 
 
-def test_a_change_is_no_push_of_a_mass_that_it_does_not_touch():
-    """Bit for bit the motion is that without it, but for what finding the accelerations anew rounds."""
-    plain, set_again = mass_on_a_spring(0.01), mass_on_a_spring(0.01)
-    for sim in (plain, set_again):
-        sim.advance_to(CHANGED_AT)
-        if sim is set_again:
-            sim.parameters["cables.axial_stiffness"] = STIFFNESS
-        sim.advance_to(END)
-    assert float(set_again["node 1.position"][0]) == pytest.approx(float(plain["node 1.position"][0]), rel=0, abs=2e-5)
+@pytest.mark.parametrize("method", ["type: G-alpha, rho_inf: 0.8", "type: G-alpha, rho_inf: 0.3", "type: Newmark"])
+def test_a_stiffness_that_is_set_in_every_step_is_followed_in_second_order(method):
+    """It grows by a half in a second, and is set to its values in the middle of steps. Reference: solve_ivp."""
+
+    def grown(t):
+        return STIFFNESS * (1.0 + 0.5 * t)
+
+    exact = solve_ivp(lambda t, y: [y[1], LOAD - grown(t) * y[0]], [0.0, 1.5], [0.0, 0.0], rtol=1e-11, atol=1e-13)
+    errors = []
+    for step in (0.01, 0.005):
+        sim = mass_on_a_spring(step, method)
+        for k in range(round(1.5 / step)):
+            sim.parameters["cables.axial_stiffness"] = grown((k + 0.5) * step)
+            sim.advance_to((k + 1) * step)
+        errors.append(abs(float(sim["node 1.position"][0]) - 1.0 - exact.y[0, -1]))
+    assert errors[0] < 0.1 * LOAD / STIFFNESS
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.6)
+
+
+def test_a_value_that_is_set_again_changes_nothing():
+    plain, same = mass_on_a_spring(0.01), mass_on_a_spring(0.01)
+    for k in range(1, 31):
+        same.parameters["cables.axial_stiffness"] = STIFFNESS
+        for sim in (plain, same):
+            sim.advance_to(0.01 * k)
+    np.testing.assert_array_equal(same["node 1.position"], plain["node 1.position"])
+
+
+def test_a_light_node_of_a_stiff_rope_that_is_displaced_does_not_fold_it():
+    """2 cm along, of an element of 1 m: the tension is at most that of the element that it stretches, EA 2 %, twice."""
+    nodes = [f"Node4Dof: {{id: {k}, xyz: [{k}, 0, 0], BC: [{int(k in (0, 100))}, 1, 1, 1]}}" for k in range(101)]
+    lines = [
+        f"CableALEelementLin: {{id: {k}, nodes4: [{k}, {k + 1}], EA: 5.0e+6, rhoA: 1, strain: engineering}}"
+        for k in range(100)
+    ]
+    text = "CableModelMaterial: {Gravity: [0, 0, 0]}\nCableModel:\n" + "".join(f"  - {one}\n" for one in nodes + lines)
+    sim = tautline.Simulation(text + "GeneralizedAlpha: {type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 1}\n")
+    sim.advance_to(0.05)
+    sim.displace("node 50.position", [0.02, 0.0, 0.0])
+    largest = 0.0
+    for k in range(40):
+        sim.advance_to(0.055 + 0.005 * k)
+        largest = max(largest, np.abs(np.asarray(sim["axial_force"])).max())
+    assert largest < 2.0 * 0.02 * 5.0e6

@@ -67,8 +67,9 @@ def book_change(method: Any, state: State, before: Look, after: Look) -> None:
     state.ledger[WORK] += work
     state.ledger[THROUGHPUT] += abs(work)
     state.passed[:] = state.full_q
-    disturb(method)
+    more = after.residual - before.residual
+    if more.any():
+        disturb(method)
     if not stepping_with(method).explicit:
-        more = after.residual - before.residual
         state.entered[1] += np.where(np.isfinite(more), more, 0.0)
         state.ledger[POWER] += after.power - before.power
