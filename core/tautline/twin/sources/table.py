@@ -665,14 +665,17 @@ class Header:
         """Whether the mark of a cell, if any, is taken as decimal; tells once where the table leaves that in doubt.
 
         `999.5` shows that its mark is decimal, in any column, and `1,001` shows nothing: where the other mark came
-        before, or is beside it, it is left out until a cell shows its mark to be decimal, too.
+        before, or is beside it, it is left out until a cell shows its mark to be decimal, too. Then other columns that
+        nobody asks for show nothing more.
         """
         if not ("," in cell or "." in cell) or math.isnan(number_of(cell)):
             return True
         marks = self._marks.get(name)
         if marks is None:
-            marks = self._marks[name] = Marks(next((one.table for one in self._marks.values()), {}))
-        decimal, note = marks.take(cell, beside)
+            same = next(iter(self._marks.values()), Marks())
+            marks = self._marks[name] = Marks(same.table, same.asked)
+        asked = [beside[place] for place in (self.stamp, *self.places.values()) if place < len(beside)]
+        decimal, note = marks.take(cell, beside, asked)
         if note:
             self.tell_once(
                 "marks", f"column '{name}' has cells such as {note}: write numbers without marks of thousands"
