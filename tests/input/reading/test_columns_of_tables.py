@@ -358,3 +358,20 @@ def test_a_limit_on_bending_of_a_rope_without_a_diameter_is_answered_with_the_di
     scene = CraneScene.parse(open("data/hoist.yaml").read())
     bare = scene.model_copy(update={"rope": scene.rope.model_copy(update={"diameter": None})})
     assert "give rope.diameter" in bending_told(bare)["bending"] and not bending_told(scene)
+
+
+@pytest.mark.parametrize("beside", ["2.5", "1.2E+05"])
+def test_a_point_in_a_column_that_is_not_read_takes_no_decimal_comma_from_others(beside, tmp_path):
+    """One note among decimal commas, and the table was refused for marks of thousands that it has not."""
+    (tmp_path / "record.csv").write_text(f"time;v;note\n0,5;1,125;\n1,5;2,125;{beside}\n")
+    columns = Columns(tmp_path / "record.csv")
+    assert columns.values(1, "m") == (1.125, 2.125)
+    assert columns.values(0, "s") == (0.5, 1.5)
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_a_column_that_is_read_shows_marks_of_thousands_whichever_is_read_first(order, tmp_path):
+    (tmp_path / "record.csv").write_text("time;v;note\n0.5;1,125;0,5\n1.5;2,125;0,5\n")
+    columns = Columns(tmp_path / "record.csv")
+    with pytest.raises(SceneError, match=r"1,125: has a comma, and 0\.5 in line 2 has a point"):
+        [columns.values(place, "m") for place in order]

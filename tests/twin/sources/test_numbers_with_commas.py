@@ -96,3 +96,22 @@ def test_a_mark_that_is_shown_to_be_decimal_wins_over_one_that_came_first(tmp_pa
     assert [one for one in read[1:] if one == one] == [999.5, 998.5]
     (note,) = source.notes
     assert "cells such as '999.5' and '1,001'" in note and "were read as decimals before, and may be wrong" in note
+
+
+BESIDE_COMMAS = {"version": "2.1", "clock": "18.25", "day": "01.02", "science": "1.2E+05"}
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+@pytest.mark.parametrize("beside", BESIDE_COMMAS.values(), ids=BESIDE_COMMAS)
+def test_a_point_in_a_column_that_nobody_asks_for_takes_no_decimal_comma_from_others(tmp_path, of, beside):
+    """With stamps such as `0,5` all of the tension was left out as if it had marks of thousands."""
+    source = source_of(of, tmp_path, f"time;winch;tension;fw\n0,5;1;1,125;{beside}\n1,5;1;2,125;{beside}\n")
+    assert [row.values["tension"] for row in all_of(source)] == [1.125, 2.125]
+    assert not source.notes
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+def test_a_comma_in_a_column_that_nobody_asks_for_makes_no_decimal_of_thousands(tmp_path, of):
+    source = source_of(of, tmp_path, "time;tension;winch;note\n0;1,001;999.5;0,5\n1;1,002;999.5;0,5\n")
+    assert str([row.values["tension"] for row in all_of(source)]) == "[nan, nan]"
+    assert "cells such as '999.5' and '1,001'" in source.notes[0]

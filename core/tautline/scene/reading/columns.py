@@ -12,7 +12,7 @@ import functools
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import NoReturn
@@ -95,6 +95,7 @@ class Columns:
     def __init__(self, path: str | Path, largest: int = LARGEST_TABLE, headed: bool = False) -> None:
         self.path = Path(path)
         self.problems: list[Problem] = []
+        self._read_so_far: dict[int, str] = {}  # names of columns by place
         rows = self._read(largest)
         self.header_line, first = rows[0]
         self.headed = not all(_is_number(cell) for cell in first if cell)
@@ -333,16 +334,25 @@ class Columns:
     def _refuse_two_marks(self, place: int, name: str) -> None:
         """Refuse a column whose points or commas may mark thousands: others in the table show the other to be decimal.
 
-        So it is also where the other mark is in the same column, and none is shown to be decimal.
+        So it is also where the other mark is in the same column, and none is shown to be decimal. Where the table shows
+        both to be decimal, as with a version `2.1` beside decimal commas, only columns that are read show anything.
         """
         if not self._has_commas:
             return
+        self._read_so_far[place] = name
+        for place, name in self._read_so_far.items():  # this column may show the mark of one that was read before
+            self._refuse_thousands(place, name)
+
+    def _refuse_thousands(self, place: int, name: str) -> None:
         own = [(line, cell) for line, row in self.rows if _mark(cell := _cell(row, place))]
         for mark, other, one, two in ((",", ".", "comma", "point"), (".", ",", "point", "comma")):
             marked = [(line, cell) for line, cell in own if mark in cell]
             if not marked or not all(may_mark_thousands(cell) for _, cell in marked):
                 continue
-            seen = next((beside for beside in own if other in beside[1]), None) or next(self._decimals(other), None)
+            read = set(self._read_so_far) if next(self._decimals(mark), None) else None
+            seen = next((beside for beside in own if other in beside[1]), None) or next(
+                self._decimals(other, read), None
+            )
             if seen is not None:
                 cause = (
                     f"has a {one}, and {seen[1]} in line {seen[0]} has a {two}: one of both may be a mark of thousands"
@@ -354,10 +364,11 @@ class Columns:
         """Whether commas are within cells: else all marks are points."""
         return self.separator != "," and any("," in cell for _, row in self.rows for cell in row)
 
-    def _decimals(self, mark: str) -> Iterator[tuple[int, str]]:
-        """Lines and numbers, of all columns, that show a mark to be decimal."""
+    def _decimals(self, mark: str, places: Collection[int] | None = None) -> Iterator[tuple[int, str]]:
+        """Lines and numbers, of all columns or of those at some places, that show a mark to be decimal."""
         for line, row in self.rows:
-            yield from ((line, cell) for cell in row if _mark(cell) == mark and not may_mark_thousands(cell))
+            cells = row if places is None else [_cell(row, i) for i in places]
+            yield from ((line, cell) for cell in cells if _mark(cell) == mark and not may_mark_thousands(cell))
 
     def number(self, line: int, name: str, cell: str, missing: str = "fill it in, or delete the row") -> float:
         """Number in a cell; nan for anything else, which is noted."""

@@ -161,34 +161,40 @@ class Marks:
 
     Attributes
     ----------
-    table : dict of str
-        By mark, a cell of any column that shows it to be decimal: one for all columns.
+    table, asked : dict of str
+        By mark, a cell that shows it to be decimal: of any column, and of the stamp and the columns of the map. Both
+        are the same for all columns.
     decimal, unsure : dict of str
         By mark, a cell of this column that shows it to be decimal, and one in which it may mark thousands as well.
     """
 
     table: dict[str, str] = field(default_factory=dict)
+    asked: dict[str, str] = field(default_factory=dict)
     decimal: dict[str, str] = field(default_factory=dict)
     unsure: dict[str, str] = field(default_factory=dict)
 
-    def take(self, cell: str, beside: Sequence[str] = ()) -> tuple[bool, str]:
+    def take(self, cell: str, beside: Sequence[str] = (), asked: Sequence[str] = ()) -> tuple[bool, str]:
         """Whether the mark of a number is taken as decimal, and what is to be said of it and of those before.
 
-        Numbers `beside` it in its row, also in columns that nobody asks for, may show which mark is decimal.
+        Numbers `beside` it in its row, also in columns that nobody asks for, may show which mark is decimal. Where they
+        show both to be, such as a version `2.1` among decimal commas, only those that are `asked` for do.
         """
         mark, other = (",", ".") if "," in cell else (".", ",")
         if mark in self.decimal:
             return True, ""
         if not may_mark_thousands(cell):
             self.decimal[mark] = cell
-            self.table.setdefault(mark, cell)
+            self._learn([cell], self.table)
+            self._learn([cell], self.asked)
             wrong = self.unsure.pop(other, "")
             said = (
                 "the second may have a mark of thousands. Cells like it were read as decimals before, and may be wrong"
             )
             return True, f"'{cell}' and '{wrong}': {said}; from here on they are left out" if wrong else ""
-        self._learn(beside)
-        shown = self.decimal.get(other) or self.table.get(other)
+        self._learn(beside, self.table)
+        self._learn(asked, self.asked)
+        anywhere = self.asked if mark in self.table else self.table
+        shown = self.decimal.get(other) or anywhere.get(other)
         before = shown or self.unsure.get(other)
         if before is None:
             self.unsure.setdefault(mark, cell)
@@ -198,9 +204,10 @@ class Marks:
         read = "; those before were read as decimals, and may be wrong" if mark in self.unsure else ""
         return False, f"'{before}' and '{cell}': {said}{read}"
 
-    def _learn(self, cells: Sequence[str]) -> None:
+    @staticmethod
+    def _learn(cells: Sequence[str], shown: dict[str, str]) -> None:
         """Keep the marks that numbers show to be decimal."""
         for cell in cells:
             mark = "," if "," in cell else "."
             if mark in cell and NUMBER.fullmatch(cell.replace(",", ".")) and not may_mark_thousands(cell):
-                self.table.setdefault(mark, cell)
+                shown.setdefault(mark, cell)

@@ -20,8 +20,10 @@ from tautline.scene.reading.long_rows import (
     kind_of,
     kind_or_state,
     only_words_behind,
+    seems_two_lines,
     shows_nothing,
     usual_kinds,
+    usual_numbers,
 )
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
@@ -132,6 +134,7 @@ class Header:
         self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
+        self._longest = 0  # most cells of a row, but for those that a remark made longer
         self._longer = 0  # rows, one behind the other, that had more cells than any before
         self._marks: dict[str, Marks] = {}  # by column
         self._told: set[str] = set()  # what is said once, of this header and those behind it
@@ -267,6 +270,8 @@ class Header:
         found._told, found._marks = self._told, self._marks
         if found.titles == self.titles:
             found.offsets = self.offsets
+            if found._cells == self._cells:
+                found._longest, found._kinds, found._plain = self._longest, self._kinds, self._plain
         ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
         if ways[0] != ways[1]:
             other = "its columns, units or separator differ"
@@ -487,15 +492,17 @@ class Header:
             self._status |= not shows_nothing(first_beyond(cells, self._cells))
             self._tell_remark(line, at)
             self.offsets[count - self.width] += 1
-        elif math.isfinite(stamp) and not doubtful and self._may_be_two(cells, count):
-            self._tell_two(line, count, at)
-            return None
+        elif math.isfinite(stamp) and not doubtful and (found := self._seems_two(cells, count)):
+            self._tell_two(line, count, at, found)
+            if found == "two":
+                return None
+            doubtful = True
         elif math.isfinite(stamp) and not doubtful:
             self._widths.add(count)
             self.offsets[count - self.width] += 1
             self._whole_times |= ":" in cells[self.stamp] and count >= self.width
-            if count <= self._cells:
-                self._plain.append(cells)
+            self._longest = max(self._longest, count if count <= self.width else 0)
+            self._plain.append(cells)
         if math.isfinite(stamp):
             self._bare, self._begun = False, True
             self._before = min(count, self._cells)  # that of a remark does not show that a row is whole
@@ -508,25 +515,30 @@ class Header:
             for name, place in self.places.items()
         }
 
-    def _may_be_two(self, cells: Sequence[str], count: int) -> bool:
-        """Whether a row may be two lines that ran into one, the second with empty cells at its end.
+    def _seems_two(self, cells: Sequence[str], count: int) -> str:
+        """Whether a row with more cells than any before may be two lines that ran into one: "two", "moved", or "".
 
-        It has more cells than the header and any row before, and numbers behind the columns of the map, where that line
-        may have moved its own. Where it is the third one behind the other, rows have more cells from here on.
+        Where it is the third one behind the other, rows have more cells from here on.
         """
-        if count <= self.width or not self.offsets or count <= self.width + max(self.offsets):
+        if count <= max(self.width, self._longest):
             self._longer = 0
-            return False
-        behind = max(self.stamp, *self.places.values(), 0) + 1
-        self._longer += any(kind_of(cell) == "number" for cell in cells[behind:])
-        return 0 < self._longer < LONGER
+            return ""
+        found, places = "", {self.stamp, *self.places.values()}
+        if self._longest:
+            self._count_kinds()
+            usual = usual_numbers(self._kinds) | places
+            found = seems_two_lines(cells, usual, self.stamp, max(places), count - self._longest)
+            self._longer += bool(found)
+        if not self._longest or self._longer >= LONGER:
+            self._longest, found = count, ""
+        return found
 
-    def _tell_two(self, line: str, count: int, at: int) -> None:
-        """Tell once that a row is left out, for two lines may have run into one."""
-        most = self.width + max(self.offsets)
-        said = f"has {count} cells, and rows before had {most} at most: two lines may have run into one"
-        told = f"the row '{shorten(line)}' {said}. Such rows are left out, but for the third one behind the other"
-        self.tell_once("two", f"{self.where}:{at}: {told}")
+    def _tell_two(self, line: str, count: int, at: int, found: str) -> None:
+        """Tell once that a row is left out, or its readings, for two lines may have run into one."""
+        said = f"has {count} cells, and others before had {self._longest} at most: two lines may have run into one"
+        what = "Such rows" if found == "two" else "Readings of such rows"
+        told = f"the row '{shorten(line)}' {said}. {what} are left out, but for the third one behind the other"
+        self.tell_once(found, f"{self.where}:{at}: {told}")
 
     def _refuse_doubtful(self, cell: str) -> None:
         """Refuse a number as a stamp where the header leaves it in doubt in which unit that is; a date needs none.
@@ -556,13 +568,16 @@ class Header:
         cells = ["" if i in places and shows_nothing(cell) else cell for i, cell in enumerate(cells)]
         if only_words_behind(cells, max(places), self._cells, self._status):
             return True
+        self._count_kinds()
+        numbers = [{"number"} if i in places else set() for i in range(self._cells)]
+        usual = [usual_kinds(kinds) | number for kinds, number in zip(self._kinds, numbers, strict=True)]
+        return has_remark(cells, self._cells, usual, self._status)
+
+    def _count_kinds(self) -> None:
         for row in self._plain:
             for kinds, cell in zip(self._kinds, row, strict=False):
                 kinds[kind_or_state(cell)] += 1
         self._plain.clear()
-        numbers = [{"number"} if i in places else set() for i in range(self._cells)]
-        usual = [usual_kinds(kinds) | number for kinds, number in zip(self._kinds, numbers, strict=True)]
-        return has_remark(cells, self._cells, usual, self._status)
 
     def _tell_remark(self, line: str, at: int) -> None:
         """Tell once that words beyond the header are passed over."""
@@ -665,14 +680,17 @@ class Header:
         """Whether the mark of a cell, if any, is taken as decimal; tells once where the table leaves that in doubt.
 
         `999.5` shows that its mark is decimal, in any column, and `1,001` shows nothing: where the other mark came
-        before, or is beside it, it is left out until a cell shows its mark to be decimal, too.
+        before, or is beside it, it is left out until a cell shows its mark to be decimal, too. Then other columns that
+        nobody asks for show nothing more.
         """
         if not ("," in cell or "." in cell) or math.isnan(number_of(cell)):
             return True
         marks = self._marks.get(name)
         if marks is None:
-            marks = self._marks[name] = Marks(next((one.table for one in self._marks.values()), {}))
-        decimal, note = marks.take(cell, beside)
+            same = next(iter(self._marks.values()), Marks())
+            marks = self._marks[name] = Marks(same.table, same.asked)
+        asked = [beside[place] for place in (self.stamp, *self.places.values()) if place < len(beside)]
+        decimal, note = marks.take(cell, beside, asked)
         if note:
             self.tell_once(
                 "marks", f"column '{name}' has cells such as {note}: write numbers without marks of thousands"
