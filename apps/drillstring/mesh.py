@@ -181,8 +181,9 @@ def _bends_within(scene: DrillstringScene, ready: Prepared, cure: Cure) -> str:
         shown(float(x), "m", scene.units)
         for x in (found.top, found.bottom, found.off, found.clearance, lumps.length.max())
     )
+    where = f"at {top}" if top == bottom else f"from {top} to {bottom}"
     cause = (
-        f"from {top} to {bottom} the hole bends to and fro within elements of {length}: it leaves their arcs by up to "
+        f"{where} the hole bends to and fro within elements of {length}: it leaves their arcs by up to "
         f"{off}, and the clearance is {room}. The string does not feel {100.0 * found.share:.0f} % of the hole's bends"
     )
     wrong = "side force, friction, hook load and torque are wrong, mostly too low"
@@ -190,8 +191,15 @@ def _bends_within(scene: DrillstringScene, ready: Prepared, cure: Cure) -> str:
 
 
 def scatter(scene: DrillstringScene, well: Wellbore) -> list[SceneWarning]:
-    """A warning of a survey whose stations scatter by less than a string follows, where the soft string follows it."""
+    """A warning of a survey whose stations scatter by less than a string follows, where the soft string follows it.
+
+    What that makes of the loads is for the caller to see: a hole that hardly bends may scatter as it will.
+    """
     if scene.well.survey is None or scene.well.wall is None or well.length < 3.0 * FINE:
+        return []
+    spacing = float(np.median(np.diff(well.md)))
+    if spacing >= FINE * (1.0 - 1e-9):
+        # The bends are those of the survey itself, to and fro over more than `FINE`.
         return []
     found: Followed = followed(well, np.linspace(0.0, well.length, round(well.length / FINE) + 1))
     size = max(tube.contact_od for tube in prepared(scene).lumps.tubes)
@@ -200,9 +208,7 @@ def scatter(scene: DrillstringScene, well: Wellbore) -> list[SceneWarning]:
     share = float(found.missed[hidden].sum()) / total if total > 0.0 else 0.0
     if share <= SCATTER:
         return []
-    apart, fine, within = (
-        shown(x, "m", scene.units) for x in (float(np.median(np.diff(well.md))), FINE, BESIDE * room)
-    )
+    apart, fine, within = (shown(x, "m", scene.units) for x in (spacing, FINE, BESIDE * room))
     text = (
         f"the stations are {apart} apart and scatter: {100.0 * share:.0f} % of the hole's bends go to and fro within "
         f"{fine} and by less than {within}. A pipe is too stiff to follow them, but the soft string follows them all, "

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from cli.in_process import commands_of, only_object
 
 import tautline
 from crane.application import Crane
@@ -69,6 +70,12 @@ def test_steel_of_a_density_that_no_pipe_has_is_blamed_before_the_mud_it_would_f
     )
     assert second.startswith(f"{path}:{line}: material.density = 7.85: the string would float")
     assert "mud.density 1840 kg/m^3" in second
+
+
+def test_json_says_of_a_warning_among_the_problems_of_a_scene_that_it_is_one(tmp_path, capsys):
+    path = changed(tmp_path, JWELL, ("density: 7850 kg/m^3", "density: 7.85"))
+    code, out, _ = commands_of(Drillstring(), capsys)("check", str(path), "--json")
+    assert code == 2 and [one.get("warning", False) for one in only_object(out)["problems"]] == [True, False]
 
 
 def test_mud_heavier_than_steel_is_blamed_itself_and_the_steel_is_named(tmp_path):

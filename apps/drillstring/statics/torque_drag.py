@@ -16,7 +16,7 @@ from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene, check_lengths, of_kind
 from drillstring.statics.buckled import Stations, stations_of
 from drillstring.statics.buckling import Limits
-from drillstring.statics.enough_links import Doubling, links, settled_links
+from drillstring.statics.enough_links import ELEMENTS, Doubling, links, links_at, settled_links
 from drillstring.statics.helix import LockedUp
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.statics.soft_string import SoftString
@@ -206,7 +206,8 @@ def torque_drag(
     depths : sequence of float, optional
         Measured depths of the bit, m; the scene's own if None.
     elements : int, optional
-        Links or elements of the string; as many as feel the bends of the hole if None (enough_links.py).
+        Links or elements of the string; as many as feel the bends of the hole if None (enough_links.py), of one length
+        at all depths.
     progress : callable, optional
         Called with the number of depths done and that of all, each once to a model.
     reamed : dict of str to Motion, optional
@@ -242,8 +243,10 @@ def torque_drag(
         )
         cases = [Case(friction, [], doubling, follows) for friction in factors]
         found += cases
+        least = max(ELEMENTS, model.model.elements)
         for done, depth in enumerate(depths, 1):
-            statics = Statics(model, depth, count, unit=unit)
+            here = links_at(depth, max(depths), count, least) if elements is None else count
+            statics = Statics(model, depth, here, unit=unit)
             weight = statics.weight[statics.lumps.section]
             stations = stations_of(model, statics.well, statics.lumps, statics.pipes, weight, statics.limits)
             for case in cases:

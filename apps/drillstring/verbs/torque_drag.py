@@ -96,7 +96,7 @@ def torque_drag(
     from drillstring.scene.scene import of_kind, read
     from drillstring.statics.torque_drag import meshes, own_friction
     from drillstring.statics.torque_drag import torque_drag as compute
-    from drillstring.view.torque_summary import yield_warnings
+    from drillstring.view.torque_summary import soft_string_is_off, yield_warnings
     from tautline.cli.options.changes import read_changed
     from tautline.cli.output.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
@@ -115,7 +115,6 @@ def torque_drag(
     # The mesh is not the scene's, and there may be several: warnings are of those that are computed.
     warnings = [one for one in warnings_without_a_run(drillstring) if one.where != ELEMENTS]
     warnings += mesh_warnings(meshes(drillstring, depths, elements, kinds, unit))
-    warnings += scatter(drillstring, well_of(drillstring))
     print_warnings(warnings)
     loads, fitted = _fitted(drillstring, measured, elements, as_json)
     if fitted is not None:
@@ -123,6 +122,10 @@ def torque_drag(
         depths = sorted(set(loads.depth.tolist())) if depths is None else depths
     cases = compute(drillstring, factors, depths, elements, reamed=reamed, kinds=kinds, unit=unit)
     failures = [text for case in cases for text in case.failures]
+    if soft_string_is_off(cases):
+        scattered = scatter(drillstring, well_of(drillstring))
+        print_warnings(scattered)
+        warnings += scattered
     _print(drillstring, cases, fitted)
     _draw(drillstring, cases, figure, loads)
     if table is not None:
@@ -283,7 +286,9 @@ def _report_of(case: Case) -> dict[str, Any]:
     return {
         "model": case.model,
         "elements": last.link_depth.size,
-        "doubling": None if case.doubling is None else case.doubling._asdict(),
+        "doubling": None
+        if case.doubling is None
+        else case.doubling._asdict() | {"friction": case.doubling.friction.plain()},
         "friction": case.friction.plain(),
         "depth": [point.depth for point in case.points],
         **loads,

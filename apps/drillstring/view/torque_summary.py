@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.scene.scene import LUMPED
-from drillstring.statics.enough_links import ELEMENTS
+from drillstring.statics.enough_links import ELEMENTS, size_lowered
 from drillstring.statics.motion import REAMING
 from tautline.scene.errors import SceneWarning
 from tautline.scene.values.printed import shown
@@ -196,7 +196,7 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
         text = "the friction factor is the largest that is tried: the loads are out of its reach"
         found.append((f"{text}; check the loads, top.weight, mud and string", "yellow"))
     few = _coarse(points, system)
-    found += _doublings(cases) + [(text, "yellow") for text in few]
+    found += _doublings(cases, system) + [(text, "yellow") for text in few]
     if not few:
         found += [(text, "green") for text in _beside_soft_string(cases, system)]
     warned = [(text, "yellow") for point in points for text in _warnings(point, points, system)]
@@ -267,64 +267,103 @@ def _coarse(points: list[Point], system: str) -> list[str]:
     ]
 
 
-def _doublings(cases: list[Case]) -> list[tuple[str, str]]:
-    """How many links followed the hole, and what doubling them changed: once for each model."""
+def _doublings(cases: list[Case], system: str) -> list[tuple[str, str]]:
+    """Why so many links were taken, and what doubling them changed: once for each model."""
     found = []
     for case in {case.model: case for case in cases if case.doubling is not None}.values():
         doubling = case.doubling
         assert doubling is not None
         what = "links" if case.model == LUMPED else "elements of the beam"
-        text = (
-            f"the survey bends to and fro within short lengths, so {doubling.links} {what} were taken. Half as many "
-            f"change the hook load picking up by {_changed(doubling.hook_load)} and the torque by "
-            f"{_changed(doubling.torque)}"
-        )
-        more = "; more may change them further: check the survey, or give more with --elements"
+        bends = "the hole bends to and fro within short lengths"
+        why = bends if doubling.bends else "the string slacking off is a helix, whose friction coarse links miss"
+        where = f"friction {doubling.friction:.3g} and the bit at {shown(doubling.depth, 'm', system)}"
+        text = f"{why}, so {doubling.links} {what} were taken. "
+        changes = [
+            f"{name} by {_changed(share)}"
+            for name, share in (
+                ("the hook load picking up", doubling.hook_load),
+                ("that slacking off", doubling.slack_off),
+                ("the torque", doubling.torque),
+            )
+            if share is not None
+        ]
+        if changes:
+            text += f"With {where}, half as many change {', '.join(changes[:-1])}{' and ' * (len(changes) > 1)}"
+            text += changes[-1]
+            more = "; more may change them further: check the bends of the hole, or give more with --elements"
+        else:
+            text += f"With {where}, they found no loads"
+            more = ": what more would change is not known"
         found.append((text, "green") if doubling.settled else (text + more, "yellow"))
     return found
 
 
 def _changed(share: float) -> str:
     """What half of the links change, from what doubling them did."""
-    return f"{100.0 * (1.0 / (1.0 + share) - 1.0) + 0.0:+.2g} %"
+    return f"{-100.0 * share:+.2g} %" if share else "0 %"
 
 
 def _beside_soft_string(cases: list[Case], system: str) -> list[str]:
-    """Why both columns differ where they do by much, and which to go by."""
+    """Why both columns differ where they do by much, and which to go by, if that is known."""
     # The mesh is no reason with as many links as that.
     points = [
-        point
+        (case.doubling, point)
         for case in cases
         if case.follows
         for point in case.points
         if not point.failures and point.link_depth.size >= ELEMENTS
     ]
-    found = [(*_furthest(point), point) for point in points]
-    share, what, worst = max(found, key=lambda one: one[0], default=(0.0, "", None))
-    if worst is None or share < COARSE:
-        return []
-    return [
-        f"{_head(worst, points, system)}: the {what} is {100.0 * share:.0f} % off that of the soft string, which has "
-        "neither clearance nor stiffness, and presses on the wall in every bend of the hole. The statics has both: go "
-        "by its numbers"
-    ]
+    settled: list[tuple[float, str, Point]] = []
+    unknown: list[tuple[float, str, Point]] = []
+    for doubling, point in points:
+        for way, share in _apart(point).items():
+            known = doubling is not None and doubling.settles(way)
+            (settled if known else unknown).append((share, way, point))
+    every = [point for _, point in points]
+    told = []
+    for found, end in ((settled, _GO_BY_STATICS), (unknown, _NOT_DOUBLED)):
+        share, way, worst = max(found, key=lambda one: one[0], default=(0.0, "", None))
+        if worst is not None and share >= COARSE:
+            told.append(
+                f"{_head(worst, every, system)}: the {_LOADS[way]} is {100.0 * share:.0f} % off that of the soft "
+                f"string{end}"
+            )
+    return told
+
+
+_LOADS = {"pick_up": "hook load picking up", "slack_off": "hook load slacking off", "rotating": "torque"}
+_GO_BY_STATICS = (
+    ", which has neither clearance nor stiffness, and presses on the wall in every bend of the hole. The statics has "
+    "both, and twice the links changed it by 1 % at most: go by its numbers"
+)
+_NOT_DOUBLED = (
+    ". The soft string has neither clearance nor stiffness, but the statics may have too few links, and more links may "
+    "change it: compare with twice as many (--elements) before you go by its numbers"
+)
+
+
+def soft_string_is_off(cases: list[Case]) -> bool:
+    """Whether the soft string differs from the statics by what is worth a word, or nothing stands beside it."""
+    points = [point for case in cases for point in case.points]
+    return any(point.failures or _furthest(point)[0] >= COARSE for point in points)
 
 
 def _furthest(point: Point) -> tuple[float, str]:
-    """Share by which hook load or torque is off that of the soft string, and which of the two is off by more.
+    """Share by which hook load or torque is off that of the soft string, and which of them is off by more."""
+    apart = _apart(point)
+    worst = max(apart, key=lambda way: apart[way], default="")
+    return apart.get(worst, 0.0), _LOADS.get(worst, "")
 
-    Hook loads are measured by the one picking up, for slacking off may leave next to none.
-    """
-    up = point.soft["pick_up"].hook_load
-    loads = [
-        abs(point.hook_load(way) - point.soft[way].hook_load) / abs(up) if up else 0.0
-        for way in ("pick_up", "slack_off")
-    ]
-    turning = point.soft["rotating"].surface_torque
+
+def _apart(point: Point) -> dict[str, float]:
+    """Share by which each load is off that of the soft string; none of what was not found."""
+    up, down, turned = (point.soft[way] for way in ("pick_up", "slack_off", "rotating"))
+    sizes = {"pick_up": abs(up.hook_load), "slack_off": size_lowered(up.hook_load, down.hook_load)}
+    found = {way: abs(point.hook_load(way) - point.soft[way].hook_load) / size for way, size in sizes.items() if size}
     # In a vertical hole there is no torque to compare.
-    torque = _share(point.torque("rotating"), turning) if abs(turning) >= NOTHING else 0.0
-    shares = [(share, what) for share, what in zip((*loads, torque), (*["hook load"] * 2, "torque"), strict=True)]
-    return max((one for one in shares if np.isfinite(one[0])), default=(0.0, ""))
+    if abs(turned.surface_torque) >= NOTHING:
+        found["rotating"] = _share(point.torque("rotating"), turned.surface_torque)
+    return {way: share for way, share in found.items() if np.isfinite(share)}
 
 
 def _of(point: Point, points: list[Point]) -> str:

@@ -8,14 +8,14 @@ from collections.abc import Callable, Sequence
 from contextlib import nullcontext, suppress
 from enum import IntEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from tautline.cli.output import called, duration
 from tautline.cli.output.console import abandon_output, flush_words, print_json, say, unwritable, warnings_said
 from tautline.interruption import ended_by_signal
 from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
 from tautline.results.errors import WriteError
-from tautline.scene.errors import Problem, SceneError
+from tautline.scene.errors import Doubt, Problem, SceneError
 
 if TYPE_CHECKING:
     import typer
@@ -144,8 +144,13 @@ def _refused(error: Exception, app: typer.Typer, as_json: bool, verb: str = "") 
     say(str(SceneError(problems)), "red")
     if as_json:
         with suppress(WriteError):  # where it is standard output that cannot be written
-            print_json({"status": status, "problems": [vars(problem) for problem in problems]})
+            print_json({"status": status, "problems": [_record(problem) for problem in problems]})
     return code
+
+
+def _record(problem: Problem) -> dict[str, Any]:
+    """What JSON tells of a problem; a warning among them says that it is one."""
+    return vars(problem) | ({"warning": True} if isinstance(problem, Doubt) else {})
 
 
 def _problems(error: Exception, name: str) -> list[Problem] | None:

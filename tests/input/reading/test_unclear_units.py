@@ -39,10 +39,20 @@ def test_a_unit_of_several_sizes_is_refused_within_a_product_too(written, unit):
         ("2 MT", "kg", "write t for the tonne"),
         ("2 mt", "kg", "write t for the tonne"),
         ("2 te", "kg", "write t for the tonne"),
+        ("2 metric_ton", "kg", "is written t here"),
+        ("2 short_ton/m", "kg/m", "is 2000 lb; write the mass in lb"),
+        ("2 long_ton", "kg", "is 2240 lb; write the mass in lb"),
+        ("2 ton_force", "N", "write tf"),
     ],
 )
 def test_a_name_that_is_unclear_is_answered_with_what_to_write(written, unit, cure):
     assert cure in told(written, unit)
+
+
+@pytest.mark.parametrize(("name", "times"), [("kton", "a thousand"), ("Mton", "a million"), ("ktonf", "a thousand")])
+def test_a_thousand_tons_are_as_unclear_as_one_and_are_never_answered_with_a_tonne(name, times):
+    cause = told(f"2 {name}", "N" if name.endswith("f") else "kg")
+    assert f"{times} times '{name[1:]}'" in cause and "2240 lb" in cause and "did you mean" not in cause
 
 
 @pytest.mark.parametrize("name", ["t", "tonne", "tonnes", "tf", "kip", "lb", "oz", "gal", "gallon", "kt", "hp", "thou"])

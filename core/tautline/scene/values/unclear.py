@@ -22,13 +22,27 @@ SEVERAL = {
 OTHER_NAMES = {
     **dict.fromkeys(("mt", "mts"), "is a megatonne by its letters; write t for the tonne of 1000 kg"),
     "te": "is no unit of the SI; write t for the tonne of 1000 kg",
+    **dict.fromkeys(("metric_ton", "metric_tons"), "is written t here, the tonne of 1000 kg"),
+    **dict.fromkeys(("short_ton", "short_tons"), "is 2000 lb; write the mass in lb"),
+    **dict.fromkeys(("long_ton", "long_tons"), "is 2240 lb; write the mass in lb"),
+    **dict.fromkeys(("ton_force", "tons_force"), _TON_FORCE),
+    "metric_ton_force": "is written tf here, the weight of 1000 kg",
+    "short_ton_force": "is the weight of 2000 lb; write the force in kip: 2 for each",
+    "long_ton_force": "is the weight of 2240 lb; write the force in kip: 2.24 for each",
 }
 """The same of names that one industry has for a unit, and that are another unit or none by their letters."""
 
 
+TIMES = {"k": "a thousand", "M": "a million"}
+"""Prefixes that are read before a name of several units: what was not clear is not clear so many times."""
+
+
 def unclear(name: str) -> str:
     """What is unclear of a name of a unit, and what to write, as the rest of a sentence; empty of any other name."""
-    return SEVERAL.get(name.lower(), "") or OTHER_NAMES.get(name.lower(), "")
+    if own := SEVERAL.get(name.lower(), "") or OTHER_NAMES.get(name.lower(), ""):
+        return own
+    rest = SEVERAL.get(name[1:].lower(), "") if name[:1] in TIMES else ""
+    return f"would be {TIMES[name[:1]]} times '{name[1:]}', and that {rest}" if rest else ""
 
 
 def several(name: str) -> str:

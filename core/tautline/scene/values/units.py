@@ -133,6 +133,8 @@ TOKEN = re.compile(
     r"(?:\s*(?:\^|\*\*)\s*(?P<power>-?\d{1,2}|\(-?\d{1,2}\))|(?P<bare>-?\d)(?![\d.])|(?P<raised>[²³⁴]))?"
     r"|(?P<divide>/)|(?P<times>\*|·|⋅|-(?=[A-Za-z]))|(?P<open>\()|(?P<close>\)))"
 )
+JOINED = re.compile("[A-Za-z]+(?:_[A-Za-z]+)+")
+"""Names of two words or more, joined by lines below."""
 PREFIX = re.compile("da|[numcdhkgtµμ]")
 """Prefixes of a thousand and the like, in small letters."""
 LONGEST = 80
@@ -222,13 +224,24 @@ def read_unit(text: str) -> Unit:
     while at < len(text.rstrip()):
         match = TOKEN.match(text, at)
         if match is None:
-            raise UnknownUnit(f"'{text[at:].strip()}' is not part of a unit")
+            raise _no_part(text, at)
         tokens.append(match)
         at = match.end()
     unit, rest = _product(tokens)
     if rest:
         raise UnknownUnit("a closing bracket too many")
     return unit
+
+
+def _no_part(text: str, at: int) -> UnknownUnit:
+    """The refusal of what begins at a place of a text and is no part of a unit; a name with a line in it is told whole.
+
+    So pint and others write names of two words, such as `short_ton`.
+    """
+    whole = next((word[0] for word in JOINED.finditer(text) if word.start() < at < word.end()), "")
+    if why := unclear(whole):
+        return UnknownUnit(f"'{whole}' {why}")
+    return UnknownUnit(f"'{text[at:].strip()}' is not part of a unit")
 
 
 def _product(tokens: list[re.Match[str]]) -> tuple[Unit, list[re.Match[str]]]:

@@ -22,6 +22,7 @@ from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM
 from drillstring.statics import enough_links
 from drillstring.statics.back_calculation import Measured, fit
+from drillstring.statics.enough_links import Doubling
 from drillstring.statics.torque_drag import torque_drag
 from drillstring.view.torque_summary import fit_in_words, sentences
 from drillstring.warnings import warnings
@@ -100,9 +101,15 @@ def test_links_that_nobody_gave_follow_a_hole_that_bends_to_and_fro(kind, within
     assert f"so {own.doubling.links} " in said
 
 
-def test_all_depths_have_the_links_that_the_deepest_needs(few, tmp_path):
+def test_links_are_of_one_length_at_all_depths(few, tmp_path):
     (case,) = torque_drag(scene(tmp_path), depths=[500.0, LENGTH])
-    assert {point.link_depth.size for point in case.points} == {case.doubling.links}
+    short, long = (point.link_depth.size for point in case.points)
+    assert long == case.doubling.links and short == pytest.approx(long * 500.0 / LENGTH, abs=2.0)
+
+
+def test_without_friction_nothing_is_doubled_and_nothing_is_told_of_it(few, tmp_path):
+    (case,) = torque_drag(scene(tmp_path), [0.0])
+    assert case.doubling is None and not [text for text, _ in sentences([case], None) if "were taken" in text]
 
 
 @pytest.mark.parametrize("kind", ["lumped", BEAM])
@@ -144,6 +151,38 @@ def test_scatter_of_a_fine_survey_asks_for_no_links_and_is_told_of_the_soft_stri
         assert follows_hole(found)
         texts = [one.text for one in scatter(found, well_of(found))]
         assert [text.startswith("the stations are 0.2 m apart and scatter") for text in texts] == [True] * told
+
+
+def test_stations_10_m_apart_or_more_are_not_said_to_scatter(tmp_path):
+    depth = np.arange(0.0, LENGTH + 1.0, 20.0)
+    noise = np.random.default_rng(1).normal(0.0, np.radians(0.03), depth.size)
+    found = scene(tmp_path, np.radians(45.0) + noise, depth)
+    assert scatter(found, well_of(found)) == []
+
+
+def test_scatter_that_moves_no_load_is_not_warned_of(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    fine = np.arange(0.0, LENGTH + 1.0, 2.0)
+    noise = np.random.default_rng(1).normal(0.0, 1.0, fine.size)
+    here = commands_of(Drillstring(), capsys)
+    # The side force of the tension in bends of 0.05 deg in 2 m is that of the weight; in those of 1e-6 deg it is none.
+    for degrees, told in ((1e-6, False), (0.05, True)):
+        document_ = document(tmp_path, np.radians(45.0 + degrees * noise), fine)
+        (tmp_path / "slant.yaml").write_text(yaml.safe_dump(document_))
+        code, out, err = here("torque-drag", "slant.yaml", "--elements", "40", "--json")
+        texts = [one["text"] for one in only_object(out)["warnings"]]
+        assert code == 0 and any("scatter" in text for text in texts) == told == ("scatter" in err)
+
+
+def test_a_doubling_that_found_no_load_is_told_with_its_number_of_links(tmp_path):
+    (case,) = torque_drag(scene(tmp_path), elements=20)
+    nothing = Doubling(1600, None, None, None, case.friction, LENGTH, True)
+    (said,) = (text for text, _ in sentences([case._replace(doubling=nothing)], None) if "were taken" in text)
+    assert "so 1600 links were taken" in said and "is not known" in said and not nothing.settled
+
+
+def test_a_load_that_doubling_takes_away_is_no_share_of_nothing():
+    assert enough_links._changes((50.0, 0.0, None), (0.0, 0.0, 30.0)) == (-50.0, 0.0, None)
 
 
 def of_the_channel():

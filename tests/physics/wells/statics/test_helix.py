@@ -14,10 +14,12 @@ import numpy as np
 import pytest
 from physics.wells.strings import COLLAR, GRAVITY, E, mass_per_length, shipped, straight_hole
 
+from drillstring.statics import enough_links
 from drillstring.statics.helix import LockedUp, helix_force
 from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import torque_drag
+from drillstring.view.torque_summary import sentences
 
 DIAMETER, FRICTION = 0.3, 0.3
 CLEARANCE = (DIAMETER - COLLAR[0]) / 2.0
@@ -68,6 +70,24 @@ def test_force_that_pushes_a_helix_is_that_of_mitchells_closed_form(inclination,
     assert abs(force + (FRICTION * np.sin(inclination) - np.cos(inclination)) * W * length - exact) > 5e-3 * exact
     middle = helix_force(-found.tension[50], CLEARANCE, RIGIDITY)
     assert found.side_force[50] == pytest.approx(middle, rel=2e-2)
+
+
+def test_links_that_nobody_gave_are_doubled_until_the_push_of_a_helix_is_that_of_the_closed_form(monkeypatch):
+    monkeypatch.setattr(enough_links, "ELEMENTS", 20)
+    force = 1.2e6
+    length = 0.9 / (K * force)
+    scene = straight_hole(
+        0.5 * np.pi, length=length, elements=20, diameter=DIAMETER, friction=FRICTION, bit={"force": -force}
+    )
+    (few,), (own,) = torque_drag(scene, elements=100), torque_drag(scene)
+    exact = level(force, length)
+    off = [abs(-case.points[0].hook_load("slack_off") / exact - 1.0) for case in (few, own)]
+    assert off[0] > 0.03 and off[1] < 0.015
+    assert own.doubling.settles("slack_off") and own.doubling.links == own.points[0].link_depth.size > 100
+    said = [text for text, _ in sentences([few], None)]
+    # The soft string is the closed form here: nobody may be told to go by the links.
+    assert any("slacking off is" in text and "more links may change it" in text for text in said)
+    assert not any(text.endswith("go by its numbers") and "at most" in text for text in said)
 
 
 def test_force_that_pulls_a_helix_is_less_by_its_friction():
