@@ -509,7 +509,7 @@ def _let_go(found: Estimate) -> Sentences:
         of = " of brake.torque times brake.closed" if partly else ""
         helped = ", with the friction of the sheaves on its side" if one.helped else ""
         key = "brake.torque" if braked else "torque_limit" if one.limited else drum.drive
-        held = f"a tension of {sized(one.needed / drum.radius, 'N')}" if key == "tension" else needed
+        held = f"a tension of {sized(one.held, 'N')}" if key == "tension" else needed
         text = (
             "the drum does not hold the load, which falls from t = 0. The tension at rest, "
             f"{sized(one.tension, 'N')} on a radius of {drum.radius:.4g} m, turns the drum with {load}{helped}. "

@@ -108,6 +108,22 @@ def test_a_motor_that_pays_out_against_its_brake_adds_to_what_the_brake_has_to_h
     assert needed == pytest.approx(0.3 * MOMENT, rel=2e-3)
 
 
+@pytest.mark.parametrize(("held", "gain"), [(0.9, 2.0), (0.9, 10.0), (0.95, 10.0), (0.5, 1.0)])
+def test_a_gain_pays_out_against_the_friction_of_a_drum_with_what_the_tension_lacks(held, gain):
+    """It holds where (1 + P) (m g - T) R is no more than the friction; else the load falls by the rest of that."""
+    friction = 0.2
+    more = f"gains: {{proportional: {gain}}}, friction_torque: {friction * MOMENT}"
+    scene = read(f"tension: {held * WEIGHT}, {more}")
+    (one,) = told(scene)
+    needed = 1e3 * float(re.search(r"a tension of ([0-9.]+) kN or more", one.text)[1])
+    assert needed == pytest.approx((1.0 - friction / (1.0 + gain)) * WEIGHT, rel=2e-3)
+    a = ((1.0 + gain) * (1.0 - held) - friction) * WEIGHT / (INERTIA / RADIUS**2 + (1.0 + gain) * MASS)
+    assert np.asarray(tautline.simulate(scene)["paid_out"])[-1, 0] == pytest.approx(0.5 * a * 2.0**2, rel=0.01)
+    enough = read(f"tension: {1.002 * needed}, {more}")
+    assert told(enough) == []
+    assert abs(np.asarray(tautline.simulate(enough)["paid_out"])[-1, 0]) < 1e-3
+
+
 @pytest.mark.parametrize(
     "tension", ["-5 kN", "{ramp: {to: -1 kN, over: 1 s}}", "{table: {time: [0, 1], value: [0, -1]}}"]
 )
