@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoisted_spans, reeled_of, supply_of
+from crane.assembly.drum_supply import Supply, capacity_of, check_drums, hoisted_spans, reeled_of, supply_of
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
@@ -64,7 +64,7 @@ Sentences = Iterator[tuple[str, str]]
 
 def warnings(scene: CraneScene) -> list[SceneWarning]:
     """Warnings of a scene, each with its cause and a cure; raises SceneError where it cannot be run."""
-    check_supply(scene)
+    check_drums(scene)
     found = estimate(scene)
     actuator = compensation_of(scene)
     sentences = [
