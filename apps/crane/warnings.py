@@ -243,10 +243,16 @@ def _floating(found: Estimate) -> Sentences:
     """Bodies that do not pull on the rope that they hang on."""
     scene = found.scene
     for one in floating(scene, found.path):
-        name = scene.bodies[one.body].name
-        what, at = ("", ", at any height") if one.by_rope is None else (" up with its rope", "")
-        cure = f"{one.cure[0].upper()}{one.cure[1:]}"
-        yield f"bodies[{one.body}]", f"{name} floats{what}: {one.cause(name)}{at}. Its rope goes slack. {cure}"
+        name, cure = scene.bodies[one.body].name, f"{one.cure[0].upper()}{one.cure[1:]}"
+        if one.by_rope is None and scene.start == "static" and scene.rope.length is not None:
+            text = (
+                f"{name} floats at any height: {one.cause(name)}. It is drawn below what its rope leads to, and begins "
+                f"above that, as a buoy that its rope holds down. Draw it there. Or, if it is to hang, {one.cure}"
+            )
+        else:
+            what, at = ("", ", at any height") if one.by_rope is None else (" up with its rope", "")
+            text = f"{name} floats{what}: {one.cause(name)}{at}. Its rope goes slack. {cure}"
+        yield f"bodies[{one.body}]", text
 
 
 def fleet_angle(found: Estimate, i: int) -> float:
