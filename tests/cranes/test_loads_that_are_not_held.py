@@ -156,7 +156,7 @@ def test_a_sum_that_stays_above_zero_or_comes_down_to_it_is_not_refused(tension)
 
 def test_a_simulation_takes_no_tension_below_zero():
     sim = tautline.Simulation(read(f"tension: {WEIGHT}"), inputs=["winch.tension"], keep=False)
-    with pytest.raises(SimulationError, match="winch.tension = -5000 is not 0 or more"):
+    with pytest.raises(SimulationError, match=r"winch.tension = -5000 is not 0 or more"):
         sim.inputs["winch.tension"] = -5000.0
     sim.inputs["winch.tension"] = 0.0
     # What a load cell tells of a slack rope, with its rate, is held at 0 by what reads it.

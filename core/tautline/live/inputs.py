@@ -162,7 +162,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
         """Refuse what cannot be given to an input, as giving it does; nothing is changed."""
         self._checked(self._number(name), name, value)
 
-    def within(self, name: str, state: Sequence[float]) -> tuple[float, ...]:
+    def within(self, name: str, state: Sequence[float] | np.ndarray) -> tuple[float, ...]:
         """A value and its rates as an input may have them: what is measured lies beyond its bounds by its noise."""
         steering = self._list[self._number(name)].steering
         value, *rates = (float(x) for x in state)
