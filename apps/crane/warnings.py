@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoisted_spans, reeled_of, supply_of
+from crane.assembly.drum_supply import Supply, capacity_of, check_drums, hoisted_spans, reeled_of, supply_of
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
@@ -64,7 +64,7 @@ Sentences = Iterator[tuple[str, str]]
 
 def warnings(scene: CraneScene) -> list[SceneWarning]:
     """Warnings of a scene, each with its cause and a cure; raises SceneError where it cannot be run."""
-    check_supply(scene)
+    check_drums(scene)
     found = estimate(scene)
     actuator = compensation_of(scene)
     sentences = [
@@ -243,10 +243,16 @@ def _floating(found: Estimate) -> Sentences:
     """Bodies that do not pull on the rope that they hang on."""
     scene = found.scene
     for one in floating(scene, found.path):
-        name = scene.bodies[one.body].name
-        what, at = ("", ", at any height") if one.by_rope is None else (" up with its rope", "")
-        cure = f"{one.cure[0].upper()}{one.cure[1:]}"
-        yield f"bodies[{one.body}]", f"{name} floats{what}: {one.cause(name)}{at}. Its rope goes slack. {cure}"
+        name, cure = scene.bodies[one.body].name, f"{one.cure[0].upper()}{one.cure[1:]}"
+        if one.by_rope is None and scene.start == "static" and scene.rope.length is not None:
+            text = (
+                f"{name} floats at any height: {one.cause(name)}. It is drawn below what its rope leads to, and begins "
+                f"above that, as a buoy that its rope holds down. Draw it there. Or, if it is to hang, {one.cure}"
+            )
+        else:
+            what, at = ("", ", at any height") if one.by_rope is None else (" up with its rope", "")
+            text = f"{name} floats{what}: {one.cause(name)}{at}. Its rope goes slack. {cure}"
+        yield f"bodies[{one.body}]", text
 
 
 def fleet_angle(found: Estimate, i: int) -> float:
@@ -509,7 +515,7 @@ def _let_go(found: Estimate) -> Sentences:
         of = " of brake.torque times brake.closed" if partly else ""
         helped = ", with the friction of the sheaves on its side" if one.helped else ""
         key = "brake.torque" if braked else "torque_limit" if one.limited else drum.drive
-        held = f"a tension of {sized(one.needed / drum.radius, 'N')}" if key == "tension" else needed
+        held = f"a tension of {sized(one.held, 'N')}" if key == "tension" else needed
         text = (
             "the drum does not hold the load, which falls from t = 0. The tension at rest, "
             f"{sized(one.tension, 'N')} on a radius of {drum.radius:.4g} m, turns the drum with {load}{helped}. "

@@ -11,6 +11,7 @@ import tautline
 from crane.application import Crane
 from crane.results.slipping_brakes import SLIPS, TURNS, closing, closures_of, slips_of
 from tautline import SceneError, StoppedEarly
+from tautline.live.errors import SimulationError
 
 MASS, GRAVITY, RADIUS, INERTIA = 5000.0, 9.81, 0.5, 5000.0
 WEIGHT = MASS * GRAVITY
@@ -30,6 +31,7 @@ mesh: {{elements_per_span: 1}}
 solver: {{step: 10 ms, end: {end} s}}
 output: {{interval: 50 ms}}
 """
+SUM = "{sum: [{constant: %s}, {harmonic: {amplitude: %s, period: 1 s}}, {harmonic: {amplitude: %s, period: 1 s}}]}"
 
 
 def read(drive, law="", more="", end=2.0):
@@ -108,12 +110,58 @@ def test_a_motor_that_pays_out_against_its_brake_adds_to_what_the_brake_has_to_h
     assert needed == pytest.approx(0.3 * MOMENT, rel=2e-3)
 
 
+@pytest.mark.parametrize(("held", "gain"), [(0.9, 2.0), (0.9, 10.0), (0.95, 10.0), (0.5, 1.0)])
+def test_a_gain_pays_out_against_the_friction_of_a_drum_with_what_the_tension_lacks(held, gain):
+    """It holds where (1 + P) (m g - T) R is no more than the friction; else the load falls by the rest of that."""
+    friction = 0.2
+    more = f"gains: {{proportional: {gain}}}, friction_torque: {friction * MOMENT}"
+    scene = read(f"tension: {held * WEIGHT}, {more}")
+    (one,) = told(scene)
+    needed = 1e3 * float(re.search(r"a tension of ([0-9.]+) kN or more", one.text)[1])
+    assert needed == pytest.approx((1.0 - friction / (1.0 + gain)) * WEIGHT, rel=2e-3)
+    a = ((1.0 + gain) * (1.0 - held) - friction) * WEIGHT / (INERTIA / RADIUS**2 + (1.0 + gain) * MASS)
+    assert np.asarray(tautline.simulate(scene)["paid_out"])[-1, 0] == pytest.approx(0.5 * a * 2.0**2, rel=0.01)
+    enough = read(f"tension: {1.002 * needed}, {more}")
+    assert told(enough) == []
+    assert abs(np.asarray(tautline.simulate(enough)["paid_out"])[-1, 0]) < 1e-3
+
+
 @pytest.mark.parametrize(
     "tension", ["-5 kN", "{ramp: {to: -1 kN, over: 1 s}}", "{table: {time: [0, 1], value: [0, -1]}}"]
 )
 def test_a_tension_below_zero_is_refused_for_a_rope_only_pulls(tension):
     with pytest.raises(SceneError, match=r"path\[0\].drum.tension.*a rope only pulls"):
         read(f"tension: {tension}")
+
+
+@pytest.mark.parametrize(
+    ("tension", "least"),
+    [
+        ("{harmonic: {amplitude: 20 kN, period: 1 s}}", "-20000 N at t = 0.75 s"),
+        (SUM % ("10 kN", "6 kN", "6 kN"), "-2000 N at t = 0.75 s"),
+        ("{sum: [{ramp: {to: 50 kN, over: 1 s}}, {constant: -30 kN}]}", "-30000 N at t = 0 s"),
+    ],
+)
+def test_a_tension_that_swings_below_zero_in_the_run_is_refused_with_its_least_and_when_it_is_held(tension, least):
+    with pytest.raises(SceneError) as told:
+        Crane().warnings(read(f"tension: {tension}"))
+    assert f"path[0].drum.tension: is {least}, and a rope only pulls" in str(told.value)
+
+
+@pytest.mark.parametrize("tension", [SUM % ("10 kN", "6 kN", "-6 kN"), SUM % ("0.3 N", "0.1 N", "0.2 N")])
+def test_a_sum_that_stays_above_zero_or_comes_down_to_it_is_not_refused(tension):
+    """Of the one both waves cancel; the other is 0 at its least, and 6e-17 below in binary numbers."""
+    Crane().warnings(read(f"tension: {tension}"))
+
+
+def test_a_simulation_takes_no_tension_below_zero():
+    sim = tautline.Simulation(read(f"tension: {WEIGHT}"), inputs=["winch.tension"], keep=False)
+    with pytest.raises(SimulationError, match=r"winch.tension = -5000 is not 0 or more"):
+        sim.inputs["winch.tension"] = -5000.0
+    sim.inputs["winch.tension"] = 0.0
+    # What a load cell tells of a slack rope, with its rate, is held at 0 by what reads it.
+    assert sim.inputs.within("winch.tension", [-3.0, -1.0, 2.0]) == (0.0, 0.0, 0.0)
+    assert sim.inputs.within("winch.tension", [3.0, -1.0, 2.0]) == (3.0, -1.0, 2.0)
 
 
 def test_a_sheave_that_takes_a_share_of_the_tension_helps_the_brake():

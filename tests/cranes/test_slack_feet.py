@@ -1,9 +1,12 @@
 """A rope whose foot is slack: what the mesh hangs on the foot lacks at the top, and the user is told how much."""
 
+import math
 import re
 
+import numpy as np
 import pytest
 from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, fall, parsed, ran
+from references import cables
 
 from crane.warnings import warnings
 
@@ -32,7 +35,7 @@ def told(result):
 
 
 def newtons(text):
-    number, unit = re.search(r"about ([0-9.]+) (k?N) too low", text).groups()
+    number, unit = re.search(r"(?:about|at least) ([0-9.]+) (k?N) too low", text).groups()
     return float(number) * (1e3 if unit == "kN" else 1.0)
 
 
@@ -43,6 +46,45 @@ def test_what_lacks_at_the_top_over_a_landed_load_is_told_before_the_run_and_aft
     for (text,) in (foreseen(landed(4)), told(result)):
         assert newtons(text) == pytest.approx(lacks, rel=5e-3) and "12 % of it" in text
         assert "gives half of its weight to hook" in text and "hangs from top" in text
+
+
+@pytest.mark.parametrize(("length", "elements"), [(105.0, 8), (110.0, 4), (125.0, 4)])
+def test_half_of_what_is_too_long_hangs_at_the_foot_of_a_real_rope_and_does_not_lack(length, elements):
+    """It lies in the lowest element: w/2 (l - (L - H)) lacks of the tension of a plumb bight, w/2 (L + H)."""
+    result, scene = ran(landed(elements, length=length)), landed(elements, length=length)
+    lacks = ROPE * GRAVITY * (length / elements - (length - HEIGHT)) / 2.0
+    assert result["tension"][-1, 0, 0] == pytest.approx(ROPE * GRAVITY * (HEIGHT + length) / 2.0 - lacks, rel=1e-4)
+    for (text,) in (foreseen(scene), told(result)):
+        assert newtons(text) == pytest.approx(lacks, rel=2e-3)
+        enough = int(re.search(r"Take (\d+) elements or more", text)[1])
+    fewer, taken = ((length / n - (length - HEIGHT)) / (length + HEIGHT) for n in (enough - 1, enough))
+    assert fewer > 0.0199 and taken < 0.0201
+
+
+@pytest.mark.parametrize(("length", "elements"), [(105.0, 16), (110.0, 8), (125.0, 8), (125.0, 16)])
+def test_a_rope_too_long_for_its_lowest_element_to_lack_anything_that_matters_is_not_warned_of(length, elements):
+    scene = landed(elements, length=length)
+    assert foreseen(scene) == [] and told(ran(scene)) == []
+
+
+@pytest.mark.parametrize("aside", [1.0, 5.0])
+def test_a_steep_slack_rope_between_anchors_is_told_no_more_than_it_lacks_and_elements_that_are_enough(aside):
+    length = math.hypot(aside, HEIGHT) + 1.0
+    rope = {"mass_per_length": 5.0, "axial_stiffness": 1.0e6, "strain": "engineering", "length": length}
+    path = [anchor((0.0, 0.0, 0.0), "upper"), anchor((aside, 0.0, -HEIGHT), "lower")]
+
+    def scene(elements):
+        return crane(path, [], rope, mesh={"elements_per_span": elements}, solver={"end": 0.1})
+
+    exact = cables.catenary(aside, -HEIGHT, length, 1.0e6, 5.0 * GRAVITY, "engineering")
+    top = np.linalg.norm(exact.end_forces, axis=1).max()
+    lacks = top - ran(scene(4))["tension"][-1, 0, 0]
+    (text,) = foreseen(scene(4))
+    assert newtons(text) == pytest.approx(lacks, rel=0.06) and newtons(text) < lacks
+    enough = int(re.search(r"Take (\d+) elements or more", text)[1])
+    assert foreseen(scene(11)) and foreseen(scene(enough)) == []
+    result = ran(scene(enough))
+    assert result["tension"][-1, 0, 0] == pytest.approx(top, rel=0.0205) and told(result) == []
 
 
 def test_the_elements_that_are_asked_for_bring_the_tension_at_the_top_within_two_percent():
@@ -63,7 +105,8 @@ def test_a_rope_lighter_in_water_lacks_less():
     """7854 mm2 of rope take the place of 8.05 kg/m of water."""
     scene = landed(4, diameter=0.1) | {"water": {"surface": 0.0, "density": 1025.0}}
     (text,) = foreseen(scene)
-    assert newtons(text) == pytest.approx((ROPE - 8.050) * GRAVITY * HEIGHT / 8.0, rel=1e-3)
+    # A quarter of the rope in the lowest element, less the 5 cm of it that are too long.
+    assert newtons(text) == pytest.approx((ROPE - 8.050) * GRAVITY * (LENGTH / 4.0 - 0.05) / 2.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("aside, warned", [(0.0, True), (100.0, False)], ids=["plumb", "far aside"])

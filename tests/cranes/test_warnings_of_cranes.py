@@ -12,7 +12,7 @@ from of_the_suite import studies
 from references.cables import catenary
 
 import tautline
-from crane.assembly.drum_supply import check_supply, supply_of
+from crane.assembly.drum_supply import check_drums, supply_of
 from crane.assembly.estimates import estimate, held_limit, rk4_limit
 from crane.scene.scene import CraneScene, Drum
 from crane.scene.strength import strain_bound
@@ -466,16 +466,16 @@ def test_more_rope_than_a_drum_holds_is_refused_with_the_time_it_is_full():
     hoisting = {"ramp": {"to": -3.0, "over": 1.0}}
     full = 0.5 + (capacity - 10.0) / 3.0
     with pytest.raises(SceneError) as refused:
-        check_supply(layered(rope_on_drum="10 m", pay_out=hoisting))
+        check_drums(layered(rope_on_drum="10 m", pay_out=hoisting))
     (problem,) = refused.value.problems
     assert problem.key == "path[0].drum.layers" and "2 layers of 5 turns hold" in problem.cause
     assert float(problem.cause.split("t = ")[1].split()[0]) == pytest.approx(full, abs=0.01)
     with pytest.raises(SceneError, match="beginning empty, as no rope_on_drum is given"):
-        check_supply(layered(pay_out={"ramp": {"to": -5.0, "over": 1.0}}))
+        check_drums(layered(pay_out={"ramp": {"to": -5.0, "over": 1.0}}))
     with pytest.raises(SceneError, match="5 turns hold"):
         warnings(layered(rope_on_drum="10 m", pay_out=hoisting))
-    check_supply(layered(rope_on_drum="3 m", pay_out={"ramp": {"to": -1.0, "over": 1.0}}))
-    check_supply(layered(rope_on_drum="10 m", pay_out={"ramp": {"to": 1.0, "over": 1.0}}))
+    check_drums(layered(rope_on_drum="3 m", pay_out={"ramp": {"to": -1.0, "over": 1.0}}))
+    check_drums(layered(rope_on_drum="10 m", pay_out={"ramp": {"to": 1.0, "over": 1.0}}))
 
 
 def test_the_supply_of_a_drum_is_the_integral_of_its_speed():

@@ -154,6 +154,22 @@ def test_sobol_indices_tell_how_many_samples_are_left_where_cases_failed(failed,
         assert ("of 6 of 8 samples" in shown) == bool(failed)
 
 
+@pytest.mark.parametrize("failed", [[], [0, 1, 9]])
+def test_a_result_that_no_parameter_changes_is_said_to_have_no_sobol_indices(failed):
+    from types import SimpleNamespace
+
+    from tautline.cli.commands.sweep import _left_of_samples
+    from tautline.sweeps.indices import sobol_indices
+
+    cases = cases_of([spread(key, "uniform", 0.0, 1.0) for key in "ab"], Plan("sobol", 8, 3), True)
+    values = np.full(len(cases), 3.0)
+    values[failed] = np.nan
+    data = of_function(cases, values)
+    data = data.with_variables(sobol_indices(data, cases))
+    (text,) = _left_of_samples(SimpleNamespace(data=data, cases=cases))
+    assert text == "there are no Sobol' indices of y: the same in all samples"
+
+
 def test_sobol_indices_of_the_function_of_ishigami_are_those_of_its_closed_form():
     # Ishigami and Homma 1990, a = 7, b = 0.1: the third parameter acts by its interaction with the first alone.
     from tautline.sweeps.indices import sobol_indices

@@ -80,3 +80,35 @@ def test_an_fmu_makes_no_step_while_static_friction_is_below_the_kinetic_one(fol
         core.step(H, H)
     core.set(STATIC, 0.3)
     core.step(H, H)
+
+
+def test_a_state_and_a_copy_bring_static_friction_below_the_kinetic_one_no_further_than_the_simulation_itself():
+    sim = tautline.Simulation(DATA / "drilling.yaml", keep=False)
+    good = sim.save()
+    sim.parameters[KINETIC] = 0.5
+    bad, other, copied = sim.save(), tautline.Simulation(DATA / "drilling.yaml", keep=False), sim.copy()
+    sim.restore(good)
+    sim.advance(H)
+    for one in (sim, other):
+        one.restore(bad)
+    for one in (sim, other, copied):
+        with pytest.raises(SimulationError, match=r"wall.friction.static = 0.25 is less than wall.friction.kinetic"):
+            one.advance(H)
+        one.parameters[STATIC] = 0.5
+        one.advance(H)
+
+
+def test_an_fmu_makes_no_step_from_a_state_with_static_friction_below_the_kinetic_one(folder):
+    from tautline.live.fmu.unit import Core
+
+    core = Core(folder)
+    core.initialise()
+    core.step(0.0, H)
+    good = core.save()
+    core.set(KINETIC, 0.5)
+    bad = core.save()
+    core.restore(good)
+    core.step(H, H)
+    core.restore(bad)
+    with pytest.raises(SimulationError, match="is less than"):
+        core.step(H, H)

@@ -6,12 +6,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from crane.scene.path import pushing
 from crane.scene.scene import CraneScene, Drum
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import Problem, SceneError
-from tautline.system.time_functions import FunctionRequest, compile_functions
+from tautline.system.time_functions import FunctionRequest, bounds_of, compile_functions
 
 SAMPLES = 4001
+ROUNDING = 1.0e-9
+"""Share of a tension by which a sum that comes down to 0 may be below it."""
 
 
 class Supply(NamedTuple):
@@ -50,17 +53,34 @@ def hoisted_spans(scene: CraneScene) -> list[int]:
     return [k for k in range(len(rides) - 1) if rides[k] != rides[k + 1]]
 
 
-def check_supply(scene: CraneScene) -> None:
-    """Refuse more rope on a drum than its layers hold, at the start or wound on in the run.
+def check_drums(scene: CraneScene) -> None:
+    """Refuse more rope on a drum than its layers hold, at the start or wound on in the run; and a tension below 0.
 
     Raises
     ------
     SceneError
-        Naming each such drum, how much it would hold and when it is full.
+        Naming each such drum, how much it would hold and when it is full; or the least tension and when it is held.
     """
-    problems = [problem for drum in scene.drums for problem in _too_much(scene, drum)]
+    problems = [problem for drum in scene.drums for problem in (*_too_much(scene, drum), *_pushing(scene, drum))]
     if problems:
         raise SceneError(problems)
+
+
+def _pushing(scene: CraneScene, drum: Drum) -> list[Problem]:
+    """Of a tension to be held that falls below 0 in the run, be it for one of its parts alone."""
+    end = float(scene.solver.end)
+    if drum.tension is None:
+        return []
+    least, largest = bounds_of(drum.tension, end)
+    if least >= -ROUNDING * max(abs(least), largest):
+        return []
+    time = np.linspace(0.0, end, SAMPLES)
+    tension = sample(compile_functions([FunctionRequest(drum.tension)]), 0, time)[:, 0]
+    k = int(np.argmin(tension))
+    if tension[k] >= -ROUNDING * max(abs(least), largest):
+        return []
+    key = (*scene.key_of(drum), "tension")
+    return [scene.problem(key, *pushing(float(tension[k]), f"at t = {time[k]:.4g} s"))]
 
 
 def capacity_of(scene: CraneScene, drum: Drum) -> float | None:

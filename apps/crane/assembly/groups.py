@@ -195,8 +195,10 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
 
 
 def _of_drum(drum: Drum) -> tuple[Steering, ...]:
-    text = "torque of the drive" if drum.drive == "torque" else "tension that the drive holds"
-    return (Steering(f"{drum.name}.{drum.drive}", "N m" if drum.drive == "torque" else "N", text),)
+    if drum.drive == "torque":
+        return (Steering(f"{drum.name}.torque", "N m", "torque of the drive"),)
+    # A rope only pulls.
+    return (Steering(f"{drum.name}.tension", "N", "tension that the drive holds", least=0.0),)
 
 
 def _bodies(layout: Layout) -> list[Maker]:

@@ -28,6 +28,7 @@ class Lack(NamedTuple):
     the share of :func:`holding_share`. ``motor`` is positive where it hoists, and ``limited`` where `torque_limit` is
     what keeps it from more.
     ``tension`` is the least that may stand at the drum, with all friction of sheaves on its side where ``helped``.
+    ``gain`` is the proportional one of a winch that holds a tension.
     """
 
     drum: Drum
@@ -38,6 +39,7 @@ class Lack(NamedTuple):
     motor: float
     helped: bool
     limited: bool
+    gain: float
 
     @property
     def load(self) -> float:
@@ -48,6 +50,11 @@ class Lack(NamedTuple):
     def needed(self) -> float:
         """Torque of the brake, as far as it is closed, that would hold; of the motor where there is none, N m."""
         return self.load - self.friction - (self.motor if self.brake is not None else 0.0)
+
+    @property
+    def held(self) -> float:
+        """Tension that would hold, N, of a winch without a brake: its controller adds to what it lacks."""
+        return self.tension - self.friction / (self.drum.radius * (1.0 + self.gain))
 
 
 def lacks(scene: CraneScene, path: Path, tension: np.ndarray | None) -> list[Lack]:
@@ -74,30 +81,34 @@ def lacks(scene: CraneScene, path: Path, tension: np.ndarray | None) -> list[Lac
         closed = 0.0 if drum.brake is None else holding_share(drum)
         brake = drum.brake.torque * closed if drum.brake is not None and closed > 0.0 else None
         pull = share * float(tension[(0, 0) if drum is scene.path[0] else (-1, 1)])
-        asked = _asked_of_motor(drum, pull, brake is not None, scene.solver.end)
+        held = brake is not None or drum.friction_torque > 0.0
+        asked = _asked_of_motor(drum, pull, held, brake is not None, scene.solver.end)
         limit = math.inf if drum.torque_limit is None else drum.torque_limit
         meant = brake is not None or isinstance(getattr(drum, drum.drive), Constant) or asked > limit
         if not meant or (brake is None and drum.brake is not None):
             continue
         motor = min(max(asked, -limit), limit)
-        one = Lack(drum, pull, brake, closed, drum.friction_torque, motor, share < 1.0, asked > limit)
+        one = Lack(drum, pull, brake, closed, drum.friction_torque, motor, share < 1.0, asked > limit, _gain(drum))
         if one.load - motor - drum.friction_torque - (brake or 0.0) > SURE * one.load:
             found.append(one)
     return found
 
 
-def _asked_of_motor(drum: Drum, pull: float, braked: bool, end: float) -> float:
+def _asked_of_motor(drum: Drum, pull: float, stands: bool, braked: bool, end: float) -> float:
     """Torque that a motor is to have while the drum stands, N m, whatever limits it.
 
-    A winch that holds a tension adds its `proportional` share of what lacks only where a brake lets it lack: of a drum
-    that turns freely the rope takes the tension that is held. Without a brake the most counts that it ever is to hold.
+    A winch that holds a tension adds its `proportional` share of what lacks only where a brake or friction lets it
+    lack: of a drum that turns freely the rope takes the tension that is held. Without a brake the most counts that it
+    ever is to hold.
     """
     if drum.tension is None:
         return _at_start(drum.torque)
-    if not braked:
-        return drum.radius * bounds_of(drum.tension, end)[1]
-    held, gain = _at_start(drum.tension), 0.0 if drum.gains is None else drum.gains.proportional
-    return drum.radius * (held + gain * (held - pull))
+    held = _at_start(drum.tension) if braked else bounds_of(drum.tension, end)[1]
+    return drum.radius * (held + (_gain(drum) * (held - pull) if stands else 0.0))
+
+
+def _gain(drum: Drum) -> float:
+    return 0.0 if drum.gains is None else drum.gains.proportional
 
 
 def _at_start(function: object) -> float:

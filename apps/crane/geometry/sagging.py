@@ -5,12 +5,17 @@ A parabola stands for the catenary: as the shape from which rest is looked for, 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 STATIONS = 400
 """Points at which the length of a parabola is measured."""
+PLUMB = 1.0e-9
+"""Level over upright distance below which a rope hangs plumb."""
+ROUNDS, HALVINGS = 8, 60
+"""By which a catenary finds its stretch, and its shape."""
 
 
 class Sag(NamedTuple):
@@ -74,3 +79,43 @@ def _ends(pull: float, e: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Tension at both ends of a span that is pulled along its chord, and whose ends bear half its weight each, N."""
     first, last = pull * e + 0.5 * weight, pull * e - 0.5 * weight
     return np.linalg.norm([first, last], axis=1) if pull > 0.0 else np.array([0.0, 0.0])
+
+
+def foot_of_catenary(across: float, rise: float, length: float, weight: float, stiffness: float) -> float:
+    """Tension at the lower end of a rope that is longer than the way between its ends, N: also where it hangs steep.
+
+    Of a rope that hangs plumb it is what the lower end bears of the bight: half of the rope that is too long.
+
+    Parameters
+    ----------
+    across, rise : float
+        Level and upright distance of the ends, m.
+    length : float
+        Unstretched, m.
+    weight : float
+        N/m.
+    stiffness : float
+        EA, N.
+    """
+    stretched = length
+    for _ in range(ROUNDS):
+        load = weight * length / stretched
+        # H = q b / (2 x), V = (q / 2) (z coth x -+ l), and sinh(x) / x = sqrt(l^2 - z^2) / b.
+        x = _slackness(math.sqrt(stretched**2 - rise**2) / across) if across > PLUMB * rise else math.inf
+        level = load * across / (2.0 * x)
+        low, high = (0.5 * load * (rise / math.tanh(x) + sign * stretched) for sign in (-1.0, 1.0))
+        foot = math.hypot(level, low)
+        stretched = length * (1.0 + 0.5 * (foot + math.hypot(level, high)) / stiffness)
+    return foot
+
+
+def _slackness(ratio: float) -> float:
+    """The x at which sinh(x) / x is a ratio, which is more than 1."""
+    wanted, low = math.log(ratio), 0.0
+    high = 2.0 * wanted + 4.0
+    for _ in range(HALVINGS):
+        x = 0.5 * (low + high)
+        # No sinh, which overflows.
+        below = x + math.log(-math.expm1(-2.0 * x) / (2.0 * x)) < wanted
+        low, high = (x, high) if below else (low, x)
+    return 0.5 * (low + high)

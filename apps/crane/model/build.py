@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.assembly.drum_supply import check_supply
+from crane.assembly.drum_supply import check_drums
 from crane.assembly.groups import groups_of
 from crane.assembly.layout import AXES, Layout, lay_out
 from crane.assembly.prepared import compensation_of
@@ -62,7 +62,7 @@ def build(scene: CraneScene) -> Model:
     SceneError
         For a path that no rope can take, faults of files, and more rope than a drum holds.
     """
-    check_supply(scene)
+    check_drums(scene)
     made = assembled(scene)
     layout, system, notes = made.layout, made.system, [*made.notes, *unused_alphas(scene.solver)]
     observer = Observer(layout, system.groups, made.compensation)

@@ -2,7 +2,8 @@
 
 A straight element hangs half of its weight on either end. Where the lowest element of a span is slack, or pulls with
 less than that half, the foot would have to push: in truth all of that weight hangs from above. The tension at the top
-is too low by it, and what is at the foot carries it.
+is too low by it, and what is at the foot carries it. Of rope that is too long half hangs on the foot in truth, too:
+while all of it lies in the lowest element only the rest lacks, the weight of half the way between the nodes.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 
 from crane.assembly.estimates import Estimate
 from crane.assembly.layout import carries_nothing, stands
+from crane.geometry.sagging import PLUMB, foot_of_catenary
 from crane.results.course import nodes_of
 from crane.scene.scene import Anchor, CraneScene
 from tautline.scene.values.ranges import sized
@@ -41,6 +43,22 @@ class Foot(NamedTuple):
     high: int
 
 
+class Lack(NamedTuple):
+    """What lacks at the top of a span over its foot, by the number of the span and the side of the foot, N.
+
+    ``top`` is the tension there in truth; ``spare`` half the weight of the rope that is too long in the lowest element.
+    ``at_least`` where more may lack: up to ``most``, by which the elements go that are asked for.
+    """
+
+    span: int
+    side: int
+    lacks: float
+    top: float
+    spare: float = 0.0
+    at_least: bool = False
+    most: float = 0.0
+
+
 def slack_feet(result: Any, scene: CraneScene) -> list[str]:
     """Sentences on spans whose foot stays slack while they hang from above, one for each.
 
@@ -62,12 +80,14 @@ def slack_feet(result: Any, scene: CraneScene) -> list[str]:
         )
         if frames.size == 0:
             continue
-        lacks = np.zeros(time.size)
-        lacks[frames] = _lacking(result, scene, foot, frames)
+        lacks, spare = np.zeros(time.size), np.zeros(time.size)
+        lacks[frames], spare[frames] = _lacking(result, scene, foot, frames)
         top = tension[:, foot.span, 1 - foot.side] + lacks
         begin, end = _longest(time, (lacks > TOLD * top) & (lacks > MATTERS * largest))
         if end > begin and time[end] - time[begin] >= min(LASTS, float(time[-1] - time[0])):
-            found.append(_sentence(scene, foot, time[[begin, end]], lacks[begin : end + 1], top[begin : end + 1]))
+            k = begin + int(np.argmax(lacks[begin : end + 1]))
+            lack = Lack(foot.span, foot.side, float(lacks[k]), float(top[k]), float(spare[k]))
+            found.append(_sentence(scene, lack, time[[begin, end]]))
     return found
 
 
@@ -81,19 +101,23 @@ def _feet(scene: CraneScene) -> list[Foot]:
     return feet
 
 
-def _lacking(result: Any, scene: CraneScene, foot: Foot, frames: np.ndarray) -> np.ndarray:
-    """What a foot would have to push with at frames to bear its half of the element's weight, N."""
+def _lacking(result: Any, scene: CraneScene, foot: Foot, frames: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What a foot would have to push with at frames to bear its half of the element's weight, N.
+
+    And half the weight of the rope that is too long between the nodes, N, which the foot bears in truth, too.
+    """
     position = np.asarray(result["position"])
     low, high = position[frames, foot.low], position[frames, foot.high]
     material = np.asarray(result["material_coordinate"])
     length = np.abs(material[frames, foot.high] - material[frames, foot.low])
     way = high - low
     up = -np.array(scene.gravity, float)
-    size = float(np.linalg.norm(up))
-    rises = way @ (up / size) / np.maximum(np.linalg.norm(way, axis=1), np.finfo(float).tiny)
-    weight = _net_weight(scene, 0.5 * (low[:, 2] + high[:, 2]))
+    rise = np.maximum(way @ (up / float(np.linalg.norm(up))), 0.0)
+    distance = np.maximum(np.linalg.norm(way, axis=1), np.finfo(float).tiny)
+    half = 0.5 * _net_weight(scene, 0.5 * (low[:, 2] + high[:, 2]))
     force = np.asarray(result["axial_force"])[frames, foot.element]
-    return np.maximum(0.5 * weight * length * np.maximum(rises, 0.0) - np.maximum(force, 0.0), 0.0)
+    spare = np.maximum(length - distance, 0.0) * rise / distance
+    return np.maximum(half * rise - np.maximum(force, 0.0), 0.0), np.maximum(half, 0.0) * spare
 
 
 def _longest(time: np.ndarray, holds: np.ndarray) -> tuple[int, int]:
@@ -123,45 +147,66 @@ def foreseen(found: Estimate) -> Iterator[tuple[str, str]]:
         return
     standing = {body.name for body in scene.bodies if stands(scene, body)}
     cases = []
-    for k, elements in enumerate(scene.elements):
+    for k in range(len(scene.elements)):
         heights = path.tangents[k] @ -np.array(scene.gravity, float)
         side = int(heights[1] < heights[0])
-        foot, ends = scene.path[k + side], path.tangents[k][[side, 1 - side]]
+        foot = scene.path[k + side]
         if getattr(foot, "body", None) in standing or (isinstance(foot, Anchor) and carries_nothing(scene)):
-            rise = abs(float(np.diff(heights)[0])) / float(np.linalg.norm(scene.gravity))
-            parts = np.linspace(ends[0, 2], ends[1, 2], 2 * PARTS + 1)[1::2]
-            top, half = rise * float(_net_weight(scene, parts).mean()), 0.5 * rise / elements
-            lacks = half * float(_net_weight(scene, ends[0, 2])) - _least(found, k)
-            if lacks > TOLD * top and lacks > MATTERS * found.largest_tension:
-                cases.append((lacks, top, k, side))
+            one = _at_rest(found, k, side)
+            if one.lacks > TOLD * one.top and one.lacks > MATTERS * found.largest_tension:
+                cases.append(one)
     if cases:
-        lacks, top, k, side = max(cases)
-        text = f"the rope begins slack at {scene.path[k + side].name}. {_lack(scene, k, side, lacks, top)}"
+        one = max(cases, key=lambda case: case.lacks)
+        text = f"the rope begins slack at {scene.path[one.span + one.side].name}. {_told(scene, one)}"
         yield "mesh.elements_per_span", text
 
 
-def _least(found: Estimate, k: int) -> float:
-    """Tension at rest of a span of a rope between fixed places, where it is least, N; 0 over a load that stands."""
-    if found.tension is None or not carries_nothing(found.scene):
-        return 0.0
-    return float(found.tension[k].min())
+def _at_rest(found: Estimate, k: int, side: int) -> Lack:
+    """What lacks at the top of a span that hangs with its share of what is too long of the rope, at rest.
+
+    The lowest element bears nothing, or next to it, where the rope turns round in it. A rope that hangs steep, and not
+    plumb, is a polygon there: what its foot takes off is then less than that of a catenary, by some share.
+    """
+    scene, path = found.scene, found.path
+    ends, distance = path.tangents[k][[side, 1 - side]], path.spans[k].length
+    up = -np.array(scene.gravity, float)
+    size = float(np.linalg.norm(up))
+    rise = float((ends[1] - ends[0]) @ up) / size
+    across = float(np.linalg.norm(ends[1] - ends[0] - rise * up / size))
+    surplus = (float(scene.rope.length or 0.0) / float(path.chords.sum()) - 1.0) * float(path.chords[k])
+    length = distance + surplus
+    parts = np.linspace(ends[0, 2], ends[1, 2], 2 * PARTS + 1)[1::2]
+    mean, low = float(_net_weight(scene, parts).mean()), float(_net_weight(scene, ends[0, 2]))
+    if rise <= 0.0 or mean <= 0.0 or low <= 0.0:
+        return Lack(k, side, 0.0, 1.0)
+    half = 0.5 * low * length / scene.elements[k] * rise / distance
+    foot = foot_of_catenary(across, rise, length, mean, scene.rope.axial_stiffness)
+    top = mean * rise + foot
+    if across > PLUMB * rise:
+        return Lack(k, side, half - foot, top, at_least=True, most=half)
+    return Lack(k, side, half - foot * low / mean, top, spare=foot * low / mean)
 
 
-def _lack(scene: CraneScene, k: int, side: int, lacks: float, top: float) -> str:
-    """What a slack foot makes of the tension at the top of a span, and the cure: it goes as one over the elements."""
-    lower, upper, elements = scene.path[k + side].name, scene.path[k + 1 - side].name, scene.elements[k]
-    enough = max(elements + 1, math.ceil(elements * lacks / (TOLD * top) * (1.0 - ROUNDING)))
+def _told(scene: CraneScene, one: Lack) -> str:
+    """What a slack foot makes of the tension at the top of a span, and the cure.
+
+    Half the weight of an element goes as one over the elements; what is too long of the rope stays.
+    """
+    k, elements = one.span, scene.elements[one.span]
+    lower, upper = scene.path[k + one.side].name, scene.path[k + 1 - one.side].name
+    most = max(one.most, one.lacks + one.spare)
+    enough = max(elements + 1, math.ceil(elements * most / (TOLD * one.top + one.spare) * (1.0 - ROUNDING)))
+    about = "at least" if one.at_least else "about"
     return (
-        f"The lowest element then gives half of its weight to {lower}. Of a real rope all of that hangs from {upper}: "
-        f"the tension there is about {sized(lacks, 'N')} too low, {100.0 * lacks / top:.2g} % of it. Take {enough} "
-        f"elements or more for that span, which has {elements}"
+        f"The lowest element then gives half of its weight to {lower}. Of a real rope that hangs from {upper}: the "
+        f"tension there is {about} {sized(one.lacks, 'N')} too low, {100.0 * one.lacks / one.top:.2g} % of it. Take "
+        f"{enough} elements or more for that span, which has {elements}"
     )
 
 
-def _sentence(scene: CraneScene, foot: Foot, during: np.ndarray, lacks: np.ndarray, top: np.ndarray) -> str:
-    k = int(np.argmax(lacks))
-    lower = scene.path[foot.span + foot.side].name
+def _sentence(scene: CraneScene, one: Lack, during: np.ndarray) -> str:
+    lower = scene.path[one.span + one.side].name
     return (
         f"the rope hangs slack at {lower} from t = {during[0]:.4g} s to {during[1]:.4g} s. "
-        f"{_lack(scene, foot.span, foot.side, float(lacks[k]), float(top[k]))} (mesh.elements_per_span)"
+        f"{_told(scene, one)} (mesh.elements_per_span)"
     )

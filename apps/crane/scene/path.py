@@ -115,6 +115,12 @@ def _values_of(function: FunctionOfTime | None) -> tuple[float, ...]:
     return ()
 
 
+def pushing(tension: float, when: str) -> tuple[str, str]:
+    """Cause and cure of a tension below 0, N, that a winch is to hold at a time."""
+    cause = f"is {tension:.6g} N {when}, and a rope only pulls: the motor would drive the rope out slack"
+    return cause, "give a tension that is not below 0, positive where the winch pulls"
+
+
 class Gains(Model):
     """Of a winch that holds a tension: ``torque = R (T + proportional e + integral times the integral of e)``.
 
@@ -214,8 +220,7 @@ class Drum(Disc):
             raise_all((key, cause, cure) for key in OF_A_TENSION if key in self.model_fields_set)
         slack = [value for value in _values_of(self.tension) if value < 0.0]
         if slack:
-            cause = f"is {slack[0]:g} N at some time, and a rope only pulls: the motor would drive the rope out slack"
-            raise fault("tension", cause, "give a tension that is not below 0, positive where the winch pulls")
+            raise fault("tension", *pushing(slack[0], "at some time"))
         return self
 
     @model_validator(mode="after")

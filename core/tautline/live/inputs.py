@@ -12,7 +12,7 @@ gone on with; by an advance that goes beyond its end what was given is come to r
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -162,6 +162,13 @@ class Inputs(Unpickled, Mapping[str, Any]):
         """Refuse what cannot be given to an input, as giving it does; nothing is changed."""
         self._checked(self._number(name), name, value)
 
+    def within(self, name: str, state: Sequence[float] | np.ndarray) -> tuple[float, ...]:
+        """A value and its rates as an input may have them: what is measured lies beyond its bounds by its noise."""
+        steering = self._list[self._number(name)].steering
+        value, *rates = (float(x) for x in state)
+        held = min(max(value, steering.least), steering.most)
+        return (value, *rates) if held == value or not isfinite(value) else (held, *(0.0 for _ in rates))
+
     def _checked(self, k: int, name: str, value: Any) -> tuple[float, ...]:
         """What is given, as one to three numbers."""
         given: tuple[float, ...]
@@ -178,7 +185,9 @@ class Inputs(Unpickled, Mapping[str, Any]):
             raise SimulationError(cause, f"give a value in {unit or 'SI'}, or (value, rate) or (value, rate, second)")
         steering = self._list[k].steering
         if not steering.least <= given[0] <= steering.most:
-            cause = f"{name} = {given[0]:g} is not from {steering.least:g} to {steering.most:g}"
+            bounds = f"from {steering.least:g} to {steering.most:g}"
+            bounds = f"{steering.least:g} or more" if steering.most == inf else bounds
+            cause = f"{name} = {given[0]:g} is not {bounds}"
             raise SimulationError(cause, f"it is {steering.text}")
         return given
 

@@ -218,6 +218,10 @@ class Parameters(Unpickled, Mapping[str, Any]):
             self._parameters[name].set(given)
         self._anew = True
 
+    def recalled(self) -> None:
+        """Take note that a state has brought values, which may be such as a step refuses."""
+        self._anew = True
+
     def check(self) -> None:
         """Refuse values that cannot be beside one another, once all are given; raises SimulationError."""
         if not self._anew:

@@ -567,9 +567,9 @@ class Simulation:
         self._stopped, self._status = state.stopped
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
+        self.parameters.recalled()
         self._kept.go_back(state, self._frames.rows[0], self._tolerance)
-        if state.start:
-            self._run.began = self._starts.get(state.start, Start())
+        self._run.began = self._starts.get(state.start, Start()) if state.start else self._run.began
         self._frame_clock.stand_at(state.time)
         self._checked.recall(state.explicit)
 

@@ -21,6 +21,11 @@ def samples_left(data: Variables, name: str) -> tuple[int, int] | None:
     return None if one is None else (int(one.values), int(one.attrs[MADE]))
 
 
+def has_indices(data: Variables, name: str) -> bool:
+    """Whether a result has indices: one that is the same in all samples has none."""
+    return f"{name}_first" in data.data_vars
+
+
 def sobol_indices(data: Variables, cases: Cases) -> Variables:
     """First-order and total indices of every number that was collected.
 
@@ -30,7 +35,7 @@ def sobol_indices(data: Variables, cases: Cases) -> Variables:
     -------
     Variables
         ``NAME_first``, ``NAME_total`` and the half widths of their 95 % intervals, along ``parameter``. And
-        ``NAME_indices_of``: the samples that are left, also where they are too few for indices.
+        ``NAME_indices_of``: the samples that are left, also where they are too few for indices, or all the same.
 
     Raises
     ------

@@ -87,14 +87,16 @@ class Journal:
         if not resume:
             if len(self.done) < int(head.get("cases", 0)):
                 cause = f"holds {len(self.done)} finished cases of {head.get('cases')}: they would be lost"
-                raise ResultError(folder, cause, "go on with --resume, or name another folder with -o")
+                same = head.get("sweep") == self.mark
+                cure = "go on with --resume" if same else "put the sweep back as it was and go on with --resume"
+                raise ResultError(folder, cause, f"{cure}, or name another folder with -o")
             self.done, self.columns, self.aside, self._moved = set(), None, None, []
             return
         _check_program(folder, head.get("version"), head.get("sources"))
         if head.get("sweep") != self.mark:
-            self._refuse(folder, head.get("files"), head.get("about"))
+            self._refuse(folder, head.get("files"), head.get("about"), int(head.get("cases", 0)))
 
-    def _refuse(self, folder: Path, before: Any, about: Any) -> None:
+    def _refuse(self, folder: Path, before: Any, about: Any, cases: int) -> None:
         """Raise ResultError for the journal of another sweep, and name the files or keys that make it another one."""
         before = before if isinstance(before, dict) else {}
         changed = [path for path, found in self.files.items() if before.get(path, found) != found]
@@ -103,11 +105,12 @@ class Journal:
         if changed:
             cause = f"belongs to another sweep: {', '.join(changed)} has been changed since it began"
             raise ResultError(folder, cause, "put the file back as it was, or name another folder with -o")
-        other = "its scene, or the order of the keys under `vary`, is another one"
+        other = "its scene, of which the title counts too, or the order of the keys under `vary`, is another one"
         told = ("; ".join(_differences(about, self.about)) or other) if isinstance(about, dict) else other
-        raise ResultError(
-            folder, f"belongs to another sweep: {told}", "name another folder with -o, or leave out --resume"
-        )
+        cure = "name another folder with -o"
+        # Without --resume an unfinished sweep is not written over.
+        cure += ", or leave out --resume" if len(self.done) >= cases else ", or go on with the sweep as it was"
+        raise ResultError(folder, f"belongs to another sweep: {told}", cure)
 
     def _read(self) -> dict[str, Any]:
         head: dict[str, Any] = {}

@@ -120,7 +120,7 @@ class Forecast:
                     self.found.stopped = (float(after), SCENE_ENDS)
                 return
             for name, path in paths.items():
-                sim.inputs[name] = tuple(path[i].tolist())
+                sim.inputs[name] = sim.inputs.within(name, path[i])
             try:
                 sim.advance_heard(begin + after, None)
             except StoppedEarly as error:

@@ -184,13 +184,22 @@ def _left_out(outcome: Outcome) -> list[str]:
 
 
 def _left_of_samples(outcome: Outcome) -> list[str]:
-    """Of how many samples Sobol' indices are, where it is not all of them; those of one number in one sentence."""
+    """Of how many samples Sobol' indices are, where it is not all of them; those of one number in one sentence.
+
+    And what has none, since no parameter changes it.
+    """
+    from tautline.sweeps.indices import has_indices
+
     numbers: dict[tuple[int, int], list[str]] = {}
+    same: list[str] = []
     for name, (left, made) in _samples(outcome).items():
-        if left < made:
+        if left > 1 and not has_indices(outcome.data, name):
+            same.append(name)
+        elif left < made:
             numbers.setdefault((left, made), []).append(name)
     rule = "a sample of which a case failed, or has no number, is left out"
-    return [
+    told = [f"there are no Sobol' indices of {', '.join(same)}: the same in all samples"] if same else []
+    return told + [
         f"Sobol' indices of {', '.join(names)} are those of {left} of {made} samples: {rule}"
         if left > 1
         else f"there are no Sobol' indices of {', '.join(names)}: {left} of {made} samples are left, for {rule}"

@@ -90,7 +90,7 @@ class Family:
         while self.blows_due and self.blows_due[0][0] <= self.time + 1e-9:
             k = self.blows_due.pop(0)[1]
             self.simulations[1 + len(self.names) + k].displace(self.blows[k].output, self.blows[k].by)
-        given = [(name, tuple(state.tolist())) for name, state in inputs]
+        given = [(name, self.simulations[0].inputs.within(name, state)) for name, state in inputs]
         with listening(patient=True) as ear:
             for sim in self.simulations:
                 for name, state in given:
