@@ -305,12 +305,8 @@ class Inputs(Unpickled, Mapping[str, Any]):
             row[SLOPE] = 0.0
             self._active.discard(k)
         else:
-            row[SLOPE] = self._slope(k, row[TARGET], begin, end)
-
-    def _slope(self, k: int, target: float, begin: float, end: float) -> float:
-        """Mean rate of an input on its way to a value."""
-        steering, function = self._list[k].members[0]
-        return float((target - self._now(function)[steering.order] / steering.factor) / (end - begin))
+            steering, function = self._list[k].members[0]
+            row[SLOPE] = (row[TARGET] - self._now(function)[steering.order] / steering.factor) / (end - begin)
 
     def _way_end(self, k: int) -> float:
         """When the way that was written last for an input ends, s."""
@@ -323,7 +319,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
         steering, function = members[0]
         now = self._now(function)
         target, rate, second, last, _ = row.tolist()  # plain floats take a third of the time of an array's
-        slope = self._slope(k, target, begin, end)
+        slope = (target - now[steering.order] / steering.factor) / h
         if not isfinite(rate):
             # What the scene itself has moved goes on from its rate.
             rate = _between(last if isfinite(last) else now[steering.order + 1] / steering.factor, slope)
