@@ -68,7 +68,7 @@ SETTLING = 5
 ASTRAY = 10.0
 """Times its first residual, or its scale, above which the iteration of a step is given up and the step divided: what it
 would find may be a solution in which elements are folded. Of 84 runs of stiff ropes in steps of 10 to 30 ms 21 failed
-without such a bound, 13 with 100, one with 30, and four or five with 10 and 3: those with the loosest tolerance."""
+without such a bound, 13 with 100, one with 30, and five with 10 and 3: those with the loosest tolerance."""
 FIRST_PLACE, PAST_PLACE, FIRST_WAY, PAST_WAY, SINCE, FREE = range(6)
 """Places in ``Corrector.chain``: where laws changed their status last, first and past the last full degree of freedom;
 the way that either went last (1 to higher places, -1 to lower ones, 0 none yet); the iteration in which they changed;
