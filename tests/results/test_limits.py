@@ -239,11 +239,11 @@ def test_simulate_prints_broken_limits_and_gives_all_in_json(tmp_path, capfd, mo
 def test_a_hose_that_relaxation_leaves_folded_within_an_element_is_told_so(tmp_path):
     # A coarse mesh takes it for rest: r' turns by 180 degrees within an element, and |r'| is near 1 at its ends.
     text = (ROOT / "data" / "hose.yaml").read_text(encoding="utf8")
-    text = text.replace("speed: {ramp: {to: 35.0, over: 0.1}}", "speed: 20.0").replace("end: 5 s", "end: 10 ms")
+    text = text.replace("speed: {ramp: {to: 35.0, over: 0.1}}", "speed: 27.0").replace("end: 5 s", "end: 10 ms")
     result, found = run(f"{text}start: relaxed\n", tmp_path)
     assert np.linalg.norm(result["slope"], axis=-1).min() > 0.9
     least = found["least_stretch"]
-    assert not least["passed"] and least["value"] < 0.3
+    assert not least["passed"] and least["value"] < 0.35
     # Rounding decides which element it is that folds.
     position, slope = result["position"][-1], result["slope"][-1]
     x = np.linspace(0.0, 0.5, len(position))

@@ -424,7 +424,7 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
     def ask(table: Table, info: ValidationInfo) -> Table:
         # A second validation, of a scene that is sound, asks for what is doubtful: pydantic knows the key, and we not.
         asked = (info.context or {}).get("record")
-        if asked is not None and table.file is not None:
+        if asked is not None:
             asked(table, unit)
         return table
 

@@ -1,4 +1,4 @@
-"""Warnings of records: that lack rows in a stretch, or before or after it, and whose speeds jump from row to row."""
+"""Warnings of records: that lack rows in a stretch, or before or after it, and whose speeds or places jump."""
 
 from __future__ import annotations
 
@@ -32,6 +32,8 @@ OFTEN, BESIDE = 4, 5
 """Turns beside a gap from which on a value goes up and down as waves do; rows beside it that show a crest."""
 CLOSE, NOISE = 4.0, 0.3
 """Steps from row to row below which jumps of speed add up; their size over the speeds from which on they are noise."""
+SUDDEN = 2.0
+"""Times the way of a step that its fastest speed, kept for a step, may lead: beyond that the place jumps within it."""
 SHOWN = 3
 """Stretches of one file that are told."""
 
@@ -51,13 +53,15 @@ def gaps_of_records(document: Document | None) -> list[SceneWarning]:
     """
     if document is None:
         return []
-    return [found for path, table in _tables(document.root, ()) for found in _gaps(document, path, table)]
+    tables = [one for one in _tables(document.root, ()) if isinstance(one[1].get("file"), str)]
+    return [found for path, table in tables for found in _gaps(document, path, table)]
 
 
 def ends_of_records(model: type[Model], document: Document | None, end: float, step: float = 0.0) -> list[SceneWarning]:
     """Warn of tables from files that begin after the run or end before it, where the value that holds there matters.
 
-    Also of places on straight lines between rows closer than some steps, where their speed jumps as noise does.
+    Also of places on straight lines between rows closer than some steps, where their speed jumps as noise does, and of
+    places of any table that jump within a step.
 
     A rate that is not zero goes on and on: that is told of a record, for who writes a few rows means it. A place, a
     force or another value stops where the rows before moved it, and a record of waves wherever it stops. Nothing is
@@ -74,12 +78,13 @@ def ends_of_records(model: type[Model], document: Document | None, end: float, s
     step : float, optional
         Of the solver, s; 0 where it is chosen.
     """
-    if document is None or not any(True for _ in _tables(document.root, ())):
+    if document is None or not any(_is_asked_for(table, step) for _, table in _tables(document.root, ())):
         return []
 
     def ask(table: Table, unit: str) -> None:
-        if said := ". ".join(filter(None, (_held(table, unit, end), _jumps(table, unit, step)))):
-            raise PydanticCustomError(DOUBT, "doubtful", {"said": said})
+        of_file = (_held(table, unit, end), _jumps(table, unit, step)) if table.file is not None else ()
+        if said := ". ".join(filter(None, (*of_file, _sudden(table, unit, step)))):
+            raise PydanticCustomError(DOUBT, "doubtful", {"said": said, "of": "file" if table.file else "value"})
 
     try:
         model.model_validate(document.root, context={"folder": document.folder, "record": ask})
@@ -91,7 +96,8 @@ def ends_of_records(model: type[Model], document: Document | None, end: float, s
     for one in errors:
         if one["type"] == DOUBT:
             key = tuple(part for part in one["loc"] if not (isinstance(part, str) and part.startswith(MARK)))
-            found.setdefault((*key, "file"), one.get("ctx", {})["said"])
+            told = one.get("ctx", {})
+            found.setdefault((*key, told["of"]), told["said"])
     return [
         SceneWarning(join_key(key), said, None if document.origin(key) else document.line(key), of_a_run=True)
         for key, said in found.items()
@@ -149,6 +155,30 @@ def _jumps(table: Table, unit: str, step: float) -> str:
     )
 
 
+def _sudden(table: Table, unit: str, step: float) -> str:
+    """What to say of places that jump within a step.
+
+    A step that ends in the jump sees its speed, and what is carried keeps that for a step.
+    """
+    time, value = np.array(table.time), np.array(table.value)
+    if unit not in ("m", "rad") or time.size < 2 or step <= 0.0:
+        return ""
+    lasts, ways = np.diff(time), np.diff(value)
+    for i in np.argsort(-np.abs(ways / lasts))[:SHOWN]:
+        edges = np.array([time[i] - step, time[i + 1] + step])
+        near = value[(time > edges[0]) & (time < edges[1])]
+        way = float(np.ptp(np.concatenate((near, np.interp(edges, time, value)))))
+        thrown = abs(float(ways[i])) * step / float(lasts[i])
+        if lasts[i] < step and thrown > SUDDEN * way > 0.0 and abs(float(ways[i])) > STEP * float(np.ptp(value)):
+            return (
+                f"{table.file or 'the table'} jumps by {sized(abs(float(ways[i])), unit)} within {lasts[i]:.3g} s, at "
+                f"{time[i]:.6g} s, and a step takes {step:.6g} s. A step that ends in the jump throws what is carried "
+                f"too far, up to {thrown / abs(float(ways[i])):.2g} times. Spread the jump over {2.0 * step:.3g} s or "
+                f"more, or take steps of {_rounded_down(float(lasts[i]) / 2.0):.2g} s"
+            )
+    return ""
+
+
 def _rounded_down(value: float) -> float:
     """A number above 0 with two digits that is no larger: a step that is rounded up is too long again."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
@@ -163,10 +193,20 @@ def _matters(value: np.ndarray, edge: int, unit: str) -> bool:
     return abs(step) > STEP * float(np.ptp(value)) or (value.size >= RECORDED and _turns(value))
 
 
+def _is_asked_for(table: Mapping[str, Any], step: float) -> bool:
+    """Whether there may be something to say of a table: of a file, or a list with rows closer than a step."""
+    if isinstance(table.get("file"), str):
+        return True
+    times = table["time"]
+    if not all(isinstance(one, (int, float)) for one in times):
+        return True  # with units: they are read where the scene is
+    return bool(np.any(np.diff(np.array(times, float)) < step))
+
+
 def _tables(value: Any, path: Path_) -> Iterator[tuple[Path_, Mapping[str, Any]]]:
-    """Tables of a scene whose rows stand in a file."""
+    """Tables of a scene."""
     if isinstance(value, Mapping):
-        if path and path[-1] == "table" and isinstance(value.get("file"), str):
+        if path and path[-1] == "table" and (isinstance(value.get("file"), str) or isinstance(value.get("time"), list)):
             yield path, value
         for key, part in value.items():
             yield from _tables(part, (*path, key))

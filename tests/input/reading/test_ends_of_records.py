@@ -169,3 +169,39 @@ def test_a_speed_that_jumps_like_noise_between_rows_closer_than_some_steps_is_to
     assert bool(found) == said
     assert not said or ("are 0.013 s apart, and a step takes 0.01 s" in found[0] and "steps of 0.0032 s" in found[0])
     assert not told(tmp_path, rows, HEAVE)
+
+
+JUMPING = CRANE.replace("{table: {file: w.csv}}", "0") + (
+    "vessel: {reference: [0, 0, 0], motion: {heave: {table: {time: TIMES, value: VALUES, interpolation: linear}}}}\n"
+)
+
+
+def told_of_a_list(times, values, step=0.05):
+    document = Document.parse(JUMPING.replace("TIMES", str(times)).replace("VALUES", str(values)), "scene.yaml")
+    CraneScene.read(document)
+    return [str(one) for one in ends_of_records(CraneScene, document, 2.0, step)]
+
+
+def test_a_place_that_jumps_within_a_step_is_told_with_how_far_it_may_throw():
+    """10 mm in 0.1 ms are 100 m/s, which a step of 50 ms would keep: 5 m, 500 times as far."""
+    (text,) = told_of_a_list([0, 0.49995, 0.50005, 50.0], [0, 0, 0.01, 0.01])
+    assert text.startswith(
+        "vessel.motion.heave.table.value (line 8): the table jumps by 0.01 m within 0.0001 s, at 0.49995 s"
+    )
+    assert "up to 5e+02 times" in text and "over 0.1 s or more, or take steps of 5e-05 s" in text
+    assert len(told_of_a_list(["0 s", "499.95 ms", "500.05 ms", "50 s"], [0, 0, 0.01, 0.01])) == 1
+
+
+@pytest.mark.parametrize(
+    ("times", "values"),
+    [
+        ([0, 0.45, 0.55, 50.0], [0, 0, 0.01, 0.01]),
+        ([0, 1, 1.01, 2], [0, 1, 1.01, 2]),
+        ([0.001 * k for k in range(2000)], [float(np.sin(0.005 * k)) for k in range(2000)]),
+        ([0, 1, 1.001, 2], [0, 0.5, 0.5, 0]),
+        ([0, 0.001], [1, 1]),
+    ],
+    ids=["over two steps", "a row more on a line", "a smooth record of fine rows", "two rows at a top", "no way"],
+)
+def test_of_places_that_do_not_jump_within_a_step_nothing_is_said(times, values):
+    assert told_of_a_list(times, values) == []
