@@ -34,6 +34,8 @@ CLOSE, NOISE = 4.0, 0.3
 """Steps from row to row below which jumps of speed add up; their size over the speeds from which on they are noise."""
 SUDDEN = 2.0
 """Times the way of a step that its fastest speed, kept for a step, may lead: beyond that the place jumps within it."""
+LOOKED_AT = 100
+"""Pairs of rows that are looked at for it: those that throw the farthest."""
 SHOWN = 3
 """Stretches of one file that are told."""
 
@@ -83,7 +85,7 @@ def ends_of_records(model: type[Model], document: Document | None, end: float, s
 
     def ask(table: Table, unit: str) -> None:
         of_file = (_held(table, unit, end), _jumps(table, unit, step)) if table.file is not None else ()
-        if said := ". ".join(filter(None, (*of_file, _sudden(table, unit, step)))):
+        if said := ". ".join(filter(None, (*of_file, _sudden(table, unit, end, step)))):
             raise PydanticCustomError(DOUBT, "doubtful", {"said": said, "of": "file" if table.file else "value"})
 
     try:
@@ -155,7 +157,7 @@ def _jumps(table: Table, unit: str, step: float) -> str:
     )
 
 
-def _sudden(table: Table, unit: str, step: float) -> str:
+def _sudden(table: Table, unit: str, end: float, step: float) -> str:
     """What to say of places that jump within a step.
 
     A step that ends in the jump sees its speed, and what is carried keeps that for a step.
@@ -164,12 +166,14 @@ def _sudden(table: Table, unit: str, step: float) -> str:
     if unit not in ("m", "rad") or time.size < 2 or step <= 0.0:
         return ""
     lasts, ways = np.diff(time), np.diff(value)
-    for i in np.argsort(-np.abs(ways / lasts))[:SHOWN]:
+    far = np.abs(ways) * step / lasts
+    # What matters is how far it throws; nothing behind the run's end or before its start is.
+    sudden = (lasts < step) & (far > STEP * float(np.ptp(value))) & (time[:-1] < end) & (time[1:] > 0.0)
+    for i in sorted(np.flatnonzero(sudden), key=lambda i: -far[i])[:LOOKED_AT]:
         edges = np.array([time[i] - step, time[i + 1] + step])
         near = value[(time > edges[0]) & (time < edges[1])]
-        way = float(np.ptp(np.concatenate((near, np.interp(edges, time, value)))))
-        thrown = abs(float(ways[i])) * step / float(lasts[i])
-        if lasts[i] < step and thrown > SUDDEN * way > 0.0 and abs(float(ways[i])) > STEP * float(np.ptp(value)):
+        way, thrown = float(np.ptp(np.concatenate((near, np.interp(edges, time, value))))), float(far[i])
+        if thrown > SUDDEN * way > 0.0:
             return (
                 f"{table.file or 'the table'} jumps by {sized(abs(float(ways[i])), unit)} within {lasts[i]:.3g} s, at "
                 f"{time[i]:.6g} s, and a step takes {step:.6g} s. A step that ends in the jump throws what is carried "

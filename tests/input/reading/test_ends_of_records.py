@@ -190,6 +190,10 @@ def test_a_place_that_jumps_within_a_step_is_told_with_how_far_it_may_throw():
     )
     assert "up to 5e+02 times" in text and "over 0.1 s or more, or take steps of 5e-05 s" in text
     assert len(told_of_a_list(["0 s", "499.95 ms", "500.05 ms", "50 s"], [0, 0, 0.01, 0.01])) == 1
+    # 8 mm of 10 m throw by 4 m; steeper rows of next to nothing hide no jump
+    assert len(told_of_a_list([0, 0.49995, 0.50005, 9], [0, 0, 0.008, 10])) == 1
+    steep = [0, 0.2, 0.2000001, 0.3, 0.3000001, 0.4, 0.4000001, 0.5, 0.501, 9]
+    assert len(told_of_a_list(steep, [0, 0, 9e-6, 9e-6, 18e-6, 18e-6, 27e-6, 27e-6, 0.01, 0.01])) == 1
 
 
 @pytest.mark.parametrize(
@@ -200,8 +204,16 @@ def test_a_place_that_jumps_within_a_step_is_told_with_how_far_it_may_throw():
         ([0.001 * k for k in range(2000)], [float(np.sin(0.005 * k)) for k in range(2000)]),
         ([0, 1, 1.001, 2], [0, 0.5, 0.5, 0]),
         ([0, 0.001], [1, 1]),
+        ([0, 5, 5.0001, 50], [0, 0, 0.01, 0.01]),
     ],
-    ids=["over two steps", "a row more on a line", "a smooth record of fine rows", "two rows at a top", "no way"],
+    ids=[
+        "over two steps",
+        "a row more on a line",
+        "a smooth record of fine rows",
+        "two rows at a top",
+        "no way",
+        "behind the end",
+    ],
 )
 def test_of_places_that_do_not_jump_within_a_step_nothing_is_said(times, values):
     assert told_of_a_list(times, values) == []
