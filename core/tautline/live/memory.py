@@ -8,7 +8,7 @@ import numbers
 import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -279,3 +279,26 @@ def check(state: Any, scene: str, layout: str, size: int) -> None:
         raise SimulationError(cause, cure)
     if not (np.isfinite(state.time) and state.time >= 0.0):
         raise SimulationError("the state is damaged: it has no time", cure)
+
+
+class Parts(NamedTuple):
+    """What a simulation works with: its own arrays, no copies, as they are until a force is added or it is restored.
+
+    Attributes
+    ----------
+    state : tautline.integrators.state.State
+    method : NamedTuple
+        Of integration, with its arrays.
+    frames : Frames
+        The one frame that it stands at.
+    memory : Memory
+        Of all that a saved state holds.
+    forces : list
+        Those that were added.
+    """
+
+    state: Any
+    method: Any
+    frames: Any
+    memory: Memory
+    forces: list[Any]

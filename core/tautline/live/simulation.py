@@ -39,8 +39,7 @@ from tautline.live.frame_clock import CLOSE, FrameClock
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.look import Look, book_change, disturb, look_at
-from tautline.live.memory import Memory, State, check
-from tautline.live.parts import Parts
+from tautline.live.memory import Memory, Parts, State, check
 from tautline.live.readings import Outputs, Parameters, handles_of
 from tautline.live.turn import Turn
 from tautline.results.assessment.balance import Balance
