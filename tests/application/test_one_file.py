@@ -52,7 +52,6 @@ def test_simulate_gives_the_oscillation_of_the_closed_form(capsys):
 
 def test_plot_render_and_export_write_what_they_say(capsys):
     command("simulate", "scene.yaml", "--end", "2", "--quiet")
-    Path("figures").mkdir()
     command("plot", "scene.nc", "-o", "figures")
     command("plot", "scene.nc", "--what", "velocity", "-o", "figures")
     assert {file.name for file in Path("figures").iterdir()} >= {"scene_overview.png", "scene_energy.png"}

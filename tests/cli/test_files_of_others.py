@@ -222,18 +222,15 @@ def test_a_result_that_holds_no_number_somewhere_is_shown_without_it_or_refused_
     here, lifted, tmp_path, verb, array
 ):
     path, out = with_hole(lifted, tmp_path, array), tmp_path / ("out.png" if verb == "render" else "out")
-    if verb == "plot":
-        out.mkdir()
     code, _, err = here(verb, path, *WORDS[verb], "-o", out)
     assert code in (0, 2) and "fault of the program" not in err
     where = "frame 3" if array == "time" else "t = 0.1 s"
     assert f"hoist.nc: '{array}' holds no number (NaN) at {where} first, in 1 of 11 frames" in said(err)
     if code == 2:
-        assert [one.name for one in tmp_path.rglob("*") if one.is_file()] == ["hoist.nc"]
+        assert [one.name for one in tmp_path.iterdir()] == ["hoist.nc"]
 
 
 def test_a_result_that_holds_all_its_numbers_is_shown_without_a_word_of_that(here, lifted, tmp_path):
-    (tmp_path / "out").mkdir()
     code, _, err = here("plot", lifted, "-o", tmp_path / "out")
     assert code == 0 and "holds no number" not in err
 

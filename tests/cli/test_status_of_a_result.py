@@ -143,7 +143,6 @@ def test_figures_of_a_run_that_stopped_early_say_so_in_their_headings(blocked):
 
 def test_commands_that_show_a_run_that_stopped_early_say_so_and_so_do_their_files(blocked, tmp_path, capsys):
     command = commands_of(Crane(), capsys)
-    (tmp_path / "figures").mkdir()
     for words in (
         ("plot", blocked, "-o", tmp_path / "figures", "--what", "overview"),
         ("render", blocked, "--html", tmp_path / "page.html"),

@@ -67,7 +67,6 @@ def test_a_scene_without_a_body_runs_and_is_drawn(name, pixels, tmp_path, capsys
     found = told("simulate", file, "-o", tmp_path / "scene.nc", "--json")
     assert "NaN" not in found and "Infinity" not in found
     assert json.loads(found) and '"rise"' not in found and "max_displacement" not in found
-    (tmp_path / "figures").mkdir()
     told("plot", tmp_path / "scene.nc", "-o", tmp_path / "figures")
     assert len(list((tmp_path / "figures").glob("*.png"))) >= 5
     told("export", tmp_path / "scene.nc", "--csv", "-o", tmp_path / "tables")

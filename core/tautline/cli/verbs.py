@@ -66,7 +66,7 @@ FigurePlace = Annotated[
         "-o",
         "--output",
         metavar="FILE_OR_FOLDER",
-        help="Where to: a folder that is there, or a file. [dim]\\[default: the current folder][/]",
+        help="Where to: a file, or a folder, which is made. [dim]\\[default: the current folder][/]",
     ),
 ]
 ExportPlace = Annotated[

@@ -249,26 +249,20 @@ def make_folder(folder: Path) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raise ResultError if the folder that a file would go to is not there: no command makes it."""
-    check_is_folder(path.parent, path)
-
-
-def check_is_folder(folder: Path, path: Path | None = None) -> None:
-    """Raise ResultError if a folder is not there: a slip in its name would be a new one. `path` is what is named."""
-    path = folder if path is None else path
+    """Raise ResultError if the folder that a file would go to is not there."""
     try:
-        found, is_folder = folder.exists(), folder.is_dir()
-        file = next((one for one in (folder, *folder.parents) if one.is_file()), None)
+        found, folder = path.parent.exists(), path.parent.is_dir()
+        file = next((one for one in path.parents if one.is_file()), None)
     except (OSError, ValueError) as error:
         raise ResultError(path, f"cannot be written: {error}", "give another name with -o") from None
     if file is not None:
         raise ResultError(path, f"{file} is a file, not a folder", "name another folder with -o")
     if not found:
         raise ResultError(
-            path, f"there is no folder {folder}", f"make it, mkdir -p {quote(str(folder))}, or name another"
+            path, f"there is no folder {path.parent}", f"make it, mkdir -p {quote(str(path.parent))}, or name another"
         )
-    if not is_folder:
-        raise ResultError(path, f"{folder} is a file, not a folder", "name another folder with -o")
+    if not folder:
+        raise ResultError(path, f"{path.parent} is a file, not a folder", "name another folder with -o")
 
 
 def check_figure(path: Path) -> Path:

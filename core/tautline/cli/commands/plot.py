@@ -29,7 +29,7 @@ def plot(
     Parameters
     ----------
     output : Path or None
-        A file if it ends in a known format, else a folder that is there; by default the current folder.
+        A file if it ends in a known format, else a folder, which is made; by default the current folder.
     what : sequence of str
         Names of figures or of variables; empty for the application's default figures.
     vs : str or None
@@ -43,7 +43,7 @@ def plot(
         If a result cannot be read, they are of several applications, a figure is unknown or a file cannot be written.
     """
     from tautline.results.errors import ResultError
-    from tautline.results.output_path import check_drawn, check_is_folder
+    from tautline.results.output_path import check_drawn
     from tautline.results.result import Result
     from tautline.statistics.store import check_whole
     from tautline.view.figures.comparison import listed
@@ -59,18 +59,37 @@ def plot(
         raise ResultError(output or "", f"ends in .{ending}, but --format says {form}", "leave one of them out")
     if ending and output is not None:
         check_drawn(output)
-    check_is_folder(folder)
+    made = _make(folder)
     against = {} if vs is None else {"vs": vs}
-    with told_of_holes(results):
-        written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
-    if not written:
-        held = listed([name for name in results[0].variables if name != "time"])
-        raise ResultError(paths[0], "holds nothing that the usual figures show", f"name with --what: {held}")
+    try:
+        with told_of_holes(results):
+            written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
+        if not written:
+            held = listed([name for name in results[0].variables if name != "time"])
+            raise ResultError(paths[0], "holds nothing that the usual figures show", f"name with --what: {held}")
+    except ResultError:
+        if made:
+            # It was not there before: the figures in it are half of what was asked for.
+            for file in folder.iterdir():
+                if file.suffix[1:] in FORMATS:
+                    file.unlink()
+            if not any(folder.iterdir()):
+                folder.rmdir()
+        raise
     warnings = [warning for result in results for warning in say_missing(result)]
     for file in written:
         say(f"wrote {file}", "green")
     if as_json:
         print_json({"status": "done", "figures": [str(file) for file in written], "warnings": warnings})
+
+
+def _make(folder: Path) -> bool:
+    """Make a folder, and tell whether there was none; raises ResultError where it cannot be made."""
+    from tautline.results.output_path import make_folder
+
+    made = not folder.exists()
+    make_folder(folder)
+    return made
 
 
 def _place(output: Path | None) -> tuple[Path, str | None, str | None]:
