@@ -290,15 +290,15 @@ def _take_start(q, v, a, auxiliary, keep):
         q[i], v[i], a[i], auxiliary[i] = keep[0, i], keep[1, i], keep[2, i], keep[3, i]
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, float, late=True)
-def _look_ahead(a, auxiliary, before, begun, lead):
-    """Set the auxiliary accelerations behind a push: those a part ``lead`` of a step away from the ones found, a.
+@separate(type(None), VECTOR, VECTOR, VECTOR, float, late=True)
+def _take_push(a, begun, auxiliary, rest):
+    """Give the auxiliary accelerations behind a push what accelerations have jumped by: a - ``begun``.
 
-    So much of the change since the start of the step, ``before``, is ahead. Without it each bend of many would take a
-    share of the motion. What changes of what is driven have made of it is not: ``begun`` are those without them.
+    Eq. 2.86 has taken over the part 1 - ``rest`` of it, as of a change within the step. All else of the change of an
+    acceleration is one, and is followed as in any step: so a motion whose steps are all pushed is damped as others are.
     """
     for i in range(a.size):
-        auxiliary[i] = a[i] + lead * (begun[i] - before[i])
+        auxiliary[i] += rest * (a[i] - begun[i])
 
 
 @separate(type(None), DOFS, FUNCTIONS, STATE, STATES, float, late=True)
@@ -412,10 +412,9 @@ def _close_step(m, groups, dofs, state, t, h, ratio, bends, changes, switched, w
         state.q[i] = 0.0
         state.v[i] = 0.0
     _accept(m, state, h, ratio, bends or switched)
-    if bends:
-        before = m.history[(m.newest[0] + 2) % DEPTH]
-        _look_ahead(state.a, state.auxiliary, before, m.begun if changes else state.a, m.alpha_m - m.alpha_f)
-    else:
+    if changes:
+        _take_push(state.a, m.begun, state.auxiliary, (m.alpha_f - m.alpha_m) / (1.0 - m.alpha_m))
+    if not bends:
         work = work_of_means(dofs, state)
     book_speeds(dofs, h, m.alpha_m, m.alpha_f, m.gamma, bends, m.driven, state.full_v, state.full_a)
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)

@@ -188,7 +188,7 @@ def book_speeds(dofs, h, alpha_m, alpha_f, gamma, bends, known, v, a):
         auxiliary = share * ((1.0 - alpha_f) * a[i] + alpha_f * begin - alpha_m * lagged)
         made = h * ((1.0 - gamma) * lagged + gamma * auxiliary)
         known[DEBT, i] = known[LOST, i] if pushed else known[DEBT, i] + v[i] - known[SPEED, i] - made
-        known[AUXILIARY, i] = a[i] + (alpha_m - alpha_f) * (0.0 if pushed else a[i] - begin) if bends else auxiliary
+        known[AUXILIARY, i] = a[i] + share * alpha_m * (begin - lagged) if pushed else auxiliary
         known[OWED, i] = 0.0 if pushed else known[OWED, i] + known[SHIFT, i]
         known[CHANGE, i] = max(FADES * known[CHANGE, i], h * abs(a[i]))
         if known[QUIET, i] > 0.0:

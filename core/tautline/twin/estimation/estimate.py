@@ -99,6 +99,10 @@ class Machine(NamedTuple):
     first: Simulation
 
 
+BELIEVED = 0.5
+"""Share of a derivative beside its steady part from which on it is believed."""
+
+
 class Estimate:
     """What is not known of a machine, from what its sensors show.
 
@@ -516,7 +520,7 @@ class Estimate:
         begin = max(passage.begin + passage.late + 1e-6, passage.reached - h.window - 1e-9, h.since)
         samples = self._unmixed([one for one in samples if one.time >= begin])
         before = [one for one in h.samples if one.time >= begin]
-        if not samples or not self._better(samples, theta0, before):
+        if not samples or self._is_wild_alone() or not self._better(samples, theta0, before):
             # From so far away no state can be extrapolated, neither with the differences nor without: then from rest.
             self.from_rest = self._plain and self._is_far(FAR_OFF)
             self._plain = not self._plain
@@ -595,6 +599,14 @@ class Estimate:
             return False
         old = h.cost(before, h.theta0, False) if before else np.inf
         return h.cost(samples, theta0, True) <= WORSE * old + NOISE
+
+    def _is_wild_alone(self) -> bool:
+        """Whether the window gone through anew has derivatives that cannot be believed, and those of before can be.
+
+        A difference of simulations near a slip is none of a parameter. Free motions then explain any few readings.
+        """
+        new, old = self.spare.trust, self.family.trust
+        return new is not None and bool(np.any((new < BELIEVED) & (old is None or old > BELIEVED)))
 
     def _unmixed(self, samples: list[Sample]) -> list[Sample]:
         """The same samples with derivatives that are free of free motion, and those that can be believed."""
