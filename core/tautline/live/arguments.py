@@ -66,7 +66,10 @@ def displacement_of(name: str, by: Any, outputs: Mapping[str, Output], found: Ou
     except (TypeError, ValueError):
         raise SimulationError(f"{by!r} is no displacement of {name}", "give finite numbers") from None
     if found.places is None:
-        raise SimulationError(f"{name} is not the position or velocity of a thing", "give payload.velocity")
+        known = [each for each, one in outputs.items() if one.places is not None]
+        example = next((each for each in known if each.endswith("velocity")), next(iter(known), ""))
+        cure = f"give another output, such as {example}" if example else "nothing of this scene can be displaced"
+        raise SimulationError(f"{name} cannot be displaced", cure)
     vector, places = found.places
     if given.shape != places.shape or not np.isfinite(given).all():
         raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")

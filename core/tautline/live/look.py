@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,9 +11,14 @@ from tautline.integrators.state import POWER, THROUGHPUT, WORK, State
 from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import frames_of, loop_of, record_frame
 from tautline.kernels import groups as over
+from tautline.kernels.dofs import expand_now
 from tautline.kernels.jit import entry
+from tautline.live.errors import SimulationError
 from tautline.system.memory import arrays_of
 from tautline.system.system import System
+
+CLOSED = 1.0e-6
+"""Share of the largest gap that was opened up to which it is closed again."""
 
 
 class Look(NamedTuple):
@@ -73,3 +79,49 @@ def book_change(method: Any, state: State, before: Look, after: Look) -> None:
     if not stepping_with(method).explicit:
         state.entered[1] += np.where(np.isfinite(more), more, 0.0)
         state.ledger[POWER] += after.power - before.power
+
+
+class Ties:
+    """Whether displacements have taken apart what multipliers tie.
+
+    A coupling by multipliers is an equation of the state. From a state that does not satisfy it a step would close the
+    gap at once, by a speed of the gap over the step.
+    """
+
+    def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """The state is another one."""
+        self._opened: dict[str, np.ndarray] = {}
+        self._largest: dict[str, np.ndarray] = {}
+
+    def displace(
+        self, vector: str, places: np.ndarray, unknowns: np.ndarray, more: np.ndarray, system: System, state: State,
+        look: Callable[[], Look],
+    ) -> None:  # fmt: skip
+        """Take note of what a displacement of positions, or of velocities, is going to open, or to close again."""
+        if not system.algebraic.size:
+            return
+        tied = np.isin(system.dofs.number, system.algebraic)
+        full, reduced = state.full_q.copy(), state.q.copy()
+        before = look().residual[tied]
+        # The equations are linear: velocities open them as positions do.
+        reduced[unknowns] += more
+        state.full_q[places] += more
+        expand_now(system.dofs, reduced, state.full_q)
+        opened = look().residual[tied] - before
+        state.full_q[:] = full
+        self._opened[vector] = self._opened.get(vector, 0.0) + opened
+        self._largest[vector] = np.maximum(self._largest.get(vector, 0.0), np.abs(opened))
+
+    def check(self, system: System) -> None:
+        """Raise SimulationError where something is apart."""
+        for vector, opened in self._opened.items():
+            apart = np.abs(opened) > CLOSED * self._largest[vector]
+            if apart.any():
+                name = system.names[system.algebraic[int(np.argmax(apart))]]
+                what = "moves with" if vector == "v" else "stands at"
+                cause = f"what was displaced no longer {what} what it is tied to, by the {name}"
+                raise SimulationError(cause, "displace what it is tied to by the same, or restore a saved state")
+        self.forget()

@@ -38,7 +38,7 @@ from tautline.live.forces import Force, Group, force_of, places_of
 from tautline.live.frame_clock import CLOSE, FrameClock
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
-from tautline.live.look import Look, book_change, disturb, look_at
+from tautline.live.look import Look, Ties, book_change, disturb, look_at
 from tautline.live.memory import Memory, Parts, State, check
 from tautline.live.readings import Outputs, Parameters, handles_of
 from tautline.live.turn import Turn
@@ -157,6 +157,7 @@ class Simulation:
         self._changed: set[str] = set()
         self._given: set[str] = set()
         self._displaced: set[str] = set()
+        self._ties = Ties()
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
         self._kept = Kept(self._frames.rows.shape[1], span)
@@ -266,16 +267,15 @@ class Simulation:
         if abs(time - begin) <= 4.0 * math.ulp(begin):
             raise SimulationError(f"cannot advance to {time:g} s: it is the time now", "give a later time")
         if not begin < time < math.inf:
-            raise SimulationError(
-                f"cannot advance to {time:g} s from {begin:g} s", "give a later time; restore() goes back"
-            )
+            cause = f"cannot advance to {time:g} s from {begin:g} s"
+            raise SimulationError(cause, "give a later time; restore() goes back")
         if time - begin < SHORTEST * self.model.solver.interval:
             cause = f"{time - begin:.3g} s is too short to go on by: it is rounding beside output.interval"
             raise SimulationError(cause, f"go on by {SHORTEST * self.model.solver.interval:.3g} s at least")
         if self._stopped:
-            raise SimulationError(
-                f"the simulation has stopped: {self._stopped}", "restore a state that was saved before"
-            )
+            cause = f"the simulation has stopped: {self._stopped}"
+            raise SimulationError(cause, "restore a state that was saved before")
+        self._ties.check(self.model.system)
         time = self._frame_clock.snapped(time)
         self._refuse_unprepared(time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
@@ -539,8 +539,7 @@ class Simulation:
             return State(
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
-                self._checked.memory(),
-                self._kept.mark, self._kept.last, tuple(sorted(self._displaced)),
+                self._checked.memory(), self._kept.mark, self._kept.last, tuple(sorted(self._displaced)),
             )  # fmt: skip
 
     def restore(self, state: State) -> None:
@@ -562,6 +561,7 @@ class Simulation:
     def _restore(self, state: State) -> None:
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
+        self._ties.forget()
         self._changed, self._given, self._displaced = set(state.changed), set(state.given), set(state.displaced)
         self._stopped, self._status = state.stopped
         self.model.system.functions.frames.time[0] = np.nan
@@ -576,7 +576,7 @@ class Simulation:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
 
         What is prescribed or held in a direction stays as it is in that. What is tied to the thing goes along at once,
-        such as the end of the rope at a load. Outputs are then of the state as it is, forces with the accelerations of
+        such as the end of the rope at a load, but by multipliers: both have to be displaced. Outputs are then of the state as it is, forces with the accelerations of
         the last step.
 
         Raises
@@ -590,6 +590,7 @@ class Simulation:
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
         with self._turn.change, self._parameter_changes():
             self._displaced.add(name)
+            self._ties.displace(vector, places, unknowns, more, self.model.system, self._state, self._look)
             full[places] += more
             reduced[unknowns] += more
             expand_now(dofs, reduced, full)

@@ -34,6 +34,8 @@ CLOSE, NOISE = 4.0, 0.3
 """Steps from row to row below which jumps of speed add up; their size over the speeds from which on they are noise."""
 SUDDEN = 2.0
 """Times the way of a step that its fastest speed, kept for a step, may lead: beyond that the place jumps within it."""
+LEAST = 1e-6
+"""Throw, m or rad, below which nothing is said of a jump."""
 LOOKED_AT = 100
 """Pairs of rows that are looked at for it: those that throw the farthest."""
 SHOWN = 3
@@ -173,7 +175,7 @@ def _sudden(table: Table, unit: str, end: float, step: float) -> str:
         edges = np.array([time[i] - step, time[i + 1] + step])
         near = value[(time > edges[0]) & (time < edges[1])]
         way, thrown = float(np.ptp(np.concatenate((near, np.interp(edges, time, value))))), float(far[i])
-        if thrown > SUDDEN * way > 0.0:
+        if thrown > max(SUDDEN * way, LEAST):
             return (
                 f"{table.file or 'the table'} jumps by {sized(abs(float(ways[i])), unit)} within {lasts[i]:.3g} s, at "
                 f"{time[i]:.6g} s, and a step takes {step:.6g} s. A step that ends in the jump throws what is carried "

@@ -86,13 +86,20 @@ class TimedForces(NamedTuple):
     acts: np.ndarray
     before: np.ndarray
     settled: np.ndarray
+    owed: np.ndarray
     steps: np.ndarray
+
+
+LONGER = 2.0
+"""Times a step by which the last one may be longer for all that it gave too much to be taken back at once."""
+ROUNDED = 1.0e-9
+"""Difference of a share from one that is rounding."""
 
 
 def timed_forces(place: np.ndarray, value: np.ndarray, interval: np.ndarray) -> TimedForces:
     """A group of forces that have not acted yet."""
     n = len(place)
-    return TimedForces(place, value, interval, np.zeros(n), np.zeros(n), np.zeros((n, 4)), np.zeros(4))
+    return TimedForces(place, value, interval, np.zeros(n), np.zeros(n), np.zeros((n, 5)), np.zeros(n), np.zeros(5))
 
 
 @kernel
@@ -107,16 +114,29 @@ def _acting(g, i, first, last):
 def _share_of_step(g, i, t, h):
     """Share of an implicit step from t, with what the last one gave too much or too little for the step that follows.
 
-    The last one reckoned with half of its own length behind its end, and half of this one stands there.
+    The last one reckoned with half of its own length behind its end, and half of this one stands there. A step that is
+    much shorter could take that back by a share of many times one alone, and the next, a long one, would give it again,
+    and more: what the last one gave beyond twice this step is owed, and paid in the time of the longest step of late.
     """
     acts = _acting(g, i, t + 0.5 * h, t + 1.5 * h)
-    before = g.steps[0]
-    if before > 0.0 and before != h:
-        share = g.settled[i, 0]
-        # A force that goes on has no rounding.
-        if not (share == 1.0 and acts >= h * (1.0 - 1e-12)):
-            acts += _acting(g, i, t + 0.5 * before, t + 0.5 * h) + 0.5 * (before - h) * share
-    return acts / h
+    before, share, owed = g.steps[0], g.settled[i, 0], g.settled[i, 4]
+    g.owed[i] = 0.0
+    # A force that goes on has no rounding.
+    goes_on = abs(share - 1.0) <= ROUNDED and abs(owed) <= ROUNDED * h and acts >= h * (1.0 - ROUNDED)
+    if before == 0.0 or goes_on or (before == h and owed == 0.0):
+        return acts / h
+    near = min(before, LONGER * h)
+    acts += _acting(g, i, t + 0.5 * near, t + 0.5 * h) + 0.5 * (near - h) * share
+    owed += _acting(g, i, t + 0.5 * before, t + 0.5 * near) + 0.5 * (before - near) * share
+    paid = owed * h / _longest(g, h)
+    g.owed[i] = owed - paid
+    return (acts + paid) / h
+
+
+@kernel
+def _longest(g, h):
+    """Length of the longest step of late, s, the one of length h among them."""
+    return max(h, g.steps[4] - h)
 
 
 @kernel
@@ -156,6 +176,8 @@ def _force_supply(g, t, q, v, p):
             p[1] += (g.acts[i] - g.before[i]) * power - more
             g.settled[i, 1 + c] = speed
         g.before[i] = g.settled[i, 0] = g.acts[i]
+        g.settled[i, 4] = g.owed[i]
+    g.steps[4] = _longest(g, g.steps[1])
     g.steps[0] = g.steps[1]
 
 

@@ -154,10 +154,11 @@ def advice(method: Any, status: int) -> str:
 
 
 @kernel(forceinline=True)
-def correct(corrector, groups, dofs, state, t, beta, gamma):
+def correct(corrector, groups, dofs, state, t, beta, gamma, held):
     """Iterate position, velocity and acceleration at time t until the residual vanishes.
 
     ``beta`` and ``gamma`` are beta' and gamma' of eqs 2.88-2.89: how acceleration and velocity follow position.
+    ``held`` lists rows that ask for an increment of zero and are not balanced: see `generalized_alpha_step`.
     Returns a status; ``changed[EVER]`` says whether a law has changed its own.
     """
     c = corrector
@@ -168,13 +169,13 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
     if abs(c.made_for[0] - beta) > SAME_STEP * beta:
         c.made_for[0] = 0.0
     take_all(c.rows, state)
-    status = _iterate(c, groups, dofs, state, t, beta, gamma)
+    status = _iterate(c, groups, dofs, state, t, beta, gamma, held)
     take_all(c.rows, state)
     return status
 
 
 @kernel(forceinline=True)
-def _iterate(c, groups, dofs, state, t, beta, gamma):
+def _iterate(c, groups, dofs, state, t, beta, gamma, held):
     """The iteration itself, which leaves behind the rows of its last one.
 
     The factors of the tangent are used again, also across steps, while they still contract. A law that changes its
@@ -199,6 +200,8 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             _heed_change(c, dofs, iteration)
             previous = energy = np.inf
         balance(c.rows, groups, dofs, state, t, c.increment)
+        for i in held:
+            c.increment[i] = 0.0
         changed[COUNT] = changed[PLACED] = 0
         over.kink(groups, changed)
         if changed[COUNT] > 0:
