@@ -576,8 +576,8 @@ class Simulation:
         """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
 
         What is prescribed or held in a direction stays as it is in that. What is tied to the thing goes along at once,
-        such as the end of the rope at a load, but by multipliers: both have to be displaced. Outputs are then of the state as it is, forces with the accelerations of
-        the last step.
+        such as the end of the rope at a load; by multipliers not: both are to be displaced. Outputs are then of the
+        state as it is, forces with the accelerations of the last step.
 
         Raises
         ------

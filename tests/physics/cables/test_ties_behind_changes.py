@@ -69,7 +69,8 @@ def test_masses_that_are_tied_keep_one_speed_where_the_end_of_their_bar_goes_at_
         "interpolation: linear}}}}}}\n",
     )
     scene = text.format(
-        0, 1.0, 1.3, 2.3, driven=", BC_functions: [1, 0, 0, 0]", tie=tie, type="G-alpha, rho_inf: 0.8", step=0.01, force=0.0
+        0, 1.0, 1.3, 2.3, driven=", BC_functions: [1, 0, 0, 0]", tie=tie, type="G-alpha, rho_inf: 0.8", step=0.01,
+        force=0.0,
     )  # fmt: skip
     result = tautline.simulate(tautline.read(scene))
     speeds = result["velocity"][:, 1:3, 0].T
@@ -104,7 +105,9 @@ def test_a_constant_force_stays_what_it_is_where_advances_are_long_and_short_in_
 def test_a_pulse_has_its_impulse_where_steps_are_long_and_short_in_turn(lengths, begin):
     lasts = 0.0377
     sim = tautline.Simulation(
-        PUSHED.format(stiffness=1e-6, type="G-alpha, rho_inf: 0.8", interval=f", timeInterval: [{begin}, {begin + lasts}]")
+        PUSHED.format(
+            stiffness=1e-6, type="G-alpha, rho_inf: 0.8", interval=f", timeInterval: [{begin}, {begin + lasts}]"
+        )
     )
     while sim.time < 0.5:
         for length in lengths:
