@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from gardenhose.estimates import average, plain_onset
+from gardenhose.estimates import average, onset, plain_onset
 from gardenhose.estimates import speeds as speeds_of
 from gardenhose.reduced import Reduced, peaks
 from gardenhose.scene import HoseScene, tied
@@ -459,9 +459,12 @@ def direction_of(scene: HoseScene) -> float:
 
 
 def _guess(scene: HoseScene) -> float:
-    """A speed near the critical one, m/s: by the table of straight uniform hoses, else from thrust and stiffness."""
+    """A speed near the critical one, m/s: that of straight uniform hoses, else from thrust and stiffness.
+
+    A nozzle counts: one that is narrow makes a jet of which a thousandth of the speed is enough.
+    """
     hose = average(scene, 1.0)
-    u, _ = plain_onset(scene, hose)
+    u = onset(scene, hose)[0] or plain_onset(scene, hose)[0]
     if u is not None and hose.dimensionless_speed:
         return u / hose.dimensionless_speed
     pull = (hose.mass + hose.water) * float(np.linalg.norm(scene.gravity)) * hose.length

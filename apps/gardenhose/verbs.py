@@ -348,12 +348,12 @@ def _way(found: Stability) -> str:
 
 def _of_speeds(hose: HoseScene, found: Stability, speeds: list[float] | None) -> list[SceneWarning]:
     """Say where elements or stiffness are little for the speed that was found, or for the fastest asked for."""
-    from gardenhose.warnings import mesh_at, momentum_at
+    from gardenhose.warnings import mesh_at, momentum_at, short_waves_at
 
     # Speeds that were not asked for go past the first instability: only where there is none do they count.
     looked_at = speeds if speeds is not None else [] if found.critical else found.speed.tolist()
     all_of_them = [*(one.speed for one in found.critical), *looked_at]
-    return [*momentum_at(hose, all_of_them), *mesh_at(hose, all_of_them)]
+    return [*momentum_at(hose, all_of_them), *mesh_at(hose, all_of_them), *short_waves_at(hose, found.speed.tolist())]
 
 
 def _between(found: Stability, speeds: list[float] | None, system: str) -> list[SceneWarning]:

@@ -133,6 +133,13 @@ def mesh_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarning]:
     return [SceneWarning(where, text) for where, text in _waves(scene, fastest)] if fastest > 0.0 else []
 
 
+def short_waves_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarning]:
+    """Warnings of a hose without bending stiffness, whose stability at any of some speeds, m/s, the mesh decides."""
+    if scene.water is None or not any(speeds):
+        return []
+    return [SceneWarning(where, text) for where, text in _short_waves(scene)]
+
+
 def momentum_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarning]:
     """Warnings of water whose momentum is large against the axial stiffness at the fastest of some speeds, m/s."""
     if scene.water is None or not any(speeds):
@@ -156,18 +163,26 @@ def _waves(scene: HoseScene, fastest: float) -> Sentences:
         yield _at(scene, i, "elements"), text
 
 
+def _short_waves(scene: HoseScene) -> Sentences:
+    """A section without bending stiffness: the shorter a wave in it is, the faster it grows."""
+    for i, piece in enumerate(scene.hose.pieces):
+        if piece.bending_stiffness == 0.0:
+            text = (
+                "is zero, and water flows. Nothing limits the growth of the shortest waves. The result then depends on "
+                "the number of elements. Give the bending stiffness, however small"
+            )
+            yield _at(scene, i, "bending_stiffness"), text
+            return
+
+
 def _mesh(scene: HoseScene, speed: np.ndarray) -> Sentences:
     """Elements too long for the bending that flow and weight make."""
     fastest, hose = float(np.abs(speed).max()), scene.hose
     pieces = hose.pieces
     if scene.water is not None and fastest > 0.0:
-        soft = [i for i, piece in enumerate(pieces) if piece.bending_stiffness == 0.0]
-        if soft:
-            text = (
-                "is zero, and water flows. Nothing limits the growth of the shortest waves. The result then depends on "
-                "the number of elements. Give the bending stiffness, however small"
-            )
-            yield _at(scene, soft[0], "bending_stiffness"), text
+        short = list(_short_waves(scene))
+        if short:
+            yield from short
             return
         waves = list(_waves(scene, fastest))
         if waves:

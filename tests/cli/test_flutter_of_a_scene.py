@@ -170,3 +170,9 @@ def test_flutter_says_where_it_is_not_sure_which_mode_goes_on_as_which(gardenhos
     assert {"mode", "from", "to"} == report["doubtful"][0].keys()
     assert any("not sure which mode goes on as which" in one["text"] for one in report["warnings"])
     assert "The curves have gaps there" in " ".join(err.split())
+
+
+def test_flutter_of_a_hose_without_bending_stiffness_says_that_the_elements_decide(gardenhose):
+    _, out, err = gardenhose("flutter", "hose.yaml", "--set", "hose.bending_stiffness=0", "--json")
+    told = [one["text"] for one in only_object(out)["warnings"] if one["where"] == "hose.bending_stiffness"]
+    assert len(told) == 1 and "depends on the number of elements" in told[0] and told[0] in " ".join(err.split())

@@ -554,3 +554,14 @@ def test_springs_beside_multipliers_change_no_critical_speed_however_stiff_the_p
     along = {"axial_stiffness": stiffness}
     speeds = [onset(pipe(0.2, 10, along, coupling=each), 0.2, 5.59)[0] for each in ("linear", "augmented")]
     assert speeds[1] == pytest.approx(speeds[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("jet", [1e4, *studies(1e3, 1e6)])
+def test_flutter_by_the_jet_of_a_narrow_nozzle_is_found_though_the_water_in_the_hose_hardly_moves(jet):
+    """A nozzle makes a pipe of the mass ratio beta/jet and the speed u sqrt(jet) (`reference.characteristic`)."""
+    beta = 0.6
+    exact, omega = crossing(beta / jet, 4.19, 14.6)
+    found = stability(pipe(beta, 12, {"axial_stiffness": 1e6}, outlet=jet)).critical[0]
+    # It was called stable up to 100 times this speed, at which the search began.
+    assert found.speed * np.sqrt(beta * jet) == pytest.approx(exact, rel=CLAIMED)
+    assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=CLAIMED)
