@@ -24,6 +24,7 @@ from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.strength import strain_bound
 from crane.scene.surroundings import MotionFile, SeaMotion
+from crane.sea.carried import idle
 from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
 from crane.sea.mru import read_record
@@ -74,7 +75,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
-        *doubts_of_motion(scene),
+        *doubts_of_motion(scene), *idle(scene),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
