@@ -19,17 +19,17 @@ from crane.assembly.prepared import compensation_of
 from crane.geometry.quaternion import quaternion_of
 from crane.results.limits import LEAST_RATIO
 from crane.results.slack_feet import foreseen
+from crane.scene.carried import idle
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.strength import strain_bound
 from crane.scene.surroundings import MotionFile, SeaMotion
-from crane.sea.carried import idle
 from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
-from crane.sea.mru import read_record
+from crane.sea.mru import ANGLES, read_record
 from crane.sea.record_doubts import doubts, doubts_of_table
-from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea
+from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea, doubts_of_turns
 from crane.sea.vessel import read_response
 from crane.sudden_starts import growth, start_warnings
 from tautline.kernels.time_function import sample
@@ -184,6 +184,8 @@ def doubts_of_motion(scene: CraneScene) -> Sentences:
         seas = {key: one for key, one in each.items() if isinstance(one, Spectrum)}
     for key, sea in seas.items():
         yield from ((f"{key}.{name}", text) for name, text in doubts_of_sea(sea, gravity))
+        if (moved := key.split(".")[2]) in ANGLES:
+            yield from ((f"{key}.{name}", text) for name, text in doubts_of_turns(sea, moved))
 
 
 def _record(scene: CraneScene) -> Sentences:

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from crane.scene.carried import carries, how_to_mount
 from crane.scene.scene import VESSEL, CraneScene
 from crane.scene.surroundings import Motion, SeaMotion
-from crane.sea.carried import carries, how_to_mount
 from crane.sea.frames import MOTIONS
 from crane.sea.sea_doubts import FEWEST_WAVES, equal_waves, highest
 from tautline.scene.errors import SceneError

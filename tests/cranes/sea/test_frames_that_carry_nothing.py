@@ -4,7 +4,7 @@ import pytest
 from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, one_fall
 
 from crane.operability.conditions import sea_keys
-from crane.sea.carried import idle
+from crane.scene.carried import idle
 from crane.warnings import warnings
 from tautline.scene.errors import SceneError
 

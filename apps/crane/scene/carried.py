@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from crane.scene.scene import VESSEL, Anchor, CraneScene, Drum, Frame, PathItem
-from crane.sea.frames import MOTIONS
+from crane.scene.surroundings import ROTATIONS, TRANSLATIONS
 from tautline.scene.functions import Constant
 
 NAMED = 3
@@ -33,7 +33,7 @@ def idle(scene: CraneScene) -> Iterator[tuple[str, str]]:
     if scene.vessel is None or carries(scene, VESSEL) or _stands_below(scene, VESSEL, named):
         return
     motion: Any = scene.vessel.motion
-    if any(not _is_zero(getattr(motion, name, None)) for name in MOTIONS):
+    if any(not _is_zero(getattr(motion, name, None)) for name in TRANSLATIONS + ROTATIONS):
         yield "vessel", _said(f"the {VESSEL}", how_to_mount(scene, VESSEL))
 
 
