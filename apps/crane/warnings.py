@@ -17,8 +17,10 @@ from crane.assembly.loads import buoyancy_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
 from crane.geometry.quaternion import quaternion_of
+from crane.results.drawn_askew import drawn_askew
 from crane.results.limits import LEAST_RATIO
 from crane.results.slack_feet import foreseen
+from crane.scene.carried import idle
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
@@ -26,9 +28,9 @@ from crane.scene.strength import strain_bound
 from crane.scene.surroundings import MotionFile, SeaMotion
 from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
-from crane.sea.mru import read_record
+from crane.sea.mru import ANGLES, read_record
 from crane.sea.record_doubts import doubts, doubts_of_table
-from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea
+from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea, doubts_of_turns
 from crane.sea.vessel import read_response
 from crane.sudden_starts import growth, start_warnings
 from tautline.kernels.time_function import sample
@@ -74,7 +76,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
-        *doubts_of_motion(scene),
+        *doubts_of_motion(scene), *idle(scene), *drawn_askew(found),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
@@ -183,6 +185,8 @@ def doubts_of_motion(scene: CraneScene) -> Sentences:
         seas = {key: one for key, one in each.items() if isinstance(one, Spectrum)}
     for key, sea in seas.items():
         yield from ((f"{key}.{name}", text) for name, text in doubts_of_sea(sea, gravity))
+        if (moved := key.split(".")[2]) in ANGLES:
+            yield from ((f"{key}.{name}", text) for name, text in doubts_of_turns(sea, moved))
 
 
 def _record(scene: CraneScene) -> Sentences:
@@ -282,7 +286,7 @@ def _fleet(found: Estimate) -> Sentences:
 def _bending(scene: CraneScene) -> Sentences:
     """Sheaves small for their rope."""
     diameter = scene.rope.diameter
-    if diameter is None:
+    if diameter is None or _doubted(scene, diameter):
         return
     small = [
         (2.0 * item.radius / diameter, item)
@@ -292,10 +296,12 @@ def _bending(scene: CraneScene) -> Sentences:
     if small:
         ratio, item = min(small, key=lambda pair: pair[0])
         others = f" ({len(small) - 1} more below {LEAST_RATIO:g})" if len(small) > 1 else ""
-        # Rounded down: 15.97 is not to read "16, below 16".
+        # Rounded down: 15.97 is not to read "16, below 16", and 0.021 is not 0.
+        power = 10.0 ** max(1, 1 - math.floor(math.log10(ratio)))
+        shown_ratio = f"{math.floor(power * ratio) / power:g}"
         text = (
             f"{'sheave' if isinstance(item, Sheave) else 'drum'} diameter {2.0 * item.radius:.3g} m "
-            f"(2 x radius {item.radius:.3g} m) on {1e3 * diameter:.3g} mm rope: D/d {math.floor(10.0 * ratio) / 10.0:g}"
+            f"(2 x radius {item.radius:.3g} m) on {_thickness(diameter)} rope: D/d {shown_ratio}"
             f", below {LEAST_RATIO:g}{others}. Bending soon breaks wire rope there. Take a larger radius, or "
             "check rope.diameter"
         )
@@ -463,7 +469,7 @@ def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:
 def rope_warnings(scene: CraneScene) -> Sentences:
     """Key and text of the numbers of a rope that are implausible for its diameter; none where that is not given."""
     rope = scene.rope
-    if rope.diameter is None:
+    if rope.diameter is None or _doubted(scene, rope.diameter):
         return
     area = 0.25 * math.pi * rope.diameter**2
     for key, name, over, what in RELATIONS:
@@ -474,11 +480,21 @@ def rope_warnings(scene: CraneScene) -> Sentences:
         own = RANGES[name]
         options = units_that_fit(written or "", own.unit, own, scene.units, lambda x, row=row: row.holds(x / area))
         text = (
-            f"{sized(value, own.unit)} does not go with a diameter of {1e3 * rope.diameter:.4g} mm: {what} over the "
+            f"{sized(value, own.unit)} does not go with a diameter of {_thickness(rope.diameter)}: {what} over the "
             f"area of its circle is {sized(value / area, row.unit)}, and {in_range(row)} is plausible. "
             f"{as_typed(meant(written or '', options, own.unit))}. Or see whether rope.diameter is what was meant"
         )
         yield f"rope.{key}", text
+
+
+def _doubted(scene: CraneScene, diameter: float) -> bool:
+    """Whether a diameter is in doubt by itself: it is told then, and what follows from it would only say it again."""
+    return scene.document is not None and not RANGES["rope diameter"].holds(diameter)
+
+
+def _thickness(diameter: float) -> str:
+    """Diameter of a rope in mm, as ropes are ordered; one that no rope has in m."""
+    return f"{1e3 * diameter:.4g} mm" if diameter < 1.0 else f"{diameter:.4g} m"
 
 
 def _winches(found: Estimate, actuator: Compensation | None) -> Sentences:

@@ -492,3 +492,28 @@ def test_an_outline_takes_two_samples_at_least():
     assert len(outline(path, crane(), 2)) == 6
     with pytest.raises(ValueError, match="2 points"):
         outline(path, crane(), 1)
+
+
+@pytest.mark.parametrize(("crooked", "angle"), [(0, 51.3), (1, 51.3)])
+def test_an_axis_in_the_plane_of_the_rope_is_named_with_the_one_that_is_square_to_it(crooked, angle):
+    """It was told that the rope has two ways of one length, or one height, and to move what stands right.
+
+    The line from drum to tip, (12, 0, 15), is at acos(12/sqrt(369)) = 51.3 deg to x.
+    """
+    axes = [[1, 0, 0] if j == crooked else [0, 1, 0] for j in (0, 1)]
+    wheels = [
+        Wheel("drum", [0, 0, 0], axes[0], 0.4, "over"), Wheel("tip", [12, 0, 15], axes[1], 0.3, "over"),
+        Wheel("hook", [12.3, 0, 4], [0, 1, 0], 0.0, point=True),
+    ]  # fmt: skip
+    with pytest.raises(ReevingError) as error:
+        sigma_of(wheels)
+    name, other = ("drum", "tip") if crooked == 0 else ("tip", "drum")
+    assert error.value.index == crooked and error.value.cure == "write axis: [0, 1, 0]"
+    assert f"the axis of '{name}' is at {angle:g} deg to the line to '{other}'" in error.value.message
+
+
+def test_where_no_axis_makes_a_path_possible_the_first_cause_stands():
+    """A drum right above what it leads to, whose axis is square to the rope."""
+    wheels = [Wheel("drum", [0, 0, 10], [0, 1, 0], 0.4, "over"), Wheel("hook", [0, 0, 0], [0, 1, 0], 0.0, point=True)]
+    with pytest.raises(ReevingError, match="at one height in both senses"):
+        sigma_of(wheels)

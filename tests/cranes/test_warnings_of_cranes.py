@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
+from figures.synthetic_crane import HOOK, LOAD, ROPE, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
 from of_the_suite import studies
 from references.cables import catenary
 
 import tautline
+from crane.application import Crane
 from crane.assembly.drum_supply import check_drums, supply_of
 from crane.assembly.estimates import estimate, held_limit, rk4_limit
 from crane.scene.scene import CraneScene, Drum
@@ -64,6 +65,25 @@ def test_sheaves_small_for_their_rope_are_told_the_smallest_by_name():
     assert "on 60 mm rope: D/d 13.3, below 16." in text and "more below" not in text
     assert "1 more below 16" in only(one_fall(rope={"diameter": "70 mm"}), "path[1].sheave.radius")
     assert warnings(one_fall(rope={"diameter": None})) == []
+
+
+def written(**rope):
+    """One fall as a file has it, with other words for its rope."""
+    document = yaml.safe_load(yaml.safe_dump({"rope": ROPE | rope, "bodies": [LOAD], "path": [WINCH, TIP, HOOK]}))
+    document |= {"solver": {"step": "5 ms", "end": "10 s"}, "output": {"interval": 0.005}}
+    return CraneScene.parse(yaml.safe_dump(document))
+
+
+def test_one_slip_of_the_diameter_is_told_once_and_not_by_all_that_follows_from_it():
+    """28 for 28 mm was told five times, with a D/d of 0."""
+    told_of = Crane().warnings(written(diameter=28))
+    assert [one.where for one in told_of] == ["rope.diameter"]
+
+
+def test_a_ratio_of_diameters_is_told_to_two_digits_and_never_rounded_up():
+    tiny = one_fall(path=[winch(), tip(radius="2.15 mm"), HOOK], bodies=[LOAD | {"position": [12.002, 0, 5]}])
+    assert "on 36 mm rope: D/d 0.11, below 16" in only(tiny, "path[1].sheave.radius")
+    assert "D/d 15.9, below 16" in only(one_fall(rope={"diameter": "50.1 mm"}), "path[1].sheave.radius")
 
 
 def test_a_rope_weak_for_its_load_is_told_with_the_rule_it_is_held_against():

@@ -411,7 +411,7 @@ def test_fatigue_over_a_scatter_diagram_is_the_sum_by_occurrence(tmp_path):
     ("head", "height", "period"),
     [
         ("Hs", 1.0, 1.0), ("Hs [m]", 1.0, 1.0), ("Hs [ft]", 0.3048, 1.0), ("Hs (feet)", 0.3048, 1.0),
-        ("Tp [min] / Hs [cm]", 0.01, 60.0), ("Hs \\ Tp (s)", 1.0, 1.0),
+        ("Hs [cm] / Tp [min]", 0.01, 60.0), ("Hs \\ Tp (s)", 1.0, 1.0),
     ],
 )  # fmt: skip
 def test_heights_and_periods_of_a_scatter_diagram_have_the_units_of_its_first_cell(tmp_path, head, height, period):

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from crane.geometry.crooked_axes import crooked_axis
 from crane.geometry.tangents import ReevingError, Span, Wheel, beside, checked, cross, span_between, turned, wrap_angle
 
 LEVEL = 1e-6
@@ -65,12 +66,20 @@ def sigma_of(wheels: Sequence[Wheel], up: Sequence[float] | np.ndarray = (0.0, 0
     Raises
     ------
     ReevingError
-        Where a side has no meaning for its axis, where a taut rope cannot pass on the side asked for, or where it can
-        in both senses by paths of equal length.
+        Where an axis points along the rope, or a side has no meaning for its axis; where a taut rope cannot pass on
+        the side asked for, or where it can in both senses by paths of equal length.
     """
     checked(wheels)
     vertical = np.array(up, dtype=float)
     vertical = vertical / np.linalg.norm(vertical)
+    try:
+        return _sigma_of(wheels, vertical)
+    except ReevingError as error:
+        raise crooked_axis(wheels, vertical, lambda others: _sigma_of(others, vertical)) or error from None
+
+
+def _sigma_of(wheels: Sequence[Wheel], vertical: np.ndarray) -> np.ndarray:
+    """Senses in which a rope turns about each wheel's axis, as `sigma_of` has them."""
     asked = [_asked(wheel, j, vertical) for j, wheel in enumerate(wheels)]
     spans = _spans(wheels, asked)
     (length, signs), *others = _ways(wheels, spans, asked, vertical)

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from crane.scene.scene import CraneScene
+from crane.scene.carried import carries, how_to_mount
+from crane.scene.scene import VESSEL, CraneScene
 from crane.scene.surroundings import Motion, SeaMotion
 from crane.sea.frames import MOTIONS
 from crane.sea.sea_doubts import FEWEST_WAVES, equal_waves, highest
@@ -75,11 +76,12 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
     Raises
     ------
     SceneError
-        For a scene without a sea, for headings where the responses of the vessel know none, and for motions of several
-        seas, of which a sea state is one.
+        For a scene without a sea, or in which nothing of the rope rides on the vessel that the sea moves; for headings
+        where the responses of the vessel know none, and for motions of several seas, of which a sea state is one.
     """
     motion = scene.vessel.motion if scene.vessel is not None else None
     if isinstance(motion, SeaMotion):
+        _check_carried(scene)
         return SeaKeys(("vessel.motion.sea",), "vessel.motion.direction")
     spectra = []
     if isinstance(motion, Motion):
@@ -89,6 +91,7 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
         key: tuple[str, ...] = ("vessel", "motion") if scene.vessel is not None else ("vessel",)
         cure = "give vessel.motion: {sea: {significant_height: 2, peak_period: 9}, rao: vessel.csv}"
         raise SceneError([scene.problem(key, "has no sea, and operability varies one", cure)])
+    _check_carried(scene)
     if headings:
         cure = (
             "leave --heading out, or give vessel.motion a sea and a file of responses with the column direction [deg]"
@@ -99,6 +102,13 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
     seeds = [getattr(motion, name).seed for name in spectra]
     draws = tuple(list(dict.fromkeys(seeds)).index(seed) for seed in seeds)
     return SeaKeys(tuple(f"vessel.motion.{name}.spectrum" for name in spectra), None, draws)
+
+
+def _check_carried(scene: CraneScene) -> None:
+    """Refuse a sea that moves nothing of the rope: all storms would be one, and every height would be allowed."""
+    if not carries(scene, VESSEL):
+        cause = "no drum, sheave or anchor of the path rides on the vessel: the sea moves nothing"
+        raise SceneError([scene.problem((VESSEL,), cause, how_to_mount(scene, VESSEL))])
 
 
 def _check_stand_alone(scene: CraneScene, motion: Motion) -> None:

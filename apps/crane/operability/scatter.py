@@ -27,6 +27,15 @@ YEAR = 365.25 * 86400.0
 COLLECTED = ("equivalent_tension_range", "tension_cycles")
 UNIT = re.compile(r"\[\s*([^\]]*?)\s*\]|\(\s*([^)]*?)\s*\)")
 """What stands in brackets: in square ones a unit, in round ones a unit or a remark."""
+WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+HEIGHT = re.compile(r"h_?s|h_?m_?0|h_?1|h_?sig|swh|heights?", re.IGNORECASE)
+PEAK = re.compile(r"t_?p|peak|periods?", re.IGNORECASE)
+ANOTHER = re.compile(r"t_?(z|e|m|s|av|mean|m?_?0_?[12]|m_?10|[12])", re.IGNORECASE)
+OF_A_PERIOD = re.compile(
+    r"(mean|zero|energy|significant|crossing)([- ]*(up|down|crossing|wave))*[- ]*period", re.IGNORECASE
+)
+"""Words of the first cell: of a height, of a peak period, and of a period that is another one."""
+TURNED = "exchange rows and columns if the first column has the periods"
 EXAMPLE = "the first row: Hs [m], then peak periods in s; each further row: a height in m, then occurrences"
 
 
@@ -57,8 +66,8 @@ def read_scatter(path: Path) -> Scatter:
     Raises
     ------
     SceneError
-        Naming the line of what is no number, negative, missing, or not increasing, and of a unit of anything but
-        heights and periods.
+        Naming the line of what is no number, negative, missing, or not increasing, of a unit of anything but
+        heights and periods, and of a first cell that names other periods, or periods before heights.
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -82,14 +91,13 @@ def read_scatter(path: Path) -> Scatter:
     if len(rows) < 2 or len(rows[0][1]) < 2:
         raise SceneError([Problem(str(path), None, "", None, "is no scatter diagram", EXAMPLE)])
     line, head = rows[0]
+    _check_words(str(path), line, head[0])
     units = _units(str(path), line, head[0])
     periods = np.array([number(line, cell) for cell in head[1:]])
     table = []
     for line, row in rows[1:]:
-        if len(row) > len(head):
-            problems.append(
-                Problem(str(path), line, "", None, f"has {len(row)} cells, and the head {len(head)}", EXAMPLE)
-            )
+        if len(row) != len(head):
+            problems.append(_of_another_length(str(path), line, len(row), len(head)))
         cells = (row + [""] * len(head))[: len(head)]
         table.append([number(line, cells[0]), *(number(line, cell, 0.0) for cell in cells[1:])])
     if problems:
@@ -103,6 +111,30 @@ def read_scatter(path: Path) -> Scatter:
     if not count.sum() > 0.0:
         raise SceneError([Problem(str(path), None, "", None, "has no occurrence above zero", EXAMPLE)])
     return Scatter(heights, periods, count / count.sum())
+
+
+def _of_another_length(file: str, line: int, cells: int, head: int) -> Problem:
+    """An empty cell is a sea that does not occur. Cells that are lacking may be those of a file that was cut off."""
+    short = "give each row a cell for each period, 0 or empty where none occurs"
+    return Problem(file, line, "", None, f"has {cells} cells, and the head {head}", short if cells < head else EXAMPLE)
+
+
+def _check_words(file: str, line: int, head: str) -> None:
+    """Refuse a diagram whose first cell names other periods than those of the peak, or periods before heights."""
+    text = re.sub(r"[{}$]", "", head)
+    words = WORD.findall(text)
+    other = next((word for word in words if ANOTHER.fullmatch(word)), None)
+    if other is None and (match := OF_A_PERIOD.search(text)):
+        other = match[0]
+    if other is not None:
+        cause = f"'{other}' is not the peak period Tp, by which seas are given here"
+        ratios = "for a JONSWAP sea of gamma 3.3 Tp is 1.286 Tz, 1.199 Tm01, 1.107 Te"
+        cure = f"convert the periods ({ratios}), and write Hs [m] / Tp [s]"
+        raise SceneError([Problem(file, line, "", head, cause, cure)])
+    first = next((word for word in words if HEIGHT.fullmatch(word) or PEAK.fullmatch(word)), None)
+    if first is not None and PEAK.fullmatch(first):
+        cause = f"names '{first}' first: heights stand in the first column, and periods in the first row"
+        raise SceneError([Problem(file, line, "", head, cause, f"{TURNED}; then write Hs [m] / Tp [s]")])
 
 
 def _units(file: str, line: int, head: str) -> dict[str, float]:

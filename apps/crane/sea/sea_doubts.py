@@ -21,6 +21,9 @@ AMBIGUOUS = math.radians(150.0)
 """Step of a phase from row to row, to the near side, from which on the far side may be meant."""
 FELT = 0.02
 """Share of the largest response from which on a phase counts."""
+LARGEST_TURN = math.radians(20.0)
+"""Half of the turn from crest to trough in the significant wave beyond which no vessel works: the largest in three
+hours is about twice that."""
 TURN = 2.0 * math.pi
 FULL = math.radians(0.05)
 """Angle that a step may lack of a whole or half a turn and count as one."""
@@ -56,6 +59,19 @@ def doubts_of_sea(sea: Spectrum, gravity: float) -> Iterator[tuple[str, str]]:
             "periods, and no sea: its period and its extremes depend on the seed. Give `components: 200` or more"
         )
         yield "components", text
+
+
+def doubts_of_turns(sea: Spectrum, name: str) -> Iterator[tuple[str, str]]:
+    """Key and sentence of a rotation that goes with a sea, and that the vessel would hardly survive."""
+    angle = 0.5 * abs(sea.rao) * sea.significant_height
+    if angle > LARGEST_TURN * (1.0 + ROUNDED):
+        degrees = math.degrees(sea.rao)
+        text = (
+            f"{sea.rao:.4g} rad/m is {degrees:.3g} deg per metre of wave. In a sea of {sea.significant_height:g} m the "
+            f"{name} is then {math.degrees(angle):.3g} deg to either side in the significant wave, and up to about "
+            f"twice that. A bare number is in rad/m: write its unit if it is in deg/m"
+        )
+        yield "rao", text
 
 
 def doubts_of_phases(response: Response, direction: float | None = None) -> Iterator[str]:

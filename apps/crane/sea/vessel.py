@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -18,7 +18,7 @@ import numpy as np
 
 from crane.sea.frames import GROUND, MOTIONS, Frame, boom
 from crane.sea.mru import ANGLES, read_motions
-from tautline.scene.errors import SceneError
+from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Constant, Harmonic, Spectrum, Sum
 from tautline.scene.reading.columns import Columns
 from tautline.system.time_functions import jonswap
@@ -89,7 +89,7 @@ def motions_of(vessel: Ship, folder: str | Path, end: float) -> tuple[Any, ...]:
     Raises
     ------
     SceneError
-        For faults of a file, by line.
+        For faults of a file, by line, and for responses that no vessel has, by key.
     """
     motion = vessel.motion
     if hasattr(motion, "file"):
@@ -98,7 +98,21 @@ def motions_of(vessel: Ship, folder: str | Path, end: float) -> tuple[Any, ...]:
     if hasattr(motion, "sea"):
         response = read_response(Path(folder) / motion.rao, getattr(motion, "direction", None))
         return in_sea(motion.sea, response)
-    return tuple(getattr(motion, name) for name in MOTIONS)
+    moved = {name: getattr(motion, name) for name in MOTIONS}
+    if problems := [one for name in MOTIONS for one in _too_large(name, moved[name], f"vessel.motion.{name}")]:
+        raise SceneError(problems)
+    return tuple(moved.values())
+
+
+def _too_large(name: str, function: Any, key: str) -> Iterator[Problem]:
+    """Responses of a motion to seas of its own that no vessel has, at their keys; those of a file are judged alike."""
+    if isinstance(function, Spectrum) and abs(function.rao) > LARGEST_RESPONSE[name in ANGLES]:
+        unit, other = ("rad/m", "deg/m") if name in ANGLES else ("m/m", "mm/m")
+        cause = f"is more than any vessel's, {LARGEST_RESPONSE[name in ANGLES]:g} {unit}"
+        cure = f"give {name} per metre of wave in {unit}, or write the unit, such as {other}"
+        yield Problem("", None, f"{key}.spectrum.rao", None, cause, cure)
+    for i, term in enumerate(function.terms if isinstance(function, Sum) else ()):
+        yield from _too_large(name, term, f"{key}.sum[{i}]")
 
 
 def frames_of(

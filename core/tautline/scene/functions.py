@@ -40,7 +40,10 @@ Time = Annotated[float, quantity("s", of="moment")]
 Duration = Annotated[float, quantity("s", positive=True, of="duration")]
 Period = Annotated[float, quantity("s", positive=True, of="period")]
 Angle = Annotated[float, quantity("rad", of="phase")]
-Number = Annotated[float, quantity("", of="response to waves")]
+RESPONSE = "response to waves"
+Number = Annotated[float, quantity("", of=RESPONSE)]
+PER_METRE = {"m": "m/m", "rad": "rad/m"}
+"""Units of a response, by that of the value; of others it is that unit over a metre."""
 MOST_COMPONENTS = 5000
 SHORTEST_RAMP = 1.0e-9
 LONGEST_GAP = 3.0
@@ -165,8 +168,8 @@ class Chirp(_OfUnit):
     shift: Time = 0.0
 
 
-class Spectrum(Model):
-    """A random sea: JONSWAP waves, times the response `rao` (the value per metre of wave)."""
+class Spectrum(_OfUnit):
+    """A random sea: JONSWAP waves, times the response `rao` (the value per metre of wave, in m/m or rad/m)."""
 
     kind: Annotated[Literal["jonswap"], word("jonswap")] = "jonswap"
     significant_height: Annotated[float, quantity("m", nonnegative=True, of="significant wave height")] = Field(
@@ -416,6 +419,7 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
         unit, f"({unit})/s" if unit else "1/s"
     )
     value: Any = Annotated[float, quantity(unit, of=of)]
+    per_metre: Any = Annotated[float, quantity(PER_METRE.get(unit, f"({unit})/m" if unit else "1/m"), of=RESPONSE)]
     slope: Any = Annotated[float, quantity(per_second, of=rate_of(unit) if of else "")]
 
     def read_file(cls: type, data: Any, info: ValidationInfo) -> Any:
@@ -447,10 +451,11 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
         ),
         "harmonic": create_model("Harmonic", __base__=Harmonic, amplitude=(value, ...), mean=(value, 0.0)),
         "chirp": create_model("Chirp", __base__=Chirp, amplitude=(value, ...)),
+        "spectrum": create_model("Spectrum", __base__=Spectrum, rao=(per_metre, 1.0)),
     }
     for key, model in made.items():
         model.made_of = unit, of, key
-    return {**made, "spectrum": Spectrum}
+    return dict(made)
 
 
 def _blank(unit: str, of: str, key: str) -> Model:

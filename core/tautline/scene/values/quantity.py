@@ -59,6 +59,11 @@ MEANINGS = {
     "Hz": ("a frequency", "0.1 or 0.1 Hz"),
 }
 """What a quantity of each unit is called, and an example of how to write one."""
+MEANINGS_OF = {
+    ("m/m", "response to waves"): ("a displacement per metre of wave", "0.6 or 0.6 m/m"),
+    ("rad/m", "response to waves"): ("a rotation per metre of wave", "2 deg/m, or rad/m as a bare number"),
+}
+"""The same of a row of the table of plausible ranges that is called otherwise than most quantities of its unit."""
 
 
 @dataclass(frozen=True)
@@ -90,13 +95,16 @@ class Quantity:
     @property
     def meaning(self) -> str:
         """What it is, in words: ``a length``."""
-        return MEANINGS.get(self.unit, (f"a quantity in {self.unit}", ""))[0]
+        return self._called(f"a quantity in {self.unit}", "")[0]
 
     @property
     def example(self) -> str:
         """How one is written."""
-        text = MEANINGS.get(self.unit, ("", f"1.0 ({self.unit})"))[1]
+        text = self._called("", f"1.0 ({self.unit})")[1]
         return f"{text}, or the word {' or '.join(self.words)}" if self.words else text
+
+    def _called(self, meaning: str, example: str) -> tuple[str, str]:
+        return MEANINGS_OF.get((self.unit, self.of)) or MEANINGS.get(self.unit, (meaning, example))
 
     @property
     def cure(self) -> str:
@@ -160,7 +168,8 @@ class Quantity:
             read = read_unit(unit)
         except UnknownUnit as error:
             raise refusal(error.told(unit, wanted), self.cure) from error
-        if read.dimension != wanted.dimension:
+        # An angle has no dimension, but neither is a share, a coefficient or a ratio of lengths one.
+        if read.dimension != wanted.dimension or (not any(wanted.dimension) and read.angle and not wanted.angle):
             if told := flow_for_speed(unit, read, self.unit):
                 raise refusal(*told)
             if POUND.search(unit) and read.dimension == (wanted * PER_GRAVITY).dimension:
