@@ -11,6 +11,7 @@ import numpy as np
 from gardenhose.estimates import SUPPORTS, Average, average, first_frequency, onset, rk4_limit, speeds, thrust
 from gardenhose.scene import MOST_ELEMENTS, HoseScene
 from tautline.scene.errors import SceneWarning
+from tautline.scene.solver import step_taken
 
 RADIANS_PER_ELEMENT = 2.0
 """Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
@@ -58,8 +59,8 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
         return
     step = float(solver.step)
     if solver.explicit:
-        limit = rk4_limit(scene)
-        if step > limit.step:
+        limit, taken = rk4_limit(scene), step_taken(solver, scene.output.interval)
+        if taken > limit.step:
             cause = f"the fastest {limit.motion} motion of an element, eqs 2.137 and 2.151"
             cure = "Take a smaller step, or method: generalized-alpha"
             if limit.damping > 1.0:
@@ -68,7 +69,7 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
                     f"{limit.damping:.3g}. Without damping the critical step would be {limit.undamped:.2g} s"
                 )
                 cure = "Take a smaller step, less damping, or method: generalized-alpha"
-            text = f"{step:g} s is longer than RK4's critical step of about {limit.step:.2g} s, set by {cause}"
+            text = f"{taken:g} s is longer than RK4's critical step of about {limit.step:.2g} s, set by {cause}"
             yield "solver.step", f"{text}. The run will become unstable. {cure}"
     u, (critical, frequency) = hose.dimensionless_speed, onset(scene, hose)
     what = "the first natural frequency"

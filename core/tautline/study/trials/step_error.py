@@ -30,6 +30,7 @@ from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
+from tautline.scene.solver import divided
 from tautline.scene.values.printed import in_percent, quantity
 from tautline.study.trials.errors import apart, ends_apart
 from tautline.study.trials.history import History, Place, Watched, watch
@@ -224,8 +225,7 @@ def estimate(
 
 def _step_taken(model: Model) -> float:
     """The step as it divides the interval of the frames, s."""
-    interval = float(model.solver.interval)
-    return interval / math.ceil(interval / min(model.solver.step, interval) - SAME_TIME)
+    return divided(float(model.solver.interval), float(model.solver.step))
 
 
 def _other(
