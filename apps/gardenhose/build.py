@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -12,6 +13,7 @@ from gardenhose.estimates import average, speeds
 from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene, tied
+from gardenhose.start import on_the_start
 from gardenhose.summary import FIGURES, JOINED, OTHERS, headline
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
@@ -65,6 +67,8 @@ def build(scene: HoseScene) -> Model:
     notes = [*made.notes, *unused_alphas(scene.solver)]
     if solver.step == "auto" and error > 0.0:
         notes.append(f"step: auto keeps the error of a step below {error:.2g} m")
+    # Results of a simulation that is stepped ask once more, each time one is read.
+    of_the_start = cache(lambda: on_the_start(scene))
     model = Model(
         system=made.system,
         solver=settings_of(
@@ -81,6 +85,7 @@ def build(scene: HoseScene) -> Model:
         frames_tell_all=False,
         headline=headline,
         limits=limits,
+        remarks=lambda result: of_the_start(),
         figure_units=FIGURES,
         statistics={"rules": JOINED, "possible": (*OTHERS, *FIGURES)},
         start=STARTS[scene.start],

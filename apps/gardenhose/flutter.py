@@ -295,6 +295,25 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     return Stability(grid, values, shares, grows, critical, stable_from, windows, speeds_apart, curves)
 
 
+@one_thread()
+def falls_from(scene: HoseScene, speed: float) -> float:
+    """Rate, 1/s, at which a hose leaves its shape at rest at a speed, m/s, for good; 0 where it does not.
+
+    It diverges from it, or would fall from it without flow too. One that only flutters about its shape comes back.
+
+    Raises
+    ------
+    StoppedEarly
+        Where no static shape is found.
+    """
+    linear = _Linear(scene)
+    motions, _ = linear.at(speed)
+    grows = motions.value[_growths(motions) > 0.0]
+    if grows.size and form(linear.scene, 0.0, linear.known[speed]).negative <= 0:
+        grows = grows[grows.imag == 0.0]
+    return float(grows.real.max(initial=0.0))
+
+
 class _Scan(NamedTuple):
     """A hose's motions of a plane in few shapes, and the rising speeds (k,), m/s, at which they are looked at."""
 

@@ -1,4 +1,4 @@
-"""The critical step of RK4 that `check` prints, against the eigenvalues of a chain of lumps and of a lump at the wall."""
+"""The critical step of RK4 that `check` prints, against the eigenvalues of a chain of lumps, and a lump at the wall."""
 
 from math import sqrt
 
