@@ -20,7 +20,14 @@ def upright(share, start="static"):
     """A hose whose weight is a share of what makes it buckle, with next to no flow."""
     load = 9.81 * (UNIFORM["mass_per_length"] + WATER)
     hose = {"direction": [0, 0, 1], "axial_stiffness": 1e2, "bending_stiffness": load * 0.5**3 / (share * GREENHILL)}
-    return scene(hose, {"speed": TRICKLE}, {"end": 0.05, "step": 2e-4}, start=start, gravity=[0, 0, -9.81], disturbance=[0.1, 0, 0])
+    return scene(
+        hose,
+        {"speed": TRICKLE},
+        {"end": 0.05, "step": 2e-4},
+        start=start,
+        gravity=[0, 0, -9.81],
+        disturbance=[0.1, 0, 0],
+    )
 
 
 @pytest.mark.parametrize(("share", "unstable"), [(0.97, False), (1.03, True)])
