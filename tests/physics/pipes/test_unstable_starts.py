@@ -7,8 +7,7 @@ import pytest
 from physics.pipes.hoses import UNIFORM, WATER, scene
 
 from gardenhose.build import build
-from gardenhose.flutter import stability
-from gardenhose.start import on_the_start
+from gardenhose.flutter import on_the_start, stability
 from gardenhose.warnings import warnings
 from tautline.simulation import simulate
 
@@ -43,7 +42,7 @@ def test_the_run_of_a_hose_that_falls_from_its_start_says_so():
 
 
 def test_a_hose_that_begins_as_drawn_or_relaxed_is_not_said_to_begin_at_rest():
-    assert not on_the_start(upright(2.0, "straight")) and not on_the_start(upright(2.0, "relaxed"))
+    assert not build(upright(2.0, "straight")).remarks(None) and not build(upright(2.0, "relaxed")).remarks(None)
     assert not any("stands upright" in str(one) for one in warnings(upright(2.0, "relaxed")))
 
 
