@@ -14,7 +14,6 @@ from drillstring.mesh import ELEMENTS, too_long
 from drillstring.model.build import requests
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared
-from drillstring.model.variations import bars
 from drillstring.results.limits import SNUG
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics.buckled import buckled_at_rest
@@ -135,6 +134,9 @@ def critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
 
     Either by itself. A rock that springs back, and damping, may make it a few per cent shorter.
     """
+    # Only `check`, and a run that is explicit, ask for it: no other loads what varies a scene for a study.
+    from drillstring.model.variations import bars
+
     fastest = max(bar.fastest for bar in bars(scene))
     return RK4.reach_of_vibration / max(fastest, _fastest_contact(scene, lumps))
 
