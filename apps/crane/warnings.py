@@ -36,6 +36,7 @@ from crane.sudden_starts import growth, start_warnings
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
 from tautline.scene.functions import Ramp, Spectrum, Sum, Table
+from tautline.scene.solver import step_taken
 from tautline.scene.unit_slips import meant, units_that_fit
 from tautline.scene.values.printed import as_typed, shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
@@ -375,8 +376,9 @@ def _steps(found: Estimate) -> Sentences:
         begin = [span.length / n for span, n in zip(found.path.spans, scene.elements, strict=True)]
         (critical, _), (later, held) = _explicit_limit(found, begin), _explicit_limit(found, shortest(found))
         falls = f", and {later:.2g} s when the spans are shortest" if later < 0.9 * critical else ""
-        if solver.step == "auto" or float(solver.step) > later:
-            long = "" if solver.step == "auto" else f": {solver.step:g} s will be unstable"
+        taken = step_taken(solver, interval)
+        if solver.step == "auto" or taken > later:
+            long = "" if solver.step == "auto" else f": {taken:g} s will be unstable"
             why = f"as long as {held.name} is held by its brake or friction" if held else OF_A_WAVE
             text = (
                 f"rk4 takes steps of no more than about {critical:.2g} s here, {why}{falls}{long}. Steps "

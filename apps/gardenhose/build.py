@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import Any
+from functools import cache
 
 import numpy as np
 
-from gardenhose.cables import Stream, arc_lengths, cables_of, streams
+from gardenhose.cables import arc_lengths, assembled, place_of_flow, step_limit, streams
 from gardenhose.estimates import average, speeds
 from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
@@ -15,10 +14,8 @@ from gardenhose.scene import HoseScene, tied
 from gardenhose.summary import FIGURES, JOINED, OTHERS, headline
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
-from tautline.cable.model.build import Assembly, assemble_cables
+from tautline.cable.model.build import Assembly
 from tautline.cable.model.handles import stiffnesses
-from tautline.cable.model.layout import Layout
-from tautline.elements.nodal.jet import JET, Jets
 from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.integrators.statics.equilibrium import find_equilibrium
@@ -26,7 +23,6 @@ from tautline.integrators.statics.stability import Stability, find_stable_equili
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.handles import Handles, inputs_of, outputs_of, prepared_of, same_as
 from tautline.system.model import Model
-from tautline.system.records import records_of
 
 TOLERANCE = 1.0e-4
 """Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: it moves the tip of the hose of
@@ -65,6 +61,8 @@ def build(scene: HoseScene) -> Model:
     notes = [*made.notes, *unused_alphas(scene.solver)]
     if solver.step == "auto" and error > 0.0:
         notes.append(f"step: auto keeps the error of a step below {error:.2g} m")
+    # Results of a simulation that is stepped ask once more, each time one is read.
+    of_the_start = cache(lambda: _of_the_start(scene))
     model = Model(
         system=made.system,
         solver=settings_of(
@@ -81,6 +79,7 @@ def build(scene: HoseScene) -> Model:
         frames_tell_all=False,
         headline=headline,
         limits=limits,
+        remarks=lambda result: of_the_start(),
         figure_units=FIGURES,
         statistics={"rules": JOINED, "possible": (*OTHERS, *FIGURES)},
         start=STARTS[scene.start],
@@ -90,6 +89,16 @@ def build(scene: HoseScene) -> Model:
         handles=lambda: _handles(made, model),
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
+
+
+def _of_the_start(scene: HoseScene) -> list[str]:
+    """Sentences on the shape at rest that a run starts from, where its pivots tell nothing: water leaves a free end."""
+    if scene.start != "static" or scene.hose.end != "free" or scene.water is None:
+        return []
+    # Eigenvalues need scipy, which only a run of such a hose loads.
+    from gardenhose.flutter import on_the_start
+
+    return on_the_start(scene)
 
 
 def _handles(made: Assembly, model: Model) -> Handles:
@@ -133,18 +142,6 @@ def begin_at_rest(scene: HoseScene, made: Assembly, state: State) -> Stability:
     return judged
 
 
-def step_limit(scene: HoseScene) -> float:
-    """Largest change of an unknown in one iteration of a search for rest, m."""
-    return 0.5 * float(np.diff(arc_lengths(scene)).min())
-
-
-def assembled(scene: HoseScene, fused: bool = True) -> Assembly:
-    """The equations of a scene, with the velocity that it begins with; see `cables_of`."""
-    made = assemble_cables(cables_of(scene, fused), lambda layout: _jets(scene, layout))
-    _disturb(scene, made)
-    return made
-
-
 def tolerance_of(scene: HoseScene) -> float:
     """Tolerance where the scene gives none: what is left of an iteration is to be less than what a step leaves out.
 
@@ -179,42 +176,3 @@ def energy_of(scene: HoseScene) -> float:
     weight = _mass_of(scene) * float(np.linalg.norm(scene.gravity)) * length
     stretch = 1e-4 * max(piece.axial_stiffness for piece in scene.hose.pieces) * length
     return max(bending, weight, stretch)
-
-
-def _jets(scene: HoseScene, layout: Layout) -> list[Any]:
-    """Where the water's speed changes: from bore to bore, and in the nozzle at a free end."""
-    found = streams(scene)
-    rows = []
-    for k, (here, after) in enumerate(pairwise(found)):
-        rows.append(_jet(layout, here, k, here.mass / after.mass - 1.0))
-    if found and scene.water is not None and scene.water.outlet != 1.0:
-        rows.append(_jet(layout, found[-1], len(found) - 1, scene.water.outlet - 1.0))
-    return [Jets(records_of(JET, rows))] if rows else []
-
-
-def place_of_flow(layout: Layout, stream: Stream, number: int) -> int:
-    """Full place of a stream's p."""
-    return layout.flow[number + 1] if layout.flow else layout.material(stream.first)
-
-
-def _jet(layout: Layout, stream: Stream, number: int, gain: float) -> dict[str, Any]:
-    material = place_of_flow(layout, stream, number)
-    return {"node": layout.start[stream.stop + 1], "material": material, "mass": stream.mass, "gain": gain}
-
-
-def _disturb(scene: HoseScene, made: Assembly) -> None:
-    """Let the hose begin with a velocity that grows as (s/L)^2 to that of its tip."""
-    if not any(scene.disturbance):
-        return
-    tip, s = np.array(scene.disturbance), arc_lengths(scene)
-    x = s / s[-1]
-    v, start = made.system.v, made.layout.start
-    held = made.layout.degrees.motion
-    pairs = [(i + 1, i) for i in range(len(s))]
-    for stream in [] if made.layout.flow else streams(scene):
-        pairs += [(stream.first + k, i) for k, i in enumerate(range(stream.start, stream.stop + 1))]
-    for node, i in pairs:
-        for c in range(3):
-            for place, value in ((start[node] + c, x[i] ** 2), (start[node] + 3 + c, 2.0 * x[i] / s[-1])):
-                if place not in held:
-                    v[place] = value * tip[c]

@@ -18,7 +18,11 @@ from tautline.cable.input.parts import CableScene, Coupling, Element, Motion, No
 from tautline.cable.input.syntax.nodal import NodalPart
 from tautline.cable.input.syntax.nodal_items import PointMass
 from tautline.cable.input.syntax.solver import CableSolver
+from tautline.cable.model.build import Assembly, assemble_cables
+from tautline.cable.model.layout import Layout
+from tautline.elements.nodal.jet import JET, Jets
 from tautline.scene.reading.document import Document
+from tautline.system.records import records_of
 
 METHODS = {"lagrange": "multiplier", "penalty": "penalty", "augmented": "augmented"}
 FREE, HELD = False, True
@@ -201,3 +205,54 @@ def _add_water(
                 Tie(2 * node + what, method, (hose, node), what, scene.stiffness, (0.0, 0.0, 0.0), 0, ("coupling",))
                 for what in (0, 2)
             ]
+
+
+def step_limit(scene: HoseScene) -> float:
+    """Largest change of an unknown in one iteration of a search for rest, m."""
+    return 0.5 * float(np.diff(arc_lengths(scene)).min())
+
+
+def assembled(scene: HoseScene, fused: bool = True) -> Assembly:
+    """The equations of a scene, with the velocity that it begins with; see `cables_of`."""
+    made = assemble_cables(cables_of(scene, fused), lambda layout: _jets(scene, layout))
+    _disturb(scene, made)
+    return made
+
+
+def _jets(scene: HoseScene, layout: Layout) -> list[Any]:
+    """Where the water's speed changes: from bore to bore, and in the nozzle at a free end."""
+    found = streams(scene)
+    rows = []
+    for k, (here, after) in enumerate(pairwise(found)):
+        rows.append(_jet(layout, here, k, here.mass / after.mass - 1.0))
+    if found and scene.water is not None and scene.water.outlet != 1.0:
+        rows.append(_jet(layout, found[-1], len(found) - 1, scene.water.outlet - 1.0))
+    return [Jets(records_of(JET, rows))] if rows else []
+
+
+def place_of_flow(layout: Layout, stream: Stream, number: int) -> int:
+    """Full place of a stream's p."""
+    return layout.flow[number + 1] if layout.flow else layout.material(stream.first)
+
+
+def _jet(layout: Layout, stream: Stream, number: int, gain: float) -> dict[str, Any]:
+    material = place_of_flow(layout, stream, number)
+    return {"node": layout.start[stream.stop + 1], "material": material, "mass": stream.mass, "gain": gain}
+
+
+def _disturb(scene: HoseScene, made: Assembly) -> None:
+    """Let the hose begin with a velocity that grows as (s/L)^2 to that of its tip."""
+    if not any(scene.disturbance):
+        return
+    tip, s = np.array(scene.disturbance), arc_lengths(scene)
+    x = s / s[-1]
+    v, start = made.system.v, made.layout.start
+    held = made.layout.degrees.motion
+    pairs = [(i + 1, i) for i in range(len(s))]
+    for stream in [] if made.layout.flow else streams(scene):
+        pairs += [(stream.first + k, i) for k, i in enumerate(range(stream.start, stream.stop + 1))]
+    for node, i in pairs:
+        for c in range(3):
+            for place, value in ((start[node] + c, x[i] ** 2), (start[node] + 3 + c, 2.0 * x[i] / s[-1])):
+                if place not in held:
+                    v[place] = value * tip[c]

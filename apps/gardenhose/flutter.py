@@ -27,6 +27,7 @@ from tautline.integrators.status import StoppedEarly
 from tautline.integrators.vibration.following import Paths, apart, follow
 from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
 from tautline.scene.errors import SceneError
+from tautline.scene.values.printed import shown
 from tautline.scene.values.systems import in_system
 from tautline.threads import one_thread
 
@@ -293,6 +294,50 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     speeds_apart = _apart(scans)
     stable_from = _stable_from(grid, windows)
     return Stability(grid, values, shares, grows, critical, stable_from, windows, speeds_apart, curves)
+
+
+@one_thread()
+def falls_from(scene: HoseScene, speed: float) -> float:
+    """Rate, 1/s, at which a hose leaves its shape at rest at a speed, m/s, for good; 0 where it does not.
+
+    It diverges from it, or would fall from it without flow too. One that only flutters about its shape comes back.
+
+    Raises
+    ------
+    StoppedEarly
+        Where no static shape is found.
+    """
+    linear = _Linear(scene)
+    motions, _ = linear.at(speed)
+    grows = motions.value[_growths(motions) > 0.0]
+    if grows.size and form(linear.scene, 0.0, linear.known[speed]).negative <= 0:
+        grows = grows[grows.imag == 0.0]
+    return float(grows.real.max(initial=0.0))
+
+
+def on_the_start(scene: HoseScene) -> list[str]:
+    """Sentences on the shape at rest that a run starts from, where the least push moves the hose away for good.
+
+    A hose that flutters about its shape is none of these: that is the motion which a run shows.
+    """
+    speed = float(speeds_of(scene, 1)[0])
+    rate = _rate(scene, speed)
+    if not rate:
+        return []
+    flow, time = shown(speed, "m/s", scene.units), shown(1.0 / rate, "s", scene.units)
+    return [
+        f"the run starts from an unstable balance: at {flow} the hose leaves it for good, and its motion grows e times "
+        f"in {time}. What it does then follows from the least push. With start: relaxed it begins in a shape in which "
+        "it can stay, if there is one"
+    ]
+
+
+def _rate(scene: HoseScene, speed: float) -> float:
+    """Rate, 1/s, at which a hose leaves the shape at rest of t = 0; 0 where it stays, or no shape is found."""
+    try:
+        return falls_from(scene, speed) if speed else 0.0
+    except StoppedEarly:
+        return 0.0
 
 
 class _Scan(NamedTuple):

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gardenhose.build import assembled, step_limit
-from gardenhose.cables import arc_lengths
+from gardenhose.cables import arc_lengths, assembled, step_limit
 from gardenhose.scene import HoseScene, tied, with_speed
 from tautline.cable.model.build import Assembly
 from tautline.integrators.state import State, new_state

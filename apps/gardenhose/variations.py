@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from gardenhose.build import assembled
+from gardenhose.cables import assembled
 from gardenhose.scene import UNIFORM, HoseScene, Segment
 from tautline.cable.model.magnitudes import penalty_stiffness
 from tautline.scene.reading.document import Path_

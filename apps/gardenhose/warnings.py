@@ -11,6 +11,7 @@ import numpy as np
 from gardenhose.estimates import SUPPORTS, Average, average, first_frequency, onset, rk4_limit, speeds, thrust
 from gardenhose.scene import MOST_ELEMENTS, HoseScene
 from tautline.scene.errors import SceneWarning
+from tautline.scene.solver import step_taken
 
 RADIANS_PER_ELEMENT = 2.0
 """Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
@@ -26,6 +27,8 @@ MOST_DROOP = 0.3
 """Share of the length up to which the sag of a beam of small deflections is told. That of a cantilever is then too
 large by 7 % under its weight and by 9 % under one at its tip; at the whole length by 56 and 66 %, by the elastica
 (Bisshopp and Drucker 1945)."""
+STANDS = 7.837
+"""Weight under which a clamped upright column buckles by itself, over EJ / L^2 (Greenhill 1881)."""
 MOST_HELD = 0.3
 """Sag of a hose held at both ends up to which it is told, over its radius of gyration sqrt(EJ / EA).
 
@@ -47,7 +50,10 @@ def warnings(scene: HoseScene) -> list[SceneWarning]:
     speed = speeds(scene)
     hose = average(scene, float(np.abs(speed).max()))
     # Statics and flutter look at speeds of their own: `momentum_at` and `mesh_at` warn of these.
-    of_a_run = [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed)], _rest(scene)
+    of_a_run = (
+        [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed)],
+        [*_rest(scene), *_upright(scene, hose)],
+    )
     before, behind = ([SceneWarning(*one, of_a_run=True) for one in found] for found in of_a_run)
     return [*before, *(SceneWarning(*one) for one in _ends(scene, speed)), *behind]
 
@@ -58,8 +64,8 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
         return
     step = float(solver.step)
     if solver.explicit:
-        limit = rk4_limit(scene)
-        if step > limit.step:
+        limit, taken = rk4_limit(scene), step_taken(solver, scene.output.interval)
+        if taken > limit.step:
             cause = f"the fastest {limit.motion} motion of an element, eqs 2.137 and 2.151"
             cure = "Take a smaller step, or method: generalized-alpha"
             if limit.damping > 1.0:
@@ -68,7 +74,7 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
                     f"{limit.damping:.3g}. Without damping the critical step would be {limit.undamped:.2g} s"
                 )
                 cure = "Take a smaller step, less damping, or method: generalized-alpha"
-            text = f"{step:g} s is longer than RK4's critical step of about {limit.step:.2g} s, set by {cause}"
+            text = f"{taken:g} s is longer than RK4's critical step of about {limit.step:.2g} s, set by {cause}"
             yield "solver.step", f"{text}. The run will become unstable. {cure}"
     u, (critical, frequency) = hose.dimensionless_speed, onset(scene, hose)
     what = "the first natural frequency"
@@ -243,6 +249,22 @@ def _rest(scene: HoseScene) -> Sentences:
         f"gravity {why}. The straight hose is in equilibrium, stable or not. Nothing starts it moving sideways. {cure}"
     )
     yield "disturbance" if scene.hose.end == "free" else "gravity", text
+
+
+def _upright(scene: HoseScene, hose: Average) -> Sentences:
+    """A hose that stands straight on its root and cannot carry its weight, begun in that balance."""
+    weight, direction = (hose.mass + hose.water) * math.hypot(*scene.gravity), scene.hose.unit_direction
+    stands = sum(g * d for g, d in zip(scene.gravity, direction, strict=True)) < 0.0
+    if scene.start == "relaxed" or scene.hose.end != "free" or not stands or _across(scene.gravity, direction) > 0.0:
+        return
+    carried = STANDS * hose.bending / hose.length**2 if scene.hose.root_support == "clamped" else 0.0
+    if weight * hose.length > carried:
+        text = (
+            f"the hose stands upright and weighs {weight * hose.length:.3g} N. By its bending stiffness it can carry "
+            f"about {carried:.3g} N so. Straight it is in an unstable balance, and falls at the least push. Give the "
+            "direction in which it leaves its root, or start: relaxed"
+        )
+        yield "hose.direction", text
 
 
 def _droop(scene: HoseScene, hose: Average, across: float) -> float | None:

@@ -108,10 +108,11 @@ class ExplicitWatch:
             Where a step that is given is beyond the critical one.
         """
         run = self.run
-        self.explicit.begin(run.state, run.time)
+        step = float((run.ends[run.done] - run.time) / run.steps[run.done])
+        self.explicit.begin(run.state, run.time, step)
         self._hold()
         if self.explicit.share > 1.0 and not self.chooses:
-            raise self._beyond(float((run.ends[run.done] - run.time) / run.steps[run.done]))
+            raise self._beyond(step)
 
     def frames_until(self, first: int) -> int:
         """Frames, from one on, until the step is looked at again, or until the run ends."""

@@ -221,7 +221,7 @@ def test_the_second_moment_is_the_tube_s_and_the_contact_the_tool_joint_s():
         ("tubular: HWDP 5 in", "tubular: 5", "scene.yaml:6: string[1].tubular = 5: must be a text"),
         ("tubular: HWDP 5 in", "tubular: null", "scene.yaml:6: string[1].tubular = null: is empty"),
         ("HWDP 5 in,", "HWDP 5 in, od: -1 in,", "string[1].od = -1 in: must be greater than zero"),
-        ("HWDP 5 in,", "HWDP 5 in, od: 2 in,", "smaller than id = 0.0762"),
+        ("HWDP 5 in,", "HWDP 5 in, od: 2 in,", "is smaller than the id of the tubular, 3 in (0.0762 m)"),
         ("HWDP 5 in,", "HWDP 5 in, yield_load: 5 in,", "'in' is not the unit of a force"),
         ("HWDP 5 in,", "HWDP 5 in, id: 5.5 in,", "id = 5.5 in: leaves no wall: the od of the tubular is 5 in"),
         ("HWDP 5 in,", "HWDP 5 in, tool_joint_od: 4 in,", "smaller than the od of the tubular, 5 in (0.127 m)"),

@@ -222,6 +222,18 @@ def test_histories_without_cycles_have_an_answer(value, rate, kind):
     assert cycle.cycles == 0
 
 
+def test_a_motion_that_blows_up_between_frames_without_a_whole_cycle_is_not_said_to_decay():
+    # A hose at 300 m/s that was stopped after 0.18 s: frames every 20 ms follow none of its swings.
+    time = np.linspace(0.0, 0.18, 10)
+    place, rate = np.zeros((10, 3)), np.zeros((10, 3))
+    place[:, 0] = [0.0, 0.0, -1.438, 0.212, 1.255, 4.031, 3.421, 2.65, 2.83, 1.027]
+    place[:, 2] = [0.999, 1.226, 3.232, 1.835, 4.791, 5.647, 4.399, 3.303, 3.462, 5.157]
+    rate[:, 0] = [0.1, 9.484, -48.47, 165.212, 153.835, 29.375, -230.688, 227.671, 208.716, -3.521]
+    rate[:, 2] = [0.0, 77.117, 248.348, -113.879, 169.67, 279.308, -253.182, -167.906, 195.071, 178.846]
+    cycle = finite(limit_cycle(time, place, rate, 4.0))
+    assert cycle.cycles == 0 and cycle.kind == "not determined"
+
+
 def test_frames_that_repeat_a_time_are_left_out():
     time, position, velocity = sine()
     twice = np.sort(np.concatenate([np.arange(len(time)), [5, 50, 100]]))

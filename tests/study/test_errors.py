@@ -6,7 +6,7 @@ import pytest
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.results.variable import Variable
-from tautline.study.trials.errors import compare, first_mode
+from tautline.study.trials.errors import compare, ends_apart, first_mode
 from tautline.study.trials.history import History, watch
 
 OMEGA, AMPLITUDE = 2.0 * np.pi, 0.02
@@ -135,7 +135,15 @@ def test_a_scene_without_a_force_has_no_force_error():
 
 
 def test_a_steady_force_that_a_run_makes_ring_is_wrong():
-    assert compare(swing(), swing(force=0.0), 1.0).force > 1e3
+    # 30 N in 500 N, by a hundredth of these
+    assert compare(swing(), swing(force=0.0), 1.0).force == pytest.approx(6.0)
+
+
+def test_a_force_that_hardly_varies_is_judged_by_a_hundredth_of_its_size():
+    # The foot valve of a riser: 0.45 N in 5062 N, of which 0.21 N are missing.
+    exact, wrong = (swing(force=size, mean=5062.0) for size in (0.45, 0.24))
+    assert compare(wrong, exact, 1.0).force == pytest.approx(0.21 / 50.62, rel=1e-3)
+    assert ends_apart(wrong.force, exact.force) == pytest.approx(0.21 / 50.62, rel=1e-3)
 
 
 def test_a_force_that_should_be_zero_throughout_and_is_not_is_wrong():

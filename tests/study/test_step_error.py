@@ -12,6 +12,7 @@ from study.commands import command_of
 from study.oscillators import OMEGA, START, lag_constant, oscillator, rk4, run, subject
 from test_study_verbs import only_object
 
+import drillstring.application
 import drillstring.model.build
 import drillstring.scene.scene
 from tautline.cable.application import Cable
@@ -24,6 +25,7 @@ from tautline.study.trials import trial as trial_module
 from tautline.study.trials.step_error import (
     LONGER,
     SHORTER,
+    StepError,
     estimate,
     from_longer,
     from_shorter,
@@ -84,7 +86,26 @@ def test_an_error_beyond_a_hundredth_is_warned_of_and_a_smaller_one_is_not(parts
     warning = found(oscillator(time_step=0.02), parts).warning
     steps = "0.01 s and 0.00667 s" if parts == SHORTER else "0.04 s"
     assert steps in warning and "position of node 1" in warning and "% of its motion" in warning
-    assert ("friction" in warning) is (parts == SHORTER)
+    # An oscillator has none, and is not told of it.
+    assert "friction" not in warning
+
+
+def test_only_a_scene_with_dry_friction_is_told_what_friction_does_to_shorter_steps():
+    scene = validate(
+        drillstring.scene.scene.DrillstringScene,
+        drillstring.scene.scene.DrillstringScene.read(JWELL).document.replaced({("solver", "end"): (1.0, "end")}),
+    )
+    told = step_error(
+        Subject(drillstring.application.Drillstring(), scene), simulate(drillstring.model.build.build(scene))
+    )
+    assert "what slips first" in told._replace(position=0.5).warning
+    assert "what slips first" not in found(oscillator(time_step=0.02))._replace(position=0.5).warning
+
+
+def test_a_force_that_hardly_varies_is_told_in_newtons_beside_what_it_varies_about():
+    told = StepError(0.01, "tip", 1e-3, 0.02, "tension", 0.21 / 50.62, amplitude=0.45, largest=5062.0)
+    assert "by 0.21 N (it varies by 0.9 N in 5.06 kN)" in told.warning
+    assert "by 30 N, 15 %" in told._replace(force=0.15, amplitude=200.0, largest=5062.0).warning
 
 
 @given(p=st.floats(0.5, 2.0), r1=st.floats(1.2, 3.0), r2=st.floats(1.2, 3.0))

@@ -160,9 +160,14 @@ AnyWall = OneOf(
 AnySurvey = OneOf(
     "a survey", {}, plain=Branch(str, lambda file: Survey(file=file)), whole=Branch(Survey), example="survey.csv"
 )
+BUILD, TURN = "{rate: 3 deg/30 m, to: 60 deg}", "{rate: 3 deg/30 m, to: 90 deg}"
 AnySection = OneOf(
     "a section of the well",
-    {"hold": Branch(Distance, lambda length: Hold(length=length)), "build": Branch(Build), "turn": Branch(Turn)},
+    {
+        "hold": Branch(Distance, lambda length: Hold(length=length)),
+        "build": Branch(Build, example=BUILD),
+        "turn": Branch(Turn, example=TURN),
+    },
     example="{hold: 2200 m} or {build: {radius: 1000 m, to: 90 deg}}",
 )
 

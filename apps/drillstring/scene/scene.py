@@ -118,7 +118,10 @@ class Section(Model):
             raise fault("id", cause, "give a smaller id, or write od too")
         if self.od <= self.id:
             relation = "equal to" if self.od == self.id else "smaller than"
-            raise fault("od", f"{relation} id = {self.id:g}", "the outside is larger than the bore: swap od and id?")
+            cure = "the outer diameter must be the larger one: swap od and id, or correct the unit"
+            if self._of_tubular("id"):
+                raise fault("od", f"is {relation} the id of the tubular, {_inches(self.id)}", cure)
+            raise fault("od", f"is {relation} the inner diameter", cure, beside=".id")
         if self.tool_joint_od is not None and self.tool_joint_od < self.od and self._of_tubular("tool_joint_od"):
             cause = f"wider than the tool joint of the tubular, {_inches(self.tool_joint_od)}"
             raise fault("od", cause, "give a smaller od, or write tool_joint_od too")

@@ -36,6 +36,9 @@ POINTS = 128
 FINE = 512
 """Samples of each cycle that extents are taken from."""
 
+TURNS = 1.0e-6
+"""Speed back, over the largest, above which a motion does not go one way."""
+
 
 @dataclass(frozen=True, eq=False)
 class LimitCycle:
@@ -45,7 +48,8 @@ class LimitCycle:
     ----------
     kind : str
         ``rest``: within `REST` of the length; ``periodic``: a limit cycle; ``growing``, ``decaying``: the motion gets
-        steadily larger or smaller, or moves one way ever faster or slower; ``irregular``: none of these.
+        steadily larger or smaller, or moves one way ever faster or slower;
+        ``not determined``: it turns, but not for a whole cycle; ``irregular``: none of these.
     settled : bool
         Whether the amplitudes of at least `FEWEST` last cycles agree within `STEADY` and do not drift; true at rest.
     note : str
@@ -290,21 +294,28 @@ def _trend(logs: np.ndarray) -> str:
     return "decaying" if np.all(steps < 0.0) else "irregular"
 
 
+def _one_way(time: np.ndarray, value: np.ndarray, rate: np.ndarray) -> str:
+    """Kind of a motion that goes one way, by the last third of the run against the third before; of others unknown.
+
+    Swings that are not a whole cycle are too few to be compared: of a run that blew up they may be of any size.
+    """
+    least = TURNS * float(np.abs(rate).max())
+    if rate.min() < -least and rate.max() > least:
+        return "not determined"
+    kind = "irregular"
+    if len(time) > 3:
+        edges = time[0] + (time[-1] - time[0]) * np.array([1.0, 2.0, 3.0]) / 3.0
+        before, after = np.abs(np.diff(Trace(time, value, rate)(edges)[0]))
+        if abs(after - before) > STEADY * max(after, before):
+            kind = "growing" if after > before else "decaying"
+    return kind
+
+
 def _without_cycles(
     time: np.ndarray, position: np.ndarray, velocity: np.ndarray, late: np.ndarray, direction: np.ndarray
 ) -> LimitCycle:
     """What can be said of a motion that holds no whole cycle."""
-    value = position @ direction
-    extremes = swings(time, value, velocity @ direction)
-    kind = "irregular"
-    if len(extremes.value) > 2:
-        kind = _trend(np.log(np.maximum(np.abs(np.diff(extremes.value)), TINY)))
-    elif len(time) > 3:
-        # It moves one way: the last third of the run against the third before.
-        edges = time[0] + (time[-1] - time[0]) * np.array([1.0, 2.0, 3.0]) / 3.0
-        before, after = np.abs(np.diff(Trace(time, value, velocity @ direction)(edges)[0]))
-        if abs(after - before) > STEADY * max(after, before):
-            kind = "growing" if after > before else "decaying"
+    kind = _one_way(time, position @ direction, velocity @ direction)
     place, note = position[late], "no whole cycle: the run is too short, or this is no oscillation"
     motion = place - place.mean(axis=0)
     direction, _, normal = directions(motion)

@@ -32,7 +32,7 @@ from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.model import MADE
 from tautline.scene.reading.document import join_key
-from tautline.scene.solver import longest_step
+from tautline.scene.solver import longest_step, step_taken
 from tautline.scene.warnings import asked, warning
 
 ROUNDED_SHARE = 1.0e-3
@@ -155,7 +155,7 @@ def _ease(scene: CableScene, lengths: np.ndarray) -> dict[int, tuple[float, floa
 @warning("cable")
 def _steps(scene: CableScene) -> Sentences:
     square, place = _fastest(scene)
-    step = longest_step(scene.solver, 0.0)
+    step = step_taken(scene.solver, scene.solver.interval)
     if scene.solver.explicit and step * math.sqrt(square) > RK4.reach_of_vibration:
         text = (
             f"{step:g} s may be longer than RK4's critical step, which is at least about "

@@ -68,12 +68,15 @@ class ExplicitStep:
         """Critical step of the last look, s."""
         return self._found
 
-    def begin(self, state: State, time: float) -> None:
-        """Look at the step at the start of a run, or where the state was changed from outside."""
+    def begin(self, state: State, time: float, taken: float) -> None:
+        """Look at the step at the start of a run, or where the state was changed from outside.
+
+        Unless the step is chosen, the one ``taken``, s, is judged: frames may divide it further than the scene says.
+        """
         self._found, self.worst = self.critical.search(state, time)
         if self._automatic:
-            self.step = min(self._longest, SAFE * self._found)
-        self.share = self._before = self.step / self._found
+            self.step = taken = min(self._longest, SAFE * self._found)
+        self.share = self._before = taken / self._found
         self._span, self._looked = 0.0, time
         self._go_on(time)
 
@@ -83,7 +86,7 @@ class ExplicitStep:
         self.share = taken / self._found
         if self._automatic:
             self.step = min(self._longest, SAFE * self._found, LONGER * self.step)
-        rise, ahead = max(0.0, self.share - self._before), self.step / self._found
+        rise, ahead = max(0.0, self.share - self._before), (self.step if self._automatic else taken) / self._found
         if rise > STEADY and ahead + rise > ALMOST:
             self._span *= 0.5
         elif ahead + 2.0 * rise <= ALMOST or rise <= STEADY:
@@ -94,7 +97,7 @@ class ExplicitStep:
     def follow(self, state: State, time: float, taken: float, tolerance: float) -> None:
         """Look at the step where it is due, of a run that cannot go back."""
         if not self._begun:
-            self.begin(state, time)
+            self.begin(state, time, taken)
             self._begun = True
         elif time >= self.due - tolerance:
             self.look(state, time, taken)

@@ -15,7 +15,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
-from tautline.scene.reading.document import Document, Path_, split_key
+from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
 from tautline.scene.refusal import KIND, nearest, refusal
 from tautline.scene.values.printed import in_words
@@ -435,7 +435,10 @@ def _problem(error: Any, document: Document) -> Problem:
         before = str(context.get("before", ""))
         if before and (document.written((*path[:-1], before)) or "").startswith("-0"):
             cure = cure.replace("Write 0.", "Write -0.", 1)
-        cause += _shown_beside(document, str(context.get("beside", "")))
+        beside = str(context.get("beside", ""))
+        if beside.startswith("."):
+            beside = join_key((*path[:-1], beside[1:]))
+        cause += _shown_beside(document, beside)
     else:
         cause, cure = _plain(error)
     value = None
@@ -539,10 +542,10 @@ class WordOf:
 
 
 class Branch:
-    """One way to write a value: its type, and what to make of it (by default, the value itself)."""
+    """One way to write a value: its type, what to make of it (by default, the value itself), and an example."""
 
-    def __init__(self, kind: Any, make: Callable[[Any], Any] | None = None) -> None:
-        self.kind, self.make = kind, make
+    def __init__(self, kind: Any, make: Callable[[Any], Any] | None = None, example: str = "") -> None:
+        self.kind, self.make, self.example = kind, make, example
 
     def schema(self, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Schema of the value, made into what it stands for."""
@@ -606,7 +609,13 @@ class OneOf:
             if comma:
                 raise refusal(f"'{odd}' stands beside {chosen[0]}", comma)
             meant = nearest(str(odd), chosen) if str(odd).lower() != chosen[0] else ""
-            cure = meant if meant.startswith("did") else f"indent it below {chosen[0]}, or remove it"
+            example = self.keyed[chosen[0]].example
+            inside = (
+                f"{chosen[0]} holds its keys in braces: write {chosen[0]}: {example}"
+                if example
+                else (f"make it a key of {chosen[0]}, or remove it")
+            )
+            cure = meant if meant.startswith("did") else inside
             raise refusal(f"'{odd}' stands beside {chosen[0]}", cure)
         if not value:
             raise refusal("is an empty mapping", cure)

@@ -51,7 +51,7 @@ def fault(key: str | int | tuple[str | int, ...], cause: str, cure: str = "", be
         What is wrong and what to do.
     beside : str
         Key, from the top of the file, of the value that this one contradicts: it is shown as it was written, with its
-        line.
+        line. One that begins with a point, ``.id``, stands beside this key.
     """
     path = key if isinstance(key, tuple) else (key,)
     return ValidationError.from_exception_data(

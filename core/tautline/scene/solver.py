@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -13,6 +14,8 @@ from tautline.scene.values.quantity import quantity
 
 MOST_STEPS = 1.0e9
 MOST_FRAMES = 1.0e6
+SAME_TIME = 1.0e-9
+"""Share of a step by which rounding may make an interval longer."""
 
 METHODS = WordOf(methods.names, methods.aliases)
 Method = Annotated[str, METHODS]
@@ -91,6 +94,16 @@ def check_control(solver: Any, key: str) -> None:
 def longest_step(solver: Any, interval: float) -> float:
     """Longest step of a run, s: the scene's, or the output's interval where the step is chosen."""
     return interval if solver.step == "auto" else float(solver.step)
+
+
+def step_taken(solver: Any, interval: float) -> float:
+    """Step that a run takes where the scene gives one, s: frames are divided into equal steps; 0 where it is chosen."""
+    return 0.0 if solver.step == "auto" else divided(interval, float(solver.step))
+
+
+def divided(interval: float, step: float) -> float:
+    """The interval of the frames in equal steps, none longer than ``step``, s."""
+    return interval / math.ceil(interval / min(step, interval) - SAME_TIME)
 
 
 def fixed_step(solver: Any) -> float:

@@ -13,6 +13,9 @@ from tautline.study.trials.history import RESTING, History
 
 PERIODS = 2.0
 """Periods of a mode that a record must hold for its phase to mean something."""
+HARDLY = 0.01
+"""Amplitude of a force, over its largest value, that errors are related to at least: one of 0.4 N in 5 kN counts as
+little where that force hardly varies as where it does."""
 SHOWN = 0.2
 """Share of its motion that a mode must make up for its phase to mean something."""
 
@@ -25,7 +28,8 @@ class Errors(NamedTuple):
     position : float
         Largest distance of the point from where it should be, over the largest way that it goes.
     force : float or None
-        Difference of the axial force's amplitude (half of its range), over that amplitude.
+        Difference of the axial force's amplitude (half of its range), over that amplitude, or over `HARDLY` of the
+        largest force where that is more.
     phase : float or None
         Mean lag of the motion's first mode, rad.
     rmse : float
@@ -69,11 +73,16 @@ def ends_apart(run: np.ndarray, exact: np.ndarray) -> float:
     It is no less than the error of the amplitude, in which both may cancel.
     """
     top, bottom = float(exact.max()), float(exact.min())
-    size = max(top - bottom, 2.0 * RESTING * max(abs(top), abs(bottom)))
+    size = 2.0 * force_size(exact)
     apart_by = abs(float(run.max()) - top) + abs(float(run.min()) - bottom)
     if size == 0.0:
         return 0.0 if apart_by == 0.0 else float("inf")
     return apart_by / size
+
+
+def force_size(force: np.ndarray) -> float:
+    """What errors of a force are related to, N: its amplitude, and no less than `HARDLY` of its largest value."""
+    return max(0.5 * float(np.ptp(force)), HARDLY * float(np.abs(force).max()))
 
 
 def motion(history: History, extent: float) -> float:
@@ -100,7 +109,7 @@ def _force(run: np.ndarray, exact: np.ndarray) -> float | None:
     if not exact.size:
         return None
     amplitude = 0.5 * float(np.ptp(exact))
-    size = max(amplitude, RESTING * float(np.abs(exact).max()))
+    size = force_size(exact)
     if size == 0.0:
         return 0.0 if not run.any() else float("inf")
     return abs(0.5 * float(np.ptp(run)) - amplitude) / size

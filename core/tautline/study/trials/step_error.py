@@ -30,8 +30,9 @@ from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
+from tautline.scene.solver import divided
 from tautline.scene.values.printed import in_percent, quantity
-from tautline.study.trials.errors import apart, ends_apart
+from tautline.study.trials.errors import HARDLY, apart, ends_apart
 from tautline.study.trials.history import History, Place, Watched, watch
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
 from tautline.system.model import Model
@@ -71,9 +72,9 @@ class StepError(NamedTuple):
     force_place : str
         The force that was looked at; empty where a scene has none.
     force : float or None
-        By how much its amplitude (half of its range) may be off, over that amplitude; of a run whose accuracy was asked
-        for or whose steps are controlled, by how much its highest and its lowest value may be off together, over its
-        range, which is no less.
+        By how much its amplitude (half of its range) may be off, over that amplitude, or over a hundredth of its
+        largest value where that is more; of a run whose accuracy was asked for or whose steps are controlled, by how
+        much its highest and its lowest value may be off together, over twice as much.
     steps : tuple of float
         Of all other runs, s.
     changes : tuple of float
@@ -82,6 +83,10 @@ class StepError(NamedTuple):
         The error of each step, m, by which the run's steps are controlled; None where they are fixed.
     taken : float or None
         The step of the run itself, s: with `step: auto` no key of the scene says it.
+    amplitude, largest : float or None
+        Of the force, half of its range and its largest size, N; None where they were not kept.
+    friction : bool
+        Whether the scene has dry friction.
     """
 
     step: float
@@ -94,6 +99,9 @@ class StepError(NamedTuple):
     changes: tuple[float, ...] = ()
     bound: float | None = None
     taken: float | None = None
+    amplitude: float | None = None
+    largest: float | None = None
+    friction: bool = False
 
     @property
     def warning(self) -> str | None:
@@ -102,7 +110,7 @@ class StepError(NamedTuple):
             return None
         told = f"the {self.place} may be off by {self.distance:.2g} m, {in_percent(self.position)} of its motion"
         if self.force is not None:
-            told += f", and the amplitude of the {self.force_place} by {in_percent(self.force)}"
+            told += f", and the amplitude of the {self.force_place} by {self._of_force()}"
         steps = self.steps or (self.step,)
         runs = "runs" if len(steps) > 1 else "a run"
         text = f"{told}. This is estimated from {runs} with steps of {_listed(steps)}. "
@@ -113,10 +121,22 @@ class StepError(NamedTuple):
         if self.bound is not None:
             shorter += f" and an error of each below {self.bound:.2g} m"
         if len(self.steps) > 1 and self.steps[1] < self.steps[0]:
-            return text + (
-                f"{shorter} and compare. Where friction decides what slips first, a shorter step need not do better"
-            )
+            text += f"{shorter} and compare"
+            friction = ". Where friction decides what slips first, a shorter step need not do better"
+            return text + (friction if self.friction else "")
         return text + f"{shorter}, or --verify, which estimates it more closely from shorter steps"
+
+    def _of_force(self) -> str:
+        """Error of the force's amplitude: in per cent of it, or where it hardly varies beside what it varies about."""
+        assert self.force is not None
+        if self.amplitude is None or self.largest is None:
+            return in_percent(self.force)
+        size = max(self.amplitude, HARDLY * self.largest)
+        off = quantity(float(f"{self.force * size:.2g}"), "N")
+        if self.amplitude == size:
+            return f"{off}, {in_percent(self.force)}"
+        varies, about = (quantity(float(f"{x:.3g}"), "N") for x in (2.0 * self.amplitude, self.largest))
+        return f"{off} (it varies by {varies} in {about})"
 
 
 def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
@@ -219,13 +239,13 @@ def estimate(
         spent += trial.wall_time or 0.0
         histories.append(watched.of(trial.result))
         steps.append(float(trial.result.attributes["step"]))
-    return _stated(result, watched, histories, steps, bound)
+    found = _stated(result, watched, histories, steps, bound)
+    return found._replace(friction=bool(model.system.has_friction)) if isinstance(found, StepError) else found
 
 
 def _step_taken(model: Model) -> float:
     """The step as it divides the interval of the frames, s."""
-    interval = float(model.solver.interval)
-    return interval / math.ceil(interval / min(model.solver.step, interval) - SAME_TIME)
+    return divided(float(model.solver.interval), float(model.solver.step))
 
 
 def _other(
@@ -291,9 +311,12 @@ def _stated(
     place, force_place = name_of(result, watched.point), name_of(result, watched.force)
     distance, position, force = found
     assert distance is not None and position is not None
+    seen = histories[0].force
+    amplitude, largest = (0.5 * float(np.ptp(seen)), float(np.abs(seen).max())) if seen.size else (None, None)
     return StepError(
-        min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances, bound, steps[0]
-    )
+        min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances, bound, steps[0],
+        amplitude, largest,
+    )  # fmt: skip
 
 
 def from_shorter(changes: Sequence[float], shares: Sequence[float]) -> float:

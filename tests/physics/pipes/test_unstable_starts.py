@@ -1,0 +1,57 @@
+"""Hoses with flow that begin at rest where they cannot stay are told; references are Greenhill and Gregory-Paidoussis.
+
+A. G. Greenhill, Proc. Camb. Phil. Soc. 4, 1881: an upright clamped column buckles at q L^3 / EJ = 7.837.
+"""
+
+import pytest
+from physics.pipes.hoses import UNIFORM, WATER, scene
+
+from gardenhose.build import build
+from gardenhose.flutter import on_the_start, stability
+from gardenhose.warnings import warnings
+from tautline.simulation import simulate
+
+GREENHILL = 7.837
+TRICKLE = 1.0e-4
+
+
+def upright(share, start="static"):
+    """A hose whose weight is a share of what makes it buckle, with next to no flow."""
+    load = 9.81 * (UNIFORM["mass_per_length"] + WATER)
+    hose = {"direction": [0, 0, 1], "axial_stiffness": 1e2, "bending_stiffness": load * 0.5**3 / (share * GREENHILL)}
+    return scene(
+        hose,
+        {"speed": TRICKLE},
+        {"end": 0.05, "step": 2e-4},
+        start=start,
+        gravity=[0, 0, -9.81],
+        disturbance=[0.1, 0, 0],
+    )
+
+
+@pytest.mark.parametrize(("share", "unstable"), [(0.97, False), (1.03, True)])
+def test_an_upright_hose_with_flow_that_begins_at_rest_is_told_to_fall_from_greenhills_weight_on(share, unstable):
+    made = upright(share)
+    assert bool(on_the_start(made)) == unstable
+    assert any("stands upright" in str(one) for one in warnings(made)) == unstable
+
+
+def test_the_run_of_a_hose_that_falls_from_its_start_says_so():
+    result = simulate(build(upright(2.0)))
+    assert any("starts from an unstable balance" in text for text in result.attributes["warnings"])
+
+
+def test_a_hose_that_begins_as_drawn_or_relaxed_is_not_said_to_begin_at_rest():
+    assert not build(upright(2.0, "straight")).remarks(None) and not build(upright(2.0, "relaxed")).remarks(None)
+    assert not any("stands upright" in str(one) for one in warnings(upright(2.0, "relaxed")))
+
+
+def test_a_pipe_that_flutters_about_its_shape_at_rest_is_not_said_to_leave_it():
+    # Gregory and Paidoussis: with beta = 0.2 a cantilever flutters from u = 5.6 on.
+    speed = 7.0 / 0.2**0.5
+    made = scene(
+        {"length": 1.0, "elements": 8, "axial_stiffness": 1e7, "bending_stiffness": 1.0, "damping": 0.0,
+         "mass_per_length": 0.8},
+        {"mass_per_length": 0.2, "speed": speed}, gravity=[0, 0, 0], start="static",
+    )  # fmt: skip
+    assert stability(made, [speed]).unstable_at == "all" and not on_the_start(made)
