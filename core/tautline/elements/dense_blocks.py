@@ -10,7 +10,7 @@ from tautline.kernels.dofs import add_block
 from tautline.kernels.jit import kernel
 
 BLOCK_WRITERS: dict[type, Callable[..., Any]] = {}
-"""What writes cm M + cc C + ck K of an element into ``g.block``: (g, element, q, v, a, cm, cc, ck), by kind of group."""
+"""What writes cm M + cc C + ck K into ``g.block``, of (g, element, q, v, a, cm, cc, ck); by kind of group."""
 
 _write_block = by_type(BLOCK_WRITERS)
 

@@ -249,6 +249,7 @@ def _supply(g, t, q, v, p):
 
 @kernel
 def watch_length(g, t, q, alarm):
+    """Raise the alarm of an element whose length is gone."""
     report_empty(g.rows, MATERIAL, q, alarm)
 
 

@@ -219,6 +219,7 @@ def _dissipation(g, t, q, v, p):
 
 @kernel
 def watch_length(g, t, q, alarm):
+    """Raise the alarm of an element whose length is gone."""
     report_empty(g.rows, MATERIAL, q, alarm)
 
 
