@@ -181,7 +181,7 @@ def _degrees(
     radius = max(tube.od for tube in mesh.tubes) / 2.0
     section = np.append(mesh.section, mesh.section[-1])[at]
     names = [
-        f"node {i} of {mesh.length.size} ({mesh.tubes[k].name}, md {mesh.measured_depth[i]:.0f} m): {name}"
+        f"{mesh.tubes[k].name} at {mesh.measured_depth[i]:.1f} m: {name}"
         for i, k in zip(at, section, strict=True)
         for name in NAMES
     ]

@@ -119,8 +119,7 @@ def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: 
     radius = max(tube.od for tube in lumps.tubes) / 2.0
     sections, depths = np.append(lumps.section, lumps.section[-1]).tolist(), lumps.measured_depth.tolist()
     places = [
-        f"lump {i} of {count - 1} ({lumps.tubes[section].name}, md {depth:.0f} m): "
-        for i, (section, depth) in enumerate(zip(sections, depths, strict=True))
+        f"{lumps.tubes[section].name} at {depth:.1f} m: " for section, depth in zip(sections, depths, strict=True)
     ]
     names = [place + direction for place in places for direction in DIRECTIONS]
     degrees = Degrees(names, np.zeros(PER_BODY * count), np.tile([force, force, force, force * radius], count))
