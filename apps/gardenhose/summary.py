@@ -30,8 +30,8 @@ def _between_ends(result: Any, length: float) -> dict[str, tuple[Any, str, str]]
     node = int(moved.argmax())
     if moved[node] <= MOVES * length:
         return {}
-    way = position[:, node] - position[:, node].mean(axis=0)
-    along = way @ np.linalg.svd(way, full_matrices=False)[2][0]
+    offset = position[:, node] - position[:, node].mean(axis=0)
+    along = offset @ np.linalg.svd(offset, full_matrices=False)[2][0]
     omega = first_mode(result["time"], along)
     return {
         "node": (node + 1, "", "tip at rest; node with the largest motion"),
