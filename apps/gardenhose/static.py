@@ -47,8 +47,8 @@ class Form(NamedTuple):
         """How far the hose is from the straight line between its ends, m, and the number of the node where it is."""
         chord = self.position[-1] - self.position[0]
         along = chord / max(float(np.linalg.norm(chord)), 1e-300)
-        way = self.position - self.position[0]
-        away = np.linalg.norm(way - np.outer(way @ along, along), axis=1)
+        offset = self.position - self.position[0]
+        away = np.linalg.norm(offset - np.outer(offset @ along, along), axis=1)
         return float(away.max()), int(away.argmax())
 
     def curve(self, arc_length: np.ndarray) -> np.ndarray:

@@ -30,8 +30,8 @@ def _between_ends(result: Any, length: float) -> dict[str, tuple[Any, str, str]]
     node = int(moved.argmax())
     if moved[node] <= MOVES * length:
         return {}
-    way = position[:, node] - position[:, node].mean(axis=0)
-    along = way @ np.linalg.svd(way, full_matrices=False)[2][0]
+    offset = position[:, node] - position[:, node].mean(axis=0)
+    along = offset @ np.linalg.svd(offset, full_matrices=False)[2][0]
     omega = first_mode(result["time"], along)
     return {
         "node": (node + 1, "", "tip at rest; node with the largest motion"),
@@ -59,7 +59,7 @@ def headline(result: Any) -> dict[str, dict[str, Any]]:
         "frequency": (cycle.frequency if cycle.cycles else None, "Hz", "frequency"),
         "cycles": (cycle.cycles, "", "cycles evaluated"),
         "tip_speed_max": (float(speed.max()), "m/s", "largest speed of the tip"),
-        "tip_mean": ([float(x) for x in cycle.mean], "m", "mean position of the tip"),
+        "tip_mean": ([float(x) for x in cycle.mean], "m", "mean position of the tip, from the scene's origin"),
         "axial_force_max": (float(force.max()), "N", "largest axial force"),
         "axial_force_min": (float(force.min()), "N", "smallest axial force"),
         "flow_speed": (flow, "m/s", "flow speed at the end"),

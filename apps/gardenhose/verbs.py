@@ -70,8 +70,8 @@ def static(
     negative = [one.negative for one in found]
     _print_forms(found, hose)
     _warn_of_unstable(hose, found, negative)
-    told = _of_shapes(hose, speeds, negative)
-    print_warnings(told)
+    warnings = _of_shapes(hose, speeds, negative)
+    print_warnings(warnings)
     _draw_forms(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -83,7 +83,7 @@ def static(
             report
             | {"speed": [one.speed for one in found], "tip": tips, "negative_pivots": pivots}
             | {"sag": [one.sag[0] for one in found], "position": [one.position for one in found]}
-            | {"warnings": warning_records([*of_scene, *told])}
+            | {"warnings": warning_records([*of_scene, *warnings])}
         )
 
 
@@ -107,8 +107,12 @@ def flutter(
     print_warnings(of_scene)
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found, hose.units)
-    told = [*_of_speeds(hose, found, speeds), *_between(found, speeds, hose.units), *_doubts(found, hose.units)]
-    print_warnings(told)
+    warnings = [
+        *_of_speeds(hose, found, speeds),
+        *_between(found, speeds, hose.units),
+        *_uncertain_curves(found, hose.units),
+    ]
+    print_warnings(warnings)
     _draw_stability(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -127,8 +131,8 @@ def flutter(
                 "stable_from": found.stable_from,
                 "windows": [{"from": one.begin, "to": one.end} for one in found.windows],
                 "resolution": found.resolution,
-                "direction": _way(found),
-                "warnings": warning_records([*of_scene, *told]),
+                "direction": _flow_direction(found),
+                "warnings": warning_records([*of_scene, *warnings]),
                 "speed": found.speed,
                 "eigenvalues": [[[x.real, x.imag] for x in row] for row in found.eigenvalues.tolist()],
                 "out_of_plane": found.out_of_plane,
@@ -239,14 +243,14 @@ def _of_shapes(hose: HoseScene, speeds: list[float], negative: list[int]) -> lis
     from gardenhose.warnings import mesh_at, momentum_at
     from tautline.scene.errors import SceneWarning
 
-    told = [*momentum_at(hose, speeds), *mesh_at(hose, speeds)]
+    warnings = [*momentum_at(hose, speeds), *mesh_at(hose, speeds)]
     if hose.hose.end == "free" and any(count < 0 and speed for count, speed in zip(negative, speeds, strict=True)):
         text = (
             "whether the shapes are stable is not judged: water flows from a free end, and the hose may flutter about "
             "a shape at rest; `gardenhose flutter` finds the speed from which it does"
         )
-        told.append(SceneWarning("hose.end", text))
-    return told
+        warnings.append(SceneWarning("hose.end", text))
+    return warnings
 
 
 def _draw_forms(hose: HoseScene, found: list[Form], path: Path) -> None:
@@ -275,7 +279,7 @@ def _print_stability(found: Stability, system: str) -> None:
     from tautline.cli.output.console import say
     from tautline.scene.values.printed import in_words, shown
 
-    def told(speed: float, digits: int = 4) -> str:
+    def speed_in_words(speed: float, digits: int = 4) -> str:
         return shown(float(speed), "m/s", system, digits)
 
     if not found.critical and found.stable_from is None:
@@ -283,41 +287,41 @@ def _print_stability(found: Stability, system: str) -> None:
         what = what if found.eigenvalues.size else "nothing can move"
         first, last = found.speed[0], found.speed[-1]
         range_of = f"{what} from {first:g} to {last:g} m/s"
-        say(f"{what} at {told(first)}" if first == last else in_words(range_of, system), "yellow")
-        _hint_below(found, told)
+        say(f"{what} at {speed_in_words(first)}" if first == last else in_words(range_of, system), "yellow")
+        _hint_below(found, speed_in_words)
         return
     slowest = float(min(found.speed, key=abs))
     at_once = [one for one in found.critical if one.speed == slowest]
     for critical in at_once:
         say(f"the hose {words_of(critical, system)}", "yellow")
     if found.stable_from is not None:
-        begin = "it" if at_once else f"the hose is unstable at {told(slowest)}; it"
+        begin = "it" if at_once else f"the hose is unstable at {speed_in_words(slowest)}; it"
         beyond = [one.begin for one in found.windows if one.begin * found.stable_from > found.stable_from**2]
-        until = f" to {told(min(beyond, key=abs), 6)}" if beyond else ""
-        say(f"{begin} is stable from {told(found.stable_from, 6)}{until}", "green")
+        until = f" to {speed_in_words(min(beyond, key=abs), 6)}" if beyond else ""
+        say(f"{begin} is stable from {speed_in_words(found.stable_from, 6)}{until}", "green")
         if not at_once:
-            _hint_below(found, told)
+            _hint_below(found, speed_in_words)
     elif at_once:
         fastest = float(max(found.speed, key=abs))
-        say(f"it is stable at none of the speeds looked at, up to {told(fastest)}", "yellow")
-    if _way(found) == "tip to root":
+        say(f"it is stable at none of the speeds looked at, up to {speed_in_words(fastest)}", "yellow")
+    if _flow_direction(found) == "tip to root":
         say("negative speeds: the water flows from the tip to the root")
     for critical in found.critical[len(at_once) :]:
         say(f"the hose {words_of(critical, system)}", "green")
     if _has_windows(found):
-        for line in _told_windows(found, told):
+        for line in _sentences_on_windows(found, speed_in_words):
             say(line, "yellow")
 
 
-def _hint_below(found: Stability, told: Callable[..., str]) -> None:
+def _hint_below(found: Stability, speed_in_words: Callable[..., str]) -> None:
     """Say how to find a critical speed that lies below all speeds looked at."""
     from tautline.cli.output.console import say
 
     speed, grows = min(zip(found.speed.tolist(), found.grows.tolist(), strict=True), key=lambda pair: abs(pair[0]))
     if grows and speed != 0.0:
         say(
-            f"the critical speed lies below {told(abs(speed))}. Leave out --speed to search from 0, or give lower "
-            "speeds",
+            f"the critical speed lies below {speed_in_words(abs(speed))}. Leave out --speed to search from 0, "
+            "or give lower speeds",
             "yellow",
         )
 
@@ -328,19 +332,19 @@ def _has_windows(found: Stability) -> bool:
     return any(one.end is not None and one.begin != slowest for one in found.windows) or len(found.windows) > 2
 
 
-def _told_windows(found: Stability, told: Callable[..., str]) -> list[str]:
+def _sentences_on_windows(found: Stability, speed_in_words: Callable[..., str]) -> list[str]:
     """Sentences: between which speeds a hose is unstable, and how narrow a window may be missed."""
     parts = [
-        f"from {told(one.begin, 6)}" + (f" to {told(one.end, 6)}" if one.end is not None else " on")
+        f"from {speed_in_words(one.begin, 6)}" + (f" to {speed_in_words(one.end, 6)}" if one.end is not None else " on")
         for one in found.windows
     ]
     lines = [f"it is unstable in windows of speed: {', '.join(parts)}. Between the windows it is stable"]
     if found.resolution is not None:
-        lines.append(f"a window narrower than {told(found.resolution, 2)} may be missed")
+        lines.append(f"a window narrower than {speed_in_words(found.resolution, 2)} may be missed")
     return lines
 
 
-def _way(found: Stability) -> str:
+def _flow_direction(found: Stability) -> str:
     """Which way the water flows at the speeds looked at."""
     first, last = found.speed[0], found.speed[-1]
     return "tip to root" if last <= 0.0 and first < 0.0 else "root to tip" if first >= 0.0 else "both"
@@ -383,7 +387,7 @@ def _doubtful(found: Stability) -> list[tuple[int, float, float]]:
     return found.curves.doubtful() if found.curves is not None else []
 
 
-def _doubts(found: Stability, system: str) -> list[SceneWarning]:
+def _uncertain_curves(found: Stability, system: str) -> list[SceneWarning]:
     """Say between which speeds it is not sure how curves go on."""
     from tautline.integrators.vibration.following import FINEST
     from tautline.scene.errors import SceneWarning

@@ -12,6 +12,7 @@ from gardenhose.estimates import SUPPORTS, Average, average, first_frequency, on
 from gardenhose.scene import MOST_ELEMENTS, HoseScene
 from tautline.scene.errors import SceneWarning
 from tautline.scene.solver import step_taken
+from tautline.scene.values.printed import significant
 
 RADIANS_PER_ELEMENT = 2.0
 """Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
@@ -121,9 +122,10 @@ def _momentum(scene: HoseScene, speed: np.ndarray) -> Sentences:
         )
     else:
         text = (
-            f"the momentum of the water, M U^2, is {100.0 * shares[i]:.0f} % of EA at {fastest:.3g} m/s. The axial "
-            "stiffness falls by that share. Where the hose is bent, it stretches by about as much. See whether EA is "
-            f"what was meant. The axial stiffness is zero at {most:.3g} m/s"
+            f"the momentum of the water, M U^2, is {100.0 * shares[i]:.0f} % of EA at {fastest:.3g} m/s. It takes "
+            f"that much from the axial stiffness: {100.0 * (1.0 - shares[i]):.0f} % of EA is left. A hose that is bent "
+            f"stretches by about {100.0 * shares[i]:.0f} %. See whether EA is what was meant. The axial stiffness is "
+            f"zero at {most:.3g} m/s"
         )
     yield where, text
 
@@ -163,8 +165,8 @@ def _waves(scene: HoseScene, fastest: float) -> Sentences:
     if radians[i] > RADIANS_PER_ELEMENT * pieces[i].elements:
         text = (
             f"{pieces[i].elements} are coarse at {fastest:.3g} m/s. The flow bends the hose in waves of "
-            f"{2.0 * math.pi * pieces[i].length / radians[i]:.2g} m, {radians[i] / pieces[i].elements:.2g} rad to "
-            f"an element. Take {_elements(1.5 * radians[i] / RADIANS_PER_ELEMENT)}"
+            f"{2.0 * math.pi * pieces[i].length / radians[i]:.2g} m, {significant(radians[i] / pieces[i].elements, 2)} "
+            f"rad to an element. Take {_elements(1.5 * radians[i] / RADIANS_PER_ELEMENT)}"
         )
         yield _at(scene, i, "elements"), text
 

@@ -21,7 +21,7 @@ def cells_of(text: str) -> list[dict[str, object]]:
             cells.append(_cell("code", part.removeprefix("```python\n").removesuffix("```").rstrip()))
         elif part.strip():
             moved = part.strip().replace("](images/", "](../images/")
-            cells.append(_cell("markdown", re.sub(r"\]\((\w+\.md)\)", r"](../\1)", moved)))
+            cells.append(_cell("markdown", re.sub(r"\]\((\w+\.md)([)#])", r"](../\1\2", moved)))
     return cells
 
 

@@ -163,7 +163,13 @@ class Run:
         return new_frames(rows, self.model.system.q.size, self.model.own)
 
     def resume_from(self, earlier: Result) -> dict[str, np.ndarray]:
-        """Go on from an earlier result; returns its frames."""
+        """Go on from an earlier result; returns its frames.
+
+        Raises
+        ------
+        ResultError
+            Where the result is of another scene, method or build, holds no state, or nothing is left to run.
+        """
         refuse_another(earlier, self.model.solver.method, self.model.attributes)
         if recall(earlier.restart, *self._parts()):
             raise of_another_build(earlier)

@@ -9,7 +9,7 @@ from cli.in_process import commands_of, leave_out_pixels, only_object
 import tautline
 from gardenhose.application import Gardenhose
 from gardenhose.flutter import Curves, Stability
-from gardenhose.verbs import _doubts
+from gardenhose.verbs import _uncertain_curves
 
 SCENE = """\
 hose: {length: 1, elements: 12, axial_stiffness: 1.0e6, bending_stiffness: 1, mass_per_length: 0.2, damping: 0.02}
@@ -152,7 +152,7 @@ def test_flutter_advises_a_narrower_range_where_speeds_are_as_near_as_any_looked
     def text(low, high):
         curves = Curves(np.array([0.0, low, high]), *(np.zeros((3, 1)),) * 2, np.array([[True], [False]]), ())
         made = Stability(np.array([10.0, 50.0]), *(np.zeros((2, 1)),) * 2, np.zeros(2, bool), [], curves=curves)
-        (warning,) = _doubts(made, "si")
+        (warning,) = _uncertain_curves(made, "si")
         return warning.text
 
     # A thousandth of 40 m/s is as near as speeds are looked at there.

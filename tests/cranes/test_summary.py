@@ -287,3 +287,11 @@ def test_what_happens_on_a_wheel_is_told_of_the_wheel_and_not_of_an_axis():
 def test_several_variables_in_one_option_are_to_be_written_once_for_each():
     assert once_each("a, b") == "write it once for each: --what a --what b"
     assert once_each("a") == ""
+
+
+def test_an_element_of_a_rope_is_named_by_its_span():
+    scene = read(DATA / "hoist.yaml")
+    dims, names, *_ = build(scene).coordinates["element_name"]
+    counts = scene.elements
+    assert dims == "element" and len(names) == sum(counts)
+    assert names[0] == f"winch to boom tip, element 1 of {counts[0]}"

@@ -32,7 +32,7 @@ def drive(keys, key, words):
 # what is replaced, by what, the line, the key, words of the message
 EDITS = {
     "a length in degrees": ("diameter: 0.2032 m", "diameter: 20 deg", 8, "well.diameter = 20 deg", "a length such as"),
-    "a density in metres": ("7850 kg/m^3", "7850 m", 16, "material.density", "a density such as 1840 or 12.5 ppg"),
+    "a density in metres": ("7850 kg/m^3", "7850 m", 16, "material.density", "a density such as 7850 kg/m^3"),
     "an unknown unit": ("od: 0.127", "od: 5 inchs_", 14, "string[0].od", "a length such as"),
     "a unit nearly right": ("200 GPa", "200 GPA", 16, "material.youngs_modulus", "did you mean 'GPa'"),
     "Hz for a rotary speed": ("0 rpm", "2 Hz", 21, "top.rotation.constant", "rpm"),

@@ -416,7 +416,7 @@ def test_simulate_prints_kept_and_failed_limits_gives_them_in_json_and_ends_well
         "variable", "since", "longest", "exceeded", "until", "note",
     }  # fmt: skip
     flat = " ".join(err.split())
-    assert "overload (winch.tension) FAILED" in flat and "not at most 52 kN (winch, t = 0.4 s)" in flat
+    assert "overload (winch.tension) FAILED" in flat and "must be at most 52 kN (winch, t = 0.4 s)" in flat
     assert "min_tension kept" in flat and "beyond it for" in flat and "at the stored frames" in flat
     assert "warning: overload (winch.tension)" in flat and "ended early" not in flat
 

@@ -84,6 +84,11 @@ def refuse_turned(layout: Layout, system: System, state: State) -> None:
 
     A body that leans in the wind, in line with its rope, has no other side up, and is not askew: what counts as up is
     the line that its ropes pull along too.
+
+    Raises
+    ------
+    StoppedEarly
+        For such a body, with `Status.NO_EQUILIBRIUM`.
     """
     scene = layout.scene
     up = -np.array(scene.gravity, dtype=float)

@@ -196,7 +196,7 @@ def _see_prediction(g, q, v):
 
 
 @kernel
-def _way(g, i, q, v):
+def _travel_since_step(g, i, q, v):
     """u - u_n, m.
 
     A drum that is held hardly moves, and is so stiff that a last digit of its p, of which there may be kilometres, is
@@ -204,12 +204,12 @@ def _way(g, i, q, v):
     """
     row = g.rows[i]
     u = _travel(g, i, q)
-    way = u - g.travel[i]
+    moved = u - g.travel[i]
     if row.kind == TORQUE and g.follows[0] > 0.0:
         finer = g.predicted[i, 0] + (_travel(g, i, v) - g.predicted[i, 1]) / g.follows[0]
-        if abs(finer - way) <= LAST_DIGITS * abs(u):
+        if abs(finer - moved) <= LAST_DIGITS * abs(u):
             return finer
-    return way
+    return moved
 
 
 @kernel
@@ -219,7 +219,7 @@ def _trial(g, i, t, q, v):
     if g.held[0] == 1 and g.slid[i] != 0:
         limit = _limit(g, i, t, float(g.slid[i]))
         return g.slid[i] * limit.most, g.slid[i], limit
-    force = g.force[i] + row.stiffness * _way(g, i, q, v)
+    force = g.force[i] + row.stiffness * _travel_since_step(g, i, q, v)
     limit = _limit(g, i, t, force)
     if abs(force) <= limit.most:
         return force, 0, limit

@@ -155,6 +155,7 @@ class Observer:
         made: dict[str, tuple[Any, np.ndarray, str, str]] = {
             "node": ("node", np.arange(1, len(self.stations) + 1), "", "node of the rope, from 1 at its beginning"),
             "element": ("element", np.arange(1, self.elements + 1), "", "element of the rope, from 1 at its beginning"),
+            "element_name": ("element", np.array(_names_of_elements(self.scene)), "", "span of an element"),
             "axis": ("axis", np.array(["x", "y", "z"]), "", "axis"),
             "span": ("span", np.array([f"{a.name} to {b.name}" for a, b in pairwise(path)]), "", "span"),
             "end": ("end", np.array(["first", "last"]), "", "where the rope comes from, and where it goes"),
@@ -349,3 +350,12 @@ def _together(directions: np.ndarray, tension: np.ndarray) -> np.ndarray:
     """What legs (m, legs, 3) pull with together, (m, 3), of tensions (m, legs) N; where all are slack, alike."""
     slack = ~(tension > 0.0).any(axis=1, keepdims=True)
     return np.einsum("ml,mlc->mc", np.where(slack, 1.0, tension), directions)
+
+
+def _names_of_elements(scene: Any) -> list[str]:
+    """Each element by its span, ``winch to boom tip``, and by its number there where the span has several."""
+    names: list[str] = []
+    for (a, b), count in zip(pairwise(scene.path), scene.elements, strict=True):
+        span = f"{a.name} to {b.name}"
+        names += [span] if count == 1 else [f"{span}, element {k} of {count}" for k in range(1, count + 1)]
+    return names

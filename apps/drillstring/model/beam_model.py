@@ -63,7 +63,7 @@ def assemble_beam(
     bit = Along(last + np.arange(AXES), direction, datum)
     groups = (*elements, *around, *groups_at_ends(scene, functions, TURN, bit, last + TURN, mesh.tubes))
     velocity = _velocity(well, mesh, start[BLOCK], start[ROTATION][1], len(degrees.names))
-    velocity[[way for way, _ in carriers]] = start[BLOCK][1]
+    velocity[[axial for axial, _ in carriers]] = start[BLOCK][1]
     stencils = _stencils(mesh, groups, carriers)
     driven = is_driven(scene)
     system = assemble(groups, degrees, functions, velocity, *stencils, at_rest=[TURN] if driven else [])
@@ -181,7 +181,7 @@ def _degrees(
     radius = max(tube.od for tube in mesh.tubes) / 2.0
     section = np.append(mesh.section, mesh.section[-1])[at]
     names = [
-        f"node {i} of {mesh.length.size} ({mesh.tubes[k].name}, md {mesh.measured_depth[i]:.0f} m): {name}"
+        f"{mesh.tubes[k].name} at {mesh.measured_depth[i]:.1f} m: {name}"
         for i, k in zip(at, section, strict=True)
         for name in NAMES
     ]
@@ -258,18 +258,18 @@ def _to_the_wall(
 
 def _guide(degrees: Degrees, node: int, well: Wellbore, depth: float, name: str, force: float) -> int:
     """Let a node move on the hole's tangent at a depth only: r = r(depth) + t x. Returns the place of x."""
-    way = len(degrees.names)
+    axial = len(degrees.names)
     degrees.names.append(f"{name}: along the hole")
     degrees.value, degrees.scale = np.append(degrees.value, 0.0), np.append(degrees.scale, force)
     at, along = well.position(depth), well.frame(depth)[2]
-    degrees.value[way] = float(along @ (degrees.value[node : node + AXES] - at))
+    degrees.value[axial] = float(along @ (degrees.value[node : node + AXES] - at))
     for c in range(AXES):
         if abs(along[c]) < ACROSS:
             degrees.value[node + c] = at[c]
             degrees.fix(node + c)
         else:
-            degrees.tie(node + c, [(way, float(along[c]))], float(at[c]))
-    return way
+            degrees.tie(node + c, [(axial, float(along[c]))], float(at[c]))
+    return axial
 
 
 def _velocity(well: Wellbore, mesh: Lumps, block: tuple[float, float, float], spin: float, size: int) -> np.ndarray:

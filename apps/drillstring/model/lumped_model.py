@@ -58,7 +58,7 @@ def assemble_lumps(
         window=groups[0].curve.window,
     )  # fmt: skip
     first = PER_BODY * np.arange(lumps.length.size)
-    system.neighbours, system.reach = np.column_stack((first, first + PER_BODY)), _way(scene, lumps)
+    system.neighbours, system.reach = np.column_stack((first, first + PER_BODY)), _axial_limit(scene, lumps)
     return Assembled(system, Observer(well, lumps, groups, driven), reach(scene, lumps))
 
 
@@ -68,11 +68,11 @@ def reach(scene: DrillstringScene, lumps: Lumps) -> float:
     In a hole it is little, but for a string that stretches by much: thrown far across the wall, a string may come to
     rest where none would lie, folded up or pressed through, and that is an equilibrium too.
     """
-    short, way = REACH * float(lumps.length.min()), _way(scene, lumps)
-    return max(short, way) if scene.well.wall is None else min(short, way)
+    short, axial_limit = REACH * float(lumps.length.min()), _axial_limit(scene, lumps)
+    return max(short, axial_limit) if scene.well.wall is None else min(short, axial_limit)
 
 
-def _way(scene: DrillstringScene, lumps: Lumps) -> float:
+def _axial_limit(scene: DrillstringScene, lumps: Lumps) -> float:
     """How far lumps may move along the hole in one such iteration, m, their neighbours with them."""
     if scene.well.wall is None:
         return SAGGING * lumps.total
@@ -119,8 +119,7 @@ def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: 
     radius = max(tube.od for tube in lumps.tubes) / 2.0
     sections, depths = np.append(lumps.section, lumps.section[-1]).tolist(), lumps.measured_depth.tolist()
     places = [
-        f"lump {i} of {count - 1} ({lumps.tubes[section].name}, md {depth:.0f} m): "
-        for i, (section, depth) in enumerate(zip(sections, depths, strict=True))
+        f"{lumps.tubes[section].name} at {depth:.1f} m: " for section, depth in zip(sections, depths, strict=True)
     ]
     names = [place + direction for place in places for direction in DIRECTIONS]
     degrees = Degrees(names, np.zeros(PER_BODY * count), np.tile([force, force, force, force * radius], count))

@@ -106,12 +106,12 @@ class BeamObserver:
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
-        room = None
+        clearance = None
         if self.contact is not None:
-            # A node has the room of the element above it, that in the drive of the one below.
+            # A node has the clearance of the element above it, that in the drive of the one below.
             inside = self.contact.springs.clearance[:-1:2]
-            room = np.append(inside[:1], inside)
-        return coordinates_of(self.well, self.mesh, self.weight, room, self.diameter, parts.NODE)
+            clearance = np.append(inside[:1], inside)
+        return coordinates_of(self.well, self.mesh, self.weight, clearance, self.diameter, parts.NODE)
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""

@@ -73,8 +73,8 @@ def _into_the_wall(result: Any) -> list[dict[str, Any]]:
         return []
     clearance = np.asarray(result["clearance"])
     depth = np.linalg.norm(np.asarray(result["lateral_displacement"]), axis=-1) - clearance
-    room = np.maximum(clearance, SNUG * float(result["hole_diameter"][0]))
+    reference = np.maximum(clearance, SNUG * float(result["hole_diameter"][0]))
     places = [f"{x:.4g} m" for x in np.asarray(result["unstretched_depth"])]
     text = "largest depth of the string in the wall over its clearance"
-    shares = np.maximum(depth, 0.0) / room
+    shares = np.maximum(depth, 0.0) / reference
     return [judged("penetration", text, "", result.time, shares, INTO_THE_WALL, places)]

@@ -105,14 +105,14 @@ class Observer:
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
-        weight, room = np.array(self.bodies.lumps.weight), None
+        weight, clearance = np.array(self.bodies.lumps.weight), None
         if self.contact is not None:
             springs = self.contact.springs
-            # The lump that hangs in the drive has no spring: it has the room of the one below.
-            room = np.full(weight.size, springs.clearance[0])
-            room[springs.body] = springs.clearance
-        diameter = None if room is None else 2.0 * (float(springs[0].clearance) + float(springs[0].radius))
-        return coordinates_of(self.well, self.lumps, weight, room, diameter)
+            # The lump that hangs in the drive has no spring: it has the clearance of the one below.
+            clearance = np.full(weight.size, springs.clearance[0])
+            clearance[springs.body] = springs.clearance
+        diameter = None if clearance is None else 2.0 * (float(springs[0].clearance) + float(springs[0].radius))
+        return coordinates_of(self.well, self.lumps, weight, clearance, diameter)
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""
@@ -199,7 +199,7 @@ def coordinates_of(
     well: Wellbore,
     lumps: Lumps,
     weight: np.ndarray,
-    room: np.ndarray | None,
+    clearance: np.ndarray | None,
     diameter: float | None,
     part: str = LUMP,
 ) -> dict[str, tuple[Any, np.ndarray, str, str]]:
@@ -210,7 +210,7 @@ def coordinates_of(
     well : Wellbore
     lumps : Lumps
         Its mesh.
-    weight, room : (n + 1,) array
+    weight, clearance : (n + 1,) array
         Buoyed weight of each lump N, and how far it can be from the hole's axis, m; None for a string in free space.
     diameter : float or None
         Of the hole, m.
@@ -241,9 +241,9 @@ def coordinates_of(
             "curvature on m1 and m2 from here to the next station",
         ),
     }  # fmt: skip
-    if room is not None and diameter is not None:
+    if clearance is not None and diameter is not None:
         found["hole_diameter"] = ("station", np.full(stations.size, diameter), "m", "diameter of the hole")
-        found["clearance"] = ("body", room, "m", f"how far the {part}'s axis can be from the hole's")
+        found["clearance"] = ("body", clearance, "m", f"how far the {part}'s axis can be from the hole's")
     return found
 
 

@@ -30,10 +30,10 @@ SLOWEST = 1.0e-3
 
 @dataclass(frozen=True)
 class Whirl:
-    """One lump's way around the hole.
+    """One lump's path around the hole.
 
     Its number; time (m,) s; offset (m,) from the hole's axis, complex, m1 + i m2, m; ``velocity`` (m,) of that, m/s;
-    ``spin`` (m,) rotary speed of the lump, rad/s; ``depth`` mean measured depth, m; ``room`` clearance and ``diameter``
+    ``spin`` (m,) rotary speed of the lump, rad/s; ``depth`` mean measured depth, m; ``clearance`` and ``diameter``
     of the pipe where it touches, m, or None in free space.
     """
 
@@ -43,15 +43,15 @@ class Whirl:
     velocity: np.ndarray
     spin: np.ndarray
     depth: float
-    room: float | None
+    clearance: float | None
     diameter: float | None
 
     @property
     def rolling(self) -> float | None:
         """Whirl ratio of pure rolling on a rigid wall."""
-        if self.room is None or self.diameter is None or not self.room > 0.0:
+        if self.clearance is None or self.diameter is None or not self.clearance > 0.0:
             return None
-        return -self.diameter / (2.0 * self.room)
+        return -self.diameter / (2.0 * self.clearance)
 
     def rate(self) -> np.ndarray:
         """Whirl rate (m,), rad/s, averaged about each frame over a turn of the pipe; NaN where it is on the axis.
@@ -155,12 +155,12 @@ def whirl_of(result: Any, lump: int) -> Whirl:
     """The whirl of a lump; the velocity stands in the frame of the hole where the lump is."""
     offset, depth = result["lateral_displacement"][:, lump], result["measured_depth"][:, lump]
     across = lateral_velocity(result, [lump])[:, 0]
-    room = float(result["clearance"][lump]) if "clearance" in result else None
+    clearance = float(result["clearance"][lump]) if "clearance" in result else None
     hole = float(result["hole_diameter"][0]) if "hole_diameter" in result else None
     return Whirl(
         lump, np.asarray(result.time), offset[:, 0] + 1j * offset[:, 1], across[:, 0] + 1j * across[:, 1],
-        result["rotation_rate"][:, lump], float(depth.mean()), room,
-        None if room is None or hole is None else hole - 2.0 * room,
+        result["rotation_rate"][:, lump], float(depth.mean()), clearance,
+        None if clearance is None or hole is None else hole - 2.0 * clearance,
     )  # fmt: skip
 
 

@@ -76,10 +76,10 @@ def _orbit(figure: Figure, plot: Axes, one: Whirl) -> None:
     """The path across the hole, from dark to bright as time goes on, inside the circle that the wall leaves."""
     east, north = 1e3 * one.offset.imag, 1e3 * one.offset.real
     across, up = east, north
-    if one.room is not None:
+    if one.clearance is not None:
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
-        plot.plot(1e3 * one.room * np.cos(turn), 1e3 * one.room * np.sin(turn), color="black", lw=1.0)
-        across, up = (np.r_[values, -1e3 * one.room, 1e3 * one.room] for values in (east, north))
+        plot.plot(1e3 * one.clearance * np.cos(turn), 1e3 * one.clearance * np.sin(turn), color="black", lw=1.0)
+        across, up = (np.r_[values, -1e3 * one.clearance, 1e3 * one.clearance] for values in (east, north))
     path = draw_path(plot, one.time, east, north)
     equal_scale(plot, across, up, 1e-3)
     plot.set_xlabel(label("offset along m2", "mm"))
@@ -112,9 +112,9 @@ def _rate(plot: Axes, one: Whirl, ratio: float) -> None:
 def _offset(plot: Axes, one: Whirl) -> None:
     """Distance from the hole's axis against time."""
     plot.plot(one.time, 1e3 * np.abs(one.offset), color=COLOURS[0], lw=1.0)
-    if one.room is not None:
-        plot.axhline(1e3 * one.room, color="black", lw=1.0)
-    plot.set_ylim(0.0, 1.1e3 * max(float(np.abs(one.offset).max()), one.room or 0.0))
+    if one.clearance is not None:
+        plot.axhline(1e3 * one.clearance, color="black", lw=1.0)
+    plot.set_ylim(0.0, 1.1e3 * max(float(np.abs(one.offset).max()), one.clearance or 0.0))
     plot.set_xlim(one.time[0], one.time[-1])
     plot.set_xlabel(label("time", "s"))
     plot.set_ylabel(label("offset from the axis", "mm"))

@@ -125,15 +125,15 @@ class Plane(NamedTuple):
 def plane_of(points: np.ndarray, towards: np.ndarray | None = None) -> Plane:
     """The plane that points lie in, or nearly so: upright, with z upwards, where it can be.
 
+    A coordinate plane is taken exactly if the points are within a degree or so of it. Points on a line, or close to
+    one, are drawn in the upright plane through it.
+
     Parameters
     ----------
     points : (n, 3) array
         Such as the nodes at many times.
     towards : (3,) array, optional
-        What should point to the right rather than to the left, such as the way from root to tip.
-
-    A coordinate plane is taken exactly if the points are within a degree or so of it. Points on a line, or close to
-    one, are drawn in the upright plane through it.
+        What should point to the right rather than to the left, such as the vector from root to tip.
     """
     motion = points.reshape(-1, 3) - points.reshape(-1, 3).mean(axis=0)
     along, second, normal = directions(motion)

@@ -139,13 +139,13 @@ def _held(
     def tip(frame: int) -> np.ndarray:
         return hose.points(slice(frame, frame + 1))[0, -1]
 
-    told = _of_the_tip(result)
+    histories = _of_the_tip(result)
     if scene.hose.tip_mass > 0.0:
-        solids.append(mass(scene.hose.tip_mass, tip, extent, "tip mass", told))
+        solids.append(mass(scene.hose.tip_mass, tip, extent, "tip mass", histories))
         return solids, ["the mass at the tip is a sign, not to scale"]
     if scene.hose.end == "free":
         points, triangles = ball(0.5 * MARK * extent)
-        solids.append(Solid("tip", points, triangles, lambda frame: pose_of(tip(frame)), STEEL, histories=told))
+        solids.append(Solid("tip", points, triangles, lambda frame: pose_of(tip(frame)), STEEL, histories=histories))
     return solids, []
 
 

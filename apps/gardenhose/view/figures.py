@@ -135,7 +135,7 @@ def phase(runs: Sequence[Run]) -> Figure:
     portrait.set_title("Phase portrait")
     path.set_title("Path of the tip")
     show_in_plane(path, plane, np.concatenate([run.tip for run in runs]), least)
-    _room(portrait, np.concatenate([run.tip @ direction for run in runs]), 2e-3 * leading.length)
+    _keep_least_span(portrait, np.concatenate([run.tip @ direction for run in runs]), 2e-3 * leading.length)
     figure.legend(*portrait.get_legend_handles_labels(), loc="outside lower center", ncols=_columns(runs))
     return figure
 
@@ -270,8 +270,8 @@ def ramp(runs: Sequence[Run]) -> Figure:
     size.set_ylabel(label("amplitude of a swing", "m"))
     size.set_xlabel(label("flow speed", "m/s"))
     flows = np.concatenate([run.flow for run in runs])
-    room = 0.02 * float(np.ptp(flows)) if np.ptp(flows) > 1e-9 else 0.5
-    size.set_xlim(flows.min() - room, flows.max() + room)
+    margin = 0.02 * float(np.ptp(flows)) if np.ptp(flows) > 1e-9 else 0.5
+    size.set_xlim(flows.min() - margin, flows.max() + margin)
     widen(place, np.concatenate([run.tip @ direction for run in runs]), 2e-3 * leading.length)
     size.set_ylim(0.0, max(size.get_ylim()[1], 2e-3 * leading.length) if size.get_lines() else 1.0)
     legend_above(place)
@@ -345,7 +345,7 @@ def _columns(runs: Sequence[Run]) -> int:
     return max(1, min(5, 80 // (max(len(run.name) for run in runs) + 6)))
 
 
-def _room(plot: Axes, values: np.ndarray, least: float) -> None:
+def _keep_least_span(plot: Axes, values: np.ndarray, least: float) -> None:
     """Keep the horizontal axis from blowing rounding up."""
     if np.ptp(values) < least:
         middle = 0.5 * float(values.min() + values.max())

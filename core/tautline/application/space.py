@@ -76,7 +76,13 @@ def in_units_of(result: Result, look: Look) -> Look:
 
 
 def look_of(view: str | None, exaggerate: float | None) -> Look:
-    """What an application must know of what is asked for."""
+    """What an application must know of what is asked for.
+
+    Raises
+    ------
+    ResultError
+        For an exaggeration that is too large to be one.
+    """
     from tautline.results.errors import ResultError
     from tautline.view.space.appearance import Look
 

@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
-from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import EMPTY, register
+from tautline.elements.dense_blocks import BLOCK_WRITERS, add_mass_blocks, add_tangent_blocks
+from tautline.elements.length_alarm import report_empty
+from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, SECOND, SHAPE, WEIGHT
 from tautline.kernels.jit import kernel
 
@@ -101,9 +102,9 @@ and its derivatives by the rates of p_1 and p_2."""
 
 
 @kernel
-def _write_vectors(g, n, k, q, v, a, first, p1, p2):
+def _write_vectors(g, e, k, q, v, a, first, p1, p2):
     """Everything of a point that the tangent needs."""
-    e, s, z = g.rows[n], g.shapes, g.vector
+    s, z = g.shapes, g.vector
     length = q[p2] - q[p1]
     l_d, l_dd = v[p2] - v[p1], a[p2] - a[p1]
     x = g.points[k, PLACE]
@@ -133,9 +134,9 @@ def _write_vectors(g, n, k, q, v, a, first, p1, p2):
 
 
 @kernel
-def _write_block(g, n, q, v, a, cm, cc, ck):
+def _write_block(g, e, q, v, a, cm, cc, ck):
     """cm M + cc C + ck K of an element (14, 14)."""
-    e, s, z, block = g.rows[n], g.shapes, g.vector, g.block
+    s, z, block = g.shapes, g.vector, g.block
     first = vectors(e.a, e.b)
     p1, p2 = e.a + MATERIAL, e.b + MATERIAL
     m = e.mass
@@ -143,7 +144,7 @@ def _write_block(g, n, q, v, a, cm, cc, ck):
     for k in range(g.points.shape[0]):
         length = q[p2] - q[p1]
         write_shapes(g.points[k], length, s)
-        length, l_d, l_dd, u, b, x = _write_vectors(g, n, k, q, v, a, first, p1, p2)
+        length, l_d, l_dd, u, b, x = _write_vectors(g, e, k, q, v, a, first, p1, p2)
         weight = g.points[k, WEIGHT]
         for j in range(VECTORS):
             by_x = l_dd * s[NL, j] - b * s[NX, j] - 2.0 * l_d * u * s[NXL, j] + u * u * s[NXX, j]
@@ -178,21 +179,17 @@ def _write_block(g, n, q, v, a, cm, cc, ck):
                 )
 
 
+BLOCK_WRITERS[Flow] = _write_block
+
+
 @kernel
 def _mass(g, q, matrix, dofs):
-    """Velocities and accelerations have no part in it: positions stand in for them."""
-    for n in range(g.rows.size):
-        e = g.rows[n]
-        _write_block(g, n, q, q, q, 1.0, 0.0, 0.0)
-        add_block(matrix, dofs, e.a, e.b - e.a, NODE, g.block)
+    add_mass_blocks(g, NODE, q, matrix, dofs)
 
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    for n in range(g.rows.size):
-        e = g.rows[n]
-        _write_block(g, n, q, v, a, cm, cc, ck)
-        add_block(matrix, dofs, e.a, e.b - e.a, NODE, g.block)
+    add_tangent_blocks(g, NODE, q, v, a, cm, cc, ck, matrix, dofs)
 
 
 @kernel
@@ -252,11 +249,8 @@ def _supply(g, t, q, v, p):
 
 @kernel
 def watch_length(g, t, q, alarm):
-    """Tell of an element whose length is gone."""
-    for n in range(g.rows.size):
-        if not q[g.rows[n].b + MATERIAL] > q[g.rows[n].a + MATERIAL]:
-            alarm[0] = EMPTY
-            alarm[1] = g.rows[n].a + MATERIAL
+    """Raise the alarm of an element whose length is gone."""
+    report_empty(g.rows, MATERIAL, q, alarm)
 
 
 register(

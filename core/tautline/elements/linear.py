@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.elements.length_alarm import report_empty
 from tautline.elements.tension import is_slack, strain_of
 from tautline.kernels.dofs import add_block, add_entry
-from tautline.kernels.groups import EMPTY, register
+from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 
 NODE, MATERIAL, AXES = 4, 3, 3
@@ -218,11 +219,8 @@ def _dissipation(g, t, q, v, p):
 
 @kernel
 def watch_length(g, t, q, alarm):
-    """Tell of an element whose length is gone."""
-    for n in range(g.rows.size):
-        if not q[g.rows[n].b + MATERIAL] > q[g.rows[n].a + MATERIAL]:
-            alarm[0] = EMPTY
-            alarm[1] = g.rows[n].a + MATERIAL
+    """Raise the alarm of an element whose length is gone."""
+    report_empty(g.rows, MATERIAL, q, alarm)
 
 
 register(

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.elements.dense_blocks import BLOCK_WRITERS, add_mass_blocks, add_tangent_blocks
 from tautline.elements.linear import AXES, MATERIAL, NODE, watch_length
-from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 
@@ -136,21 +136,17 @@ def _add_kink(e, kink, node, row, sign, q, v, h, cc, ck, block):
         block[row + MATERIAL, row + MATERIAL] -= cc * sign * kink * e.mass * u * slope * slope
 
 
+BLOCK_WRITERS[LinearFlow] = _write_block
+
+
 @kernel
 def _mass(g, q, matrix, dofs):
-    """Velocities and accelerations have no part in it: positions stand in for them."""
-    for n in range(g.rows.size):
-        e = g.rows[n]
-        _write_block(g, e, q, q, q, 1.0, 0.0, 0.0)
-        add_block(matrix, dofs, e.a, e.b - e.a, NODE, g.block)
+    add_mass_blocks(g, NODE, q, matrix, dofs)
 
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    for n in range(g.rows.size):
-        e = g.rows[n]
-        _write_block(g, e, q, v, a, cm, cc, ck)
-        add_block(matrix, dofs, e.a, e.b - e.a, NODE, g.block)
+    add_tangent_blocks(g, NODE, q, v, a, cm, cc, ck, matrix, dofs)
 
 
 @kernel

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
-from tautline.kernels.dofs import add_block
+from tautline.elements.dense_blocks import BLOCK_WRITERS, add_mass_blocks, add_tangent_blocks
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, table
 from tautline.kernels.jit import kernel
@@ -148,21 +148,17 @@ def _write_block(g, e, q, v, a, cm, cc, ck):
         block[MATERIAL, NODE + c] += ck * e.load[c]
 
 
+BLOCK_WRITERS[SharedFlow] = _write_block
+
+
 @kernel
 def _mass(g, q, matrix, dofs):
-    """Velocities and accelerations have no part in it: positions stand in for them."""
-    for n in range(g.rows.size):
-        e = g.rows[n]
-        _write_block(g, e, q, q, q, 1.0, 0.0, 0.0)
-        add_block(matrix, dofs, e.a, e.b - e.a, NODE, g.block)
+    add_mass_blocks(g, NODE, q, matrix, dofs)
 
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    for n in range(g.rows.size):
-        e = g.rows[n]
-        _write_block(g, e, q, v, a, cm, cc, ck)
-        add_block(matrix, dofs, e.a, e.b - e.a, NODE, g.block)
+    add_tangent_blocks(g, NODE, q, v, a, cm, cc, ck, matrix, dofs)
 
 
 @kernel

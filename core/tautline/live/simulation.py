@@ -216,7 +216,15 @@ class Simulation:
         return self._stopped
 
     def advance(self, duration: float | str) -> None:
-        """Go on by so many seconds, or a text with its unit (``"100 ms"``); see `advance_to`."""
+        """Go on by so many seconds, or a text with its unit (``"100 ms"``); see `advance_to`.
+
+        Raises
+        ------
+        SimulationError
+            For a time that is not above zero, and as `advance_to`.
+        StoppedEarly, Interrupted
+            As `advance_to`.
+        """
         duration = seconds(duration)
         if not duration > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")

@@ -65,7 +65,7 @@ def unused_alphas(solver: Any) -> list[str]:
     if methods.method_of(solver.method).has_alphas or not given:
         return []
     names, them = " and ".join(given), "it" if len(given) == 1 else "them"
-    return [f"{solver.method} has no {names} and passes {them} over; take generalized-alpha, or remove {them}"]
+    return [f"{solver.method} has no {names} and ignores {them}; take generalized-alpha, or remove {them}"]
 
 
 def check_control(solver: Any, key: str) -> None:

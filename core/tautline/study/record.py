@@ -143,6 +143,6 @@ def variant_record(variant: Variant) -> dict[str, Any]:
         "phase_lag": variant.lag,
         "energy_error": variant.energy_error,
         "stated_error": variant.stated,
-        "warned": "; ".join(variant.told),
+        "warned": "; ".join(variant.warnings),
         "wall_time": variant.wall_time,
     }

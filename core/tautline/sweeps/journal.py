@@ -130,7 +130,15 @@ class Journal:
         return head
 
     def begin(self, resume: bool) -> None:
-        """Open the journal; what is there is kept where it is gone on with."""
+        """Open the journal; what is there is kept where it is gone on with.
+
+        Raises
+        ------
+        ResultError
+            If another process writes this sweep.
+        WriteError
+            If the journal cannot be written.
+        """
         make_folder(self.path.parent)
         writer = self._lock.take()
         if writer is not None:

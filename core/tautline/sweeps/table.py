@@ -246,7 +246,13 @@ def _shared(array: np.ndarray) -> bool:
 
 
 def write_netcdf(data: Variables, path: Path) -> Path:
-    """Write a table; the file is whole or as it was before."""
+    """Write a table; the file is whole or as it was before.
+
+    Raises
+    ------
+    WriteError
+        If it cannot be written.
+    """
     try:
         with whole_file(path) as waiting:
             _write_netcdf(data, waiting)

@@ -55,10 +55,18 @@ class Sensor(Model):
 
     @pydantic.model_validator(mode="after")
     def _one_of(self) -> Sensor:
-        if [self.input, self.output, self.signal].count(None) != 2:
-            raise refusal("needs either input or output", "write what the column is in the scene: input: or output:")
+        kinds = {"input": self.input, "output": self.output, "signal": self.signal}
+        given = [name for name, value in kinds.items() if value is not None]
+        if not given:
+            cure = (
+                "write what the column is in the scene, as input: or output:, or signal: for what the application reads"
+            )
+            raise refusal("gives none of input, output and signal", cure)
+        if len(given) > 1:
+            raise refusal(f"gives {' and '.join(given)}", "a column is one of them: keep one")
         if self.scale == 0.0 or not math.isfinite(self.scale):
-            raise refusal("has scale 0", "give the factor by which readings are multiplied, such as -1")
+            cure = "give the factor by which readings are multiplied, such as -1"
+            raise refusal(f"has a scale of {self.scale:g}, by which no reading can be multiplied", cure)
         return self
 
     @property

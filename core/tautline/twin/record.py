@@ -62,7 +62,9 @@ class Sensing:
     gaps : sequence of (float, float)
         Times without rows, s.
     faults : sequence of Fault
+        What goes wrong with single columns, and when.
     seed : int
+        Of noise, dropout and jitter: the same seed makes the same rows.
     """
 
     rate: float = 10.0

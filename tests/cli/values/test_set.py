@@ -88,7 +88,7 @@ BAD = {
     "=3": ("", "=3", "is no key with a value", "--set 'solver.step=2 ms'"),
     "bodies[0.mass=3": ("", "bodies[0.mass", "is no name of a key", "string[0].od"),
     "title=a\nunits: field": ("", "title=a\nunits: field", "is more than one key", "--set again"),
-    "gravity=[0, 0": ("", "gravity=[0, 0", "is not YAML", "brackets"),
+    "gravity=[0, 0": ("", "gravity=[0, 0", "the bracket [ is not closed", "write ]"),
     "solver.end=!!python/object:x": ("", "solver.end=!!python/object:x", "is not allowed", "remove the tag"),
 }
 

@@ -7,7 +7,8 @@ import pytest
 
 from drillstring.scene.scene import DrillstringScene
 from tautline.scene.errors import SceneError
-from tautline.scene.values.quantity import suited
+from tautline.scene.values.quantity import MEANINGS, Quantity, suited
+from tautline.scene.values.ranges import EXAMPLES, RANGES
 
 DATA = Path(__file__).parents[3] / "data"
 DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8")
@@ -44,9 +45,37 @@ def test_a_cure_is_of_the_size_and_in_the_unit_of_its_field(case):
 
 @pytest.mark.parametrize("written", ["1e400 furlong", "3 m^0.5", "", None, [1], "1 \N{SNOWMAN}"])
 def test_what_cannot_be_read_gets_the_usual_example(written):
-    usual = "give a speed such as 0.5 or 0.5 m/s"
+    usual = "give a speed such as 0.5 m/s"
     assert suited(usual, written) == usual
     assert suited(usual, written, "15 m/h") == "give a speed such as 15 m/h"
+
+
+@pytest.mark.parametrize(
+    ("row", "example"),
+    [("length", "30 m"), ("rope diameter", "28 mm"), ("duration", "5 s"), ("time simulated", "60 s"),
+     ("axial stiffness", "50 MN")],
+)  # fmt: skip
+def test_the_example_of_a_cure_is_of_the_size_of_its_key(row, example):
+    """A hose is no 5 inches long, and a ramp takes no millisecond."""
+    assert Quantity(RANGES[row].unit, of=row).cure.endswith(f"such as {example}")
+
+
+@pytest.mark.parametrize("row", EXAMPLES)
+def test_the_example_of_a_row_is_read_and_plausible(row):
+    known = RANGES[row]
+    assert known.holds(Quantity(known.unit, of=row).read(EXAMPLES[row]))
+
+
+def test_the_example_of_a_row_is_given_in_the_unit_that_was_written():
+    cure = Quantity("m", of="length").cure
+    assert suited(cure, "0 mm") == "give a length such as 30000 mm"
+    assert suited(cure, "0") == cure
+
+
+def test_no_example_says_one_thing_twice():
+    for _, example in MEANINGS.values():
+        first, _, second = example.partition(" or ")
+        assert not second.startswith(f"{first} ")
 
 
 def test_a_cure_that_suggests_no_quantity_stays():

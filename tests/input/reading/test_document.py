@@ -103,3 +103,30 @@ def test_any_text_is_a_mapping_or_refused(text):
         assert isinstance(Document.parse(text).root, dict)
     except SceneError as error:
         assert str(error).startswith("scene.yaml")
+
+
+SLIPS_OF_YAML = {
+    "a dash without a space": (
+        "path:\n  - drum: {radius: 1}\n  -sheave: {radius: 1}\n", 3, "'-sheave' is taken for a key", "- sheave:"
+    ),
+    "a bracket that is not closed on the last line": (
+        "title: a\noutput: {interval: 50 ms\n", 2, "the bracket { is not closed", "write }"
+    ),
+    "a list that is not closed": ("title: a\ngravity: [0, 0\n\n", 2, "the bracket [ is not closed", "write ]"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SLIPS_OF_YAML)
+def test_a_slip_of_yaml_is_named_on_its_own_line_with_what_to_type(case):
+    text, line, cause, cure = SLIPS_OF_YAML[case]
+    with pytest.raises(SceneError) as found:
+        Document.parse(text)
+    (problem,) = found.value.problems
+    assert problem.line == line and cause in problem.cause and cure in problem.cure
+
+
+def test_a_tab_is_not_said_of_the_key_before_it():
+    with pytest.raises(SceneError) as found:
+        Document.parse("title: a\n\trope: {diameter: 28 mm}\n")
+    (problem,) = found.value.problems
+    assert (problem.line, problem.key) == (2, "") and "a tab" in problem.cause

@@ -59,7 +59,11 @@ def test_the_tolerance_divides_right_from_inaccurate(monkeypatch):
 def test_a_step_that_cannot_follow_the_motion_is_inaccurate_and_has_said_so(monkeypatch):
     only(monkeypatch, "step x 10")
     found = varied(oscillator(time_end=END))["step x 10"]
-    assert found.outcome == "inaccurate" and any("steps per period" in text for text in found.told) and not found.silent
+    assert (
+        found.outcome == "inaccurate"
+        and any("steps per period" in text for text in found.warnings)
+        and not found.silent
+    )
 
 
 def test_a_step_that_is_beyond_the_critical_one_is_stopped_by_name(monkeypatch):
@@ -230,7 +234,7 @@ def test_a_smooth_run_is_asked_for_what_simulate_states_of_its_error(monkeypatch
     """Without friction nobody asked: what is found out by longer steps stands beside the error now."""
     only(monkeypatch, "rho_inf 0")
     found = varied(oscillator(time_end=4.0, rho_inf=0.5))["rho_inf 0"]
-    assert found.outcome == "inaccurate" and not found.told
+    assert found.outcome == "inaccurate" and not found.warnings
     assert found.error <= found.stated < 1.0
 
 

@@ -161,6 +161,6 @@ def _table(variants: Sequence[Variant]) -> Table:
         error = "–" if v.error is None else f"{100.0 * v.error:.2g} %"
         own = f"late by {v.lag:.1g} rad, energy {v.energy_error:.1g}" if v.outcome == "inaccurate" else ""
         own += f", states {100.0 * v.stated:.2g} %" if v.stated else ""
-        warned = f"{len(v.told)} x" if v.told else own
+        warned = f"{len(v.warnings)} x" if v.warnings else own
         table.add_row(v.name, outcome, error, v.status, warned)
     return table

@@ -117,7 +117,7 @@ def _reached(chosen: dict[str, Any]) -> str:
 
 
 def limit_said(record: dict[str, Any], system: str = "si") -> str:
-    """What a limit was and what came of it: ``6.2 deg, not at most 4 deg (winch, t = 3.2 s)``; angles in degrees."""
+    """A limit and what came of it: ``6.2 deg: must be at most 4 deg (winch, t = 3.2 s)``; angles in degrees."""
 
     def write(value: float, unit: str) -> str:
         return f"{significant(math.degrees(value))} deg" if unit == "rad" else shown(value, unit, system)
@@ -127,10 +127,10 @@ def limit_said(record: dict[str, Any], system: str = "si") -> str:
         return f"{record['sense']} {limit} is not judged: {record['note']}"
     value, lasting = write(record["value"], record["unit"]), record.get("for")
     held = f" for {quantity(lasting, 's')}" if lasting else ""
-    verdict = "" if record["passed"] else "not "
+    verdict = ", " if record["passed"] else ": must be "
     where = in_words(when_and_where(record), system)
     about = in_words(record.get("note", ""), system)
-    told = f"{value}{held}, {verdict}{record['sense']} {limit}"
+    told = f"{value}{held}{verdict}{record['sense']} {limit}"
     return told + (f" ({where})" if where else "") + (f"; {about}" if about else "")
 
 

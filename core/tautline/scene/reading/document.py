@@ -29,6 +29,10 @@ Path_ = tuple[Key, ...]
 
 UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 KEY = re.compile(r"[^.\[\]\s][^.\[\]]*(\[[0-9]{1,9}\])*(\.[^.\[\]\s][^.\[\]]*(\[[0-9]{1,9}\])*)*")
+NO_ITEM = re.compile(r"\s*(-[^\s:-][^\s:]*):")
+"""An item of a list without the space behind its dash: YAML takes the dash for the first letter of a key."""
+CLOSING = {"while parsing a flow mapping": "{}", "while parsing a flow sequence": "[]"}
+"""What YAML is at when brackets are not closed -> both of them."""
 REPEATABLE = frozenset({"plotpoints"})
 """Keys that may stand twice, the last one counting, since the example in the thesis' Appendix A does it: told in
 `Document.repeats`, for the reader to warn of. Any other duplicate key is an error."""
@@ -321,6 +325,27 @@ def _bare_part(line: str) -> str:
     return found.group(1).strip() if found else ""
 
 
+def _dash_or_bracket(what: str, context: str, line: str, at_end: bool) -> tuple[str, str] | None:
+    """Cause and cure of two slips that YAML describes by what it expected in place of them; None where it is neither.
+
+    Parameters
+    ----------
+    what, context : str
+        What YAML says of it, and what it was reading.
+    line : str
+        The line where it stopped.
+    at_end : bool
+        Whether nothing more stands in the file.
+    """
+    dash = NO_ITEM.match(line) if "indicator" in what or "<block end>" in what else None
+    if dash is not None:
+        cause = f"'{dash[1]}' is taken for a key: no space stands after its -"
+        return cause, f"put a space after -, for an item of the list: `- {dash[1][1:]}:`"
+    if at_end and (brackets := CLOSING.get(context)):
+        return f"the bracket {brackets[0]} is not closed", f"write {brackets[1]} where its values end"
+    return None
+
+
 def _quoted(text: str) -> str:
     """A text as YAML wants it where it holds what else has a meaning."""
     return "'" + text.replace("'", "''") + "'"
@@ -537,6 +562,8 @@ class _Composer:
         if "nesting depth" in what:  # PyYAML's own limit, from 6.0.4 on
             return self.refuse(line, f"is nested more than {DEEPEST} deep", "check the brackets and aliases")
         if "\t" in around[: (mark.column if mark else 0) + 1] or re.match(r" *\t", around):
+            # The key of the line is not read: the last one that was is another's.
+            self.stack, self.keys = [], []
             return self.refuse(line, "a tab stands where YAML wants spaces", "indent with spaces")
         if "mapping values are not allowed" in what and ": " in around[: mark.column]:
             cause = "a colon followed by a space stands inside a text, and YAML takes it for another key"
@@ -545,7 +572,10 @@ class _Composer:
         if bare := _bare_part(around):
             cause = f"{bare} stands between {{ and }}, where YAML takes a bracket for the start of a list"
             return self.refuse(line, cause, f'put the name in quotes: "{bare}"')
-        began = error.context_mark
+        began: Any = error.context_mark
+        at_end = bool(line) and not any(lines[(line or 1) - 1 :])
+        if slip := _dash_or_bracket(what, str(error.context), around, at_end):
+            return self.refuse(began.line + 1 if at_end and began else line, *slip)
         since = f" ({error.context}, line {began.line + 1})" if began and error.context else ""
         return self.refuse(
             line, f"is not YAML: {what}{since}", "check the indentation, colons and brackets here and above"

@@ -15,7 +15,7 @@ from pydantic_core import CoreSchema, core_schema
 from tautline.scene.refusal import nearest, refusal
 from tautline.scene.values.habits import flow_for_speed, habit
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
-from tautline.scene.values.ranges import RANGES
+from tautline.scene.values.ranges import EXAMPLES, RANGES
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 
 NUMBER = re.compile(r"\s*(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*", re.DOTALL)
@@ -36,31 +36,31 @@ MEANINGS = {
     "m": ("a length", "0.127 or 5 in"),
     "m^2": ("an area", "0.0034 or 34 cm^2"),
     "m^4": ("a second moment of area", "3.586e-5 or 86 in^4"),
-    "m/s": ("a speed", "0.5 or 0.5 m/s"),
-    "m/s^2": ("an acceleration", "9.81 or 9.81 m/s^2"),
+    "m/s": ("a speed", "0.5 m/s"),
+    "m/s^2": ("an acceleration", "9.81 m/s^2"),
     "s": ("a time", "0.001 or 1 ms"),
-    "1/s": ("a rate", "0.1 or 0.1 1/s"),
+    "1/s": ("a rate", "0.1 1/s"),
     "rad": ("an angle", "90 deg, or radians as a bare number"),
     "rad/s": ("a rotary speed", "120 rpm, or rad/s as a bare number"),
-    "rad/s^2": ("an angular acceleration", "0.5 or 0.5 rad/s^2"),
+    "rad/s^2": ("an angular acceleration", "0.5 rad/s^2"),
     "rad/m": ("a curvature", "3 deg/30m"),
     "kg": ("a mass", "5000 or 5 t"),
     "kg/m": ("a mass per length", "29.0 or 19.5 lb/ft"),
     "kg/m^3": ("a density", "1840 or 12.5 ppg"),
-    "kg m^2": ("a moment of inertia", "2000 or 2000 kg m^2"),
+    "kg m^2": ("a moment of inertia", "2000 kg m^2"),
     "N": ("a force", "5.0e4 or 50 kN"),
     "N m": ("a torque", "2.0e4 or 20 kN m"),
-    "N m^2": ("a bending stiffness", "0.001 or 0.001 N m^2"),
+    "N m^2": ("a bending stiffness", "0.001 N m^2"),
     "N/m": ("a stiffness", "1.0e9 or 1 GN/m"),
-    "N s/m": ("a damping coefficient", "10 or 10 N s/m"),
-    "N m/rad": ("a torsional stiffness", "200 or 200 N m/rad"),
-    "N m s/rad": ("a rotary damping coefficient", "20 or 20 N m s/rad"),
+    "N s/m": ("a damping coefficient", "10 N s/m"),
+    "N m/rad": ("a torsional stiffness", "200 N m/rad"),
+    "N m s/rad": ("a rotary damping coefficient", "20 N m s/rad"),
     "Pa": ("a stress or modulus", "2.0e11 or 200 GPa"),
-    "Hz": ("a frequency", "0.1 or 0.1 Hz"),
+    "Hz": ("a frequency", "0.1 Hz"),
 }
 """What a quantity of each unit is called, and an example of how to write one."""
 MEANINGS_OF = {
-    ("m/m", "response to waves"): ("a displacement per metre of wave", "0.6 or 0.6 m/m"),
+    ("m/m", "response to waves"): ("a displacement per metre of wave", "0.6 m/m"),
     ("rad/m", "response to waves"): ("a rotation per metre of wave", "2 deg/m, or rad/m as a bare number"),
 }
 """The same of a row of the table of plausible ranges that is called otherwise than most quantities of its unit."""
@@ -99,8 +99,8 @@ class Quantity:
 
     @property
     def example(self) -> str:
-        """How one is written."""
-        text = self._called("", f"1.0 ({self.unit})")[1]
+        """How one is written: as others of its row are, else as others of its unit."""
+        text = EXAMPLES.get(self.of) or self._called("", f"1.0 ({self.unit})")[1]
         return f"{text}, or the word {' or '.join(self.words)}" if self.words else text
 
     def _called(self, meaning: str, example: str) -> tuple[str, str]:
@@ -311,10 +311,12 @@ def suited(cure: str, written: Any, example: str | None = None) -> str:
         A value of the field, such as ``15 m/h``; else it is that of all quantities of the unit.
     """
     for unit, (meaning, general) in MEANINGS.items():
-        usual = f"{meaning} such as {general}"
-        if usual in cure:
-            first = example or re.split(" or |, ", general)[0]
-            return cure.replace(usual, f"{meaning} such as {_like(written, first, unit) or example or general}")
+        usual = [general, *(text for row, text in EXAMPLES.items() if RANGES[row].unit == unit)]
+        of_unit = re.search(rf"{re.escape(meaning)} such as ({'|'.join(map(re.escape, usual))})(?![\w^/])", cure)
+        if of_unit is not None:
+            first = example or re.split(" or |, ", of_unit[1])[0]
+            better = _like(written, first, unit) or example or of_unit[1]
+            return f"{cure[: of_unit.start(1)]}{better}{cure[of_unit.end(1) :]}"
     return cure
 
 

@@ -201,6 +201,21 @@ RANGES: dict[str, Range] = {
 }
 """Name of a quantity -> what is plausible of it."""
 
+EXAMPLES = {
+    "time simulated": "60 s", "interval of frames": "50 ms", "moment": "10 s", "duration": "5 s", "period": "8 s",
+    "delay": "20 ms", "step error": "1 mm", "position": "12 m", "length": "30 m", "distance": "12 m",
+    "material coordinate": "30 m", "inclination": "30 deg", "speed": "2 m/s", "spring stiffness": "100 kN/m",
+    "axial stiffness": "50 MN", "mass per length": "4.5 kg/m", "rope diameter": "28 mm", "breaking load": "500 kN",
+    "flow speed": "15 m/s", "radius of a sheave or drum": "300 mm", "bearing radius": "50 mm", "groove angle": "45 deg",
+    "fleet angle": "2 deg", "surge or sway": "2 m", "heave": "1.5 m", "roll or pitch": "3 deg", "yaw": "3 deg",
+    "significant wave height": "2 m", "peak period": "8 s", "water density": "1025 kg/m^3", "stroke": "4 m",
+    "hole diameter": "8.5 in", "bit radius": "4.25 in", "eccentricity": "5 mm", "depth": "3000 m",
+    "radius of curvature": "300 m", "shear modulus": "80 GPa", "pipe density": "7850 kg/m^3", "slip speed": "1 mm/s",
+    "block position": "30 m", "rate of penetration": "15 m/h", "hook load": "1000 kN", "weight on bit": "100 kN",
+    "bit torque": "5 kN m", "specific energy": "60 MPa", "wear flat": "1.2 mm",
+}  # fmt: skip
+"""Name of a quantity -> how one is written; what is not among them has the example of its unit."""
+
 RATES = {"m": "speed", "m/s": "acceleration", "rad": "angular speed", "rad/s": "angular acceleration"}
 """Unit of a function of time -> row of its rate of change; those of others are not looked at."""
 

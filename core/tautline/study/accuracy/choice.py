@@ -589,7 +589,7 @@ class _Search:
         if len(choice.made) == ASKED_AFTER and not choice.friction:
             choice.explicit = _stable(self.application, self.scene, choice.interval)
         self.following = choice.following()
-        return _told(choice, result)
+        return _attributes_and_warnings(choice, result)
 
     def goes_on_after(self, stop: StoppedEarly, method: str, divisor: float) -> bool:
         """Whether another run follows one that stopped early."""
@@ -618,7 +618,7 @@ def _stable(application: Any, scene: Any, interval: float) -> float:
     return math.inf if critical is None else max(1.0, interval / (EXPLICIT_SHARE * critical))
 
 
-def _told(choice: Choice, result: Result) -> tuple[dict[str, Any], list[str]]:
+def _attributes_and_warnings(choice: Choice, result: Result) -> tuple[dict[str, Any], list[str]]:
     """Attributes and warnings of a run."""
     attributes: dict[str, Any] = {"accuracy": choice.record()}
     errors, watched = choice.errors(), choice.watched

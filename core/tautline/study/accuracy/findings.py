@@ -149,18 +149,18 @@ def _advice(study: Study) -> str:
         best = min((r for r in study.rows if r.errors is not None), key=lambda r: _largest(study, r), default=None)
         if best is None:
             return "no advice: no run came to its end"
-        return f"no run has {asked}: the best is {_told(best)}{_doubt(study, best)}; {_cure(study, best)}"
-    first = f"cheapest with {asked}: {_told(enough[0])}"
+        return f"no run has {asked}: the best is {_described(best)}{_uncertainty(study, best)}; {_cure(study, best)}"
+    first = f"cheapest with {asked}: {_described(enough[0])}"
     cheap = enough[0].factor or 0.0
     if not live:
         return f"{first}; none is faster than real time"
     if cheap < 1.0 and live[0] is enough[0]:
         return f"{first}, and it is the most accurate in real time as well"
-    second = f"most accurate in real time: {_told(live[0])}"
+    second = f"most accurate in real time: {_described(live[0])}"
     return f"{first}; {second}" if cheap < 1.0 else f"{first}, which is not real time; {second}"
 
 
-def _doubt(study: Study, best: Row) -> str:
+def _uncertainty(study: Study, best: Row) -> str:
     """What is unknown of a run that would be good enough if its reference were right."""
     if study.reference is None or best.errors is None or _largest(study, best) > study.tolerance:
         return ""
@@ -195,7 +195,7 @@ def _like(row: Row, best: Row) -> bool:
     return one.kind == two.kind and one.step is not None and two.step is not None and one.step > 1.01 * two.step
 
 
-def _told(row: Row) -> str:
+def _described(row: Row) -> str:
     assert row.errors is not None
     taken = row.trial.attribute("step")
     setting = row.trial.setting if row.trial.setting.step_error is not None else replace(row.trial.setting, step=taken)

@@ -41,11 +41,11 @@ RESOLVED = 0.05
 """Share of it at which a run shows how much its fastest mode moves by itself."""
 SHORT = 0.6
 """Share of the critical step by eigenvalues at which a run is stable, most likely."""
-LOUDER = 30.0
+GROWTH_LIMIT = 30.0
 """How much more than at a short step the fastest mode may move in a run that counts as stable."""
 UNBALANCED = 0.01
 """Error of the energy balance from which a run is not stable, unless a short step has nearly as much."""
-HEARD = 1.0e-9
+ROUNDING_SHARE = 1.0e-9
 """Share of all motion from which a mode is told from rounding."""
 APART = 0.01
 """Relative width at which the bisection ends."""
@@ -92,7 +92,7 @@ class Critical:
     method: str = RK4.name
 
 
-class Look:
+class CriticalStepSearch:
     """Looks at a run for the least critical step; ``simulate`` calls it with each state."""
 
     def __init__(self, system: System, method: Method = RK4) -> None:
@@ -196,7 +196,7 @@ def critical_steps(subject: Subject, progress: Callable[[str], None] = lambda te
     length = None if shortest is None else method_of(subject.explicit).reach_of_vibration / shortest.fastest
     progress("eigenvalues along the run")
     why: list[str] = []
-    look = _along(subject, why)
+    look = _search_run(subject, why)
     found = look is not None and np.isfinite(look.least)
     bracket = None
     if look is not None and np.isfinite(look.start):
@@ -213,7 +213,7 @@ def critical_steps(subject: Subject, progress: Callable[[str], None] = lambda te
     )  # fmt: skip
 
 
-def _along(subject: Subject, why: list[str]) -> Look | None:
+def _search_run(subject: Subject, why: list[str]) -> CriticalStepSearch | None:
     """Look at a run with the forces of an explicit method: by that itself, or where that is long by the scene's own.
 
     Some laws, of friction above all, are not the same for explicit methods.
@@ -229,7 +229,7 @@ def _along(subject: Subject, why: list[str]) -> Look | None:
         cause = error.problems[0].cause if isinstance(error, SceneError) else error.sentence
         why.append(f"{subject.explicit} cannot take this scene: {cause}")
     model = subject.model(setting)
-    look = Look(model.system, method_of(subject.explicit))
+    look = CriticalStepSearch(model.system, method_of(subject.explicit))
     trial = run_model(model, setting, announce=subject.announce, look=look)
     if not trial.done:
         why.append(f"the run that was looked at stopped: {trial.status}")
@@ -243,23 +243,23 @@ def bisect(subject: Subject, guess: float, why: list[str]) -> tuple[float, float
     with a short step: contacts that open bound its growth, and its energy may then seem to balance.
     """
     low, high = SHORT * guess, 1.4 * guess
-    natural, calm = explicit_run(subject, RESOLVED * guess, FRAMES), None
+    natural, quiet = explicit_run(subject, RESOLVED * guess, FRAMES), None
     for _ in range(WIDENED):
-        calm = explicit_run(subject, low)
-        if calm is not None:
+        quiet = explicit_run(subject, low)
+        if quiet is not None:
             break
         low, high = 0.5 * low, low
-    if calm is not None and natural is not None:
+    if quiet is not None and natural is not None:
         # Where damping is strong a mode is gone before a longer step is looked at for the first time.
-        calm = max(calm[0], natural[0]), max(calm[1], natural[1])
-    if calm is None:
+        quiet = max(quiet[0], natural[0]), max(quiet[1], natural[1])
+    if quiet is None:
         why.append(f"no step down to {low:.2g} s is stable in runs of {STEPS} steps")
         return None
-    if calm[0] == 0.0:
+    if quiet[0] == 0.0:
         why.append("nothing moves: no run can show a limit")
         return None
     for _ in range(WIDENED):
-        if not _stable(subject, high, calm):
+        if not _stable(subject, high, quiet):
             break
         low, high = high, 2.0 * high
     else:
@@ -267,14 +267,18 @@ def bisect(subject: Subject, guess: float, why: list[str]) -> tuple[float, float
         return None
     while high / low - 1.0 > APART:
         middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if _stable(subject, middle, calm) else (low, middle)
+        low, high = (middle, high) if _stable(subject, middle, quiet) else (low, middle)
     return low, high
 
 
-def _stable(subject: Subject, step: float, calm: tuple[float, float]) -> bool:
+def _stable(subject: Subject, step: float, quiet: tuple[float, float]) -> bool:
     """Whether a run from the start keeps its energy, and its fastest mode as quiet, as well as a short step does."""
     moved = explicit_run(subject, step)
-    return moved is not None and moved[0] <= LOUDER * calm[0] and moved[1] <= max(UNBALANCED, LOUDER * calm[1])
+    return (
+        moved is not None
+        and moved[0] <= GROWTH_LIMIT * quiet[0]
+        and moved[1] <= max(UNBALANCED, GROWTH_LIMIT * quiet[1])
+    )
 
 
 def explicit_run(subject: Subject, step: float, steps: int | None = None) -> tuple[float, float] | None:
@@ -295,11 +299,11 @@ def explicit_run(subject: Subject, step: float, steps: int | None = None) -> tup
     except SceneError:
         return None
     model.solver = replace(model.solver, guarded=False)
-    listener = Listener(model.system, method_of(subject.explicit))
-    trial = run_model(model, Setting(subject.explicit, step), look=listener)
+    monitor = ModeMonitor(model.system, method_of(subject.explicit))
+    trial = run_model(model, Setting(subject.explicit, step), look=monitor)
     if trial.result is None or trial.status not in ("done", Status.IMBALANCE.name):
         return None
-    return listener.loudest, _gained_late(trial.result)
+    return monitor.largest, _gained_late(trial.result)
 
 
 def _gained_late(result: Result) -> float:
@@ -313,7 +317,7 @@ def _gained_late(result: Result) -> float:
     through = np.abs(np.diff(work[half:])).sum() + lost[-1] - lost[half] + kinetic[half:].max() + np.ptp(strain[half:])
     whole = kinetic.max() + np.ptp(strain) + np.abs(np.diff(work)).sum()
     gained = float(missing[half:].max() - missing[half])
-    return gained / float(through + HEARD * whole) if through + whole > 0.0 else 0.0
+    return gained / float(through + ROUNDING_SHARE * whole) if through + whole > 0.0 else 0.0
 
 
 def _end(subject: Subject, step: float) -> float:
@@ -322,12 +326,12 @@ def _end(subject: Subject, step: float) -> float:
     return max(min(STEPS * step, whole), FEWEST * step)
 
 
-class Listener:
+class ModeMonitor:
     """Follows the mode of a run that is the fastest at its start."""
 
     def __init__(self, system: System, method: Method) -> None:
         self.search, self.momentum = CriticalStep(system, method), np.zeros(0)
-        self.loudest = 0.0
+        self.largest = 0.0
 
     def __call__(self, state: State, t: float, method: Any = None) -> None:
         """Take note of a state."""
@@ -335,5 +339,5 @@ class Listener:
             self.search.search(state, t)
             self.momentum = self.search.momentum()
         moved = abs(float(self.momentum @ state.v))
-        all_of_it = float(np.abs(self.momentum) @ np.abs(state.v))
-        self.loudest = max(self.loudest, moved, HEARD * all_of_it)
+        total = float(np.abs(self.momentum) @ np.abs(state.v))
+        self.largest = max(self.largest, moved, ROUNDING_SHARE * total)

@@ -11,7 +11,7 @@ from tautline.integrators.status import StoppedEarly
 from tautline.run import Run
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
-from tautline.study.robustness.critical import Look
+from tautline.study.robustness.critical import CriticalStepSearch
 from tautline.study.trials.trial import Setting, Subject
 
 DECADES = (-4, -3, -2, -1, 0, 1, 2, 3)
@@ -52,6 +52,6 @@ def _critical(subject: Subject, kind: str, value: float) -> float | None:
         run.start()
     except (SceneError, StoppedEarly):
         return None
-    look = Look(model.system, method_of(subject.explicit))
+    look = CriticalStepSearch(model.system, method_of(subject.explicit))
     look(run.state, 0.0)
     return look.start if np.isfinite(look.start) else None

@@ -136,9 +136,9 @@ def _conditions(subject: Subject) -> list[Condition]:
 
 
 def _warnings(critical: Critical, tangent: float | None, found: list[Variant]) -> list[str]:
-    told = []
+    texts = []
     if tangent is not None and tangent > WRONG_TANGENT:
-        told.append(
+        texts.append(
             f"a tangent is wrong by {tangent:.1e} of its size: eigenvalues found with it are wrong; report the scene"
         )
     if critical.bisection is not None and critical.at_start is not None:
@@ -146,12 +146,16 @@ def _warnings(critical: Critical, tangent: float | None, found: list[Variant]) -
         least = min(critical.at_start, critical.eigenvalue or critical.at_start)
         if high < (1.0 - UNLIKE) * least:
             text = f"real runs are unstable from {high:.3g} s on, below the {least:.3g} s of the eigenvalues"
-            told.append(f"{text}: what the state does between the looks, or a wrong tangent, makes it less")
-    told += [f"{v.name}: wrong by {100.0 * (v.error or 0.0):.2g} %, and the run {_said(v)}" for v in found if v.silent]
-    return told
+            texts.append(f"{text}: what the state does between the looks, or a wrong tangent, makes it less")
+    texts += [
+        f"{v.name}: wrong by {100.0 * (v.error or 0.0):.2g} %, and the run {_stated_by_run(v)}"
+        for v in found
+        if v.silent
+    ]
+    return texts
 
 
-def _said(variant: Variant) -> str:
+def _stated_by_run(variant: Variant) -> str:
     return f"states {100.0 * variant.stated:.2g} %" if variant.stated else "said nothing"
 
 

@@ -61,7 +61,7 @@ class Variant:
         Relative error of position.
     status : str
         ``done``, or what stopped it.
-    told : tuple of str
+    warnings : tuple of str
         What the run itself warned of.
     lag, energy_error : float
         Its own estimate of how late free oscillations are, rad, and the error of its energy balance.
@@ -76,7 +76,7 @@ class Variant:
     outcome: str
     error: float | None
     status: str
-    told: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     wall_time: float | None = None
     lag: float = 0.0
     energy_error: float = 0.0
@@ -90,7 +90,7 @@ class Variant:
         of the share.
         """
         explained = max(MEANT * self.lag, MEANT * self.stated, math.sqrt(self.energy_error))
-        return self.outcome == "inaccurate" and not self.told and (self.error or 0.0) > explained
+        return self.outcome == "inaccurate" and not self.warnings and (self.error or 0.0) > explained
 
 
 def changes(quick: bool) -> list[Change]:
@@ -165,24 +165,24 @@ def _judged(
     watched: Watched, quick: bool,
 ) -> Variant:  # fmt: skip
     trial = subject.run(setting, seconds=budget)
-    told = _told(subject, setting, trial)
+    warnings = _warnings_of(subject, setting, trial)
     if trial.status == "refused":
         return Variant(change.name, "refused", None, trial.sentence)
     if trial.status == GIVEN_UP:
-        return Variant(change.name, "unjudged", None, f"{GIVEN_UP} {trial.sentence}", told)
+        return Variant(change.name, "unjudged", None, f"{GIVEN_UP} {trial.sentence}", warnings)
     if not trial.done or trial.result is None:
-        return Variant(change.name, "stopped", None, trial.status, told, trial.wall_time)
+        return Variant(change.name, "stopped", None, trial.status, warnings, trial.wall_time)
     taken = float(trial.result.time[-1]) / max(1, int(trial.attribute("steps")))
     error, known = _error(subject, setting, trial, taken, watched, budget, quick)
     if error is None:
-        return Variant(change.name, "unjudged", None, known, told, trial.wall_time)
+        return Variant(change.name, "unjudged", None, known, warnings, trial.wall_time)
     outcome = "right" if error <= tolerance else "inaccurate"
     stated = 0.0
-    if outcome == "inaccurate" and not told:
+    if outcome == "inaccurate" and not warnings:
         # What `simulate` finds out by itself, by further runs, is asked for only where it decides.
-        stated, told = _stated(subject, setting, trial.result)
+        stated, warnings = _stated(subject, setting, trial.result)
     own = (float(trial.attribute(name) or 0.0) for name in ("phase_lag", "energy_error"))
-    return Variant(change.name, outcome, error, "done", told, trial.wall_time, *own, stated)
+    return Variant(change.name, outcome, error, "done", warnings, trial.wall_time, *own, stated)
 
 
 def _stated(subject: Subject, setting: Setting, result: Result) -> tuple[float, tuple[str, ...]]:
@@ -199,7 +199,7 @@ def _stated(subject: Subject, setting: Setting, result: Result) -> tuple[float, 
     return found.position, ()
 
 
-def _told(subject: Subject, setting: Setting, trial: Trial) -> tuple[str, ...]:
+def _warnings_of(subject: Subject, setting: Setting, trial: Trial) -> tuple[str, ...]:
     """What ``simulate`` would have said: the scene's warnings of its solver, and the run's own warnings."""
     of_run = [] if trial.result is None else trial.result.warnings
     try:

@@ -152,14 +152,14 @@ def _at(result: Result, place: Place, dimensions: int) -> np.ndarray:
     if not even and place.label in labels and 0 < place.number < place.count - 1:
         return values[:, labels.index(place.label)]
     if nodes:
-        along = place.number * (count - 1) / max(1, place.count - 1)
+        index = place.number * (count - 1) / max(1, place.count - 1)
     else:
-        along = (place.number + 0.5) * count / place.count - 0.5
-    return _between(values, min(max(along, 0.0), count - 1.0))
+        index = (place.number + 0.5) * count / place.count - 0.5
+    return _between(values, min(max(index, 0.0), count - 1.0))
 
 
-def _between(values: np.ndarray, along: float) -> np.ndarray:
+def _between(values: np.ndarray, index: float) -> np.ndarray:
     """Values at a place between two of the second dimension."""
-    low = min(int(along), values.shape[1] - 1)
-    part = along - low
+    low = min(int(index), values.shape[1] - 1)
+    part = index - low
     return values[:, low] if part < 1e-9 else (1.0 - part) * values[:, low] + part * values[:, low + 1]

@@ -108,12 +108,12 @@ class StepError(NamedTuple):
         """What a reader should know, if the error is a large one."""
         if not max(self.position, self.force or 0.0) > POOR:
             return None
-        told = f"the {self.place} may be off by {self.distance:.2g} m, {in_percent(self.position)} of its motion"
+        sentence = f"the {self.place} may be off by {self.distance:.2g} m, {in_percent(self.position)} of its motion"
         if self.force is not None:
-            told += f", and the amplitude of the {self.force_place} by {self._of_force()}"
+            sentence += f", and the amplitude of the {self.force_place} by {self._of_force()}"
         steps = self.steps or (self.step,)
         runs = "runs" if len(steps) > 1 else "a run"
-        text = f"{told}. This is estimated from {runs} with steps of {_listed(steps)}. "
+        text = f"{sentence}. This is estimated from {runs} with steps of {_listed(steps)}. "
         shorter = "Take a shorter step"
         if self.bound is None and len(steps) == 1 and self.taken is not None and self.step < self.taken:
             # An explicit run, maybe with `step: auto`, which is no number to be made smaller; this one is known to run.

@@ -66,8 +66,9 @@ def write_paraview(
     Raises
     ------
     ResultError
-        If something else would be lost, the folder is missing, or writing fails. Nothing is left of it then, and an
-        earlier export stays whole.
+        If something else would be lost, or the folder is missing.
+    WriteError
+        If writing fails. Nothing is left of it then, and an earlier export stays whole.
     """
     path = Path(path)
     path = path if path.suffix.lower() == ".pvd" else path.with_name(path.name + ".pvd")

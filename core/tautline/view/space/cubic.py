@@ -194,14 +194,16 @@ def steps_for(elements: int) -> int:
 
 
 def facing(points: np.ndarray, towards: np.ndarray | None = None) -> tuple[float, float, float]:
-    """The way to the eye from which points (n, 3) are seen best: nearly square on the plane that they lie in.
+    """The direction to the eye from which points (n, 3) are seen best: nearly square on the plane that they lie in.
+
+    Points on a line are seen in the upright plane through it, points in no plane from askew above.
 
     Parameters
     ----------
+    points : (n, 3) array
+        m.
     towards : (3,) array, optional
-        What should point to the right, such as the way from root to tip.
-
-    Points on a line are seen in the upright plane through it, points in no plane from askew above.
+        What should point to the right, such as the vector from root to tip.
     """
     points = np.asarray(points, float).reshape(-1, 3)
     centred = points - points.mean(axis=0)
