@@ -1,10 +1,15 @@
 """Which stretches of buckling the summary of torque-drag names, and which titles of measured loads are read."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from drillstring.modes.bha import _check
+from drillstring.scene.scene import LUMPED
 from drillstring.statics.back_calculation import read_measured
 from drillstring.view.torque_summary import _spans, _without
+from tautline.scene.errors import SceneError
 
 
 def test_a_sine_that_is_no_helix_is_told_beside_the_helix():
@@ -29,3 +34,12 @@ def test_a_hyphen_or_a_short_name_does_not_lose_half_of_the_measured_loads(tmp_p
     found = read_measured(path)
     assert found.unused == () and np.array_equal(found.slack_off, [380e3, 384e3])
     assert np.array_equal(found.pick_up, [830e3, 952e3])
+
+
+@pytest.mark.parametrize(("why", "offered"), [("", False), (" for bending waves of 3 Hz", True)])
+def test_a_depth_to_begin_at_is_offered_for_bending_waves_alone(why, offered):
+    """`campbell --modes axial,torsional` proposed `--from`, and refused it then."""
+    scene = SimpleNamespace(model=SimpleNamespace(kind=LUMPED), string=[None] * 4)
+    with pytest.raises(SceneError) as error:
+        _check(scene, 100_000, why)
+    assert ("--from" in str(error.value)) is offered and "--up-to" in str(error.value)
