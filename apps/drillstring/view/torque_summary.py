@@ -421,6 +421,8 @@ def fit_in_words(fitted: Fit, system: str = "si") -> str:
         for value, word in ((fitted.pick_up, "pick-up"), (fitted.slack_off, "slack-off"))
     ]
     off = f"the loads are off by {shown(fitted.residual, 'N', system)} rms"
+    if np.isnan(fitted.spread):  # no more loads than factors: these fit whatever the loads are
+        off = "as many loads as factors: what scatter in the loads does to them is unknown"
     if fitted.cased is not None and fitted.cased_error is not None:
         cased, opened = _factor(fitted.cased, fitted.cased_error), _factor(fitted.friction, fitted.error)
         text = f"friction factors of the {fitted.loads} measured hook loads: cased {cased}, open {opened} ({off})"

@@ -1,5 +1,6 @@
 """Which stretches of buckling the summary of torque-drag names, and which titles of measured loads are read."""
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,8 +8,8 @@ import pytest
 
 from drillstring.modes.bha import _check
 from drillstring.scene.scene import LUMPED
-from drillstring.statics.back_calculation import read_measured
-from drillstring.view.torque_summary import _spans, _without
+from drillstring.statics.back_calculation import Fit, read_measured
+from drillstring.view.torque_summary import _spans, _without, fit_in_words
 from tautline.scene.errors import SceneError
 
 
@@ -43,3 +44,9 @@ def test_a_depth_to_begin_at_is_offered_for_bending_waves_alone(why, offered):
     with pytest.raises(SceneError) as error:
         _check(scene, 100_000, why)
     assert ("--from" in str(error.value)) is offered and "--up-to" in str(error.value)
+
+
+def test_as_many_loads_as_factors_are_not_told_as_a_perfect_fit():
+    fitted = Fit(0.3, math.nan, 5.9e-9, math.nan, math.nan, 2, 0.2, math.nan, (), 0.013, 0.017)
+    told = fit_in_words(fitted)
+    assert "as many loads as factors" in told and "rms" not in told
