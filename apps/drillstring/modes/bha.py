@@ -150,8 +150,9 @@ def _check(scene: DrillstringScene, links: int, why: str) -> None:
     if links > most:
         name = "links" if scene.model.kind == LUMPED else "elements"
         cause = f"needs {links} {name}{why}, more than {most}"
-        cure = "bound what is looked at by --from DEPTH, or ask for lower frequencies by --up-to"
-        raise SceneError([Problem("the string", None, "", f"{len(scene.string)} sections", cause, cure)])
+        bounded = "bound what is looked at by --from DEPTH, or " if why else ""  # of bending waves alone
+        cure = f"{bounded}ask for lower frequencies by --up-to"
+        raise SceneError([Problem("string", None, "", f"{len(scene.string)} sections", cause, cure)])
 
 
 def _parted(scene: DrillstringScene, depth: float) -> DrillstringScene:

@@ -32,10 +32,11 @@ NONE = 1.0e-6
 """Factor below which there is no friction."""
 BEYOND = 0.01
 """Share of the rotating weight by which a load on the wrong side of it is off by more than the gauge."""
+PICK_UP, SLACK_OFF = ("pick_up", "pick up", "pick-up", "pickup"), ("slack_off", "slack off", "slack-off", "slackoff")
 COLUMNS = {
     "depth": ("depth", "measured depth", "md", "bit depth"),
-    "pick_up": ("pick_up", "pick up", "pickup", "puw"),
-    "slack_off": ("slack_off", "slack off", "slackoff", "sow"),
+    "pick_up": ("pu", "puw", *(f"{one}{end}" for one in PICK_UP for end in ("", " weight", "_weight", "-weight"))),
+    "slack_off": ("so", "sow", *(f"{one}{end}" for one in SLACK_OFF for end in ("", " weight", "_weight", "-weight"))),
 }
 """Headers that are read as each column."""
 UNITS = {"depth": "m", "pick_up": "N", "slack_off": "N"}

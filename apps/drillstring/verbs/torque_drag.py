@@ -254,7 +254,9 @@ def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as
     if loads.unused:
         from tautline.cli.output.console import say
 
-        say(f"{path.name}: not read: {', '.join(loads.unused)}; the fit is of pick_up and slack_off alone", "yellow")
+        measured = {"pick_up": loads.pick_up, "slack_off": loads.slack_off}
+        read = " and ".join(name for name, found in measured.items() if any(found == found))  # NaN where not measured
+        say(f"{path.name}: not read: {', '.join(loads.unused)}; the fit is of {read} alone", "yellow")
     return loads, searched(path, as_json, lambda: fit(scene, loads, elements, path))
 
 

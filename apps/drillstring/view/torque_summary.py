@@ -38,6 +38,8 @@ SHORT = {
 """Heads of columns."""
 TORQUES = {"rotating": "torque", "reaming_up": "torque_up", "reaming_down": "torque_down"}
 """What the torque of a motion is called."""
+MOST_STRETCHES = 8
+"""Stretches of buckling that a sentence names."""
 MOST_SENTENCES = 8
 FEW_LINKS, COARSE = 40, 0.02
 """Links below which, and share of hook load or torque from which on, a mesh is said to be coarse."""
@@ -419,6 +421,8 @@ def fit_in_words(fitted: Fit, system: str = "si") -> str:
         for value, word in ((fitted.pick_up, "pick-up"), (fitted.slack_off, "slack-off"))
     ]
     off = f"the loads are off by {shown(fitted.residual, 'N', system)} rms"
+    if np.isnan(fitted.spread):  # no more loads than factors: these fit whatever the loads are
+        off = "as many loads as factors: what scatter in the loads does to them is unknown"
     if fitted.cased is not None and fitted.cased_error is not None:
         cased, opened = _factor(fitted.cased, fitted.cased_error), _factor(fitted.friction, fitted.error)
         text = f"friction factors of the {fitted.loads} measured hook loads: cased {cased}, open {opened} ({off})"
@@ -482,9 +486,28 @@ def _warnings(point: Point, points: list[Point], system: str) -> list[str]:
     buckled: dict[str, list[str]] = {}
     for way in point.profiles:
         helix = point.buckled(way, "helical")
-        sine = [] if helix else point.buckled(way, "sinusoidal")
+        sine = _without(point.buckled(way, "sinusoidal"), helix)
         for kind, places in (("into a helix", helix), ("into a sine", sine)):
             if places:
-                spans = ", ".join(f"{shown(a, 'm', system)} to {shown(b, 'm', system)}" for a, b in places[:4])
-                buckled.setdefault(f"the string buckles {kind} from {spans}", []).append(WORDS[way])
+                text = f"the string buckles {kind} from {_spans(places, system)}"
+                buckled.setdefault(text, []).append(WORDS[way])
     return found + [f"{where}, {', '.join(ways)}: {text}" for text, ways in buckled.items()]
+
+
+def _spans(places: list[tuple[float, float]], system: str) -> str:
+    """The longest stretches by depth, and how far down the others go."""
+    told = sorted(sorted(places, key=lambda one: one[0] - one[1])[:MOST_STRETCHES])
+    spans = ", ".join(f"{shown(a, 'm', system)} to {shown(b, 'm', system)}" for a, b in told)
+    if len(places) == len(told):
+        return spans
+    deepest = shown(max(b for _, b in places), "m", system)
+    return f"{spans}, and {len(places) - len(told)} shorter ones, down to {deepest} in all"
+
+
+def _without(places: list[tuple[float, float]], others: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """What of some stretches is in none of others."""
+    left = [(float(a), float(b)) for a, b in places]
+    for begin, end in others:
+        parts = [part for a, b in left for part in ((a, min(b, begin)), (max(a, end), b))]
+        left = [(a, b) for a, b in parts if b > a]
+    return left

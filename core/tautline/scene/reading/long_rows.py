@@ -85,19 +85,20 @@ def only_words_behind(cells: Sequence[str], place: int, width: int, status: bool
     return kind_of(cells[place]) != "word" and behind[:1] == ["word"] and "number" not in behind
 
 
-def seems_two_lines(cells: Sequence[str], usual: Collection[int], stamp: int, last: int, more: int) -> str:
-    """Whether a row with `more` cells than any before may be two lines that ran into one, with empty cells at its end.
+def seems_two_lines(cells: Sequence[str], usual: Collection[int], second: bool) -> str:
+    """Whether a row with more cells than any before may be two lines that ran into one, with empty cells at its end.
 
     It is "two" where a number is in a column in which it is not `usual`. Else it is "moved" where numbers may have been
-    moved, as nothing shows why it is longer: no word is behind the `last` column that is read, where numbers are not
-    usual; and behind the end of the first line there may be another stamp.
+    moved: behind the end of the first line there may be a `second` stamp.
     """
     if any(is_number_or_date(cell) and i not in usual for i, cell in enumerate(cells)):
         return "two"
-    if any(kind_or_state(cell) == "word" and i > last and i not in usual for i, cell in enumerate(cells)):
-        return ""
-    of_numbers = _is_plain(cells[stamp])
-    return "moved" if any(cell and _is_plain(cell) == of_numbers for cell in cells[stamp + more :]) else ""
+    return "moved" if second else ""
+
+
+def decimals_of(cell: str) -> int:
+    """How many digits stand behind the mark of a number."""
+    return len(cell.replace(",", ".").partition(".")[2])
 
 
 def usual_numbers(shown: Sequence[Counter[str]]) -> set[int]:
@@ -106,7 +107,7 @@ def usual_numbers(shown: Sequence[Counter[str]]) -> set[int]:
     return {i for i, kinds in enumerate(shown) if kinds["number"] and 2 * kinds["number"] >= rows}
 
 
-def _is_plain(cell: str) -> bool:
+def is_plain_number(cell: str) -> bool:
     """Whether a cell is a number, and neither a date nor a time."""
     return kind_of(cell) == "number" and not any(one in ":/-T" for one in cell.lstrip("+-").replace("e-", ""))
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time as clock
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import SEPARATOR_LINE
 from tautline.scene.reading.text import LEGACY
-from tautline.twin.sources.lines import Lines
+from tautline.twin.sources.lines import Lines, Row
 from tautline.twin.sources.record import Record, SourceStopped
 from tautline.twin.sources.table import Header, has_end
 
@@ -57,6 +58,8 @@ class CsvFile:
                 "there is no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
             )
             raise SceneError([Problem(str(path), None, "", None, cause, "check the name of --source")]) from None
+        self._headed = False
+        self._ready: deque[Record] = deque()
         line = self._line()
         if line is not None and SEPARATOR_LINE.fullmatch(line):  # of a spreadsheet
             line = self._line()
@@ -74,7 +77,7 @@ class CsvFile:
         except SceneError:
             self._file.close()
             raise
-        self.factors = dict(self._lines.header.factors)
+        self._headed, self.factors = True, dict(self._lines.header.factors)
         self._stopped: SourceStopped | None = None
         try:
             self._next, self._later = self._taken(), self._taken()
@@ -88,26 +91,35 @@ class CsvFile:
         """The next line that is neither empty nor a comment."""
         for line in self._file:
             self._number += 1
-            if line.strip() and not line.lstrip().startswith("#"):
-                self._whole = has_end(line)
-                return line.rstrip("\r\n")
+            line, self._whole = line.rstrip("\r\n"), has_end(line)
+            if line.strip() and not (line.lstrip().startswith("#") and self._is_remark(line)):
+                return line
         return None
 
+    def _is_remark(self, line: str) -> bool:
+        return not self._headed or self._lines.is_remark(line)
+
     def _read(self) -> Record | None:
-        while (line := self._line()) is not None:
+        while not self._ready and self._stopped is None:
+            line = self._line()
             try:
-                row = self._lines.take(line, self._whole, self._number)
+                if line is None:
+                    self._keep(self._lines.rest(), False)  # what comes behind it later may show another thing
+                    break
+                self._keep(self._lines.rows(line, self._whole, self._number), self._whole)
             except SourceStopped as stop:
                 self._stopped = stop
-                return None
-            if row is not None:
-                return Record(row[0], row[1], 0.0, self._whole)
-            self.refused += not self._lines.headed
-        return None
+                self._keep(self._lines.rest(), True)
+        return self._ready.popleft() if self._ready else None
+
+    def _keep(self, lines: Sequence[tuple[str, Row | None]], whole: bool) -> None:
+        """Keep rows that were read, and count lines that cannot be."""
+        self.refused += sum(row is None for _, row in lines)
+        self._ready.extend(Record(row[0], row[1], 0.0, whole) for _, row in lines if row is not None)
 
     def _taken(self) -> tuple[Record, dict[str, float]] | None:
         """The row behind those that were read, with the factors of its header."""
-        row = self._read() if self._stopped is None else None
+        row = self._read()
         return None if row is None else (row, self._lines.header.factors)
 
     def poll(self, timeout: float) -> Record | None:

@@ -43,9 +43,14 @@ from dataclasses import dataclass
 from tautline.scene.errors import shorten
 from tautline.scene.reading.columns import NO_UNIT
 from tautline.scene.reading.long_rows import NO_WORDS, STATES, filled, is_number_or_date, kind_of, shows_nothing
+from tautline.twin.sources.rows_in_doubt import RowInDoubt
 from tautline.twin.sources.stamps import heads, is_unit, number_of, stamp_of
 from tautline.twin.sources.table import Header, cells_of, separator_of
 
+Row = tuple[float, Mapping[str, float]]
+"""Stamp and readings by column."""
+MISSING = "#n/a"
+"""What a spreadsheet has in a cell without a value, in small letters."""
 BETWEEN = re.compile("[;\t,]")
 """What may stand between cells."""
 PROOF_OF_LONGEST, PROOF = 2, 3
@@ -199,8 +204,63 @@ class Lines:
         self.header, self.headed = header, False
         self._doubt: Doubt | None = None
         self._titles_in_rows = False  # whether rows have shown that they may end as a header does
+        self._held: tuple[str, RowInDoubt] | None = None
+        self._marked = False  # whether a cell that is not the first was `#N/A`
 
-    def take(self, line: str, whole: bool = True, number: int = 0) -> tuple[float, Mapping[str, float]] | None:
+    def is_remark(self, line: str) -> bool:
+        """Whether a line that begins with # is a remark.
+
+        `#N/A` is what a spreadsheet has where a value is missing, and `#` before a row that begins with `N/A` looks the
+        same. It is a row where other cells have shown that the table writes `#N/A`.
+        """
+        cells, place = cells_of(line, self.header.separator), self.header.stamp
+        if not (place and cells and cells[0].lower() == MISSING):
+            return True
+        is_row = len(cells) >= self.header.before.shortest and _has_stamp(self.header, cells)
+        if is_row and not (self._marked or MISSING in (cell.lower() for cell in cells[1:])):
+            said = f"lines such as '{shorten(line)}' are passed over as remarks, for they begin with #"
+            self.header.tell_once("marked", f"{said}. If they are rows, write an empty cell or NaN in place of #N/A")
+            return True
+        return not is_row
+
+    def rows(self, line: str, whole: bool = True, number: int = 0) -> list[tuple[str, Row | None]]:
+        """Lines that can be read now, or never (None), and their rows; none for a header.
+
+        A row that may be two lines waits for the row behind it: its stamp shows whether a line is missing.
+
+        Raises
+        ------
+        SceneError, NewHeader
+            As `take`.
+        """
+        factors, self.header.doubted = self.header.factors, None
+        row = self.take(line, whole, number)
+        self._marked = self._marked or ("#" in line and MISSING in line.lower())
+        doubted = None if self.headed else self.header.doubted
+        row_at = doubted.time if doubted is not None else row[0] if row is not None else math.nan
+        found = []
+        if math.isfinite(row_at):
+            found = self._settled(row_at)
+        elif self.header.factors != factors or (row is not None and not self.headed):
+            found = self.rest()
+        if doubted is not None:
+            self._held = line, doubted
+        elif not self.headed:
+            found.append((line, row))
+        return found
+
+    def rest(self) -> list[tuple[str, Row | None]]:
+        """The line that waits for a row behind it, where none comes any more."""
+        return self._settled(None)
+
+    def _settled(self, behind: float | None) -> list[tuple[str, Row | None]]:
+        """The line that waited, by the stamp of the row behind it."""
+        if self._held is None:
+            return []
+        (line, doubted), self._held = self._held, None
+        return [(line, self.header.settle(doubted, behind))]
+
+    def take(self, line: str, whole: bool = True, number: int = 0) -> Row | None:
         """Stamp and values of a row; None for a header, and for what cannot be read.
 
         Raises

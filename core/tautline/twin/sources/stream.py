@@ -11,7 +11,7 @@ from typing import IO, Any
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import SEPARATOR_LINE
-from tautline.twin.sources.lines import Lines
+from tautline.twin.sources.lines import Lines, Row
 from tautline.twin.sources.objects import ObjectReadings
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps
@@ -57,9 +57,11 @@ class Stream:
                 self._number += 1
                 if self._number == 1:
                     line = text_of(line, self.name)
-                if line.strip() and not line.lstrip().startswith("#"):
+                if line.strip() and not (line.lstrip().startswith("#") and self._is_remark(line)):
                     self._take(line.rstrip("\r\n"), has_end(line))  # tabs at the end are cells
+            self._rest(whole=False)
         except (SceneError, SourceStopped) as error:
+            self._rest(whole=True)
             self._queue.put(error)
         except ValueError:  # the file was closed
             pass
@@ -68,8 +70,16 @@ class Stream:
         finally:
             self._queue.put(None)
 
+    def _is_remark(self, line: str) -> bool:
+        return self._lines is None or self._lines.is_remark(line.rstrip("\r\n"))
+
+    def _rest(self, whole: bool) -> None:
+        """Give the row that waits for one behind it, which does not come any more."""
+        for one, row in self._lines.rest() if self._lines is not None else ():
+            self._give(one, row, whole)
+
     def _take(self, line: str, whole: bool = True) -> None:
-        row: tuple[float, Mapping[str, float]] | None
+        row: Row | None
         if line.lstrip().startswith("{") or self._objects:
             self._objects, whole = True, True  # half an object is none
             row = read_object(line, self._columns, self._stamps, self._readings)
@@ -81,11 +91,16 @@ class Stream:
             self._begin(self._lines.header)
             return
         else:
-            row = self._lines.take(line, whole, self._number)
+            rows = self._lines.rows(line, whole, self._number)
             if self._lines.header is not self._header:
                 self._begin(self._lines.header)
-            if self._lines.headed:
-                return
+            for one, row in rows:
+                self._give(one, row, whole)
+            return
+        self._give(line, row, whole)
+
+    def _give(self, line: str, row: Row | None, whole: bool) -> None:
+        """Put a row into the queue, or count a line that cannot be read."""
         if row is None:
             self.refused, self.last = self.refused + 1, line[:80]
             return

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -18,25 +18,18 @@ from tautline.scene.reading.long_rows import (
     has_half_a_second,
     has_remark,
     kind_of,
-    kind_or_state,
     only_words_behind,
-    seems_two_lines,
     shows_nothing,
     usual_kinds,
-    usual_numbers,
 )
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import Marks, OtherQuantity, factor_between
 from tautline.twin.sources.record import Later, NewHeader
+from tautline.twin.sources.rows_in_doubt import RowInDoubt, RowsBefore
 from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column, stamp_of
 
 SEPARATORS = ";\t,"
-USUAL_ROWS = 100
-"""Rows before one that is longer than the header, by which it is judged together with those of earlier times."""
-
-LONGER = 3
-"""Rows with more cells than before, one behind the other, that are no lines that ran into one."""
 FEW = 10
 """Of so many rows, one that is shorter than most broke off."""
 
@@ -104,6 +97,10 @@ class Header:
         What is to be known of units that say nothing, and of stamps.
     offsets : Counter
         How many rows have had so many cells more than the header has titles, also rows by the same titles before.
+    doubted : RowInDoubt or None
+        The row that was read last, where it may be two lines that ran into one.
+    before : RowsBefore
+        What rows before have shown, also rows by the same titles before.
 
     Raises
     ------
@@ -118,6 +115,7 @@ class Header:
         self._given, self._line, self._number_of_line = (columns, time, where, units), line, number
         # Whether the next line may have its units: no row was read by it. And whether rows came before it.
         self._bare, self._behind, self._below = not below, False, below
+        self._kept = False  # whether the units below are of the same titles before: others take their place
         self.separator = separator_of(line)
         titles = self.titles = titles_of(line, self.separator)
         self.columns, self.where = columns, where
@@ -129,13 +127,10 @@ class Header:
         self._widths: set[int] = set()  # numbers of cells that rows have had, but for those in doubt
         self.offsets: Counter[int] = Counter()
         self._begun = False  # whether any row was read, also one in doubt
-        # The latest rows that are no longer than the header, and what they and those before them have had by column.
-        self._plain: deque[list[str]] = deque(maxlen=USUAL_ROWS)
-        self._kinds: list[Counter[str]] = [Counter() for _ in range(self._cells)]
+        self.before = RowsBefore(self._cells, self.width)
+        self.doubted: RowInDoubt | None = None
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
-        self._longest = 0  # most cells of a row, but for those that a remark made longer
-        self._longer = 0  # rows, one behind the other, that had more cells than any before
         self._marks: dict[str, Marks] = {}  # by column
         self._told: set[str] = set()  # what is said once, of this header and those behind it
         self._stamps = Stamps(time, self.notes, columns)
@@ -244,18 +239,18 @@ class Header:
         whole : bool
             Whether it ends: half a line is none.
         """
-        columns, time, where, units = self._given
+        where = self._given[2]
         if self._has_stamp(line):
             return None
         if whole and (below := self._units_in(line)):
-            return self._with_units(below)
+            return self._with_units(below, number)
         sure = self.is_header(line) if whole else False
         if whole and (described := self._described(line, number, sure is not False)):
             return described
         if sure is False:
             return None
         try:
-            found = Header(line, columns, time, where, units, self.notes, number)
+            found = self._again(line, number)
         except SceneError as error:
             separator = separator_of(line)
             titles = titles_of(line, separator)
@@ -271,12 +266,27 @@ class Header:
         if found.titles == self.titles:
             found.offsets = self.offsets
             if found._cells == self._cells:
-                found._longest, found._kinds, found._plain = self._longest, self._kinds, self._plain
-        ways = [(one.places, one.factors, one.stamp, one.factor, one.separator) for one in (self, found)]
-        if ways[0] != ways[1]:
+                found.before = self.before
+        if self._way != found._way:
             other = "its columns, units or separator differ"
             self.notes.append(f"{where}:{number}: a new header; {other}. Rows from here on are read by it")
         return found
+
+    def _again(self, line: str, number: int) -> Header:
+        """The header that a line is; the same titles keep the units below them, until a line of units says otherwise.
+
+        A logger may write its titles on each page, and the units below them once.
+        """
+        columns, time, where, units = self._given
+        same = titles_of(line, separator_of(line)) == self.titles
+        found = Header(line, columns, time, where, units, self.notes, number, self._below if same else ())
+        found._bare, found._kept = True, same and bool(self._below)
+        return found
+
+    @property
+    def _way(self) -> tuple[object, ...]:
+        """How rows are read."""
+        return self.places, self.factors, self.stamp, self.factor, self.separator
 
     @property
     def usual(self) -> set[int]:
@@ -330,7 +340,7 @@ class Header:
             return []
         return cells
 
-    def _with_units(self, below: Sequence[str]) -> Header:
+    def _with_units(self, below: Sequence[str], number: int) -> Header:
         """This header with units of the line below it.
 
         Raises
@@ -339,7 +349,7 @@ class Header:
             Where they cannot be, and no row came before. Else `read` raises at the next row.
         """
         columns, time, where, units = self._given
-        lines = [*self._below, below]
+        lines = [below] if self._kept else [*self._below, below]
         try:
             found = Header(self._line, columns, time, where, units, self.notes, self._number_of_line, lines)
         except SceneError as error:
@@ -348,6 +358,9 @@ class Header:
             self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
             return self
         found._told, found._marks, found._behind, found.offsets = self._told, self._marks, self._behind, self.offsets
+        found.before = self.before
+        if self._kept and self._way != found._way:
+            self.notes.append(f"{where}:{number}: other units than before. Rows from here on are read by them")
         return found
 
     def _described(self, line: str, number: int, told: bool) -> Header | None:
@@ -388,7 +401,7 @@ class Header:
                 self.notes.append(f"{where}:{number}: [{unit}] is no known unit: '{name}' is read as without this line")
         if not any(known):
             return self
-        bare, found = self._bare, self._with_units(known)
+        bare, found = self._bare, self._with_units(known, number)
         found._bare = bare and found is not self  # a line of units may come behind it
         return found
 
@@ -472,7 +485,7 @@ class Header:
         NewHeader
             For a row with a stamp behind a header by which it cannot be read.
         """
-        cells = cells_of(line, self.separator)
+        self.doubted, cells = None, cells_of(line, self.separator)
         count = len(cells)
         number = filled(cells) if count > self._cells else count
         if not whole or (count < self.width and count != self._before):
@@ -492,53 +505,47 @@ class Header:
             self._status |= not shows_nothing(first_beyond(cells, self._cells))
             self._tell_remark(line, at)
             self.offsets[count - self.width] += 1
-        elif math.isfinite(stamp) and not doubtful and (found := self._seems_two(cells, count)):
-            self._tell_two(line, count, at, found)
-            if found == "two":
-                return None
-            doubtful = True
         elif math.isfinite(stamp) and not doubtful:
-            self._widths.add(count)
-            self.offsets[count - self.width] += 1
-            self._whole_times |= ":" in cells[self.stamp] and count >= self.width
-            self._longest = max(self._longest, count if count <= self.width else 0)
-            self._plain.append(cells)
+            seconds = self.before.seconds(cells, self.stamp, self.factor)
+            if found := self.before.seems_two(cells, {self.stamp, *self.places.values()}, seconds):
+                said, last = self._said_of_two(line, count, at, found), self.before.stamps[-1]
+                self.doubted = RowInDoubt(stamp, self._values(cells), found, said, count, last, seconds)
+            else:
+                self._widths.add(count)
+                self.offsets[count - self.width] += 1
+                self._whole_times |= ":" in cells[self.stamp] and count >= self.width
+                self.before.add(cells, self.stamp)
         if math.isfinite(stamp):
             self._bare, self._begun = False, True
             self._before = min(count, self._cells)  # that of a remark does not show that a row is whole
+            self.before.stamps.append(stamp)
+        if self.doubted is not None:
+            return self.doubted.left
         if len(cells) <= self.stamp:
             return None
-        if doubtful:
-            return stamp, dict.fromkeys(self.places, float("nan"))
-        return stamp, {
-            name: self.factors[name] * self._number(name, cells[place], cells) if place < len(cells) else float("nan")
+        return stamp, dict.fromkeys(self.places, math.nan) if doubtful else self._values(cells)
+
+    def _values(self, cells: Sequence[str]) -> dict[str, float]:
+        """Readings by column; NaN where there is none."""
+        return {
+            name: self.factors[name] * self._number(name, cells[place], cells) if place < len(cells) else math.nan
             for name, place in self.places.items()
         }
 
-    def _seems_two(self, cells: Sequence[str], count: int) -> str:
-        """Whether a row with more cells than any before may be two lines that ran into one: "two", "moved", or "".
+    def settle(self, row: RowInDoubt, behind: float | None) -> tuple[float, Mapping[str, float]] | None:
+        """What is read of a row in doubt, as the stamp `behind` it shows; tells once what is left out."""
+        if self.before.is_one(row, behind):
+            self.offsets[row.count - self.width] += 1
+            return row.time, row.values
+        self.tell_once(row.kind, row.said)
+        return row.left
 
-        Where it is the third one behind the other, rows have more cells from here on.
-        """
-        if count <= max(self.width, self._longest):
-            self._longer = 0
-            return ""
-        found, places = "", {self.stamp, *self.places.values()}
-        if self._longest:
-            self._count_kinds()
-            usual = usual_numbers(self._kinds) | places
-            found = seems_two_lines(cells, usual, self.stamp, max(places), count - self._longest)
-            self._longer += bool(found)
-        if not self._longest or self._longer >= LONGER:
-            self._longest, found = count, ""
-        return found
-
-    def _tell_two(self, line: str, count: int, at: int, found: str) -> None:
-        """Tell once that a row is left out, or its readings, for two lines may have run into one."""
-        said = f"has {count} cells, and others before had {self._longest} at most: two lines may have run into one"
+    def _said_of_two(self, line: str, count: int, at: int, found: str) -> str:
+        """That a row is left out, or its readings, for two lines may have run into one."""
+        said = f"has {count} cells, and others before had {self.before.usual}: two lines may have run into one"
         what = "Such rows" if found == "two" else "Readings of such rows"
-        told = f"the row '{shorten(line)}' {said}. {what} are left out, but for the third one behind the other"
-        self.tell_once(found, f"{self.where}:{at}: {told}")
+        but = "but where the stamps before and behind show that no line is missing"
+        return f"{self.where}:{at}: the row '{shorten(line)}' {said}. {what} are left out, {but}"
 
     def _refuse_doubtful(self, cell: str) -> None:
         """Refuse a number as a stamp where the header leaves it in doubt in which unit that is; a date needs none.
@@ -568,16 +575,9 @@ class Header:
         cells = ["" if i in places and shows_nothing(cell) else cell for i, cell in enumerate(cells)]
         if only_words_behind(cells, max(places), self._cells, self._status):
             return True
-        self._count_kinds()
         numbers = [{"number"} if i in places else set() for i in range(self._cells)]
-        usual = [usual_kinds(kinds) | number for kinds, number in zip(self._kinds, numbers, strict=True)]
+        usual = [usual_kinds(kinds) | number for kinds, number in zip(self.before.kinds, numbers, strict=True)]
         return has_remark(cells, self._cells, usual, self._status)
-
-    def _count_kinds(self) -> None:
-        for row in self._plain:
-            for kinds, cell in zip(self._kinds, row, strict=False):
-                kinds[kind_or_state(cell)] += 1
-        self._plain.clear()
 
     def _tell_remark(self, line: str, at: int) -> None:
         """Tell once that words beyond the header are passed over."""
