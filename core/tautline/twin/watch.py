@@ -156,7 +156,7 @@ class Watch:
             if one.is_residual and sensor is not None:
                 self._judge_residual(one, row, order.index(one.target), measured[one.target], sensor)
             else:
-                self._judge_output(one, row, sensor)
+                self._judge_output(one, row, sensor, measured.get(one.target, np.nan))
         self.judge_sensors(row.time, row.correlation, row.converged)
         self._judge_ahead(row)
         self.judge_operation(row.time)
@@ -191,14 +191,15 @@ class Watch:
             self._irregular[one.name] = text
         self.alarms.judge(one.name, holds, row.time, text, one.lasting)
 
-    def _judge_output(self, one: Alarm, row: Compared, sensor: Health | None) -> None:
+    def _judge_output(self, one: Alarm, row: Compared, sensor: Health | None, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
         computed = row.outputs.get(one.target)
         known = computed is not None and row.converged and row.time >= row.judged_from
         value = extreme(computed[0], one) if known and computed is not None else np.nan
         sd = largest_known(computed[1]) if computed is not None else np.nan
         # A peak that lasts one reading says nothing of the machine, but may be true: bounds see what is left out.
-        measured = sensor.side(row.time) if sensor is not None else np.nan
+        if sensor is not None and not np.isfinite(measured):
+            measured = sensor.side(row.time)
         seen, computed_too = (bool(np.isfinite(v) and beyond(v, one.above, one.below)) for v in (measured, value))
         if sensor is not None:
             within = known and not row.unsure and surely_within(value, sd, one)
