@@ -213,3 +213,18 @@ def test_what_all_rows_of_a_sensor_are_off_by_is_left_of_the_window_though_it_is
     assert np.all(horizon.spread < 4.0)
     assert max(horizon.left) > 5.0**2
     assert np.all(told_by_two(0.0).left < 2.0)
+
+
+def test_what_readings_have_put_in_doubt_stays_so_while_nothing_is_measured_and_until_readings_agree_again():
+    """The value goes from 3 to 4 at 10 s, as the sensor dies after so few readings that nothing is released."""
+    rng = np.random.default_rng(3)
+    horizon, stated = Horizon([unknown("a", 3.0, 2.0)], [channel(0.05)], 3.0), []
+    for k in range(250):
+        time = 0.1 * k
+        value, dead = 3.0 + (10.0 < time < 20.0), 10.9 < time < 20.0
+        y = np.array([np.nan if dead else value + 0.05 * rng.standard_normal()])
+        horizon.add(Sample(time, y, np.ones(1) * horizon.theta0, np.ones((1, 1)), np.array([not dead])))
+        stated.append(float(horizon.stated[0]))
+    assert horizon.released == -np.inf and stated[95] < 0.02
+    assert min(stated[109:200]) > 0.2 and abs(horizon.mean[0] - 3.0) < 0.05
+    assert stated[-1] < 0.03

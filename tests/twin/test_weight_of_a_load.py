@@ -5,7 +5,20 @@ import copy
 import numpy as np
 import pytest
 from of_the_suite import studies
-from twin.rehearsal import CALM, HOIST, NOT_AHEAD, SENSORS, alarms, at, calm_rows, hoist, lines_of, rows_of, weight_twin
+from twin.rehearsal import (
+    CALM,
+    HOIST,
+    NOT_AHEAD,
+    SENSORS,
+    STILL,
+    alarms,
+    at,
+    calm_rows,
+    hoist,
+    lines_of,
+    rows_of,
+    weight_twin,
+)  # fmt: skip
 
 import tautline
 from tautline.twin.twin import Twin
@@ -154,3 +167,24 @@ def test_a_weight_that_may_stand_near_the_end_of_its_range_is_told_with_good_hea
     lines = lines_of(twin, calm_rows())
     assert not [note for note in twin.notes if "end of its range" in note]
     assert {line["health"] for line in lines if line["time"] > 8.0} == {"good"}
+
+
+def test_the_weight_of_a_load_that_fills_is_within_two_deviations_once_its_lag_shows():
+    """The weight is what hangs there, by hand; 4 kg/s of it come from 4 s on, in rows of 5 Hz with 0.05 kN of noise."""
+    weighed = """
+sensors:
+  - {column: winch, unit: m, input: winch.pay_out}
+  - {column: load, unit: kN, output: winch.tension, sd: 0.05 kN}
+estimate: [{parameter: payload.mass, start: 5 t, sd: 1 t, range: [1 t, 9 t], drift: 1 kg/s^0.5}]
+ahead: 0 s
+"""
+    rng, rope = np.random.default_rng(2), 6.5 * 20.0
+    rows, truth = [], {}
+    for time in np.arange(0.0, 15.0, 0.2):
+        truth[float(time)] = 5000.0 + 4.0 * max(0.0, time - 4.0)
+        force = 9.81e-3 * (truth[float(time)] + rope) + 0.05 * rng.standard_normal()
+        rows.append((float(time), {"winch": 0.0, "load": force}))
+    found = {line["time"]: line["estimates"]["payload.mass"] for line in lines_of(Twin(STILL, weighed), rows)}
+    off = np.array([(found[at]["value"] - truth[at]) / found[at]["sd"] for at in truth if at > 10.0])
+    assert np.mean(np.abs(off) < 2.0) > 0.9
+    assert np.median([found[at]["sd"] for at in truth if at > 10.0]) < 30.0

@@ -20,7 +20,7 @@ from tautline.scene.errors import option_error
 from tautline.scene.values.moments import stamp_said
 from tautline.twin.estimation.estimate import Estimate, Machine
 from tautline.twin.estimation.family import Blow
-from tautline.twin.estimation.horizon import MISSED, Sample
+from tautline.twin.estimation.horizon import MISSED, SEEN_OFF, Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import EARLY, Forecast, Found
 from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, read_map
@@ -545,11 +545,14 @@ class Twin:
         use = use.copy()
         numbers = [i for i, one in enumerate(self.plan.channels) if one.is_output]
         settled = self.estimate.converged
+        alone = self.operation is None or self.operation.mean == 0.0
         for m, i in enumerate(numbers):
             spread = abs(J[m]) @ horizon.deviation if horizon.unknowns else 0.0
             if (use[m] or health[i].fault == "unit") and tells[m]:
                 good = health[i].compare(time, y[m], told[m], sd[m] + spread, settled and use[m])
                 use[m] = use[m] and (good or self.estimate.explains(told[m], y[m], J[m]))
+            drifts = settled and alone and health[i].drifting(float(horizon.correlation[m]), SEEN_OFF)
+            horizon.drift[m] = health[i].mean_residual / sd[m] if drifts else 0.0
         return use
 
     def _found_by_operation(self, time: float, y: np.ndarray, outputs: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -105,6 +105,17 @@ def surely_beyond(value: float, sd: float, bound: Alarm) -> bool:
     return value - off > bound.above or value + off < bound.below
 
 
+def surely_within(value: float, sd: float, bound: Alarm) -> bool:
+    """Whether a computed value is within a bound by `SURE` standard deviations; by itself, where none is known."""
+    off = SURE * sd if np.isfinite(sd) else 0.0
+    return bound.below <= value - off and value + off <= bound.above
+
+
+def no_reading(sensor: Health) -> str:
+    """Why a sensor does not show what a bound is about."""
+    return sensor.text if sensor.fault else f"{sensor.channel.column} shows nothing now"
+
+
 def largest_known(sd: Any) -> float:
     """The largest standard deviation of all places of an output, whichever of them the bound is about; or NaN."""
     known = np.abs(np.ravel(sd))
@@ -130,21 +141,22 @@ class Watch:
         self.plan, self.health, self.operation = plan, health, operation
         self.alarms = Alarms()
         self._told_ahead: set[str] = set()
+        # By alarm: what a sensor has shown beyond the bound, and whether what is computed ever was so too.
+        self._seen: dict[str, tuple[str, bool]] = {}
+        self._irregular: dict[str, str] = {}
         self._before = -np.inf
 
     def judge(self, row: Compared) -> None:
         """Judge all alarms."""
         measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
-        # A peak that lasts one reading says nothing of the machine, but may be true: bounds see what is left out.
-        seen = measured | {
-            one.channel.name: one.left_out for one in self.health if np.isfinite(one.left_out) and one.channel.is_output
-        }
+        sensors = {one.channel.name: one for one in self.health if one.channel.is_output}
         order = [one.name for one in self.plan.measured]
         for one in self.plan.alarms:
-            if one.is_residual:
-                self._judge_residual(one, row, order.index(one.target), measured[one.target])
+            sensor = sensors.get(one.target)
+            if one.is_residual and sensor is not None:
+                self._judge_residual(one, row, order.index(one.target), measured[one.target], sensor)
             else:
-                self._judge_output(one, row, seen.get(one.target, np.nan))
+                self._judge_output(one, row, sensor, measured.get(one.target, np.nan))
         self.judge_sensors(row.time, row.correlation, row.converged)
         self._judge_ahead(row)
         self.judge_operation(row.time)
@@ -159,45 +171,120 @@ class Watch:
         """Take notice that the simulation was begun again."""
         self.alarms.judge(STOPPED, True, time, text)
 
-    def _judge_residual(self, one: Alarm, row: Compared, m: int, measured: float) -> None:
+    def _judge_residual(self, one: Alarm, row: Compared, m: int, measured: float, sensor: Health) -> None:
         r, sd = row.residual[m], row.residual_sd[m]
+        if not sensor.believed and one.name in self._irregular:
+            # Without a reading nothing shows whether it is over.
+            text, certain = self._irregular[one.name], sensor.fault == "" and sensor.is_recent(row.time)
+            told = text if certain else f"not known any more: {text}. {no_reading(sensor)}"
+            holds = certain or one.name in self.alarms.active
+            self.alarms.judge(one.name, holds, row.time, told, one.lasting, certain)
+            return
         size = abs(r) / sd if one.times_sd else r
         known = np.isfinite(r) and bool(row.use[m]) and row.converged
         holds = bool(known and (size > one.above or (not one.times_sd and beyond(r, one.above, one.below))))
         tell = self._teller(one)
         text = f"{one.target} is measured {tell(measured)}, expected {tell(measured - r)}" if known else ""
         text += f" (standard deviation {tell(sd)}): friction, contact or rope path are not as in the scene"
+        self._irregular.pop(one.name, None)
+        if holds:
+            self._irregular[one.name] = text
         self.alarms.judge(one.name, holds, row.time, text, one.lasting)
 
-    def _judge_output(self, one: Alarm, row: Compared, measured: float) -> None:
+    def _judge_output(self, one: Alarm, row: Compared, sensor: Health | None, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
         computed = row.outputs.get(one.target)
         known = computed is not None and row.converged and row.time >= row.judged_from
-        values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
-        now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
-        text, holds, certain, doubt = "", bool(now), True, "The deviation"
+        value = extreme(computed[0], one) if known and computed is not None else np.nan
         sd = largest_known(computed[1]) if computed is not None else np.nan
-        if now:
-            text = f"{one.target} {now[0][0]}: {bound_said(now[0][1], one.above, one.below, self._teller(one))}"
-            certain = now[-1][0] == "measured" or surely_beyond(now[0][1], sd, one)
-            if certain and now[-1][0] == "computed" and np.isfinite(measured):
-                certain, doubt, sd = False, "What is measured", measured
-        elif known and (coming := self._coming(one, row)) is not None:
-            left, value, worst, away = coming
-            text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
-            if away != 0.0:
-                sd = float(np.hypot(sd, away)) if np.isfinite(sd) else away
-            # A load that bounces in the simulation alone would be a danger by far more than its deviation.
-            holds, certain = True, bool(np.isfinite(away)) and surely_beyond(worst, sd, one) and not row.unsure
-        if row.late and not holds and one.name in self._told_ahead:
-            told_ahead = "not known any more: this was foreseen, and the computer has no time to look again"
-            self.alarms.judge(one.name, True, row.time, told_ahead, one.lasting, False)
+        # A peak that lasts one reading says nothing of the machine, but may be true: bounds see what is left out.
+        if sensor is not None and not np.isfinite(measured):
+            measured = sensor.side(row.time)
+        seen, computed_too = (bool(np.isfinite(v) and beyond(v, one.above, one.below)) for v in (measured, value))
+        if sensor is not None:
+            within = known and not row.unsure and surely_within(value, sd, one)
+            self._follow_seen(one, sensor, measured if seen else np.nan, computed_too, within)
+        ahead = self._coming(one, row) if known and not (seen or computed_too) else None
+        if seen and sensor is not None:
+            said = self._said_measured(one, sensor, computed_too and surely_beyond(value, sd, one))
+        elif computed_too:
+            believed = sensor is not None and sensor.fault == ""
+            said = self._said_computed(one, value, sd, measured if believed else np.nan)
+        elif ahead is not None:
+            said = self._said_coming(one, row, sd, ahead)
+        else:
+            self._judge_unseen(one, row, sensor)
             return
-        (self._told_ahead.add if holds and not now else self._told_ahead.discard)(one.name)
-        if not certain:
-            text += f". That is not certain. {doubt} is {self._teller(one)(sd) if np.isfinite(sd) else 'not known'}"
-            text += ", and what is computed is in doubt" * (row.unsure and not now)
-        self.alarms.judge(one.name, holds, row.time, text, one.lasting, certain)
+        (self._told_ahead.add if ahead is not None else self._told_ahead.discard)(one.name)
+        self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1])
+
+    def _judge_unseen(self, one: Alarm, row: Compared, sensor: Health | None) -> None:
+        """Judge a bound that nothing shows to be passed now: what was seen is over only where something shows that."""
+        text, holds = "", False
+        if row.late and one.name in self._told_ahead:
+            text, holds = "this was foreseen, and the computer has no time to look again", True
+        else:
+            self._told_ahead.discard(one.name)
+        if not holds and sensor is not None and one.name in self._seen and one.name in self.alarms.active:
+            text, holds = f"{self._seen[one.name][0]}. {no_reading(sensor)}", True
+        self.alarms.judge(one.name, holds, row.time, f"not known any more: {text}", one.lasting, not holds)
+
+    def _follow_seen(self, one: Alarm, sensor: Health, measured: float, computed_too: bool, within: bool) -> None:
+        """Follow whether the last that a sensor has shown is beyond a bound.
+
+        Parameters
+        ----------
+        measured : float
+            The reading of now, SI, that is beyond the bound; else NaN.
+        computed_too : bool
+            Whether what is computed is beyond it as well.
+        within : bool
+            Whether what is computed is within it for sure. That shows nothing where it never followed what the sensor
+            has shown: such as of a load that was picked up as its cell broke.
+        """
+        text, followed = self._seen.get(one.name, ("", False))
+        if np.isfinite(measured):
+            text = f"{one.target} measured: {bound_said(measured, one.above, one.below, self._teller(one))}"
+        elif not text or sensor.believed or (within and followed):
+            self._seen.pop(one.name, None)
+            return
+        self._seen[one.name] = text, followed or computed_too
+
+    def _said_measured(self, one: Alarm, sensor: Health, computed_too: bool) -> tuple[str, bool]:
+        """What is said of a reading beyond a bound, and whether that is certain.
+
+        A reading that is not believed, such as one beyond the range, goes on with what was certain before it. By itself
+        it may be that of a broken wire.
+        """
+        text, active = self._seen[one.name][0], self.alarms.active.get(one.name)
+        if sensor.fault == "":
+            return text, True
+        certain = computed_too or (active is not None and active.known)
+        return f"{text}. {sensor.text}" + ". That is not certain" * (not certain), certain
+
+    def _said_computed(self, one: Alarm, value: float, sd: float, measured: float) -> tuple[str, bool]:
+        """What is said of a computed value beyond a bound, and whether that is certain beside what is measured."""
+        text = f"{one.target} computed: {bound_said(value, one.above, one.below, self._teller(one))}"
+        certain, doubt = surely_beyond(value, sd, one), "The deviation"
+        if certain and np.isfinite(measured):
+            certain, doubt, sd = False, "What is measured", measured
+        return text + self._doubt(one, doubt, sd) * (not certain), certain
+
+    def _said_coming(
+        self, one: Alarm, row: Compared, sd: float, coming: tuple[float, float, float, float]
+    ) -> tuple[str, bool]:
+        """What is said of a bound that will be passed, and whether that is certain."""
+        left, value, worst, away = coming
+        text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
+        if away != 0.0:
+            sd = float(np.hypot(sd, away)) if np.isfinite(sd) else away
+        # A load that bounces in the simulation alone would be a danger by far more than its deviation.
+        certain = bool(np.isfinite(away)) and surely_beyond(worst, sd, one) and not row.unsure
+        doubt = self._doubt(one, "The deviation", sd) + ", and what is computed is in doubt" * row.unsure
+        return text + doubt * (not certain), certain
+
+    def _doubt(self, one: Alarm, doubt: str, value: float) -> str:
+        return f". That is not certain. {doubt} is {self._teller(one)(value) if np.isfinite(value) else 'not known'}"
 
     def _coming(self, one: Alarm, row: Compared) -> tuple[float, float, float, float] | None:
         """How long ahead a bound is passed, s, the value there, the worst one, and how far the estimate has moved away.

@@ -142,6 +142,8 @@ class Horizon:
         rows have in common.
     lasting : (k,)
         Standard deviations of what sensors that are off for good make of the estimate, however many rows say the same.
+    drift : (m,)
+        Mean by which rows of a sensor that drifts missed lately what was expected, in its standard deviations; else 0.
     beyond : (k,)
         How far beyond its range each unknown would stand without it, in standard deviations.
     released : float
@@ -182,6 +184,7 @@ class Horizon:
         self.at_bound = np.zeros(k, bool)
         self.beyond, self.lasting, self.left = np.zeros(k), np.zeros(k), np.zeros(m)
         self.released, self._contradicted = -np.inf, np.nan
+        self.drift = np.zeros(m)
         self.rough = np.zeros((m, k))
         self.largest = np.zeros(m)
         self.shaken = False
@@ -190,12 +193,14 @@ class Horizon:
         self.variance = np.zeros(m)
         self.alike, self.learned = np.ones(m), np.zeros(m)
         self._anew, self._carried, self._carried_at = False, 0.0, -np.inf
+        self._told = 0  # readings since `lasting` was found
 
     # -- samples -------------------------------------------------------------------------------------------------------
 
     def add(self, sample: Sample) -> None:
         """Take a sample into the window, and those that are too old out of it."""
         self.samples.append(sample)
+        self._told += bool((sample.use & np.isfinite(sample.y)).any())
         self.largest = np.maximum(self.largest, np.where(sample.use, np.abs(sample.y), 0.0))
         if not np.isfinite(self.prior_time):
             self.prior_time = sample.time
@@ -389,8 +394,10 @@ class Horizon:
 
         A sensor that is off for good, or sensors that contradict each other, are off by the same in all rows: what they
         make of the estimate does not fall with the number of rows. Which of them is off is not known, so each may be,
-        by what all of them leave. What has left the window is not believed to be better.
-        Nothing is known less well than at the start.
+        by what all of them leave. What has left the window is not believed to be better. So it is where readings
+        drift: what goes steadily on is followed late, and the mean by which rows missed what was expected is that lag.
+        Nothing is known less well than at the start. Too few rows tell nothing of it: what was found of more stays
+        until as many have come anew. As a sensor fails, rows leave the window that no others have refuted.
         """
         _, _, J, use, sd = stacked
         residual, weight = self._weighed(stacked)
@@ -403,7 +410,11 @@ class Horizon:
         square = (np.nansum(told, axis=0) / rows) ** 2
         off = np.where((square > SEEN_OFF**2 * noise) & (rows >= FEWEST), square, 0.0)
         more = int(np.count_nonzero(use.any(axis=0))) - int(np.count_nonzero(~self.free))
-        common = float(off.sum()) / max(1, more)
+        common = float((off + self.drift**2).sum()) / max(1, more)
+        if rows.max(initial=0) >= FEWEST:
+            self._told = 0
+        elif self._told < FEWEST:
+            return
         alone = np.einsum("nmi,nm,nmj->ij", J, weight, J) + np.diag(1.0 / self.first_sd**2)
         pull = np.linalg.solve(alone, np.einsum("nmi,nm,nm->im", J, weight, sd))
         self.lasting = np.minimum(np.sqrt(common * np.sum(pull**2, axis=1)), self.first_sd)

@@ -73,6 +73,10 @@ JUMPING = 10.0
 """For how long a jump is told, s."""
 LONGEST_PASSED = 1.0
 """Time that a residual counts for at most, s: what was between it and the one before is not known."""
+BETWEEN = 2.5
+"""Intervals of a sensor for which its last reading stands: rows of faster sensors come between two of its own."""
+SPEAKING = ("clipped", "out of range", "unit")
+"""Faults of which the reading is wrong, but says on which side of a bound the machine may be."""
 
 
 class Health:
@@ -86,6 +90,12 @@ class Health:
         Readings that jumped away from those before and after: they are left out.
     left_out : float
         The last reading, SI, where it was one of them; else NaN.
+    shown : float
+        The last reading, SI, whether it can be believed or not; NaN before there is any.
+    interval : float
+        In which readings come, s: the shorter of the last two, so that a gap is none.
+    believed : bool
+        Whether there was a reading at the last row, without a fault; one that jumped is none.
     """
 
     MADE_ANEW = ("channel",)
@@ -95,6 +105,7 @@ class Health:
         self.fault, self.text = "", ""
         self.seen = np.nan
         self.begun = np.nan
+        self.shown, self.interval, self.believed = np.nan, np.nan, False
         self._values: deque[float] = deque(maxlen=HISTORY)
         self._changes: deque[float] = deque(maxlen=HISTORY)
         self._same, self._same_from, self._abrupt, self._stopped = 1, np.nan, False, False
@@ -125,6 +136,12 @@ class Health:
         stamps : sequence of float
             Their times, s; without them they come as fast as the last did.
         """
+        value = self._checked(time, reading, following, stamps)
+        self.believed = bool(np.isfinite(value)) and self.fault == ""
+        return value
+
+    def _checked(self, time: float, reading: float, following: Sequence[float], stamps: Sequence[float]) -> float:
+        """The same, as the fault that it finds is kept."""
         self.left_out = np.nan
         if not np.isfinite(self.begun):
             self.begun = time
@@ -133,7 +150,8 @@ class Health:
             if time - since >= self.channel.lost_after:
                 self._set("lost", f"no value of {self.channel.column} since {stamp_said(since)}")
             return np.nan
-        passed, self.seen = time - self.seen, time
+        passed, self.seen, self.shown = time - self.seen, time, reading
+        self.interval = float(np.fmin(passed, self._passed))
         if passed > GAP * self._passed:
             # What was before a gap tells nothing of a motion that stops.
             self._last = self._step = np.nan
@@ -156,6 +174,18 @@ class Health:
             self.jump = f"{self.channel.column} jumped {way} at {stamp_said(time)}; left out so far: {self.jumps}"
             return np.nan
         return self._repeated(time, reading, low, high, width)
+
+    def is_recent(self, time: float) -> bool:
+        """Whether the last reading is of a time, s, or the next one of a slower sensor is not due yet."""
+        return bool(time == self.seen or time - self.seen <= BETWEEN * self.interval * (1.0 + EDGE))
+
+    def side(self, time: float) -> float:
+        """The reading, SI, that tells on which side of a bound the machine is at a time, s; NaN where none does.
+
+        It need not be one that is believed: what is beyond the range of its sensor is still above or below a bound.
+        """
+        tells = self.is_recent(time) and (self.fault == "" or self.fault in SPEAKING)
+        return self.shown if tells else np.nan
 
     def jumping(self, time: float) -> bool:
         """Whether a reading jumped away and back lately."""
@@ -355,9 +385,9 @@ class Health:
         """Mean of the residuals of about the last `DRIFT_TIME`, SI."""
         return self._residual / self._known if self._known > 0.0 else 0.0
 
-    def drifting(self, alike: float) -> bool:
+    def drifting(self, alike: float, sds: float = DRIFTING) -> bool:
         """Whether the mean residual is beyond what noise makes, with so many samples counting as one."""
-        return self.weight > 0.0 and abs(self.mean) > DRIFTING * np.sqrt(self.weight * max(alike, 1.0))
+        return self.weight > 0.0 and bool(abs(self.mean) > sds * np.sqrt(self.weight * max(alike, 1.0)))
 
     def contradict(self, time: float, residual: float, sd: float) -> None:
         """Follow a residual over its standard deviation: one of dozens of them that lasts is no noise and no drift.

@@ -1,0 +1,107 @@
+"""Bounds of `watch` whose sensor is not believed: an overload is not told as ended where nothing shows that it is.
+
+Readings are written here, in kN: a load that hangs still with 49 kN, and what comes from 2 s on. The bound is 80 kN.
+"""
+
+import numpy as np
+import pytest
+from twin.rehearsal import STILL
+
+from tautline.twin.signals.sensors import Health
+from tautline.twin.twin import Twin
+from tautline.twin.watch import Compared, Watch
+
+HELD, OVER, RATE, END = 49.0, 83.95, 10.0, 12.0
+MISSING = float("nan")
+
+
+@pytest.fixture(scope="module")
+def told():
+    """A function that judges readings by time, and gives (time, alarm of that name or None) of all rows."""
+    plan = Twin(
+        STILL,
+        """
+sensors:
+  - {column: load, unit: kN, output: winch.tension, sd: 0.5 kN, range: [0 kN, 90 kN]}
+watch:
+  - {output: winch.tension, above: 80 kN, name: overload}
+  - {residual: winch.tension, above: 20 kN, for: 1 s, name: irregular}
+ahead: 0 s
+""",
+    ).plan
+
+    def judged(readings, computed=lambda time: HELD, name="overload"):
+        health, noise = Health(plan.channels[0]), np.random.default_rng(1)
+        watch, found = Watch(plan, [health], None), []
+        for time in np.arange(0.0, END, 1.0 / RATE):
+            reading = readings(time)
+            reading += 0.1 * noise.standard_normal() * (reading not in (OVER, 90.0))
+            value = health.check(time, 1e3 * reading)
+            expected = 1e3 * computed(time)
+            watch.judge(Compared(
+                time, np.array([value]), {"winch.tension": (expected, 100.0)}, np.array([value - expected]),
+                np.full(1, 500.0), np.isfinite([value]), np.ones(1), True, None,
+            ))  # fmt: skip
+            found.append((time, watch.alarms.active.get(name)))
+        return found
+
+    return judged
+
+
+def between(found, begin, end):
+    """Alarms from a time to another, s."""
+    return [one for time, one in found if begin < time < end]
+
+
+def steps(*parts):
+    """Readings that change at times: (time, reading)."""
+    return lambda time: [HELD, *(reading for at, reading in parts if time > at + 1e-9)][-1]
+
+
+FAILING = {
+    "nothing is shown": ((2.0, 84.0), (4.0, MISSING)),
+    "the cell is stuck": ((2.0, 84.0), (5.0, OVER)),
+}
+
+
+@pytest.mark.parametrize("kind", FAILING)
+def test_an_overload_is_not_over_while_its_cell_fails_and_is_so_when_the_cell_shows_less(kind, told):
+    found = told(steps(*FAILING[kind], (10.0, HELD)))
+    assert all(one is not None for one in between(found, 2.0, 10.0))
+    assert all(not one.known and "not known any more" in one.text for one in between(found, 6.0, 10.0))
+    assert not any(between(found, 11.2, END))
+
+
+def test_what_is_computed_ends_an_overload_of_a_dead_cell_only_where_it_was_one_there_too(told):
+    dead = steps((2.0, 84.0), (4.0, MISSING))
+    assert all(between(told(dead, lambda time: 50.0), 2.0, END)), "a load that was picked up as the cell broke"
+    found = told(dead, lambda time: 84.0 if 2.0 < time < 7.0 else 50.0)
+    assert all(between(found, 2.0, 7.0)) and not any(between(found, 8.2, END))
+
+
+@pytest.mark.parametrize("beyond, known", [(((2.0, 84.0), (3.0, 120.0)), True), (((2.0, 120.0),), False)])
+def test_a_reading_beyond_its_range_is_an_overload_and_certain_only_where_one_was_seen_before(beyond, known, told):
+    found = told(steps(*beyond, (8.0, HELD)))
+    assert all(one is not None and one.known == known for one in between(found, 2.0, 8.0))
+    assert any("outside its range" in one.text for one in between(found, 4.0, 8.0))
+    assert not any(between(found, 9.2, END))
+
+
+def test_a_cell_that_is_clipped_at_the_end_of_its_range_shows_an_overload(told):
+    found = told(steps((2.0, 90.0), (8.0, HELD)))
+    assert any("has shown 90 kN since" in one.text for one in between(found, 4.0, 8.0))
+    assert all(one is not None and one.known for one in between(found, 2.0, 8.0))
+    assert not any(between(found, 9.2, END))
+
+
+def test_an_overload_that_ended_as_the_cell_broke_does_not_stay(told):
+    assert not any(between(told(steps((2.0, 84.0), (4.0, HELD), (4.5, MISSING))), 5.2, END))
+
+
+@pytest.mark.parametrize("name", ["overload", "irregular"])
+def test_a_cell_of_every_second_row_shows_what_one_of_every_row_does(name, told):
+    whole = steps((2.0, 84.0), (8.0, HELD))
+    half = told(lambda time: whole(time) if round(RATE * time) % 2 == 0 else MISSING, name=name)
+    assert not any(between(half, 0.0, 2.0))
+    assert all(one is not None and one.known for one in between(half, 3.3, 8.0))
+    assert not any(between(half, 9.3, END))
