@@ -9,8 +9,8 @@ from twin.rehearsal import STILL
 
 from tautline.twin.signals.backlog import FALLS_BACK, LIMIT, Backlog
 from tautline.twin.sources.csv_file import CsvFile
-from tautline.twin.sources.holding import Change
-from tautline.twin.sources.opcua import OpcUa
+from tautline.twin.sources.opc_ua.client import OpcUa
+from tautline.twin.sources.opc_ua.holding import Change
 from tautline.twin.sources.stream import Stream
 from tautline.twin.twin import Twin
 

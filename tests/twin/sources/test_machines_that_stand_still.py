@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 from twin.sources.test_sources_of_data import free_port, server
 
-from tautline.twin.sources.holding import Change, Holding
+from tautline.twin.sources.opc_ua.holding import Change, Holding
 from tautline.twin.sources.opening import open_source
 
 BEGIN = datetime(2026, 11, 23, 12, tzinfo=UTC)

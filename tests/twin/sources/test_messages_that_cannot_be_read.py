@@ -139,7 +139,7 @@ def test_a_fault_while_a_message_is_read_ends_the_source_with_a_sentence(mqtt, m
 
 def test_a_fault_of_the_thread_of_opc_ua_ends_the_source_with_a_sentence(monkeypatch):
     pytest.importorskip("asyncua")
-    monkeypatch.setattr("tautline.twin.sources.opcua.OpcUa._connect_again_and_again", failing)
+    monkeypatch.setattr("tautline.twin.sources.opc_ua.client.OpcUa._connect_again_and_again", failing)
     source = open_source(f"opc.tcp://127.0.0.1:{free_port()}/x", ["a"])
     clock.sleep(0.2)
     with pytest.raises(SourceFault):

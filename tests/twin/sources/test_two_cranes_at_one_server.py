@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 from twin.sources.test_sources_of_data import Running, all_of, free_port
 
-from tautline.twin.sources.nodes import Variable, chosen
+from tautline.twin.sources.opc_ua.nodes import Variable, chosen
 from tautline.twin.sources.opening import open_source
 
 COLUMNS = ["winch", "heave", "tension"]
@@ -118,7 +118,7 @@ def test_two_cranes_by_the_node_ids_of_one_are_read_without_a_word():
 
 
 def test_a_name_that_was_not_searched_for_everywhere_is_not_said_to_be_missing_at_the_server(monkeypatch):
-    monkeypatch.setattr("tautline.twin.sources.nodes.LARGEST", 1)
+    monkeypatch.setattr("tautline.twin.sources.opc_ua.nodes.LARGEST", 1)
     first, notes = heard(["winch", "heave", "ns=2;s=nowhere"], "crane/winch", "heave")
     assert first["winch"] != first["winch"] and first["heave"] == 1.0
     none, unseen, _ = notes

@@ -6,7 +6,7 @@ import random
 import pytest
 
 from tautline.twin.signals.rows import Rows
-from tautline.twin.sources.holding import Change, Holding
+from tautline.twin.sources.opc_ua.holding import Change, Holding
 
 BEGIN = 1.7e9
 ARRIVED = 100.0

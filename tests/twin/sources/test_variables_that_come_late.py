@@ -7,7 +7,7 @@ import pytest
 from of_the_suite import studies
 
 from tautline.twin.signals.rows import Rows
-from tautline.twin.sources.holding import Change, Holding
+from tautline.twin.sources.opc_ua.holding import Change, Holding
 
 STEP = 0.1
 BEGIN = 1.7e9

@@ -9,10 +9,10 @@ from twin.sources.messages import Message, without_broker
 from twin.sources.test_sources_of_data import all_of, free_port
 
 from tautline.twin.sources.connection import Connection
-from tautline.twin.sources.holding import Change
-from tautline.twin.sources.nodes import units_of
 from tautline.twin.sources.objects import Remarks, factor_told, is_good
-from tautline.twin.sources.opcua import Lost, OpcUa
+from tautline.twin.sources.opc_ua.client import Lost, OpcUa
+from tautline.twin.sources.opc_ua.holding import Change
+from tautline.twin.sources.opc_ua.nodes import units_of
 from tautline.twin.sources.reading_units import unit_of_code
 from tautline.twin.sources.stream import Stream
 

@@ -51,7 +51,7 @@ def open_source(
 
         return Mqtt(address, columns, time, units)
     if address.startswith("opc.tcp://"):
-        from tautline.twin.sources.opcua import OpcUa
+        from tautline.twin.sources.opc_ua.client import OpcUa
 
         return OpcUa(address, columns, units)
     if "://" in address:

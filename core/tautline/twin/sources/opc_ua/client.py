@@ -14,8 +14,9 @@ from typing import Any
 
 from tautline.scene.errors import option_error
 from tautline.twin.sources.connection import Connection, cause_of, split_address
-from tautline.twin.sources.holding import Change, Holding
-from tautline.twin.sources.nodes import (
+from tautline.twin.sources.objects import ObjectReadings, Remarks, factor_told, what_is
+from tautline.twin.sources.opc_ua.holding import Change, Holding
+from tautline.twin.sources.opc_ua.nodes import (
     DEEPEST,
     LARGEST,
     Choice,
@@ -26,7 +27,6 @@ from tautline.twin.sources.nodes import (
     units_of,
     variables_of,
 )
-from tautline.twin.sources.objects import ObjectReadings, Remarks, factor_told, what_is
 from tautline.twin.sources.record import Record, SourceFault
 
 MOST = 100_000
