@@ -15,7 +15,7 @@ from tautline.cli.output.findings import figure_place, say_sentences, write_figu
 from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
-from tautline.scene.errors import option_error
+from tautline.scene.errors import SceneWarning, option_error
 from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
@@ -118,6 +118,9 @@ def torque_drag(
     print_warnings(warnings)
     loads, fitted = _fitted(drillstring, measured, elements, as_json)
     if fitted is not None:
+        unread = _unread(measured, loads)
+        print_warnings(unread)
+        warnings += unread
         factors = [fitted.factors(own.shoe)] if factors is None else factors
         depths = sorted(set(loads.depth.tolist())) if depths is None else depths
     cases = compute(drillstring, factors, depths, elements, reamed=reamed, kinds=kinds, unit=unit)
@@ -251,13 +254,17 @@ def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as
     from drillstring.statics.back_calculation import fit, read_measured
 
     loads = read_measured(path, scene.top.weight)
-    if loads.unused:
-        from tautline.cli.output.console import say
-
-        measured = {"pick_up": loads.pick_up, "slack_off": loads.slack_off}
-        read = " and ".join(name for name, found in measured.items() if any(found == found))  # NaN where not measured
-        say(f"{path.name}: not read: {', '.join(loads.unused)}; the fit is of {read} alone", "yellow")
     return loads, searched(path, as_json, lambda: fit(scene, loads, elements, path))
+
+
+def _unread(path: Path | None, loads: Any) -> list[SceneWarning]:
+    """Warn of columns of measured loads that are not read, and say of which loads the fit is."""
+    if path is None or not loads.unused:
+        return []
+    measured = {"pick_up": loads.pick_up, "slack_off": loads.slack_off}
+    read = " and ".join(name for name, found in measured.items() if any(found == found))  # NaN where not measured
+    text = f"{path.name}: not read: {', '.join(loads.unused)}; the fit is of {read} alone"
+    return [SceneWarning("--measured", text)]
 
 
 def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: float) -> dict[str, Any]:

@@ -382,6 +382,14 @@ def test_measured_loads_at_total_depth_in_feet_are_taken_and_refused_in_feet_whe
     assert code == 2 and told in " ".join(err.split())
 
 
+def test_a_column_of_loads_that_is_not_read_is_among_the_warnings_with_what_the_fit_is_of(drillstring_):
+    Path("other.csv").write_text("MD [ft],pick_up [klbf],down [klbf]\n12371.5,180,150\n", "utf8")
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "other.csv", "--json", *COARSE)
+    told = "other.csv: not read: down [klbf]; the fit is of pick_up alone"
+    assert code == 0 and told in " ".join(err.split())
+    assert {"where": "--measured", "text": told} in only_object(out)["warnings"]
+
+
 def test_measured_loads_are_told_as_written_where_the_block_has_a_weight_and_other_columns_are_named(folder):
     Path("gauge.csv").write_text("md [m],pick_up [kN],slack_off [kN],rotating [kN]\n2000,600,800,700\n", "utf8")
     with pytest.raises(SceneError, match="pick_up = 600 kN: smaller than slack_off = 800 kN"):
