@@ -66,8 +66,8 @@ def displacement_of(name: str, by: Any, outputs: Mapping[str, Output], found: Ou
     except (TypeError, ValueError):
         raise SimulationError(f"{by!r} is no displacement of {name}", "give finite numbers") from None
     if found.places is None:
-        known = [each for each, one in outputs.items() if one.places is not None]
-        example = next((each for each in known if each.endswith("velocity")), next(iter(known), ""))
+        free = [each for each, one in outputs.items() if one.places is not None and _is_free(one.places[1], dofs)]
+        example = next((each for each in free if each.endswith("velocity")), next(iter(free), ""))
         cure = f"give another output, such as {example}" if example else "nothing of this scene can be displaced"
         raise SimulationError(f"{name} cannot be displaced", cure)
     vector, places = found.places
@@ -85,6 +85,11 @@ def displacement_of(name: str, by: Any, outputs: Mapping[str, Output], found: Ou
         cause = f"{name} does not move by {np.asarray(by).tolist()}: it is held or prescribed there"
         raise SimulationError(cause, "displace what is free to move; what is prescribed is moved by `inputs`")
     return Displacement(vector, places[free], number[free], given[free])
+
+
+def _is_free(places: Any, dofs: Dofs) -> bool:
+    """Whether a thing can be displaced in some direction."""
+    return bool((dofs.number[np.atleast_1d(places)] >= 0).any())
 
 
 def _what_carries(places: np.ndarray, vector: str, outputs: Mapping[str, Output], dofs: Dofs) -> str:

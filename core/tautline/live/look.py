@@ -17,6 +17,8 @@ from tautline.live.errors import SimulationError
 from tautline.system.memory import arrays_of
 from tautline.system.system import System
 
+VECTORS = ("q", "v")
+"""What may be displaced: positions, velocities."""
 CLOSED = 1.0e-6
 """Share of the largest gap that was opened up to which it is closed again."""
 
@@ -89,12 +91,15 @@ class Ties:
     """
 
     def __init__(self) -> None:
-        self.forget()
+        self._gaps = np.zeros((2, 2, 0))  # of positions and velocities: what is open, and the most that was opened
 
-    def forget(self) -> None:
-        """The state is another one."""
-        self._opened: dict[str, np.ndarray] = {}
-        self._largest: dict[str, np.ndarray] = {}
+    def memory(self) -> tuple[float, ...]:
+        """Numbers with which `recall` knows what is open."""
+        return tuple(self._gaps.ravel().tolist())
+
+    def recall(self, memory: tuple[float, ...]) -> None:
+        """Know what is open from what `memory` gave."""
+        self._gaps = np.reshape(memory, (2, 2, -1)) if memory else np.zeros((2, 2, 0))
 
     def displace(
         self, vector: str, places: np.ndarray, unknowns: np.ndarray, more: np.ndarray, system: System, state: State,
@@ -112,16 +117,19 @@ class Ties:
         expand_now(system.dofs, reduced, state.full_q)
         opened = look().residual[tied] - before
         state.full_q[:] = full
-        self._opened[vector] = self._opened.get(vector, 0.0) + opened
-        self._largest[vector] = np.maximum(self._largest.get(vector, 0.0), np.abs(opened))
+        if self._gaps.size == 0:
+            self._gaps = np.zeros((2, 2, opened.size))
+        sums, largest = self._gaps[VECTORS.index(vector)]
+        sums += opened
+        np.maximum(largest, np.abs(opened), out=largest)
 
     def check(self, system: System) -> None:
         """Raise SimulationError where something is apart."""
-        for vector, opened in self._opened.items():
-            apart = np.abs(opened) > CLOSED * self._largest[vector]
+        for vector, (opened, largest) in zip(VECTORS, self._gaps, strict=True):
+            apart = np.abs(opened) > CLOSED * largest
             if apart.any():
                 name = system.names[system.algebraic[int(np.argmax(apart))]]
                 what = "moves with" if vector == "v" else "stands at"
                 cause = f"what was displaced no longer {what} what it is tied to, by the {name}"
                 raise SimulationError(cause, "displace what it is tied to by the same, or restore a saved state")
-        self.forget()
+        self.recall(())

@@ -43,6 +43,8 @@ class State:
         Marks of the frame that the run began with, and of the newest that was kept; empty where that is not known.
     displaced : tuple of str
         Names of what was displaced.
+    ties : tuple of float
+        What displacements have opened of what multipliers tie (`tautline.live.look.Ties.memory`).
     """
 
     time: float
@@ -57,6 +59,7 @@ class State:
     start: str = ""
     last: str = ""
     displaced: tuple[str, ...] = ()
+    ties: tuple[float, ...] = ()
 
     @property
     def told(self) -> dict[str, Any]:
@@ -124,7 +127,7 @@ def _numbers(told: Any) -> tuple[float, ...]:
 
 READ: dict[str, Callable[[Any], Any]] = {
     "time": _time, "scene": word_of, "layout": word_of, "frames": _count, "changed": _words, "given": _words,
-    "stopped": _stop, "explicit": _numbers, "start": word_of, "last": word_of, "displaced": _words,
+    "stopped": _stop, "explicit": _numbers, "start": word_of, "last": word_of, "displaced": _words, "ties": _numbers,
 }  # fmt: skip
 """What a state holds beside its block, and how it is read of what was sent."""
 

@@ -216,14 +216,9 @@ class Simulation:
         return self._stopped
 
     def advance(self, duration: float | str) -> None:
-        """Go on by so many seconds, or a text with its unit (``"100 ms"``); see `advance_to`.
+        """Go on by so many seconds, or a text with its unit (``"100 ms"``); as `advance_to`, whose errors it raises.
 
-        Raises
-        ------
-        SimulationError
-            For a time that is not above zero, and as `advance_to`.
-        StoppedEarly, Interrupted
-            As `advance_to`.
+        SimulationError is raised, too, for a time that is not above zero.
         """
         duration = seconds(duration)
         if not duration > 0.0:
@@ -285,7 +280,10 @@ class Simulation:
             raise SimulationError(cause, "restore a state that was saved before")
         self._ties.check(self.model.system)
         time = self._frame_clock.snapped(time)
-        self._refuse_unprepared(time)
+        until, key = self.known_until
+        if time > until + self._tolerance:
+            cause = f"cannot advance to {time:g} s: {key} is known up to {until:g} s only"
+            raise SimulationError(cause, "give the scene a later solver.end; a record has to last as long")
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) if ear is None else nullcontext(ear) as ear:
             self._turn.advancing = get_ident()
@@ -303,13 +301,6 @@ class Simulation:
                 self._turn.advancing, self._observed = 0, None
         if ear.heard:
             raise Interrupted(self._time, self._so_far("interrupted"))
-
-    def _refuse_unprepared(self, time: float) -> None:
-        """Refuse a time beyond a record, or what was computed ahead, that the scene moves by."""
-        until, key = self.known_until
-        if time > until + self._tolerance:
-            cause = f"cannot advance to {time:g} s: {key} is known up to {until:g} s only"
-            raise SimulationError(cause, "give the scene a later solver.end; a record has to last as long")
 
     @property
     def known_until(self) -> tuple[float, str]:
@@ -548,6 +539,7 @@ class Simulation:
                 self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count,
                 tuple(sorted(self._changed)), tuple(sorted(self._given)), (self._stopped, self._status),
                 self._checked.memory(), self._kept.mark, self._kept.last, tuple(sorted(self._displaced)),
+                self._ties.memory(),
             )  # fmt: skip
 
     def restore(self, state: State) -> None:
@@ -569,7 +561,7 @@ class Simulation:
     def _restore(self, state: State) -> None:
         self._memory.write(state.block)
         self._time, self._observed, self._begun = state.time, None, True
-        self._ties.forget()
+        self._ties.recall(state.ties)
         self._changed, self._given, self._displaced = set(state.changed), set(state.given), set(state.displaced)
         self._stopped, self._status = state.stopped
         self.model.system.functions.frames.time[0] = np.nan

@@ -53,6 +53,10 @@ def test_what_multipliers_tie_is_displaced_together_or_not_at_all():
     sim.displace("node 1.position", [0.01, 0.0, 0.0])
     with pytest.raises(SimulationError, match="no longer stands at what it is tied to, by the multiplier of r = r"):
         sim.advance(0.01)
+    other = sim.copy()
+    with pytest.raises(SimulationError, match="no longer stands at what it is tied to"):
+        other.advance(0.01)
+    sim.restore(sim.save())
     sim.displace("node 2.position", [0.01, 0.0, 0.0])
     sim.advance(0.2)
     exact = 0.01 * np.cos(0.2 * TURN)
