@@ -4,5 +4,6 @@ import runpy
 import sys
 from pathlib import Path
 
-sys.path[0] = str(Path(__file__).resolve().parents[1])
-runpy.run_module("benchmarks.speed.twins", run_name="__main__", alter_sys=True)
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+    runpy.run_module("benchmarks.speed.twins", run_name="__main__", alter_sys=True)
