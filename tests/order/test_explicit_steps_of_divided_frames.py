@@ -56,3 +56,28 @@ def test_what_is_left_of_a_run_after_its_last_whole_frame_is_judged_before_the_r
 def test_what_is_left_of_a_run_and_shorter_than_a_step_makes_no_step_longer():
     result = tautline.simulate(swing(0.6 * CRITICAL, 0.6 * CRITICAL, end=24.3 * CRITICAL))
     assert result.attributes["status"] == "done"
+
+
+def test_a_simulation_that_is_stepped_is_judged_by_the_steps_that_its_advances_take():
+    sim = tautline.Simulation(swing(1.1 * CRITICAL, 1.2 * CRITICAL))
+    for k in range(1, 200):
+        sim.advance_to(k * 1.2 * CRITICAL)
+    for _ in range(100):
+        sim.advance(0.9 * CRITICAL)
+    # A steady force of 1 N swings the mass about 1 cm, from 0 to 2 cm: RK4 damps it, and never beyond.
+    moved = sim.result["position"][:, 1, 0] - 1.0
+    assert -1e-9 < moved.min() and moved.max() < 0.02 and sim.result.attributes["status"] == "done"
+    assert not [one for one in sim.result.attributes.get("warnings", []) if "critical" in one]
+
+
+def test_an_advance_that_takes_one_step_beyond_the_critical_one_is_refused_and_names_that_step():
+    sim = tautline.Simulation(swing(1.1 * CRITICAL, 1.2 * CRITICAL, end=1e3))
+    for k in range(1, 201):
+        sim.advance_to(k * 1.2 * CRITICAL)
+    begin = sim.time
+    with pytest.raises(StoppedEarly) as stop:
+        sim.advance(1.05 * CRITICAL)
+    assert stop.value.status == Status.UNSTABLE and sim.time == begin
+    assert f"step {1.05 * CRITICAL:g} s" in str(stop.value)
+    # The steps before it were good.
+    assert not [one for one in stop.value.result.attributes.get("warnings", []) if "critical" in one]
