@@ -82,6 +82,9 @@ class UnderWay(Protocol):
     def step_to(self, frame: int) -> float:
         """Length of the steps to a frame, s."""
 
+    def longest_step(self) -> float:
+        """Longest step to any of the frames that are not made, s."""
+
 
 class ExplicitWatch:
     """The step of a run whose method is explicit, compared with the critical one as the run goes on.
@@ -105,14 +108,16 @@ class ExplicitWatch:
         Raises
         ------
         StoppedEarly
-            Where a step that is given is beyond the critical one.
+            Where a step that is given is beyond the critical one, if only before the last frame: that may be the
+            longest, and would end the run when its time is spent.
         """
         run = self.run
         step = float((run.ends[run.done] - run.time) / run.steps[run.done])
         self.explicit.begin(run.state, run.time, step)
         self._hold()
-        if self.explicit.share > 1.0 and not self.chooses:
-            raise self._beyond(step)
+        longest = run.longest_step()
+        if longest > self.explicit.found and not self.chooses:
+            raise self._beyond(longest)
 
     def frames_until(self, first: int) -> int:
         """Frames, from one on, until the step is looked at again, or until the run ends."""

@@ -385,6 +385,10 @@ class Run:
         begin = self.ends[frame - 1] if frame else self.began_at
         return float((self.ends[frame] - begin) / self.steps[frame])
 
+    def longest_step(self) -> float:
+        """Longest step to any of the frames that are not made, s."""
+        return float(np.max(np.diff(self.ends[self.done :], prepend=self.time) / self.steps[self.done :]))
+
     def most_rows(self) -> int:
         """Frames that may be in memory at once."""
         most = BATCH_NUMBERS if self.model.keep is None else DIGESTED_NUMBERS

@@ -94,6 +94,14 @@ def test_a_step_that_is_given_and_has_become_too_long_is_told_where_nothing_look
     assert "that was given" in words and "4.4 s" in words
 
 
+def test_a_short_last_advance_does_not_hide_that_the_steps_before_it_were_too_long():
+    sim = hoisted(**{"solver.step": "0.62 ms"})
+    sim.advance_to(4.3999)
+    sim.advance_to(4.4)
+    (words,) = said(sim)
+    assert "4.4 s" in words
+
+
 def test_the_steps_before_a_parameter_is_changed_are_judged_by_what_they_were():
     sim = hoisted(**{"solver.step": "0.62 ms"})
     sim.advance_to(0.5)

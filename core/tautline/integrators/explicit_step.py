@@ -29,7 +29,7 @@ FAR = 0.25
 """Share of the critical step below which a step is far from it."""
 CLOSE = 0.5
 """Share of the critical step above which a run that cannot go back looks after the fewest steps."""
-REMEMBERED = ("step", "due", "share", "worst", "_span", "_found", "_before", "_looked", "_begun", "beyond")
+REMEMBERED = ("step", "due", "share", "worst", "taken", "_span", "_found", "_before", "_looked", "_begun", "beyond")
 """Numbers with which a look goes on where another one has ended."""
 
 
@@ -52,6 +52,8 @@ class ExplicitStep:
         What looks for it.
     worst : int
         Unknown that has most of the mode that sets it.
+    taken : float
+        Of a run that cannot go back: the longest step since the last look, with those ahead, s.
     beyond : float
         Until when steps of a run that cannot go back may have been beyond the critical one, s; minus infinity.
     """
@@ -60,7 +62,7 @@ class ExplicitStep:
         self.critical = CriticalStep(system, method)
         self.step, self.due, self.share, self.worst = step, 0.0, 0.0, 0
         self._longest, self._interval, self._automatic = step, interval, automatic
-        self._span, self._found, self._before = 0.0, 0.0, 0.0
+        self.taken, self._span, self._found, self._before = 0.0, 0.0, 0.0, 0.0
         self._begun, self._looked, self.beyond = False, -np.inf, -np.inf
 
     @property
@@ -94,27 +96,40 @@ class ExplicitStep:
         self._before, self._looked = ahead, time
         self._go_on(time)
 
-    def follow(self, state: State, time: float, taken: float, tolerance: float) -> None:
-        """Look at the step where it is due, of a run that cannot go back."""
+    def follow(self, state: State, time: float, ahead: float, tolerance: float) -> float:
+        """Look at the step where it is due, of a run that cannot go back and takes steps of ``ahead``, s, from here on.
+
+        Returns
+        -------
+        float
+            The longest step that is to be compared with the critical one of the last look, s.
+        """
+        # Advances of different lengths are divided into different steps: the longest of them is judged.
+        longest = max(self.taken, ahead) if self._begun and not self._automatic else ahead
+        looks = not self._begun or time >= self.due - tolerance
         if not self._begun:
-            self.begin(state, time, taken)
+            self.begin(state, time, longest)
             self._begun = True
-        elif time >= self.due - tolerance:
-            self.look(state, time, taken)
+        elif looks:
+            self.look(state, time, longest)
             if self.share > 1.0 and self._automatic:
                 self.beyond = time
+        before = 0.0 if looks else self.taken
+        # Given steps beyond the critical one are refused by who asks, and never taken.
+        self.taken = self.step if self._automatic else max(before, ahead) if ahead <= self._found else before
         if self._automatic and self._before > CLOSE:
             self.due = min(self.due, time + FEWEST_STEPS * self.step)
+        return longest
 
-    def judge(self, state: State, time: float, taken: float) -> None:
-        """See whether the steps since the last look, s, were beyond the critical one; none is chosen by that.
+    def judge(self, state: State, time: float) -> None:
+        """See whether the steps since the last look were beyond the critical one; none is chosen by that.
 
         Of a run that cannot go back: where it ends, where its result is read, and before it is changed from outside.
         Of fewer than ``FEWEST_STEPS`` nothing is asked: a look costs as much as hundreds of steps.
         """
-        if not self._begun or time < self._looked + FEWEST_STEPS * taken:
+        if not self._begun or time < self._looked + FEWEST_STEPS * self.taken:
             return
-        if taken > self.critical.search(state, time)[0]:
+        if self.taken > self.critical.search(state, time)[0]:
             self.beyond = time
 
     def doubt(self, time: float) -> None:

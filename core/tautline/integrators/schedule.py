@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import functools
-import math
 
 import numpy as np
+
+from tautline.scene.solver import frames_to
 
 
 def frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, np.ndarray]:
@@ -17,9 +18,9 @@ def frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, n
 @functools.lru_cache(maxsize=2)
 def _frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, np.ndarray]:
     """The same, found once for runs that differ in other things."""
-    whole = math.floor(end / interval * (1.0 + 1e-12))
+    whole, rest = frames_to(end, interval)
     ends = interval * np.arange(1, whole + 1)
-    if end - whole * interval > 1e-9 * interval:
+    if rest:
         ends = np.append(ends, end)
     elif ends.size:
         ends[-1] = end

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tautline.integrators.explicit_step import ExplicitStep
+from tautline.live.frame_clock import CLOSE
 from tautline.live.memory import Memory
 from tautline.run import Run
 
@@ -32,19 +33,27 @@ class CheckedStep:
 
     def __init__(self, run: Run, tolerance: float) -> None:
         self._run, self._tolerance = run, tolerance
-        self.step = run.model.solver.step
+        self.step, self._longest = run.model.solver.step, 0.0
 
     @property
     def explicit(self) -> ExplicitStep | None:
         """The step of an explicit method; None where it is not to be compared with the critical one."""
         return None if self._run.watch is None else self._run.watch.explicit
 
-    def due(self, time: float) -> float:
-        """Look at the step if that is due at a time, s, and choose it where it is chosen; when it is due again, s."""
+    def steps(self, span: float) -> int:
+        """Number of equal steps that an advance, or a part of it, of ``span``, s, is divided into."""
+        return max(1, math.ceil(span / self.step - CLOSE))
+
+    def due(self, time: float, end: float) -> float:
+        """Look at the steps from a time to an end, s, if that is due, and choose them where they are chosen.
+
+        Returns when it is due again, s. A step that is given is the one that is taken: the scene's is divided further.
+        """
         explicit = self.explicit
         if explicit is None:
             return math.inf
-        explicit.follow(self._run.state, time, self.step, self._tolerance)
+        ahead = self.step if self._chosen else (end - time) / self.steps(end - time)
+        self._longest = explicit.follow(self._run.state, time, ahead, self._tolerance)
         if not self._chosen:
             return math.inf
         self.step = explicit.step
@@ -52,12 +61,12 @@ class CheckedStep:
 
     @property
     def refused(self) -> tuple[str, str] | None:
-        """Where a step that is longer than the critical one is unstable, and by what numbers; None for a good step."""
+        """Where a given step that is longer than the critical one is unstable, by what numbers; None for a good one."""
         explicit = self.explicit
-        if explicit is None or not self.step > explicit.found:
+        if explicit is None or self._chosen or not self._longest > explicit.found:
             return None
         names = self._run.model.system.names
-        return names[explicit.worst], f"step {self.step:g} s, critical step {explicit.found:.4g} s"
+        return names[explicit.worst], f"step {self._longest:g} s, critical step {explicit.found:.4g} s"
 
     def judge(self, time: float, memory: Memory) -> None:
         """See whether the steps up to a time, s, were beyond the critical one, where nothing looks at them later."""
@@ -65,7 +74,7 @@ class CheckedStep:
             return
         # Forces that are evaluated leave their mark in the memory of groups: to look at a run must not change it.
         block = memory.read()
-        explicit.judge(self._run.state, time, self.step)
+        explicit.judge(self._run.state, time)
         memory.write(block)
         self._run.model.system.functions.frames.time[0] = np.nan
 

@@ -35,7 +35,7 @@ from tautline.live.checked_step import CheckedStep
 from tautline.live.equations import Equations
 from tautline.live.errors import SimulationError, seconds, unknown
 from tautline.live.forces import Force, Group, force_of, places_of
-from tautline.live.frame_clock import CLOSE, FrameClock
+from tautline.live.frame_clock import FrameClock
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.look import Look, Ties, book_change, disturb, look_at
@@ -292,7 +292,7 @@ class Simulation:
                 self._observed = None
                 while begin < time:
                     end = min(self._frame_clock.next, time)
-                    if (due := self._due()) < end - self._tolerance:
+                    if (due := self._due(end)) < end - self._tolerance:
                         end = due
                     self._go(begin, end, ear)
                     begin = end
@@ -310,7 +310,7 @@ class Simulation:
 
     def _go(self, begin: float, end: float, ear: Ear) -> None:
         """Take the steps from one time to the next; raises Interrupted where Ctrl-C was heard meanwhile."""
-        self._steps[0] = max(1, math.ceil((end - begin) / self._checked.step - CLOSE))
+        self._steps[0] = self._checked.steps(end - begin)
         self._ends[0] = end
         counters = self._state.counters
         try:
@@ -351,9 +351,9 @@ class Simulation:
         self._clock[CPU] += clock.thread_time() - used
         return found
 
-    def _due(self) -> float:
+    def _due(self, end: float) -> float:
         """When an explicit step that is chosen is to be looked at again, s: now, where it is due."""
-        due = self._checked.due(self._time)
+        due = self._checked.due(self._time, end)
         if refused := self._checked.refused:
             self._stopped, self._status = "the explicit method is unstable at this step", Status.UNSTABLE.word
             raise StoppedEarly(Status.UNSTABLE, self._time, *refused, self._so_far())

@@ -16,6 +16,8 @@ MOST_STEPS = 1.0e9
 MOST_FRAMES = 1.0e6
 SAME_TIME = 1.0e-9
 """Share of a step by which rounding may make an interval longer."""
+SAME_NUMBER = 1.0e-12
+"""Share of a number of intervals by which rounding may make it smaller."""
 
 METHODS = WordOf(methods.names, methods.aliases)
 Method = Annotated[str, METHODS]
@@ -97,8 +99,22 @@ def longest_step(solver: Any, interval: float) -> float:
 
 
 def step_taken(solver: Any, interval: float) -> float:
-    """Step that a run takes where the scene gives one, s: frames are divided into equal steps; 0 where it is chosen."""
-    return 0.0 if solver.step == "auto" else divided(interval, float(solver.step))
+    """Longest step that a run takes where the scene gives one, s; 0 where it is chosen.
+
+    Each frame is divided into equal steps. What is left of the run after the last whole interval is shorter than the
+    others, but may be divided into fewer and longer steps.
+    """
+    if solver.step == "auto":
+        return 0.0
+    whole, rest = frames_to(solver.end, interval)
+    return max(divided(span, float(solver.step)) for span in ([interval] if whole else []) + ([rest] if rest else []))
+
+
+def frames_to(end: float, interval: float) -> tuple[int, float]:
+    """Whole intervals up to the end of a run, s, and what is left after them, s: 0 where that is only rounding."""
+    whole = math.floor(end / interval * (1.0 + SAME_NUMBER))
+    rest = end - whole * interval
+    return whole, rest if rest > SAME_TIME * interval else 0.0
 
 
 def divided(interval: float, step: float) -> float:
