@@ -12,6 +12,7 @@ from tautline.twin.twin import Twin
 from tautline.twin.watch import Compared, Watch
 
 HELD, OVER, RATE, END = 49.0, 83.95, 10.0, 12.0
+TIMES = np.arange(0.0, END, 1.0 / RATE)
 MISSING = float("nan")
 
 
@@ -30,10 +31,10 @@ ahead: 0 s
 """,
     ).plan
 
-    def judged(readings, computed=lambda time: HELD, name="overload"):
+    def judged(readings, computed=lambda time: HELD, name="overload", times=TIMES):
         health, noise = Health(plan.channels[0]), np.random.default_rng(1)
         watch, found = Watch(plan, [health], None), []
-        for time in np.arange(0.0, END, 1.0 / RATE):
+        for time in times:
             reading = readings(time)
             reading += 0.1 * noise.standard_normal() * (reading not in (OVER, 90.0))
             value = health.check(time, 1e3 * reading)
@@ -105,3 +106,31 @@ def test_a_cell_of_every_second_row_shows_what_one_of_every_row_does(name, told)
     assert not any(between(half, 0.0, 2.0))
     assert all(one is not None and one.known for one in between(half, 3.3, 8.0))
     assert not any(between(half, 9.3, END))
+
+
+@pytest.mark.parametrize("name", ["overload", "irregular"])
+@pytest.mark.parametrize("shown", ["1101100110010111", "1110000110", "1000000000"])
+def test_single_readings_that_are_missing_change_nothing_of_an_alarm(name, shown, told):
+    """Rows of 10 Hz: one that has a reading is 1, one that has none is 0, again and again."""
+    whole = steps((2.0, 84.0))
+    found = told(lambda time: whole(time) if shown[round(RATE * time) % len(shown)] == "1" else MISSING, name=name)
+    assert not any(between(found, 0.0, 2.0))
+    assert all(one is not None and one.known for one in between(found, 5.1, END))
+
+
+@pytest.mark.parametrize("name", ["overload", "irregular"])
+def test_a_sensor_whose_readings_come_in_pairs_shows_an_overload_between_them(name, told):
+    """Two readings 1 ms apart every half second: most rows are of other sensors."""
+    pairs = [0.5 * k + one for k in range(24) for one in (0.0, 0.001)]
+    times, whole = np.union1d(pairs, np.arange(0.05, END, 0.1)), steps((2.0, 84.0))
+    found = told(lambda time: whole(time) if time in pairs else MISSING, name=name, times=times)
+    assert not any(between(found, 0.0, 2.0))
+    assert all(one is not None and one.known for one in between(found, 4.1, END))
+
+
+def test_a_sensor_that_falls_silent_shows_nothing_after_a_second_or_two_and_a_half_of_its_intervals(told):
+    for every, stands in ((1, 1.0), (10, 2.5)):
+        whole = steps((2.0, 84.0), (5.0, MISSING))
+        found = told(lambda time, of=every, w=whole: w(time) if round(RATE * time) % of == 0 else MISSING)
+        assert all(one is not None and one.known for one in between(found, 3.1, 5.0 + stands))
+        assert all(not one.known for one in between(found, 5.1 + stands, END))
