@@ -27,6 +27,8 @@ sensors:
 watch:
   - {output: winch.tension, above: 80 kN, name: overload}
   - {residual: winch.tension, above: 20 kN, for: 1 s, name: irregular}
+  - {output: winch.tension, above: 80 kN, for: 0.5 s, name: lasting overload}
+  - {residual: winch.tension, above: 20 kN, for: 0.5 s, name: lasting irregular}
 ahead: 0 s
 """,
     ).plan
@@ -134,3 +136,28 @@ def test_a_sensor_that_falls_silent_shows_nothing_after_a_second_or_two_and_a_ha
         found = told(lambda time, of=every, w=whole: w(time) if round(RATE * time) % of == 0 else MISSING)
         assert all(one is not None and one.known for one in between(found, 3.1, 5.0 + stands))
         assert all(not one.known for one in between(found, 5.1 + stands, END))
+
+
+@pytest.mark.parametrize("name", ["lasting overload", "lasting irregular"])
+@pytest.mark.parametrize("wrong", [89.0, 120.0], ids=["within the range", "beyond the range"])
+def test_one_wrong_reading_of_a_slow_sensor_has_not_lasted_and_two_have(name, wrong, told):
+    """A reading a second among rows of 10 Hz, and bounds with `for: 0.5 s`."""
+
+    def slow(shown):
+        return lambda time: MISSING if round(RATE * time) % 10 else shown.get(round(time), HELD)
+
+    assert not any(one for _, one in told(slow({5: wrong}), name=name))
+    if name == "lasting overload" or wrong < 90.0:
+        two = told(slow({5: wrong, 6: wrong}), name=name)
+        assert not any(between(two, 0.0, 5.95)) and all(between(two, 5.95, 7.0))
+
+
+@pytest.mark.parametrize("name", ["lasting overload", "lasting irregular"])
+def test_a_second_reading_beyond_a_bound_need_not_come_as_its_time_is_over(name, told):
+    found = told(lambda time: 84.0 if round(time, 3) in (5.0, 5.3) else HELD if time < 5.0 else MISSING, name=name)
+    assert not any(between(found, 0.0, 5.45)) and all(between(found, 5.45, 6.2))
+
+
+def test_what_is_computed_beyond_a_bound_lasts_without_readings(told):
+    found = told(steps((0.0, MISSING)), lambda time: 84.0 if time > 5.05 else HELD, "lasting overload")
+    assert not any(between(found, 0.0, 5.55)) and all(between(found, 5.65, END))

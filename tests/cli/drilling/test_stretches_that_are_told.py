@@ -34,7 +34,7 @@ def test_no_stretch_is_left_out_without_a_word():
         "Pick-up weight [kN],slack_off_weight [kN]",
         "PU Weight [kN],SO [kN]",
         "pu_weight [kN],SO Weight [kN]",
-    ],  # fmt: skip
+    ],
 )
 def test_a_hyphen_or_a_short_name_does_not_lose_half_of_the_measured_loads(tmp_path, titles):
     path = tmp_path / "loads.csv"
