@@ -48,8 +48,8 @@ class Alarms:
             Whether that is known; False of one that was seen, and of which nothing shows now whether it is over, and of
             one by a computed value whose deviation reaches beyond the bound.
         read : float
-            When the reading came that alone shows the condition, s: one that stands for a while has not lasted. Infinite
-            where more than a reading shows it.
+            When the last reading came, where readings alone show the condition, s: one that stands for a while has not
+            lasted. Infinite where more than readings shows it.
         """
         if not holds:
             self._begun.pop(name, None)
