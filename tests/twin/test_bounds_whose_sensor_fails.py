@@ -12,6 +12,7 @@ from tautline.twin.twin import Twin
 from tautline.twin.watch import Compared, Watch
 
 HELD, OVER, RATE, END = 49.0, 83.95, 10.0, 12.0
+TIMES = np.arange(0.0, END, 1.0 / RATE)
 MISSING = float("nan")
 
 
@@ -26,14 +27,16 @@ sensors:
 watch:
   - {output: winch.tension, above: 80 kN, name: overload}
   - {residual: winch.tension, above: 20 kN, for: 1 s, name: irregular}
+  - {output: winch.tension, above: 80 kN, for: 0.5 s, name: lasting overload}
+  - {residual: winch.tension, above: 20 kN, for: 0.5 s, name: lasting irregular}
 ahead: 0 s
 """,
     ).plan
 
-    def judged(readings, computed=lambda time: HELD, name="overload"):
+    def judged(readings, computed=lambda time: HELD, name="overload", times=TIMES):
         health, noise = Health(plan.channels[0]), np.random.default_rng(1)
         watch, found = Watch(plan, [health], None), []
-        for time in np.arange(0.0, END, 1.0 / RATE):
+        for time in times:
             reading = readings(time)
             reading += 0.1 * noise.standard_normal() * (reading not in (OVER, 90.0))
             value = health.check(time, 1e3 * reading)
@@ -105,3 +108,56 @@ def test_a_cell_of_every_second_row_shows_what_one_of_every_row_does(name, told)
     assert not any(between(half, 0.0, 2.0))
     assert all(one is not None and one.known for one in between(half, 3.3, 8.0))
     assert not any(between(half, 9.3, END))
+
+
+@pytest.mark.parametrize("name", ["overload", "irregular"])
+@pytest.mark.parametrize("shown", ["1101100110010111", "1110000110", "1000000000"])
+def test_single_readings_that_are_missing_change_nothing_of_an_alarm(name, shown, told):
+    """Rows of 10 Hz: one that has a reading is 1, one that has none is 0, again and again."""
+    whole = steps((2.0, 84.0))
+    found = told(lambda time: whole(time) if shown[round(RATE * time) % len(shown)] == "1" else MISSING, name=name)
+    assert not any(between(found, 0.0, 2.0))
+    assert all(one is not None and one.known for one in between(found, 5.1, END))
+
+
+@pytest.mark.parametrize("name", ["overload", "irregular"])
+def test_a_sensor_whose_readings_come_in_pairs_shows_an_overload_between_them(name, told):
+    """Two readings 1 ms apart every half second: most rows are of other sensors."""
+    pairs = [0.5 * k + one for k in range(24) for one in (0.0, 0.001)]
+    times, whole = np.union1d(pairs, np.arange(0.05, END, 0.1)), steps((2.0, 84.0))
+    found = told(lambda time: whole(time) if time in pairs else MISSING, name=name, times=times)
+    assert not any(between(found, 0.0, 2.0))
+    assert all(one is not None and one.known for one in between(found, 4.1, END))
+
+
+def test_a_sensor_that_falls_silent_shows_nothing_after_a_second_or_two_and_a_half_of_its_intervals(told):
+    for every, stands in ((1, 1.0), (10, 2.5)):
+        whole = steps((2.0, 84.0), (5.0, MISSING))
+        found = told(lambda time, of=every, w=whole: w(time) if round(RATE * time) % of == 0 else MISSING)
+        assert all(one is not None and one.known for one in between(found, 3.1, 5.0 + stands))
+        assert all(not one.known for one in between(found, 5.1 + stands, END))
+
+
+@pytest.mark.parametrize("name", ["lasting overload", "lasting irregular"])
+@pytest.mark.parametrize("wrong", [89.0, 120.0], ids=["within the range", "beyond the range"])
+def test_one_wrong_reading_of_a_slow_sensor_has_not_lasted_and_two_have(name, wrong, told):
+    """A reading a second among rows of 10 Hz, and bounds with `for: 0.5 s`."""
+
+    def slow(shown):
+        return lambda time: MISSING if round(RATE * time) % 10 else shown.get(round(time), HELD)
+
+    assert not any(one for _, one in told(slow({5: wrong}), name=name))
+    if name == "lasting overload" or wrong < 90.0:
+        two = told(slow({5: wrong, 6: wrong}), name=name)
+        assert not any(between(two, 0.0, 5.95)) and all(between(two, 5.95, 7.0))
+
+
+@pytest.mark.parametrize("name", ["lasting overload", "lasting irregular"])
+def test_a_second_reading_beyond_a_bound_need_not_come_as_its_time_is_over(name, told):
+    found = told(lambda time: 84.0 if round(time, 3) in (5.0, 5.3) else HELD if time < 5.0 else MISSING, name=name)
+    assert not any(between(found, 0.0, 5.45)) and all(between(found, 5.45, 6.2))
+
+
+def test_what_is_computed_beyond_a_bound_lasts_without_readings(told):
+    found = told(steps((0.0, MISSING)), lambda time: 84.0 if time > 5.05 else HELD, "lasting overload")
+    assert not any(between(found, 0.0, 5.55)) and all(between(found, 5.65, END))

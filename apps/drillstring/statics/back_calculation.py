@@ -33,10 +33,11 @@ NONE = 1.0e-6
 BEYOND = 0.01
 """Share of the rotating weight by which a load on the wrong side of it is off by more than the gauge."""
 PICK_UP, SLACK_OFF = ("pick_up", "pick up", "pick-up", "pickup"), ("slack_off", "slack off", "slack-off", "slackoff")
+ENDINGS = ("", " weight", "_weight", "-weight")
 COLUMNS = {
     "depth": ("depth", "measured depth", "md", "bit depth"),
-    "pick_up": ("pu", "puw", *(f"{one}{end}" for one in PICK_UP for end in ("", " weight", "_weight", "-weight"))),
-    "slack_off": ("so", "sow", *(f"{one}{end}" for one in SLACK_OFF for end in ("", " weight", "_weight", "-weight"))),
+    "pick_up": ("puw", *(f"{one}{end}" for one in ("pu", *PICK_UP) for end in ENDINGS)),
+    "slack_off": ("sow", *(f"{one}{end}" for one in ("so", *SLACK_OFF) for end in ENDINGS)),
 }
 """Headers that are read as each column."""
 UNITS = {"depth": "m", "pick_up": "N", "slack_off": "N"}

@@ -28,7 +28,16 @@ class Alarms:
         self.active: dict[str, Active] = {}
         self._begun: dict[str, float] = {}
 
-    def judge(self, name: str, holds: bool, time: float, text: str, lasting: float = 0.0, known: bool = True) -> None:
+    def judge(
+        self,
+        name: str,
+        holds: bool,
+        time: float,
+        text: str,
+        lasting: float = 0.0,
+        known: bool = True,
+        read: float = math.inf,
+    ) -> None:
         """Take notice of a condition at a time.
 
         Parameters
@@ -38,6 +47,9 @@ class Alarms:
         known : bool
             Whether that is known; False of one that was seen, and of which nothing shows now whether it is over, and of
             one by a computed value whose deviation reaches beyond the bound.
+        read : float
+            When the last reading came, where readings alone show the condition, s: one that stands for a while has not
+            lasted. Infinite where more than readings shows it.
         """
         if not holds:
             self._begun.pop(name, None)
@@ -48,7 +60,7 @@ class Alarms:
         begun = self._begun.setdefault(name, time)
         if name in self.active:
             self.active[name] = Active(self.active[name].since, time, text, known)
-        elif time - begun >= lasting - 1e-9:
+        elif time - begun >= lasting - 1e-9 and (lasting <= 0.0 or read > begun):
             self.active[name] = Active(time, time, text, known)
 
     def told(self) -> list[dict[str, Any]]:

@@ -178,7 +178,7 @@ class Watch:
             text, certain = self._irregular[one.name], sensor.fault == "" and sensor.is_recent(row.time)
             told = text if certain else f"not known any more: {text}. {no_reading(sensor)}"
             holds = certain or one.name in self.alarms.active
-            self.alarms.judge(one.name, holds, row.time, told, one.lasting, certain)
+            self.alarms.judge(one.name, holds, row.time, told, one.lasting, certain, sensor.seen)
             return
         size = abs(r) / sd if one.times_sd else r
         known = np.isfinite(r) and bool(row.use[m]) and row.converged
@@ -216,7 +216,8 @@ class Watch:
             self._judge_unseen(one, row, sensor)
             return
         (self._told_ahead.add if ahead is not None else self._told_ahead.discard)(one.name)
-        self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1])
+        read = sensor.seen if seen and sensor is not None and not computed_too else np.inf
+        self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1], read)
 
     def _judge_unseen(self, one: Alarm, row: Compared, sensor: Health | None) -> None:
         """Judge a bound that nothing shows to be passed now: what was seen is over only where something shows that."""

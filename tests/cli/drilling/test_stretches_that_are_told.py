@@ -27,7 +27,14 @@ def test_no_stretch_is_left_out_without_a_word():
 
 
 @pytest.mark.parametrize(
-    "titles", ["pick up [kN],Slack-off [kN]", "PU [kN],SO [kN]", "Pick-up weight [kN],slack_off_weight [kN]"]
+    "titles",
+    [
+        "pick up [kN],Slack-off [kN]",
+        "PU [kN],SO [kN]",
+        "Pick-up weight [kN],slack_off_weight [kN]",
+        "PU Weight [kN],SO [kN]",
+        "pu_weight [kN],SO Weight [kN]",
+    ],
 )
 def test_a_hyphen_or_a_short_name_does_not_lose_half_of_the_measured_loads(tmp_path, titles):
     path = tmp_path / "loads.csv"

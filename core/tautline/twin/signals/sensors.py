@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tautline.scene.values.moments import stamp_said
+from tautline.twin.alarms import CLEAR
 from tautline.twin.map import Channel
 from tautline.twin.signals.smoothing import FIFTH
 
@@ -66,7 +67,7 @@ DIGITS = 4.0
 USUAL, SHARE = 4.0, 0.9
 """Changes from reading to reading, of which so many are smaller, that a jump is beyond."""
 RECENT = 40
-"""Readings of which those are the changes."""
+"""Readings of which those are the changes, and whose intervals are the usual ones."""
 FLOOR, TINY = 0.1, 1e-6
 """Share of the largest value seen, and a value in SI, that a deviation is a share of at least."""
 JUMPING = 10.0
@@ -74,7 +75,8 @@ JUMPING = 10.0
 LONGEST_PASSED = 1.0
 """Time that a residual counts for at most, s: what was between it and the one before is not known."""
 BETWEEN = 2.5
-"""Intervals of a sensor for which its last reading stands: rows of faster sensors come between two of its own."""
+"""Usual intervals of a sensor for which its last reading stands, `CLEAR` at least: rows of faster sensors come between
+two of its own, and single readings may be missing."""
 SPEAKING = ("clipped", "out of range", "unit")
 """Faults of which the reading is wrong, but says on which side of a bound the machine may be."""
 
@@ -92,8 +94,6 @@ class Health:
         The last reading, SI, where it was one of them; else NaN.
     shown : float
         The last reading, SI, whether it can be believed or not; NaN before there is any.
-    interval : float
-        In which readings come, s: the shorter of the last two, so that a gap is none.
     believed : bool
         Whether there was a reading at the last row, without a fault; one that jumped is none.
     """
@@ -105,7 +105,8 @@ class Health:
         self.fault, self.text = "", ""
         self.seen = np.nan
         self.begun = np.nan
-        self.shown, self.interval, self.believed = np.nan, np.nan, False
+        self.shown, self.believed = np.nan, False
+        self._intervals: deque[float] = deque(maxlen=RECENT)
         self._values: deque[float] = deque(maxlen=HISTORY)
         self._changes: deque[float] = deque(maxlen=HISTORY)
         self._same, self._same_from, self._abrupt, self._stopped = 1, np.nan, False, False
@@ -151,7 +152,8 @@ class Health:
                 self._set("lost", f"no value of {self.channel.column} since {stamp_said(since)}")
             return np.nan
         passed, self.seen, self.shown = time - self.seen, time, reading
-        self.interval = float(np.fmin(passed, self._passed))
+        if np.isfinite(passed):
+            self._intervals.append(passed)
         if passed > GAP * self._passed:
             # What was before a gap tells nothing of a motion that stops.
             self._last = self._step = np.nan
@@ -176,8 +178,13 @@ class Health:
         return self._repeated(time, reading, low, high, width)
 
     def is_recent(self, time: float) -> bool:
-        """Whether the last reading is of a time, s, or the next one of a slower sensor is not due yet."""
-        return bool(time == self.seen or time - self.seen <= BETWEEN * self.interval * (1.0 + EDGE))
+        """Whether the last reading is of a time, s, or the next one is not missed yet: of a slower sensor, or one of
+        which single readings are missing."""
+        passed = time - self.seen
+        if passed <= CLEAR * (1.0 + EDGE) or not self._intervals:
+            return bool(passed <= CLEAR * (1.0 + EDGE))
+        # One short interval, or a gap, changes nothing of what is usual.
+        return bool(passed <= BETWEEN * np.median(self._intervals) * (1.0 + EDGE))
 
     def side(self, time: float) -> float:
         """The reading, SI, that tells on which side of a bound the machine is at a time, s; NaN where none does.
