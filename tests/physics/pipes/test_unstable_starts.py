@@ -41,7 +41,7 @@ def test_an_upright_hose_without_flow_begins_in_the_shape_it_falls_to_from_green
 
 
 def test_check_does_not_judge_an_upright_hose_by_its_weight_alone_for_flow_holds_it_up():
-    """It was said to fall. By Galerkin a pipe of weight 8 EJ / L^2 stands from u = 0.9 at most, and flutters at 5.01."""
+    """It was said to fall. By Galerkin one of weight 8 EJ / L^2 stands from u = 0.9 at most, and flutters at 5.01."""
     hose = {"length": 1.0, "elements": 8, "axial_stiffness": 1e6, "bending_stiffness": 1.0, "damping": 0.0,
             "mass_per_length": 0.8, "direction": [0, 0, 1]}  # fmt: skip
     water = {"mass_per_length": 0.2, "speed": 2.0 / 0.2**0.5}
