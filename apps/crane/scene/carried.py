@@ -23,7 +23,7 @@ def carries(scene: CraneScene, name: str) -> bool:
 
 
 def idle(scene: CraneScene) -> Iterator[tuple[str, str]]:
-    """Key and text of what is turned or moved and carries nothing: of several that stand on each other the outermost."""
+    """Key and text of what is turned or moved for nothing: of several that stand on each other the outermost."""
     named: list[str] = []
     for k, frame in sorted(enumerate(scene.frames), key=lambda one: -len(_below(scene, one[1]))):
         turned = any(not _is_zero(motion) for motion in (frame.slew, frame.luff))
