@@ -28,8 +28,6 @@ MOST_DROOP = 0.3
 """Share of the length up to which the sag of a beam of small deflections is told. That of a cantilever is then too
 large by 7 % under its weight and by 9 % under one at its tip; at the whole length by 56 and 66 %, by the elastica
 (Bisshopp and Drucker 1945)."""
-STANDS = 7.837
-"""Weight under which a clamped upright column buckles by itself, over EJ / L^2 (Greenhill 1881)."""
 MOST_HELD = 0.3
 """Sag of a hose held at both ends up to which it is told, over its radius of gyration sqrt(EJ / EA).
 
@@ -53,7 +51,7 @@ def warnings(scene: HoseScene) -> list[SceneWarning]:
     # Statics and flutter look at speeds of their own: `momentum_at` and `mesh_at` warn of these.
     of_a_run = (
         [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed)],
-        [*_rest(scene), *_upright(scene, hose)],
+        list(_rest(scene)),
     )
     before, behind = ([SceneWarning(*one, of_a_run=True) for one in found] for found in of_a_run)
     return [*before, *(SceneWarning(*one) for one in _ends(scene, speed)), *behind]
@@ -251,22 +249,6 @@ def _rest(scene: HoseScene) -> Sentences:
         f"gravity {why}. The straight hose is in equilibrium, stable or not. Nothing starts it moving sideways. {cure}"
     )
     yield "disturbance" if scene.hose.end == "free" else "gravity", text
-
-
-def _upright(scene: HoseScene, hose: Average) -> Sentences:
-    """A hose that stands straight on its root and cannot carry its weight, begun in that balance."""
-    weight, direction = (hose.mass + hose.water) * math.hypot(*scene.gravity), scene.hose.unit_direction
-    stands = sum(g * d for g, d in zip(scene.gravity, direction, strict=True)) < 0.0
-    if scene.start == "relaxed" or scene.hose.end != "free" or not stands or _across(scene.gravity, direction) > 0.0:
-        return
-    carried = STANDS * hose.bending / hose.length**2 if scene.hose.root_support == "clamped" else 0.0
-    if weight * hose.length > carried:
-        text = (
-            f"the hose stands upright and weighs {weight * hose.length:.3g} N. By its bending stiffness it can carry "
-            f"about {carried:.3g} N so. Straight it is in an unstable balance, and falls at the least push. Give the "
-            "direction in which it leaves its root, or start: relaxed"
-        )
-        yield "hose.direction", text
 
 
 def _droop(scene: HoseScene, hose: Average, across: float) -> float | None:

@@ -43,7 +43,11 @@ def test_the_ratios_that_the_refusal_names_are_those_of_the_spectrum(place):
     assert named == pytest.approx(wanted, abs=1e-3)
 
 
-@pytest.mark.parametrize("head", ["Tp [s] / Hs [m]", "Tp [s]", "peak period / height", "T_p \\ H_s"])
+@pytest.mark.parametrize(
+    "head",
+    ["Tp [s] / Hs [m]", "peak period / height", "T_p \\ H_s", "T [s] / Hs [m]", "Tp / H", "Tp (rows) / Hs (columns)",
+     "Tp ↓ / Hs →", "Tp / Hs (columns)"],
+)  # fmt: skip
 def test_a_diagram_that_names_periods_before_heights_is_refused(place, head):
     problem = refused(place, f"{head},5,6\n1.0,1,1\n", "heights stand in the first column")
     assert problem.line == 1 and "exchange rows and columns" in problem.cure
@@ -52,7 +56,11 @@ def test_a_diagram_that_names_periods_before_heights_is_refused(place, head):
 @pytest.mark.parametrize(
     "head",
     ["Hs", "Hs [m]", "Hs / Tp", "H_s [m] \\ T_p [s]", "Hm0 and Tp", "significant wave height [m], peak period [s]",
-     "", "sea states of 1991, bin means", "Hs [m] (mean of the bin)"],
+     "", "sea states of 1991, bin means", "Hs [m] (mean of the bin)",
+     "H [m] / Tp [s]", "Hmo [m] / Tp [s]", "H [ft] / Tp [s]", "Sig. wave ht (m) / peak period (s)", "Wellenhöhe / Tp",
+     "Sea state / Tp", "Tp [s]", "Tp [s], storms of 3 h", "Hs [m] / Tp [s] at site T1", "Hs/Tp 1.2*Tm",
+     "period of record 1979-2010; Hs / Tp", "Tp (columns) / Hs (rows)", "Tp → / Hs ↓", "Tp / Hs (rows)",
+     "columns Tp, rows Hs", "VHM0 / VTPK"],
 )  # fmt: skip
 def test_a_first_cell_of_heights_and_peak_periods_is_taken_and_so_is_any_other_word(place, head):
     place.write_text(f'"{head}",5,6\n1.0,1,1\n')

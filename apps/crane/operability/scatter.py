@@ -27,15 +27,18 @@ YEAR = 365.25 * 86400.0
 COLLECTED = ("equivalent_tension_range", "tension_cycles")
 UNIT = re.compile(r"\[\s*([^\]]*?)\s*\]|\(\s*([^)]*?)\s*\)")
 """What stands in brackets: in square ones a unit, in round ones a unit or a remark."""
-WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-HEIGHT = re.compile(r"h_?s|h_?m_?0|h_?1|h_?sig|swh|heights?", re.IGNORECASE)
-PEAK = re.compile(r"t_?p|peak|periods?", re.IGNORECASE)
+WORD = re.compile(r"[^\W\d]\w*|[→↓]")
+HEIGHT = re.compile(r"(?-i:H)|h_?s(_m)?|h_?m_?[0o]|h_?1|h_?sig|swh|hts?|heights?", re.IGNORECASE)
+PEAK = re.compile(r"t_?p(_s)?|peak", re.IGNORECASE)
+PERIOD = re.compile(rf"{PEAK.pattern}|(?-i:T)|periods?", re.IGNORECASE)
 ANOTHER = re.compile(r"t_?(z|e|m|s|av|mean|m?_?0_?[12]|m_?10|[12])", re.IGNORECASE)
 OF_A_PERIOD = re.compile(
     r"(mean|zero|energy|significant|crossing)([- ]*(up|down|crossing|wave))*[- ]*period", re.IGNORECASE
 )
-"""Words of the first cell: of a height, of a peak period, and of a period that is another one."""
-TURNED = "exchange rows and columns if the first column has the periods"
+"""Words of the first cell: of a height, of a peak period, of any period, and of a period that is another one."""
+DOWN = re.compile(r"rows?|down|↓", re.IGNORECASE)
+ACROSS = re.compile(r"columns?|cols?|across|→", re.IGNORECASE)
+"""Words by which the first cell says where something stands."""
 EXAMPLE = "the first row: Hs [m], then peak periods in s; each further row: a height in m, then occurrences"
 
 
@@ -120,21 +123,38 @@ def _of_another_length(file: str, line: int, cells: int, head: int) -> Problem:
 
 
 def _check_words(file: str, line: int, head: str) -> None:
-    """Refuse a diagram whose first cell names other periods than those of the peak, or periods before heights."""
+    """Refuse a first cell that surely names other periods than those of the peak, or periods before heights."""
     text = re.sub(r"[{}$]", "", head)
     words = WORD.findall(text)
-    other = next((word for word in words if ANOTHER.fullmatch(word)), None)
-    if other is None and (match := OF_A_PERIOD.search(text)):
-        other = match[0]
-    if other is not None:
-        cause = f"'{other}' is not the peak period Tp, by which seas are given here"
-        ratios = "for a JONSWAP sea of gamma 3.3 Tp is 1.286 Tz, 1.199 Tm01, 1.107 Te"
-        cure = f"convert the periods ({ratios}), and write Hs [m] / Tp [s]"
+    if not any(PEAK.fullmatch(word) for word in words):
+        other = next((word for word in words if ANOTHER.fullmatch(word)), None)
+        if other is None and (match := OF_A_PERIOD.search(text)):
+            other = match[0]
+        if other is not None:
+            cause = f"'{other}' is not the peak period Tp, by which seas are given here"
+            ratios = "for a JONSWAP sea of gamma 3.3 Tp is 1.286 Tz, 1.199 Tm01, 1.107 Te"
+            cure = f"convert the periods ({ratios}), and write Hs [m] / Tp [s]"
+            raise SceneError([Problem(file, line, "", head, cause, cure)])
+    if turned := _turned(words):
+        cause = "names '{}' before '{}': heights stand in the first column, and periods in the first row".format(
+            *turned
+        )
+        cure = "if the first column has the periods, exchange rows and columns; write Hs [m] / Tp [s]"
         raise SceneError([Problem(file, line, "", head, cause, cure)])
-    first = next((word for word in words if HEIGHT.fullmatch(word) or PEAK.fullmatch(word)), None)
-    if first is not None and PEAK.fullmatch(first):
-        cause = f"names '{first}' first: heights stand in the first column, and periods in the first row"
-        raise SceneError([Problem(file, line, "", head, cause, f"{TURNED}; then write Hs [m] / Tp [s]")])
+
+
+def _turned(words: list[str]) -> tuple[str, str] | None:
+    """Words of a period and of a height behind it, where all periods are named first and not said to stand across."""
+    periods, heights, places = (
+        [k for k, word in enumerate(words) if any(one.fullmatch(word) for one in kinds)]
+        for kinds in ((PERIOD,), (HEIGHT,), (DOWN, ACROSS))
+    )
+    if not periods or not heights or periods[-1] > heights[0]:
+        return None
+    # The first place that is said is that of what is named beside it: of the periods, if it stands before the heights.
+    if places and bool(ACROSS.fullmatch(words[places[0]])) == (places[0] < heights[0]):
+        return None
+    return words[periods[0]], words[heights[0]]
 
 
 def _units(file: str, line: int, head: str) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What of the rope rides on the vessel and on each frame; and those that move, and on which nothing of it rides.
+"""What of the rope rides on the vessel and on each frame; and those that are turned or moved for nothing.
 
 Motion reaches the rope by the drums, sheaves and anchors that ride on what moves, directly or on a frame upon it.
 Without one the motion changes nothing in a run, whatever the sea.
@@ -23,11 +23,11 @@ def carries(scene: CraneScene, name: str) -> bool:
 
 
 def idle(scene: CraneScene) -> Iterator[tuple[str, str]]:
-    """Key and text of what moves and carries nothing: of several that stand on each other the outermost."""
+    """Key and text of what is turned or moved for nothing: of several that stand on each other the outermost."""
     named: list[str] = []
     for k, frame in sorted(enumerate(scene.frames), key=lambda one: -len(_below(scene, one[1]))):
-        moved = any(not _is_zero(motion) for motion in (frame.slew, frame.luff))
-        if moved and not carries(scene, frame.name) and not _stands_below(scene, frame.name, named):
+        turned = any(not _is_zero(motion) for motion in (frame.slew, frame.luff))
+        if turned and not carries(scene, frame.name) and not _stands_below(scene, frame.name, named):
             named.append(frame.name)
             yield f"frames[{k}]", _said(frame.name, how_to_mount(scene, frame.name))
     if scene.vessel is None or carries(scene, VESSEL) or _stands_below(scene, VESSEL, named):
@@ -51,9 +51,10 @@ def how_to_mount(scene: CraneScene, name: str) -> str:
 
 
 def _said(what: str, cured: str) -> str:
+    # True of what moves, and of what stands still and is only turned or shifted.
     return (
-        f"{what} moves, and no drum, sheave or anchor of the path rides on it. Its motion changes nothing in the run. "
-        f"{cured[0].upper()}{cured[1:]}, or remove the motion"
+        f"no drum, sheave or anchor of the path rides on {what}. How it is turned or moved changes nothing in the run. "
+        f"{cured[0].upper()}{cured[1:]}, or remove what turns or moves it"
     )
 
 

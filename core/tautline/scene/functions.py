@@ -42,8 +42,6 @@ Period = Annotated[float, quantity("s", positive=True, of="period")]
 Angle = Annotated[float, quantity("rad", of="phase")]
 RESPONSE = "response to waves"
 Number = Annotated[float, quantity("", of=RESPONSE)]
-PER_METRE = {"m": "m/m", "rad": "rad/m"}
-"""Units of a response, by that of the value; of others it is that unit over a metre."""
 MOST_COMPONENTS = 5000
 SHORTEST_RAMP = 1.0e-9
 LONGEST_GAP = 3.0
@@ -415,11 +413,9 @@ def _without_gaps(
 @functools.cache
 def _models(unit: str, of: str) -> dict[str, type[Model]]:
     """Return the models of the functions whose value has a unit, and a row in the table of plausible ranges."""
-    per_second = {"m": "m/s", "m/s": "m/s^2", "rad": "rad/s", "rad/s": "rad/s^2"}.get(
-        unit, f"({unit})/s" if unit else "1/s"
-    )
+    per_second = {"m/s": "m/s^2", "rad/s": "rad/s^2"}.get(unit, f"{unit or 1}/s")
     value: Any = Annotated[float, quantity(unit, of=of)]
-    per_metre: Any = Annotated[float, quantity(PER_METRE.get(unit, f"({unit})/m" if unit else "1/m"), of=RESPONSE)]
+    per_metre: Any = Annotated[float, quantity(f"{unit or 1}/m", of=RESPONSE)]
     slope: Any = Annotated[float, quantity(per_second, of=rate_of(unit) if of else "")]
 
     def read_file(cls: type, data: Any, info: ValidationInfo) -> Any:

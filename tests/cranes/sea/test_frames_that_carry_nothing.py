@@ -27,7 +27,7 @@ def keys(scene):
 def test_a_boom_that_luffs_and_carries_nothing_is_told_with_what_to_write():
     bare = one_fall(frames=[BOOM])
     ((key, text),) = idle(bare)
-    assert key == "frames[0]" and "boom moves" in text and "Write frame: boom at winch and boom tip" in text
+    assert key == "frames[0]" and "rides on boom." in text and "Write frame: boom at winch and boom tip" in text
     assert (key, text) in [(one.where, one.text) for one in warnings(bare)]
     assert keys(mounted("boom", frames=[BOOM])) == []
     assert keys(one_fall(frames=[BOOM | {"luff": 0}])) == [], "a boom that is still does nothing, and is to do nothing"
@@ -38,6 +38,14 @@ def test_a_vessel_that_moves_and_carries_nothing_is_told_and_one_that_is_still_i
     assert key == "vessel" and "Write frame: vessel at winch and boom tip" in text
     assert keys(one_fall(vessel=AFLOAT)) == []
     assert keys(mounted("ground", vessel={"reference": [0, 0, 0]})) == []
+
+
+def test_what_is_turned_for_good_is_not_said_to_move():
+    """It was told with "moves" as well, and stands still: what is said of it is that it is turned for nothing."""
+    turned = [*idle(one_fall(frames=[BOOM | {"luff": {"constant": 0.5}}]))]
+    heeled = [*idle(mounted("ground", vessel=AFLOAT | {"motion": {"roll": {"constant": 0.05}}}))]
+    for (key, text), where in zip(turned + heeled, ("frames[0]", "vessel"), strict=True):
+        assert key == where and " moves," not in text and "How it is turned or moved changes nothing" in text
 
 
 def test_what_rides_on_a_frame_rides_on_all_that_the_frame_stands_on():

@@ -4,9 +4,11 @@ import re
 from pathlib import Path
 
 import pytest
+from pydantic import TypeAdapter, ValidationError
 
 from drillstring.scene.scene import DrillstringScene
 from tautline.scene.errors import SceneError
+from tautline.scene.functions import time_function
 from tautline.scene.values.quantity import MEANINGS, Quantity, suited
 from tautline.scene.values.ranges import EXAMPLES, RANGES
 
@@ -98,3 +100,24 @@ def test_what_a_cure_suggests_is_accepted(key, old, wrong):
     good = f"rate: {suggested}" if key == "rate" else suggested
     assert good not in (old, wrong)
     DrillstringScene.parse(DRILLING.replace(old, good))
+
+
+def test_the_example_of_a_plain_number_is_never_in_the_angle_that_was_refused():
+    """`friction: 5 deg` was answered with "a plain number such as 11 deg"."""
+    assert suited(Quantity("").cure, "5 deg") == "give a plain number such as 0.2"
+    assert suited(Quantity("").cure, "5 %") == "give a plain number such as 20 %"
+    assert suited(Quantity("rad").cure, "5 gon").startswith("give an angle such as 100 gon")
+
+
+@pytest.mark.parametrize("unit", ["", "m", "m/s", "rad", "rad/s", "N", "N m"])
+@pytest.mark.parametrize(("keyed", "key"), [("spectrum", "rao"), ("ramp", "rate")])
+def test_the_example_of_a_response_or_a_rate_can_be_written_as_it_stands(unit, keyed, key):
+    """That of a force was "1.0 ((N)/m)"."""
+    read = TypeAdapter(time_function(unit)).validate_python
+    model = {"ramp": {"over": 1}, "spectrum": {"significant_height": 1, "peak_period": 8}}[keyed]
+    with pytest.raises(ValidationError) as found:
+        read({keyed: model | {key: "3 kg"}})
+    cure = found.value.errors()[-1]["ctx"]["cure"]
+    assert "(" not in cure
+    example = re.search(r"such as (.*?)(, or .*)?$", cure)[1]
+    read({keyed: model | {key: example.split(" or ")[-1]}})

@@ -15,13 +15,13 @@ GREENHILL = 7.837
 TRICKLE = 1.0e-4
 
 
-def upright(share, start="static"):
-    """A hose whose weight is a share of what makes it buckle, with next to no flow."""
+def upright(share, start="static", speed=TRICKLE):
+    """A hose whose weight is a share of what makes it buckle, with next to no flow unless a speed is given."""
     load = 9.81 * (UNIFORM["mass_per_length"] + WATER)
     hose = {"direction": [0, 0, 1], "axial_stiffness": 1e2, "bending_stiffness": load * 0.5**3 / (share * GREENHILL)}
     return scene(
         hose,
-        {"speed": TRICKLE},
+        {"speed": speed},
         {"end": 0.05, "step": 2e-4},
         start=start,
         gravity=[0, 0, -9.81],
@@ -31,9 +31,22 @@ def upright(share, start="static"):
 
 @pytest.mark.parametrize(("share", "unstable"), [(0.97, False), (1.03, True)])
 def test_an_upright_hose_with_flow_that_begins_at_rest_is_told_to_fall_from_greenhills_weight_on(share, unstable):
-    made = upright(share)
-    assert bool(on_the_start(made)) == unstable
-    assert any("stands upright" in str(one) for one in warnings(made)) == unstable
+    assert bool(on_the_start(upright(share))) == unstable
+
+
+@pytest.mark.parametrize(("share", "falls"), [(0.97, False), (1.03, True)])
+def test_an_upright_hose_without_flow_begins_in_the_shape_it_falls_to_from_greenhills_weight_on(share, falls):
+    start = simulate(build(upright(share, speed=0.0))).attributes["start"]
+    assert start["stable"] and (start["moved"] > 0.05) == falls
+
+
+def test_check_does_not_judge_an_upright_hose_by_its_weight_alone_for_flow_holds_it_up():
+    """It was said to fall. By Galerkin one of weight 8 EJ / L^2 stands from u = 0.9 at most, and flutters at 5.01."""
+    hose = {"length": 1.0, "elements": 8, "axial_stiffness": 1e6, "bending_stiffness": 1.0, "damping": 0.0,
+            "mass_per_length": 0.8, "direction": [0, 0, 1]}  # fmt: skip
+    water = {"mass_per_length": 0.2, "speed": 2.0 / 0.2**0.5}
+    made = scene(hose, water, gravity=[0, 0, -8.0], start="static", disturbance=[0.01, 0, 0])
+    assert not on_the_start(made) and not [one for one in warnings(made) if "fall" in one.text or "balance" in one.text]
 
 
 def test_the_run_of_a_hose_that_falls_from_its_start_says_so():
@@ -43,7 +56,6 @@ def test_the_run_of_a_hose_that_falls_from_its_start_says_so():
 
 def test_a_hose_that_begins_as_drawn_or_relaxed_is_not_said_to_begin_at_rest():
     assert not build(upright(2.0, "straight")).remarks(None) and not build(upright(2.0, "relaxed")).remarks(None)
-    assert not any("stands upright" in str(one) for one in warnings(upright(2.0, "relaxed")))
 
 
 def test_a_pipe_that_flutters_about_its_shape_at_rest_is_not_said_to_leave_it():

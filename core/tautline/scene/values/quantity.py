@@ -16,7 +16,7 @@ from tautline.scene.refusal import nearest, refusal
 from tautline.scene.values.habits import flow_for_speed, habit
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
 from tautline.scene.values.ranges import EXAMPLES, RANGES
-from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
+from tautline.scene.values.units import Uncounted, Unit, UnknownUnit, converted, read_unit
 
 NUMBER = re.compile(r"\s*(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*", re.DOTALL)
 MIXED = re.compile(
@@ -62,6 +62,11 @@ MEANINGS = {
 MEANINGS_OF = {
     ("m/m", "response to waves"): ("a displacement per metre of wave", "0.6 m/m"),
     ("rad/m", "response to waves"): ("a rotation per metre of wave", "2 deg/m, or rad/m as a bare number"),
+    ("N/m", "response to waves"): ("a force per metre of wave", "20 kN/m"),
+    ("N m/m", "response to waves"): ("a torque per metre of wave", "20 kN m/m"),
+    ("m/s/m", "response to waves"): ("a speed per metre of wave", "0.1 m/s/m"),
+    ("rad/s/m", "response to waves"): ("a rotary speed per metre of wave", "2 deg/s/m, or rad/s/m as a bare number"),
+    ("1/m", "response to waves"): ("a share per metre of wave", "0.1 1/m"),
 }
 """The same of a row of the table of plausible ranges that is called otherwise than most quantities of its unit."""
 
@@ -100,7 +105,7 @@ class Quantity:
     @property
     def example(self) -> str:
         """How one is written: as others of its row are, else as others of its unit."""
-        text = EXAMPLES.get(self.of) or self._called("", f"1.0 ({self.unit})")[1]
+        text = EXAMPLES.get(self.of) or self._called("", f"1.0 {self.unit}")[1]
         return f"{text}, or the word {' or '.join(self.words)}" if self.words else text
 
     def _called(self, meaning: str, example: str) -> tuple[str, str]:
@@ -168,8 +173,7 @@ class Quantity:
             read = read_unit(unit)
         except UnknownUnit as error:
             raise refusal(error.told(unit, wanted), self.cure) from error
-        # An angle has no dimension, but neither is a share, a coefficient or a ratio of lengths one.
-        if read.dimension != wanted.dimension or (not any(wanted.dimension) and read.angle and not wanted.angle):
+        if not _may_stand_for(read, wanted):
             if told := flow_for_speed(unit, read, self.unit):
                 raise refusal(*told)
             if POUND.search(unit) and read.dimension == (wanted * PER_GRAVITY).dimension:
@@ -298,6 +302,15 @@ def _without_fraction(written: str) -> str:
     return f"write {float(value):.6g} {match['unit'].strip()}, or "
 
 
+def _may_stand_for(read: Unit, wanted: Unit) -> bool:
+    """Whether what is written in a unit may be read where another is wanted.
+
+    An angle has no dimension, but neither is a share, a coefficient or a ratio of lengths one.
+    """
+    is_an_angle_alone = not any(wanted.dimension) and read.angle and not wanted.angle
+    return read.dimension == wanted.dimension and not is_an_angle_alone
+
+
 def suited(cure: str, written: Any, example: str | None = None) -> str:
     """A cure whose example is of the size of its field, and in the unit of what was written.
 
@@ -327,7 +340,7 @@ def _like(written: Any, example: str, unit: str) -> str | None:
         return None
     try:
         own, other, si = read_unit(match["unit"]), read_unit(given["unit"] or unit or "%"), read_unit(unit or "%")
-        if own.dimension != si.dimension or other.dimension != si.dimension:
+        if not _may_stand_for(own, si) or not _may_stand_for(other, si):
             return None
         own, other = converted(own, si), converted(other, si)
     except (UnknownUnit, Uncounted):
