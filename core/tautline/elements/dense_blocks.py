@@ -15,21 +15,20 @@ BLOCK_WRITERS: dict[type, Callable[..., Any]] = {}
 _write_block = by_type(BLOCK_WRITERS)
 
 
-@kernel(forceinline=True)
-def add_mass_blocks(g, width, q, matrix, dofs):
-    """Add the mass of all elements of ``g``, whose nodes have ``width`` unknowns each.
-
-    Velocities and accelerations have no part in it: positions stand in for them.
-    """
+@kernel
+def mass_of_blocks(g, q, matrix, dofs):
+    """Add the mass of all elements of ``g``, in which velocities and accelerations have no part: positions stand in."""
+    width = g.block.shape[0] // 2
     for n in range(g.rows.size):
         e = g.rows[n]
         _write_block(g, e, q, q, q, 1.0, 0.0, 0.0)
         add_block(matrix, dofs, e.a, e.b - e.a, width, g.block)
 
 
-@kernel(forceinline=True)
-def add_tangent_blocks(g, width, q, v, a, cm, cc, ck, matrix, dofs):
-    """Add cm M + cc C + ck K of all elements of ``g``, whose nodes have ``width`` unknowns each."""
+@kernel
+def tangent_of_blocks(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    """Add cm M + cc C + ck K of all elements of ``g``."""
+    width = g.block.shape[0] // 2
     for n in range(g.rows.size):
         e = g.rows[n]
         _write_block(g, e, q, v, a, cm, cc, ck)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
-from tautline.elements.dense_blocks import BLOCK_WRITERS, add_mass_blocks, add_tangent_blocks
+from tautline.elements.dense_blocks import BLOCK_WRITERS, mass_of_blocks, tangent_of_blocks
 from tautline.elements.length_alarm import report_empty
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, SECOND, SHAPE, WEIGHT
@@ -183,16 +183,6 @@ BLOCK_WRITERS[Flow] = _write_block
 
 
 @kernel
-def _mass(g, q, matrix, dofs):
-    add_mass_blocks(g, NODE, q, matrix, dofs)
-
-
-@kernel
-def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    add_tangent_blocks(g, NODE, q, v, a, cm, cc, ck, matrix, dofs)
-
-
-@kernel
 def _energies(g, n, q, v):
     """Twice the kinetic energy of an element, and its potential energy."""
     e, s = g.rows[n], g.shapes
@@ -254,7 +244,7 @@ def watch_length(g, t, q, alarm):
 
 
 register(
-    Flow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    Flow, residual=_residual, mass=mass_of_blocks, tangent=tangent_of_blocks, energy=_energy, dissipation=_dissipation,
     supply=_supply,
     alarm=watch_length,
 )  # fmt: skip

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.dense_blocks import BLOCK_WRITERS, add_mass_blocks, add_tangent_blocks
+from tautline.elements.dense_blocks import BLOCK_WRITERS, mass_of_blocks, tangent_of_blocks
 from tautline.elements.linear import AXES, MATERIAL, NODE, watch_length
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -140,16 +140,6 @@ BLOCK_WRITERS[LinearFlow] = _write_block
 
 
 @kernel
-def _mass(g, q, matrix, dofs):
-    add_mass_blocks(g, NODE, q, matrix, dofs)
-
-
-@kernel
-def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    add_tangent_blocks(g, NODE, q, v, a, cm, cc, ck, matrix, dofs)
-
-
-@kernel
 def _energies(e, q, v):
     """Twice the kinetic energy of an element, and its potential energy."""
     i, j = e.a, e.b
@@ -202,7 +192,8 @@ def _supply(g, t, q, v, p):
 
 
 register(
-    LinearFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    LinearFlow, residual=_residual, mass=mass_of_blocks, tangent=tangent_of_blocks, energy=_energy,
+    dissipation=_dissipation,
     supply=_supply,
     alarm=watch_length,
 )  # fmt: skip

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
-from tautline.elements.dense_blocks import BLOCK_WRITERS, add_mass_blocks, add_tangent_blocks
+from tautline.elements.dense_blocks import BLOCK_WRITERS, mass_of_blocks, tangent_of_blocks
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, table
 from tautline.kernels.jit import kernel
@@ -152,16 +152,6 @@ BLOCK_WRITERS[SharedFlow] = _write_block
 
 
 @kernel
-def _mass(g, q, matrix, dofs):
-    add_mass_blocks(g, NODE, q, matrix, dofs)
-
-
-@kernel
-def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    add_tangent_blocks(g, NODE, q, v, a, cm, cc, ck, matrix, dofs)
-
-
-@kernel
 def _energies(g, e, q, v):
     """Twice the kinetic energy of an element, and its potential energy."""
     y, unit = g.y, g.unit
@@ -209,6 +199,7 @@ def _supply(g, t, q, v, p):
 
 
 register(
-    SharedFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    SharedFlow, residual=_residual, mass=mass_of_blocks, tangent=tangent_of_blocks, energy=_energy,
+    dissipation=_dissipation,
     supply=_supply,
 )  # fmt: skip
