@@ -72,7 +72,18 @@ class Keys:
             if first is not None:
                 part = self.parts[first]
                 pieces += [f"### {kind.lower()}", self._lead(part), self._table(part, "that of the key")]
+        spectrum = next((part for name, part in self.parts.items() if self._spectrum(name)), None)
+        if spectrum is not None:
+            table = re.sub(
+                r"(`rao` \| )number, [^ ]*", r"\1number, that of the key a metre of wave", self._table(spectrum)
+            )
+            pieces += ["### spectrum", self._lead(spectrum), table]
         return pieces
+
+    @staticmethod
+    def _spectrum(name: str) -> bool:
+        """Whether a part is a random sea, which stands in the schema once for each unit of its response."""
+        return re.search(r"(^|__)Spectrum(__\d+)?$", name) is not None
 
     @staticmethod
     def _function(name: str) -> bool:
@@ -109,7 +120,7 @@ class Keys:
         inside = value.get("items", value)
         choices = [one for one in inside.get("anyOf", [inside]) if "$ref" in one]
         name = choices[0]["$ref"].rsplit("/", 1)[-1] if len(choices) == 1 else ""
-        if not name or self._function(name):
+        if not name or (self._function(name) and not self._spectrum(name)):
             return ""
         return re.split(r"(?<=[.:;])\s", " ".join(self._lead(self.parts[name]).split()))[0].rstrip(":;")
 
@@ -125,6 +136,8 @@ class Keys:
         """What may stand there, in words."""
         if "$ref" in value:
             name = value["$ref"].rsplit("/", 1)[-1]
+            if self._spectrum(name):
+                return "[spectrum](#spectrum)"
             if self._function(name):
                 return "function of time"
             return f"[{self._title(name)}](#{self._title(name).lower()})"

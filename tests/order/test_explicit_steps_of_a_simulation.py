@@ -116,3 +116,22 @@ def test_an_explicit_simulation_begins_with_the_parameters_it_is_given():
     for sim in (given, same):
         sim.advance_to(0.2)
     assert tension(given) == pytest.approx(tension(same), abs=3.0)
+
+
+def test_steps_that_become_longer_are_looked_at_though_the_short_ones_before_were_far_from_the_critical_one():
+    """A fifth of the critical step is looked at every 20,000 steps. Then the host takes 2 ms, and the load goes up."""
+    winch = {"table": {"time": [0, 13, 14, 60], "value": [0, 0, -2.0, -2.0]}}
+    resting = {"path[0].drum.pay_out": winch, "solver.end": "60 s", "solver.step": "2 ms"}
+    heave = {"vessel.motion": {"heave": {"constant": 0}}, "bodies[0].position": [12.4, 0.0, 5.0]}
+    stopped = []
+    for first in (0.0004, 0.05):
+        sim = hoisted(**resting, **heave)
+        while sim.time < 12.9:
+            sim.advance(first)
+        with pytest.raises(tautline.StoppedEarly) as met:
+            while sim.time < 24.0:
+                sim.advance(0.05)
+        stopped.append(met.value.time)
+        assert met.value.status.name == "UNSTABLE" and not said(sim)
+    # It went on for a second, to 216 kN and no tension at all.
+    assert stopped[0] == pytest.approx(stopped[1], abs=0.3)

@@ -228,3 +228,21 @@ def test_rows_that_were_not_answered_when_the_command_was_stopped_are_counted(tw
     left = len(given) - len(out.splitlines())
     assert code == 130 and left > 2
     assert re.search(rf"rows not answered +{left}\b", told)
+
+
+def test_an_alarm_that_began_with_a_reading_out_of_range_and_becomes_certain_is_told_again(twin, tmp_path):
+    text = MAP.replace("sd: 0.5 kN", "sd: 0.5 kN, range: [0 kN, 90 kN]").replace("30 kN", "80 kN")
+    (tmp_path / "map.yaml").write_text(text)
+    readings = [49.0] * 5 + [120.0] * 10 + [85.0] * 10
+    given = [(0.1 * k, {"winch_pos": 0.0, "rope_tension": one}) for k, one in enumerate(readings)]
+    code, _, err = twin(Given(given))
+    told = " ".join(err.split())
+    assert code == 0 and "ALARM overload: winch.tension measured: 120 kN" in told
+    assert told.index("That is not certain") < told.index("overload is certain now: winch.tension measured: 85 kN")
+
+
+def test_two_alarms_of_one_name_are_refused_for_one_would_end_the_other(twin, tmp_path):
+    second = "  - {output: hook.tension, above: 30 kN, name: overload}\nwindow"
+    (tmp_path / "map.yaml").write_text(MAP.replace("window", second))
+    code, _, err = twin(Given(rows()))
+    assert code == 2 and "watch[1].name" in err and "'overload' stands twice" in " ".join(err.split())

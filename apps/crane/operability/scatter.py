@@ -31,14 +31,16 @@ WORD = re.compile(r"[^\W\d]\w*|[→↓]")
 HEIGHT = re.compile(r"(?-i:H)|h_?s(_m)?|h_?m_?[0o]|h_?1|h_?sig|swh|hts?|heights?", re.IGNORECASE)
 PEAK = re.compile(r"t_?p(_s)?|peak", re.IGNORECASE)
 PERIOD = re.compile(rf"{PEAK.pattern}|(?-i:T)|periods?", re.IGNORECASE)
-ANOTHER = re.compile(r"t_?(z|e|m|s|av|mean|m?_?0_?[12]|m_?10|[12])", re.IGNORECASE)
+ANOTHER = re.compile(r"t_?(z|e|m|s|av|avg|mean|m?_?0_?[12]|m_?10|[12])(_s)?", re.IGNORECASE)
 OF_A_PERIOD = re.compile(
-    r"(mean|zero|energy|significant|crossing)([- ]*(up|down|crossing|wave))*[- ]*period", re.IGNORECASE
+    r"(mean|average|zero|energy|significant|crossing)([- ]*(up|down|crossing|wave))*[- ]*period", re.IGNORECASE
 )
 """Words of the first cell: of a height, of a peak period, of any period, and of a period that is another one."""
-DOWN = re.compile(r"rows?|down|↓", re.IGNORECASE)
-ACROSS = re.compile(r"columns?|cols?|across|→", re.IGNORECASE)
-"""Words by which the first cell says where something stands."""
+SITE = re.compile(r"t_?[12s]", re.IGNORECASE)
+"""Words of the latter that may be the name of something else beside a peak period, such as of a site."""
+DOWN = re.compile(r"rows|down|↓|column|col", re.IGNORECASE)
+ACROSS = re.compile(r"columns|cols|across|→|row", re.IGNORECASE)
+"""Words by which the first cell says where something stands: in the rows, or in the first column; and so on."""
 EXAMPLE = "the first row: Hs [m], then peak periods in s; each further row: a height in m, then occurrences"
 
 
@@ -126,30 +128,41 @@ def _check_words(file: str, line: int, head: str) -> None:
     """Refuse a first cell that surely names other periods than those of the peak, or periods before heights."""
     text = re.sub(r"[{}$]", "", head)
     words = WORD.findall(text)
-    if not any(PEAK.fullmatch(word) for word in words):
-        other = next((word for word in words if ANOTHER.fullmatch(word)), None)
-        if other is None and (match := OF_A_PERIOD.search(text)):
-            other = match[0]
-        if other is not None:
-            cause = f"'{other}' is not the peak period Tp, by which seas are given here"
-            ratios = "for a JONSWAP sea of gamma 3.3 Tp is 1.286 Tz, 1.199 Tm01, 1.107 Te"
-            cure = f"convert the periods ({ratios}), and write Hs [m] / Tp [s]"
-            raise SceneError([Problem(file, line, "", head, cause, cure)])
+    if other := _another_period(text):
+        cause = f"'{other}' is not the peak period Tp, by which seas are given here"
+        ratios = "for a JONSWAP sea of gamma 3.3 Tp is 1.286 Tz, 1.199 Tm01, 1.107 Te"
+        cure = f"convert the periods ({ratios}), and write Hs [m] / Tp [s]"
+        raise SceneError([Problem(file, line, "", head, cause, cure)])
     if turned := _turned(words):
-        cause = "names '{}' before '{}': heights stand in the first column, and periods in the first row".format(
-            *turned
-        )
+        cause = "says '{} … {}': heights stand in the first column, and periods in the first row".format(*turned)
         cure = "if the first column has the periods, exchange rows and columns; write Hs [m] / Tp [s]"
         raise SceneError([Problem(file, line, "", head, cause, cure)])
 
 
+def _another_period(text: str) -> str:
+    """The period that a first cell names, where it is none of the peak; of several the first is that of the table."""
+    words = list(WORD.finditer(text))
+    peak = min((word.start() for word in words if PEAK.fullmatch(word[0])), default=None)
+    others = [word for word in words if ANOTHER.fullmatch(word[0]) and (peak is None or not SITE.fullmatch(word[0]))]
+    others += OF_A_PERIOD.finditer(text)
+    first = min(others, key=lambda word: word.start(), default=None)
+    return first[0] if first is not None and (peak is None or first.start() < peak) else ""
+
+
 def _turned(words: list[str]) -> tuple[str, str] | None:
-    """Words of a period and of a height behind it, where all periods are named first and not said to stand across."""
+    """Two words that say that periods stand in the first column: where all periods are named before heights and not
+    said to stand across, or heights are said to.
+    """
     periods, heights, places = (
         [k for k, word in enumerate(words) if any(one.fullmatch(word) for one in kinds)]
         for kinds in ((PERIOD,), (HEIGHT,), (DOWN, ACROSS))
     )
-    if not periods or not heights or periods[-1] > heights[0]:
+    if not periods or not heights:
+        return None
+    if heights[0] < periods[0]:
+        said = [k for k in places if heights[0] < k < periods[0]]
+        return (words[heights[0]], words[said[0]]) if said and ACROSS.fullmatch(words[said[0]]) else None
+    if periods[-1] > heights[0]:
         return None
     # The first place that is said is that of what is named beside it: of the periods, if it stands before the heights.
     if places and bool(ACROSS.fullmatch(words[places[0]])) == (places[0] < heights[0]):

@@ -106,7 +106,10 @@ class ExplicitStep:
         """
         # Advances of different lengths are divided into different steps: the longest of them is judged.
         longest = max(self.taken, ahead) if self._begun and not self._automatic else ahead
-        looks = not self._begun or time >= self.due - tolerance
+        # Of steps that become longer the last look has said nothing, neither how far they are from the critical one nor
+        # when to look again.
+        judged = (1.0 + STEADY) * self._before * self._found
+        looks = not self._begun or time >= self.due - tolerance or (not self._automatic and ahead > judged)
         if not self._begun:
             self.begin(state, time, longest)
             self._begun = True

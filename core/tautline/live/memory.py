@@ -191,7 +191,7 @@ def as_sent(told: Any, block: np.ndarray, expected: int) -> State:
 
 def damaged() -> SimulationError:
     """The refusal of a state that is not what was saved."""
-    return SimulationError("the saved state is damaged", "save it again")
+    return SimulationError("the saved state is damaged, or of another version of Tautline", "save it again")
 
 
 class Memory:

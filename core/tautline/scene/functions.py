@@ -451,6 +451,7 @@ def _models(unit: str, of: str) -> dict[str, type[Model]]:
     }
     for key, model in made.items():
         model.made_of = unit, of, key
+        model.__doc__ = model.__mro__[1].__doc__  # of the schema, which editors show
     return dict(made)
 
 

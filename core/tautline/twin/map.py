@@ -392,6 +392,7 @@ class _Reader:
         measured = {sensor.output for sensor in read.sensors if sensor.output}
         unknowns = [self.unknown(i, one, measured) for i, one in enumerate(read.estimate)]
         self.repeated("estimate", [one.name for one in read.estimate], "parameter")
+        self.repeated("watch", [one.name for one in read.watch], "name", "give each alarm a name of its own")
         alarms = [self.alarm(i, one, measured) for i, one in enumerate([*read.watch, *self.limits()])]
         for i, name in enumerate(read.keep):
             self.known(("keep", i), "output", name, {**self.outputs, **dict.fromkeys(self.further)})
@@ -416,10 +417,10 @@ class _Reader:
             if one.name not in called and not own & {(one.output, side) for side in _sides(one)}
         ]
 
-    def repeated(self, key: str, names: list[str], what: str) -> None:
+    def repeated(self, key: str, names: list[str], what: str, cure: str = "leave one of them out") -> None:
         for i, name in enumerate(names):
             if name and name in names[:i]:
-                self.fault((key, i, what), f"'{name}' stands twice", "leave one of them out")
+                self.fault((key, i, what), f"'{name}' stands twice", cure)
 
     def rivals(self) -> None:
         """Refuse a second sensor that drives what another one drives: each row would give both for one advance."""

@@ -113,7 +113,11 @@ def surely_within(value: float, sd: float, bound: Alarm) -> bool:
 
 def no_reading(sensor: Health) -> str:
     """Why a sensor does not show what a bound is about."""
-    return sensor.text if sensor.fault else f"{sensor.channel.column} shows nothing now"
+    if sensor.fault:
+        return sensor.text
+    if np.isfinite(sensor.left_out):
+        return f"{sensor.channel.column} shows {sensor.channel.told(sensor.left_out)} now, which is not believed yet"
+    return f"{sensor.channel.column} shows nothing now"
 
 
 def largest_known(sd: Any) -> float:
@@ -261,7 +265,8 @@ class Watch:
         if sensor.fault == "":
             return text, True
         certain = computed_too or (active is not None and active.known)
-        return f"{text}. {sensor.text}" + ". That is not certain" * (not certain), certain
+        ending = "" if sensor.text.endswith("?") else "."
+        return f"{text}. {sensor.text}" + f"{ending} That is not certain" * (not certain), certain
 
     def _said_computed(self, one: Alarm, value: float, sd: float, measured: float) -> tuple[str, bool]:
         """What is said of a computed value beyond a bound, and whether that is certain beside what is measured."""

@@ -358,6 +358,8 @@ class _Loop:
         for name, one in active.items():
             if name not in self.told:
                 say(f"{stamp_said(line['time'])}: ALARM {name}: {one['text']}", "red")
+            elif one["known"] and name not in self.known_alarms:
+                say(f"{stamp_said(line['time'])}: {name} is certain now: {one['text']}", "red")
             elif name in self.known_alarms and not one["known"]:
                 say(f"{stamp_said(line['time'])}: {name} is {one['text']}", "yellow")
         self.known_alarms = {name for name, one in active.items() if one["known"]}
