@@ -89,7 +89,7 @@ def _is_place(name: str) -> bool:
 
 
 def _is_bit(name: str) -> bool:
-    return name.startswith("lump 12 of 12") and name.endswith("along the hole")
+    return name.startswith("BHA at 3770.8 m") and name.endswith("along the hole")
 
 
 def _changed(name: str, keys: dict[str, Any], **more: Any) -> Any:
@@ -156,10 +156,10 @@ SCENES = (
     ),
     Scene(
         "Stick-slip", _changed("drilling", {DRIVE: "60 rpm", "bit.torque.static": "12 kN m", "solver.end": "20 s"}),
-        20.0, 80, lambda name: name.startswith("lump 24 of 24") and name.endswith("rotation"),
+        20.0, 80, lambda name: name.endswith("at 3000.0 m: rotation"),
         {"rk4": _steps(4e-3, 6), "generalized-alpha": _steps(32e-3, 9)}, {}, ("ours", "generalized-alpha", 2e-5),
         f"how far the bit is behind the top drive, every quarter of a second; {STUCK.format(step=2e-2)}.",
-        less="lump 0 of 24 (drill pipe 5 in 19.50 lb/ft S135, md 0 m): rotation",
+        less="drill pipe 5 in 19.50 lb/ft S135 at 0.0 m: rotation",
     ),
 )  # fmt: skip
 QUICK = (SCENES[0], replace(SCENES[3], end=4.0, count=8, exact=("ours", "generalized-alpha", 1e-3)))
