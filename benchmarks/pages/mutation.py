@@ -68,7 +68,7 @@ MUTANTS = (
         "force = carried * strain", "factor of engineering strain dropped", ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(
-        "core/tautline/elements/bending.py", "bending_of_four", "p[SECOND + 3] * h", "p[SECOND + 3] * h * h",
+        "core/tautline/elements/beam/bending.py", "bending_of_four", "p[SECOND + 3] * h", "p[SECOND + 3] * h * h",
         "power of the length in the curvature", ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(

@@ -8,8 +8,8 @@ sin^2(phi / 2) = |e2 - e1|^2 / 4. Half of each element is bent there by
 f is phi^2 up to the power phi^8, as for an arc of a circle; being a polynomial of the directions it has smooth forces
 through straight, and through a fold, where those of tan(phi / 2) would grow beyond bounds.
 
-What is lost is EJ c h kappa.^2, smoothed as in ``tautline.elements.bending``: EJ c h u.^2 / (u + k0^2) / 4. u does not
-change while the rope turns as a rigid body. As u is that of the station, a particle that runs through a curve which
+What is lost is EJ c h kappa.^2, smoothed as in ``tautline.elements.beam.bending``: EJ c h u.^2 / (u + k0^2) / 4. u does
+not change while the rope turns as a rigid body. As u is that of the station, a particle that runs through a curve which
 stands still loses nothing.
 
 Next to a wheel an element is the line that touches it (`crane.geometry.line`), and free is what does not lie on the

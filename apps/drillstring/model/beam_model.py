@@ -25,12 +25,12 @@ from drillstring.string.fluid import Fluid, fluid_of, mass_beside, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.in_hole import Hole
 from drillstring.well.wellbore import Wellbore
-from tautline.elements.bending import BENDING, new_bending
+from tautline.elements.beam.bending import BENDING, new_bending
+from tautline.elements.beam.twist import TWISTED, Twist
+from tautline.elements.beam.weld import Welds
 from tautline.elements.cubic import AXES, MATERIAL
 from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.tension import TENSION, new_tension
-from tautline.elements.twist import TWISTED, Twist
-from tautline.elements.weld import Welds
 from tautline.kernels.hermite import gauss, lobatto, table
 from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.system.records import records

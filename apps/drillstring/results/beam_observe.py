@@ -18,8 +18,8 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
 from tautline.application.modelling import energies_of
+from tautline.elements.beam.twist import Twist
 from tautline.elements.nodal.load import Loads
-from tautline.elements.twist import Twist
 from tautline.kernels.hermite import FIRST, SECOND, WEIGHT, gauss, lobatto, table
 
 PASSES = 20

@@ -21,7 +21,7 @@ from drillstring.results.beam_observe import nearest
 from drillstring.string.lumps import Lumps
 from drillstring.well.in_hole import AXES
 from drillstring.well.wellbore import Wellbore
-from tautline.elements.bending import Bending
+from tautline.elements.beam.bending import Bending
 from tautline.elements.nodal.load import Loads
 from tautline.integrators.state import State
 from tautline.system.records import records

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.elements.bending import Bending, bending_of_four, write_bending_tangent
+from tautline.elements.beam.bending import Bending, bending_of_four, write_bending_tangent
 from tautline.elements.cubic import (
     BLOCK_OF_FOUR,
     add_blocks,

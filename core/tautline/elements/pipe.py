@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.elements.beam.curvature import square_of
 from tautline.elements.cubic import AXES, VECTORS
-from tautline.elements.curvature import square_of
 from tautline.elements.shared_flow import C, D, E, M, times_c, times_e
 from tautline.elements.tension import strain_of
 from tautline.kernels.dofs import add_block
@@ -211,8 +211,9 @@ def _write_stress(e, b, e_d, b_d, stiffness, viscosity, cc, ck, stress):
     """Write cc d(f_e, f_b)/d(e., b.) + ck d(f_e, f_b)/d(e, b) of bending and its damping (6, 6).
 
     The second derivatives of EJ kappa^2 / 2 (`write_hessian` of the curvature), and of the damping those of
-    `tautline.elements.bending_damping`, as sums of dyads: every row of a block is a combination of e, b, e., w and of
-    b^, the part of b across e, and of one. With e.^ and b.^ likewise, dw/de. = -(beta P + 2 b^ e^T)/a^2, dw/db. = P/a,
+    `tautline.elements.beam.bending_damping`, as sums of dyads: every row of a block is a combination of e, b, e., w and
+    of b^, the part of b across e, and of one. With e.^ and b.^ likewise, dw/de. = -(beta P + 2 b^ e^T)/a^2 and
+    dw/db. = P/a,
 
         dw/de = c1 e^T + c2 b^T + c3 e.^T - (e.y) P/a - e w^T/a,   dw/db = c2 e^T - 2 epsilon P/a^2,
         c1 = -2 b.^/a^2 + (4 beta e.^ + 8 epsilon b^)/a^3,   c2 = -e.^/a^2,   c3 = -2 b^/a^2.

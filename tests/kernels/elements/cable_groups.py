@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from references import ale_ancf as reference
 
-from tautline.elements.bending import BENDING, FlowingBending, new_bending
+from tautline.elements.beam.bending import BENDING, FlowingBending, new_bending
 from tautline.elements.flow import Flow
 from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.linear import LinearInertia, LinearTension

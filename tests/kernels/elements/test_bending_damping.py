@@ -5,7 +5,7 @@ import pytest
 from kernels.elements import cable_groups as rope
 from kernels.elements.cable_groups import CUBIC, SHAPES, ask, close, new_state, parts
 
-from tautline.elements.bending_damping import VISCOUS, BendingDamping
+from tautline.elements.beam.bending_damping import VISCOUS, BendingDamping
 from tautline.kernels.hermite import gauss, table
 from tautline.system.records import records_of
 

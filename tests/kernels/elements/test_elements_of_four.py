@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tautline.elements.bending import BENDING, Bending, new_bending
+from tautline.elements.beam.bending import BENDING, Bending, new_bending
 from tautline.elements.cable import Cable, Elastic
 from tautline.elements.cubic import members
 from tautline.elements.inertia import INERTIA, Inertia

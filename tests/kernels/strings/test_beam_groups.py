@@ -14,8 +14,8 @@ from drillstring.groups.contact import PAD
 from drillstring.results.beam_observe import nearest
 from drillstring.string.lumps import Tube, cut
 from drillstring.well.in_hole import hold_points, spot, write_frame
-from tautline.elements.twist import TWISTED, Twist
-from tautline.elements.weld import Welds
+from tautline.elements.beam.twist import TWISTED, Twist
+from tautline.elements.beam.weld import Welds
 from tautline.kernels.jit import entry
 from tautline.system.records import records
 

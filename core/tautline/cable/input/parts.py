@@ -51,9 +51,9 @@ class Element(NamedTuple):
 
     ``compression`` false is a rope that carries no compression. ``quadrature`` of the axial term: None leaves
     the choice to the builder. ``spinless``: bending is damped as that of a rope that does not spin about its own line
-    (`tautline.elements.bending_damping`), else as that of one that spins as damps least. ``conveyed`` is a fluid that
-    flows along the element's own curve: mass per length kg/m, and id of the motion of its p. ``length`` is unstretched,
-    m, where the scene gives it; else the element is as long as it lies.
+    (`tautline.elements.beam.bending_damping`), else as that of one that spins as damps least. ``conveyed`` is a fluid
+    that flows along the element's own curve: mass per length kg/m, and id of the motion of its p. ``length`` is
+    unstretched, m, where the scene gives it; else the element is as long as it lies.
     """
 
     id: int

@@ -12,8 +12,8 @@ import tautline.elements.cable  # noqa: F401  (terms of the same elements run to
 from tautline.cable.input.parts import Element
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.sections import Sections
-from tautline.elements.bending import BENDING, FlowingBending, new_bending
-from tautline.elements.bending_damping import VISCOUS, BendingDamping
+from tautline.elements.beam.bending import BENDING, FlowingBending, new_bending
+from tautline.elements.beam.bending_damping import VISCOUS, BendingDamping
 from tautline.elements.flow import Flow
 from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.linear import LinearInertia, LinearTension

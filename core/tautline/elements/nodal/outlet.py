@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.elements.beam.curvature import write_gradient
 from tautline.elements.cubic import AXES, MATERIAL, VECTORS, vectors
-from tautline.elements.curvature import write_gradient
 from tautline.elements.tension import is_slack, strain_of
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register

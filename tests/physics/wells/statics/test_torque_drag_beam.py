@@ -209,7 +209,7 @@ def test_statics_of_lumps_import_none_of_the_beams_code():
     said = (
         "import sys; from drillstring.scene.scene import read; from drillstring.statics.torque_drag import Statics;"
         f"Statics(read({str(DATA / 'jwell.yaml')!r}), 3770.0, 4);"
-        "print([m for m in sys.modules if 'beam' in m or m.startswith('tautline.elements.bending')])"
+        "print([m for m in sys.modules if 'beam' in m or m.startswith('tautline.elements.beam.bending')])"
     )
     done = subprocess.run([sys.executable, "-c", said], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -8,7 +8,8 @@ rate in axes that turn with the tangent and do not spin about it is
 and the dissipation is EJ c w.w / 2 per metre of material. In a plane this is eq. 2.49, kappa-dot^2, smooth through the
 straight curve; out of it, bending in every direction is damped, whether the rope is straight or bent. A rope that a
 clamp keeps from spinning is damped so. A bent rod that is spun about its own line as a whole is damped too, where
-`tautline.elements.bending` is not: of the material's spin, which neither has, that one assumes whatever damps least.
+`tautline.elements.beam.bending` is not: of the material's spin, which neither has, that one assumes whatever damps
+least.
 
 The force against e. and b. is the derivative of half of the dissipation by them,
 
@@ -21,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.bending import BOTH, add_point
+from tautline.elements.beam.bending import BOTH, add_point
 from tautline.elements.cubic import AXES, MATERIAL, vectors
 from tautline.elements.flow import combine
 from tautline.kernels.dofs import add_block

@@ -12,6 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.elements.beam.curvature import (
+    derivatives_of,
+    gradient_of,
+    products_of,
+    square_of,
+    store_hessian,
+    write_gradient,
+    write_hessian,
+)
 from tautline.elements.cubic import (
     AXES,
     BLOCK_OF_FOUR,
@@ -31,15 +40,6 @@ from tautline.elements.cubic import (
     vectors,
     write_own,
     write_pairs,
-)
-from tautline.elements.curvature import (
-    derivatives_of,
-    gradient_of,
-    products_of,
-    square_of,
-    store_hessian,
-    write_gradient,
-    write_hessian,
 )
 from tautline.elements.flow import combine
 from tautline.kernels.dofs import add_block
