@@ -28,6 +28,7 @@ from tautline.kernels.dofs import (
     BEFORE,
     BEGIN,
     DOFS,
+    KNOWN,
     LAGGED,
     NUMBERS,
     SPEED,
@@ -80,7 +81,7 @@ class GeneralizedAlpha(NamedTuple):
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
     ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
-    on; ``order`` (1,) is that of the polynomial that continues them best, `STILL` or `DISTURBED`. ``driven`` (14,
+    on; ``order`` (1,) is that of the polynomial that continues them best, `STILL` or `DISTURBED`. ``driven`` (15,
     n_full) is what is known of what follows functions, see `prescribe_end`;
     ``begun`` (n,) are accelerations behind a push with those of what is driven from before it, and ``forces`` (2,
     n_full) full residuals at the end of a step with a push, with its mean accelerations and those at its start.
@@ -544,7 +545,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros((14, system.q.size)), np.zeros(system.size), np.zeros((2, system.q.size)),
+        np.zeros((KNOWN, system.q.size)), np.zeros(system.size), np.zeros((2, system.q.size)),
     )  # fmt: skip
 
 

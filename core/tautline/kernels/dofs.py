@@ -16,6 +16,7 @@ from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.lanes import load, store
 from tautline.kernels.matrix import add_at, have_cleared
 from tautline.kernels.memory import form_of
+from tautline.kernels.moving_frame import AXES, ENTRIES
 from tautline.kernels.numba_registration import is_array
 from tautline.kernels.separate import separate
 from tautline.kernels.time_function import FUNCTIONS, evaluate
@@ -112,14 +113,19 @@ BESIDE = 1e-6
 """How far beside an instant, over a step, both sides of a corner are seen."""
 GAUSS = 0.5 - 0.5 / 3.0**0.5
 """Where in a step the first of two points stands whose mean integrates a cubic."""
-BEFORE, BEGIN, LAGGED, BENDS, SPEED, LOST, QUIET, AUXILIARY, DEBT, UNREST, FASTEST, CHANGE, SHIFT, OWED = range(14)
+BEFORE, BEGIN, LAGGED, BENDS, SPEED, LOST, QUIET, AUXILIARY, DEBT, UNREST, FASTEST, CHANGE, SHIFT, OWED, SCALE = range(
+    15
+)
 """Rows of what is known of what is driven. In a step: their accelerations at its start, as they were and as they count,
 and the auxiliary one there; 1 or `OWES` where it is pushed, the speed at its start, what accelerations at both ends
 leave of the change of speed, and 1 where that is next to nothing. That speed is kept, not asked for again: where a step
 ends and the next begins, times differ by rounding, and a corner may lie between. From step to step: the auxiliary
 acceleration of eq. 2.86, by how much the change of speed is more than all steps have made of it, how many calm ones
 have to follow, the largest speed so far, and the largest of late of a step's length times its acceleration. Last, what
-a step leaves as it is shorter or longer than the one before, and what all of them have left since the last push."""
+a step leaves as it is shorter or longer than the one before, what all of them have left since the last push, and the
+change of speed beside which something counts in the step."""
+KNOWN = 15
+"""How many rows these are."""
 OWES = 2.0
 """What stands for a push that is not one of many: nothing bends, but steps before have left too much."""
 FADES = 0.99
@@ -137,16 +143,19 @@ def prescribe_end(dofs, functions, t, h, equal, ratio, late, known, q, v, a):
     Between its ends a function may jump in speed, or change it within less time than the step takes: a valve shuts, a
     table has a corner. The accelerations at the ends do not show that, and what is carried along would never feel its
     push, or ten times of it. All steps of one motion are pushed, or none: of a smooth one each makes too little of the
-    change or too much, which is nothing in the end, and a push of some of them would stay. ``known`` (14, n_full) takes
-    what is seen, see `FASTEST`.
+    change or too much, which is nothing in the end, and a push of some of them would stay. The numbers that place a
+    frame are one motion. ``known`` (15, n_full) takes what is seen, see `FASTEST`.
     """
     bends = False
+    places = functions.frames.parent.size > 0
+    if places:
+        _scales_of_frames(dofs, functions, t, h, known, a)
     for k in dofs.driven:
         i, motion = dofs.held[k], dofs.motion[k]
         value, rate, second = evaluate(functions, motion, t)
         left = rate - v[i] - 0.5 * h * (a[i] + second)
         known[FASTEST, i] = max(known[FASTEST, i], abs(rate))
-        scale = h * max(abs(a[i]), abs(second))
+        scale = known[SCALE, i] if functions.entry[motion] >= 0 else h * max(abs(a[i]), abs(second))
         fast = max(ROUNDED * max(abs(v[i]), abs(rate)), STANDS * known[FASTEST, i])
         bent, owes = False, False
         if known[UNREST, i] > 0.0:
@@ -155,7 +164,7 @@ def prescribe_end(dofs, functions, t, h, equal, ratio, late, known, q, v, a):
             if equal:
                 bent = _bends(functions, motion, t, h, v[i], a[i])
             else:
-                bent = abs(left) > LARGE * scale or _bends_within(functions, motion, t, h, v[i], a[i])
+                bent = abs(left) > LARGE * scale or _bends_within(functions, motion, t, h, scale, v[i], a[i])
         swings = h * (late * (a[i] - known[LAGGED, i]) + (second - a[i]) / 12.0)
         known[SHIFT, i] = (1.0 - 1.0 / (ratio * ratio)) * swings
         if not bent and known[UNREST, i] == 0.0 and (equal or abs(left) <= max(STRICT * scale, fast)):
@@ -169,7 +178,71 @@ def prescribe_end(dofs, functions, t, h, equal, ratio, late, known, q, v, a):
         q[i] = dofs.offset[k] + value
         v[i] = rate
         a[i] = second
+    if bends and places:
+        _push_frames_whole(dofs, functions, known)
     return bends
+
+
+@kernel(forceinline=True)
+def _motion_to(dofs, functions, first):
+    """Where, among what is driven, the motion ends that begins at ``first``: a number alone, or those of one frame."""
+    last = first + 1
+    frame = functions.entry[dofs.motion[dofs.driven[first]]]
+    while frame >= 0 and last < dofs.driven.size:
+        other = functions.entry[dofs.motion[dofs.driven[last]]]
+        if other < 0 or other // ENTRIES != frame // ENTRIES:
+            break
+        last += 1
+    return last
+
+
+@kernel(forceinline=True)
+def _turns(functions, motion):
+    """Whether a function is one of the nine numbers that turn a frame, and none of the three of its origin."""
+    return functions.entry[motion] % ENTRIES >= AXES
+
+
+@kernel
+def _scales_of_frames(dofs, functions, t, h, known, a):
+    """Change of speed beside which something counts in the step to t: the largest of a frame's origin, or of its turn.
+
+    What rides on a frame at x is at O + R x, where far from the origin of the scene O and R x are large and opposite.
+    One number alone has no acceleration for a moment now and then, and would be pushed without the others.
+    """
+    first = 0
+    while first < dofs.driven.size:
+        last = _motion_to(dofs, functions, first)
+        if functions.entry[dofs.motion[dofs.driven[first]]] >= 0:
+            origin, turn = 0.0, 0.0
+            for k in dofs.driven[first:last]:
+                i, motion = dofs.held[k], dofs.motion[k]
+                change = h * max(abs(a[i]), abs(evaluate(functions, motion, t)[2]))
+                if _turns(functions, motion):
+                    turn = max(turn, change)
+                else:
+                    origin = max(origin, change)
+            for k in dofs.driven[first:last]:
+                known[SCALE, dofs.held[k]] = turn if _turns(functions, dofs.motion[k]) else origin
+        first = last
+
+
+@kernel
+def _push_frames_whole(dofs, functions, known):
+    """Push all numbers of a frame of which one bends, and as long as the one that takes longest to be calm."""
+    first = 0
+    while first < dofs.driven.size:
+        last = _motion_to(dofs, functions, first)
+        bends, bent, quiet, unrest = 0.0, False, 1.0, 0.0
+        for k in dofs.driven[first:last]:
+            i = dofs.held[k]
+            bends, bent = max(bends, known[BENDS, i]), bent or known[BENDS, i] == 1.0
+            quiet, unrest = min(quiet, known[QUIET, i]), max(unrest, known[UNREST, i])
+        if bends > 0.0:
+            for k in dofs.driven[first:last]:
+                i = dofs.held[k]
+                known[BENDS, i] = 1.0 if bent else bends
+                known[QUIET, i], known[UNREST, i] = quiet, unrest
+        first = last
 
 
 @kernel(forceinline=True)
@@ -220,12 +293,12 @@ def _bends(functions, motion, t, h, v0, a0):
     return lost > BENT * most and lost > ROUNDED * max(abs(v0), abs(v1))
 
 
-@separate(bool, FUNCTIONS, int, float, float, float, float, late=True)
-def _bends_within(functions, motion, t, h, v0, a0):
+@separate(bool, FUNCTIONS, int, float, float, float, float, float, late=True)
+def _bends_within(functions, motion, t, h, scale, v0, a0):
     """Whether a function is not smooth in the step before t: two rules that integrate a cubic miss its change of speed.
 
     No corner is where both are right by accident. Nor is it smooth where what the step begins with, ``v0`` and ``a0``,
-    is not its own.
+    is not its own. A miss counts beside the accelerations in the step, and ``scale``.
     """
     v1 = _speed(functions, motion, t)
     first, last = evaluate(functions, motion, t - h)[2], evaluate(functions, motion, t)[2]
@@ -234,7 +307,7 @@ def _bends_within(functions, motion, t, h, v0, a0):
     simpson = abs(v1 - v0 - h * (first + 4.0 * middle + last) / 6.0)
     gauss = abs(v1 - v0 - 0.5 * h * (early + late))
     most = max(abs(first), abs(middle), abs(last), abs(early), abs(late))
-    return max(simpson, gauss, h * abs(first - a0)) > STRICT * h * most
+    return max(simpson, gauss, h * abs(first - a0)) > STRICT * max(h * most, scale)
 
 
 @kernel(forceinline=True)
@@ -249,16 +322,35 @@ def ease(dofs, functions, t, h, known, a):
     They are neither of the step before nor of this one. Returns whether there are any.
     """
     eased = False
-    for k in dofs.driven:
-        i, motion = dofs.held[k], dofs.motion[k]
-        v = _speed(functions, motion, t)
-        most = max(abs(v - _speed(functions, motion, t - h)), abs(_speed(functions, motion, t + h) - v))
-        known[BEGIN, i] = a[i]
-        if known[BENDS, i] > 0.0 and abs(a[i]) * h > (1.0 + BENT) * most:
-            known[LAGGED, i] -= a[i]
-            a[i] = known[BEGIN, i] = 0.0
-            eased = True
+    first = 0
+    while first < dofs.driven.size:
+        last = _motion_to(dofs, functions, first)
+        short = _passes(dofs, functions, first, last, t, h, a)
+        for k in dofs.driven[first:last]:
+            i = dofs.held[k]
+            known[BEGIN, i] = a[i]
+            if known[BENDS, i] > 0.0 and short:
+                known[LAGGED, i] -= a[i]
+                a[i] = known[BEGIN, i] = 0.0
+                eased = True
+        first = last
     return eased
+
+
+@kernel
+def _passes(dofs, functions, first, last, t, h, a):
+    """Whether accelerations at t make more of a change of speed than there is in the steps on both sides."""
+    for turns in range(2):
+        made, most = 0.0, 0.0
+        for k in dofs.driven[first:last]:
+            motion = dofs.motion[k]
+            if _turns(functions, motion) == (turns == 1):
+                v = _speed(functions, motion, t)
+                made = max(made, abs(a[dofs.held[k]]) * h)
+                most = max(most, abs(v - _speed(functions, motion, t - h)), abs(_speed(functions, motion, t + h) - v))
+        if made > (1.0 + BENT) * most:
+            return True
+    return False
 
 
 @separate(float, DOFS, FUNCTIONS, float, float, VECTOR, VECTOR, VECTOR, late=True)
@@ -319,19 +411,36 @@ def prescribe_lasting(dofs, functions, t, h, known, a):
     Returns whether any of that goes on with another acceleration than its step began with.
     """
     changes = False
-    for k in dofs.driven:
-        i, motion = dofs.held[k], dofs.motion[k]
-        _, v0, last = evaluate(functions, motion, t)
-        if known[BENDS, i] > 0.0:
-            _, v1, a1 = evaluate(functions, motion, t + h)
-            left, right = evaluate(functions, motion, t - BESIDE * h)[2], evaluate(functions, motion, t + BESIDE * h)[2]
-            corner = abs(right - left) > BENT * max(abs(left), abs(right))
-            hidden = abs(v1 - v0 - 0.5 * h * (last + a1)) > BENT * h * max(abs(last), abs(a1))
-            if corner or hidden:
-                last = 0.0
-            changes = changes or last != known[BEGIN, i]
-        a[i] = last
+    first = 0
+    while first < dofs.driven.size:
+        last = _motion_to(dofs, functions, first)
+        hidden = known[BENDS, dofs.held[dofs.driven[first]]] > 0.0 and _hides(dofs, functions, first, last, t, h)
+        for k in dofs.driven[first:last]:
+            i = dofs.held[k]
+            a[i] = 0.0 if hidden else evaluate(functions, dofs.motion[k], t)[2]
+            changes = changes or (known[BENDS, i] > 0.0 and a[i] != known[BEGIN, i])
+        first = last
     return changes
+
+
+@kernel
+def _hides(dofs, functions, first, last, t, h):
+    """Whether accelerations at t do not show how speed changes in the next step, or a corner is at t."""
+    for turns in range(2):
+        jump, beside, lost, scale = 0.0, 0.0, 0.0, 0.0
+        for k in dofs.driven[first:last]:
+            motion = dofs.motion[k]
+            if _turns(functions, motion) == (turns == 1):
+                _, v0, a0 = evaluate(functions, motion, t)
+                _, v1, a1 = evaluate(functions, motion, t + h)
+                left = evaluate(functions, motion, t - BESIDE * h)[2]
+                right = evaluate(functions, motion, t + BESIDE * h)[2]
+                jump, beside = max(jump, abs(right - left)), max(beside, abs(left), abs(right))
+                lost = max(lost, abs(v1 - v0 - 0.5 * h * (a0 + a1)))
+                scale = max(scale, h * max(abs(a0), abs(a1)))
+        if jump > BENT * beside or lost > BENT * scale:
+            return True
+    return False
 
 
 @separate(type(None), DOFS, float, STATES, VECTOR, VECTOR, late=True)

@@ -142,6 +142,10 @@ def turned(scene, matrix, shift=(0.0, 0.0, 0.0), gravity=True):
         move(next(iter(item.values())), "center", "position", "offset", "axis")
     for thing in made["bodies"]:
         move(thing, "position", "velocity")
+    for frame in made.get("frames", ()):
+        move(frame, "pivot")
+    if "vessel" in made:
+        move(made["vessel"], "reference")
     if gravity:
         made["gravity"] = _listed(matrix @ np.asarray(scene.get("gravity", (0.0, 0.0, -GRAVITY)), dtype=float))
     return _rewrapped(made, scene)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from physics.lifting.crane_scenes import (
     ACROSS,
     HOISTING,
@@ -103,6 +104,15 @@ def test_a_scene_that_is_moved_or_turned_with_its_gravity_has_the_same_tensions_
     assert off(result["tension"], upright[name]["tension"]) < SAME
     if upright[name]["external_work"].any():
         assert off(result["external_work"], upright[name]["external_work"]) < SAME
+
+
+@pytest.mark.parametrize("base", [None, *studies(0.7)])
+def test_a_boom_that_slews_far_from_the_origin_of_the_scene_carries_what_it_carries_at_the_origin(base):
+    """As in map coordinates. Numbers of the boom's place were pushed alone: 100 to 300 N, by what R x is there."""
+    scene = solved(slewing(base), end=3.0)
+    scene["frames"][-1] |= {"slew": {"ramp": {"to": 0.3, "over": 2.0}}, "luff": 0.0}
+    near, far = (turned(scene, np.eye(3), shift) for shift in ((0.0, 0.0, 0.0), (450.0e3, 6700.0e3, 0.0)))
+    assert off(ran(far)["tension"], ran(near)["tension"]) < 1.0e-5
 
 
 @pytest.mark.parametrize(
