@@ -25,7 +25,9 @@ def place(tmp_path):
     "head",
     ["Hs [m] / Tz [s]", "Hs\\T02", "Hs/Tm02 (s)", "H_{m0}; T_{z}", "Hs Te", "Hs [m] / T1 [s]", "Hs/Tm01", "Hs/Tm-10",
      "Hs and mean period", "Hs (m), zero-crossing period (s)", "Hs [m] / Tz [s] (not Tp)", "Hs/Te (from Tp)",
-     "Hs / Tz, peak enhancement 3.3", "Hs [m] / Tz = Tp/1.286 [s]", "Hs_m / Tz_s", "Hs/Tavg", "Hs, average period"],
+     "Hs / Tzero", "Hs/T(z)", "Hs / period (zero crossing)", "Hs / wave period (mean)", "Hm0 / T-1,0", "Hm0 / Tm-1,0",
+     "H1/3 / TH1/3", "Hs / T1/3", "Hs/Tc", "Hs / Tz, peak enhancement 3.3", "Hs [m] / Tz = Tp/1.286 [s]",
+     "Hs_m / Tz_s", "Hs/Tavg", "Hs, average period"],
 )  # fmt: skip
 def test_a_diagram_by_another_period_is_refused(place, head):
     """Tz was read as Tp: lives came out up to twice too short, and at other headings too long."""
@@ -46,7 +48,8 @@ def test_the_ratios_that_the_refusal_names_are_those_of_the_spectrum(place):
 
 @pytest.mark.parametrize(
     "head",
-    ["Tp [s] / Hs [m]", "peak period / height", "T_p \\ H_s", "T [s] / Hs [m]", "Tp / H", "Tp (rows) / Hs (columns)",
+    ["Tp [s] / Hs [m]", "Tpeak vs Hs", "peak period / height", "T_p \\ H_s", "T [s] / Hs [m]", "Tp / H",
+     "Tp (rows) / Hs (columns)",
      "Tp ↓ / Hs →", "Tp / Hs (columns)", "Hs (columns) / Tp (rows)", "Hs across; Tp down"],
 )  # fmt: skip
 def test_a_diagram_that_names_periods_before_heights_is_refused(place, head):
@@ -56,7 +59,8 @@ def test_a_diagram_that_names_periods_before_heights_is_refused(place, head):
 
 @pytest.mark.parametrize(
     "head",
-    ["Tp in first row / Hs in first column", "Hs / Tp at site T1", "Hs (rows) / Tp (columns)",
+    ["Hs / Tpeak", "Hs(m)/T(s)", "Hs / T(p)", "H1/3 [m] / Tp [s]", "Hs (significant) / Tp",
+     "Tp in first row / Hs in first column", "Hs / Tp at site T1", "Hs (rows) / Tp (columns)",
      "Hs", "Hs [m]", "Hs / Tp", "H_s [m] \\ T_p [s]", "Hm0 and Tp", "significant wave height [m], peak period [s]",
      "", "sea states of 1991, bin means", "Hs [m] (mean of the bin)",
      "H [m] / Tp [s]", "Hmo [m] / Tp [s]", "H [ft] / Tp [s]", "Sig. wave ht (m) / peak period (s)", "Wellenhöhe / Tp",

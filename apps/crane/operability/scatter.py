@@ -29,13 +29,21 @@ UNIT = re.compile(r"\[\s*([^\]]*?)\s*\]|\(\s*([^)]*?)\s*\)")
 """What stands in brackets: in square ones a unit, in round ones a unit or a remark."""
 WORD = re.compile(r"[^\W\d]\w*|[→↓]")
 HEIGHT = re.compile(r"(?-i:H)|h_?s(_m)?|h_?m_?[0o]|h_?1|h_?sig|swh|hts?|heights?", re.IGNORECASE)
-PEAK = re.compile(r"t_?p(_s)?|peak", re.IGNORECASE)
+PEAK = re.compile(r"t_?p(_s|eak)?|peak", re.IGNORECASE)
 PERIOD = re.compile(rf"{PEAK.pattern}|(?-i:T)|periods?", re.IGNORECASE)
-ANOTHER = re.compile(r"t_?(z|e|m|s|av|avg|mean|m?_?0_?[12]|m_?10|[12])(_s)?", re.IGNORECASE)
+ANOTHER = re.compile(r"t_?(z|zero|e|m|s|c|h?_?1_?3|av|avg|mean|m?_?0_?[12]|m?_?10|[12])(_s)?", re.IGNORECASE)
+OTHER = r"mean|average|zero|energy|significant|crossing"
 OF_A_PERIOD = re.compile(
-    r"(mean|average|zero|energy|significant|crossing)([- ]*(up|down|crossing|wave))*[- ]*period", re.IGNORECASE
+    rf"({OTHER})([- ]*(up|down|crossing|wave))*[- ]*period|periods?\s*[(,]\s*({OTHER})[- a-z]*", re.IGNORECASE
 )
 """Words of the first cell: of a height, of a peak period, of any period, and of a period that is another one."""
+WRITTEN = (
+    (r"[{}$]", ""),
+    (r"\bT\s*\(\s*([zep]|m\w+)\s*\)", r"T\1"),
+    (r"(?<=\d)/(?=\d)", "_"),
+    (r"\bT(_?m)?[-_, ]*-1[, ]*0\b", "Tm10"),
+)
+"""Ways to write an index: T_{z}, T(z), H1/3, T-1,0."""
 SITE = re.compile(r"t_?[12s]", re.IGNORECASE)
 """Words of the latter that may be the name of something else beside a peak period, such as of a site."""
 DOWN = re.compile(r"rows|down|↓|column|col", re.IGNORECASE)
@@ -126,7 +134,9 @@ def _of_another_length(file: str, line: int, cells: int, head: int) -> Problem:
 
 def _check_words(file: str, line: int, head: str) -> None:
     """Refuse a first cell that surely names other periods than those of the peak, or periods before heights."""
-    text = re.sub(r"[{}$]", "", head)
+    text = head
+    for way, plain in WRITTEN:
+        text = re.sub(way, plain, text)
     words = WORD.findall(text)
     if other := _another_period(text):
         cause = f"'{other}' is not the peak period Tp, by which seas are given here"

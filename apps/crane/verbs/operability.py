@@ -133,6 +133,9 @@ def _introduce(asked: Asked, absent: int) -> None:
     steep = [one for one in asked.conditions if not one.physical]
     count = len(asked.conditions) - len(steep)
     storms = f"{len(asked.seeds)} storm{'s' if len(asked.seeds) > 1 else ''}"
+    if asked.scatter is not None:
+        heights, periods = (f"{x[0]:.4g} to {x[-1]:.4g}" for x in (asked.scatter.heights, asked.scatter.periods))
+        say(f"scatter diagram: significant heights of {heights} m down, peak periods of {periods} s across")
     say(f"{count} sea state{'s' if count != 1 else ''}, {storms} of {_lasting(asked.simulated)} each")
     if absent:
         say(f"{absent} more of the scatter diagram never occur, and are not run")
