@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+import tautline.cable.driven_material
 import tautline.cable.held_forces  # noqa: F401  (warns too)
 from tautline.cable.coarse_lines import PRESTRETCHED, Sentences, cure_of, turned
 from tautline.cable.input.couplings import APART, coupling_gap, rates_at_start, value_of
@@ -314,7 +315,8 @@ def _kinks(scene: CableScene) -> Sentences:
     within = {node for node, sides in rounds.items() if len(sides) > 1 and all(sides)}
     if not within:
         return
-    acted = {node.id for node in scene.nodes if any(node.held[:3]) and sum(node.held[3:6]) < 2}
+    acted = {node.id for node in scene.nodes if any(node.held[:3]) and sum(node.held[3:6]) < 2} & within
+    acted -= _kept_in_planes(scene) if acted else set()
     # How much a spring pulls is not known before the run.
     acted |= {node for part in (*scene.forces, *scene.masses) for node in part.nodes}
     acted |= {node for tie in scene.ties if tie.what == 0 for node in tie.nodes}
@@ -329,6 +331,27 @@ def _kinks(scene: CableScene) -> Sentences:
         )
         key = "quadrature" if bent[0].place[-1] == "CableLine" else "xyz_d"
         yield (*bent[0].place, key), text
+
+
+def _kept_in_planes(scene: CableScene) -> set[int]:
+    """Nodes whose supports only keep a cable in a plane: they have no part in its tension, and bend nothing.
+
+    Both nodes of all elements there are held across the plane, where they are drawn in it, and nothing acts across it
+    on what lies between them, or their slopes are held as well.
+    """
+    drawn = drawn_of(scene)
+    flat = np.max(np.abs([drawn.chord, drawn.first, drawn.second]), axis=0) <= AT_REST
+    fixed = {node.id: [h and not f for h, f in zip(node.held, node.functions, strict=True)] for node in scene.nodes}
+    across = {node.id: [True] * 3 for node in scene.nodes}
+    for element, plane in zip(scene.elements, flat.tolist(), strict=True):
+        if element.kind == "linear":
+            continue
+        for i in range(3):
+            loaded = element.load[i] != 0.0 or element.rhoA * scene.gravity[i] != 0.0
+            rows = (i, i + 3) if loaded else (i,)
+            if not plane[i] or not all(fixed[node][row] for node in element.nodes for row in rows):
+                across[element.nodes[0]][i] = across[element.nodes[1]][i] = False
+    return {node.id for node in scene.nodes if all(across[node.id][i] for i in range(3) if node.held[i])}
 
 
 @warning("cable")

@@ -14,6 +14,8 @@ from tautline.scene.errors import Problem, SceneError, SceneWarning
 METHODS = {"LagMultipl": "multiplier", "Penalty": "penalty", "AugLagrange": "augmented"}
 APART = 1.0e-9
 """Gap of a constraint at the start, m or as a share of the node's place, that is no rounding."""
+SAME_RATE = 1.0e-6
+"""Difference of two rates over the larger, below which they are one: above what rounding leaves of a table's rate."""
 FAR = 1.0e-3
 """Gap of a coupling, as a share of the shortest element at the slave, that no drawing is rounded by."""
 

@@ -57,12 +57,19 @@ def _all_still(layout: Layout) -> bool:
 
 
 def steady_flow(layout: Layout) -> list[int]:
-    """Places of the p of material that is driven through elements of constant length: it flows on while they rest."""
+    """Places of the p of material that is driven through elements of constant length: it flows on while they rest.
+
+    An element keeps its length where one motion drives both of its ends, and at the start of a run where several drive
+    them at one rate: that state is at rest, whatever the rates are later.
+    """
     places: set[int] = set()
     for element in () if _all_still(layout) else layout.scene.elements:
-        if flow_of(layout, element) != STILL and _keeps_length(layout, element):
-            ends = [layout.material(node) for node in element.nodes]
-            places.update(ends if all(layout.is_held(place) for place in ends) else ())
+        first, second = (layout.material(node) for node in element.nodes)
+        if layout.still_nodes.issuperset(element.nodes):
+            continue
+        always = _keeps_length(layout, element) and layout.is_held(first) and layout.is_held(second)
+        if always or layout.run_alike(first, second):
+            places.update((first, second))
     return sorted({*places, *layout.flow.values()})
 
 
