@@ -45,6 +45,8 @@ LARGEST_SHARE = 0.8
 """Share of the yield load above which a string at rest is warned of: what is left is the margin of overpull."""
 DEEP = 0.5
 """Depth in the wall over the clearance that is warned of; a stabiliser's clearance is taken as `SNUG` at least."""
+RISING = 0.05
+"""Height above the table over the length of a hole that is warned of; a crossing below a river may end higher up."""
 SHARP = np.radians(10.0) / 30.0
 """Dogleg severity, rad/m, above which a hole is warned of: medium-radius wells; most others stay below 5 deg/30 m."""
 DRILLED = 0.07
@@ -168,6 +170,20 @@ def _survey(scene: DrillstringScene, ready: Prepared) -> Sentences:
             "plausible for a depth; check the unit of the column md, or give it as `md:`"
         )
         yield "well.survey", text
+
+
+def _above_the_table(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A hole that goes up above the rotary table: inclinations counted from another direction."""
+    md = np.union1d(ready.well.md, np.linspace(0.0, ready.well.length, STATIONS))
+    heights = -ready.well.tvd(md)
+    if heights.max() <= RISING * ready.well.length:
+        return
+    height, where = (shown(float(x), "m", scene.units) for x in (heights.max(), md[heights.argmax()]))
+    text = (
+        f"the hole goes up to {height} above the rotary table, at {where} along it. An inclination is counted from "
+        "straight down: 0 deg is down, 90 deg level, 180 deg up; check the inclinations"
+    )
+    yield "well.survey" if scene.well.survey is not None else "well.sections", text
 
 
 def _dogleg(scene: DrillstringScene, ready: Prepared) -> Sentences:
@@ -566,8 +582,9 @@ def _mesh(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 
 CHECKS: tuple[Check, ...] = (
-    _steps, _survey, _dogleg, _upside_down, _floating, soft_wall, _friction, _block, _shoe, _past_the_shoe, _yielding,
-    _off_bottom, _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
+    _steps, _survey, _above_the_table, _dogleg, _upside_down, _floating, soft_wall, _friction, _block, _shoe,
+    _past_the_shoe, _yielding, _off_bottom, _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter,
+    _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
 OF_A_RUN = frozenset(

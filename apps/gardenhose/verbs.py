@@ -183,7 +183,7 @@ def parse_speeds(text: str) -> list[float]:
         return numbers if numbers == rising[::-1] else rising
     three_of(text, "--speed", example)
     first, last, step = numbers
-    if step == 0.0 or (last - first) * step < 0.0:
+    if (last - first) * step < 0.0:
         raise refuse("never gets to its end by such a step", example)
     return stepped((first, last, step), text, "--speed", MOST_SPEEDS, "speeds")
 

@@ -158,7 +158,7 @@ BAD_SPEEDS = {
     "": "is no range of speeds",
     "0:12": "needs three numbers: from, to and step",
     "0:12:3:4": "needs three numbers",
-    "0:12:0": "never gets to its end by such a step",
+    "0:12:0": "never gets to its end by a step of zero",
     "0:12:-3": "never gets to its end",
     "12:0:3": "never gets to its end",
     "0:12:1e-9": "more than 10000",

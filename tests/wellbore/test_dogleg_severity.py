@@ -66,6 +66,15 @@ def test_check_tells_the_largest_dogleg_severity_and_warns_above_ten_degrees(rat
     assert len(texts) == warned and all("12 deg/30 m at 1000 to 1150 m" in text for text in texts)
 
 
+@pytest.mark.parametrize(("inclination", "warned"), [(180, True), (100, True), (91, False), (89, False), (0, False)])
+def test_check_warns_of_a_hole_that_goes_up_above_the_table_and_tells_how_far(inclination, warned):
+    scene = scene_of(("{sections", f"{{inclination: {inclination} deg, sections"))
+    texts = [one.text for one in warnings(scene) if one.where == "well.sections"]
+    assert len(texts) == warned
+    height = f"{-1000.0 * math.cos(math.radians(inclination)):.4g} m above the rotary table, at 1000 m along it"
+    assert all(height in text and "0 deg is down" in text for text in texts)
+
+
 def test_a_short_arc_between_long_sections_is_not_passed_over():
     pieces = "{hold: 5000 m}, {build: {radius: 100 m, to: 0.5 deg}}, {hold: 5000 m}"
     severity, begin, end = sharpest(

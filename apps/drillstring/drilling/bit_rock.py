@@ -270,15 +270,30 @@ def _place_blades(g, t, q, v):
 
 
 @kernel
+def _rename(g, angle, pitch):
+    """Call the blades of a bit that was turned back by their neighbours' names: they are alike, and so is the bottom.
+
+    Blades that had to make up for all turns back would stand on one place of the bottom until then, and not cut it.
+    """
+    turned_back = np.floor((g.ring[g.head[0], 0] - angle) / pitch)
+    if turned_back > 0.0:
+        for k in range(g.ring.shape[0]):
+            g.ring[k, 0] -= turned_back * pitch
+
+
+@kernel
 def _advance_blades(g, t, q, v):
     """Remember the bottom that the blades leave, where they have come further than before."""
     b = g.row[0]
     _measure_blades(g, t, q, v)
     depth, size = depth_of(g, q), g.ring.shape[0]
     pitch = 2.0 * pi / b.blades
-    b.seat = max(min(b.seat, depth), depth - b.limit / b.stiffness)
-    ahead = q[g.turn] - g.ring[g.head[0], 0]
-    bottom = max(depth, _behind(g, max(q[g.turn], g.ring[g.head[0], 0]) - pitch)[0])
+    _rename(g, q[g.turn], pitch)
+    newest = g.ring[g.head[0], 0]
+    ahead = q[g.turn] - newest
+    bottom = max(depth, _behind(g, max(q[g.turn], newest) - pitch)[0])
+    # Flats that bear nothing lie on the bottom, which no bit lifts: seat and bottom part where the bit hangs free.
+    b.seat = max(min(b.seat, bottom), depth - b.limit / b.stiffness)
     before = (g.head[0] + size - 1) % size
     if ahead > 0.0:
         # While the last two are too near the newest is moved on: a bit that creeps must not use up the ring.

@@ -486,7 +486,7 @@ def _warnings(point: Point, points: list[Point], system: str) -> list[str]:
     buckled: dict[str, list[str]] = {}
     for way in point.profiles:
         helix = point.buckled(way, "helical")
-        sine = _without(point.buckled(way, "sinusoidal"), helix)
+        sine = _long_enough(_without(point.buckled(way, "sinusoidal"), helix), system)
         for kind, places in (("into a helix", helix), ("into a sine", sine)):
             if places:
                 text = f"the string buckles {kind} from {_spans(places, system)}"
@@ -502,6 +502,11 @@ def _spans(places: list[tuple[float, float]], system: str) -> str:
         return spans
     deepest = shown(max(b for _, b in places), "m", system)
     return f"{spans}, and {len(places) - len(told)} shorter ones, down to {deepest} in all"
+
+
+def _long_enough(places: list[tuple[float, float]], system: str) -> list[tuple[float, float]]:
+    """Those of some stretches whose ends are two numbers as printed: others are the edge of what lies beside them."""
+    return [(a, b) for a, b in places if shown(a, "m", system) != shown(b, "m", system)]
 
 
 def _without(places: list[tuple[float, float]], others: list[tuple[float, float]]) -> list[tuple[float, float]]:

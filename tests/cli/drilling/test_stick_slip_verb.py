@@ -107,7 +107,7 @@ def test_each_run_begins_at_rest_with_the_weight_and_the_laws_of_the_scene(folde
         ("drilling.yaml", ("--speed", "40:160:0.001"), "take a larger step"),
         ("drilling.yaml", ("--speed", "1:100:1", "--weight", "1 kN:100 kN:1 kN"), "makes 10000 runs"),
         ("drilling.yaml", ("--speed", "-40"), "greater than zero"),
-        ("drilling.yaml", ("--weight", "50 kN:100 kN:0"), "greater than zero"),
+        ("drilling.yaml", ("--weight", "50 kN:100 kN:0"), "50 kN:100 kN:0: never gets to its end by a step of zero"),
         ("drilling.yaml", ("--weight", "50,,60"), "an entry is empty"),
         ("drilling.yaml", ("--weight", "5 m"), "a force"),
         ("drilling.yaml", ("--end", "0"), "greater than zero"),

@@ -9,7 +9,7 @@ import pytest
 from drillstring.modes.bha import _check
 from drillstring.scene.scene import LUMPED
 from drillstring.statics.back_calculation import Fit, read_measured
-from drillstring.view.torque_summary import _spans, _without, fit_in_words
+from drillstring.view.torque_summary import _long_enough, _spans, _without, fit_in_words
 from tautline.scene.errors import SceneError
 
 
@@ -17,6 +17,14 @@ def test_a_sine_that_is_no_helix_is_told_beside_the_helix():
     sine, helix = [(0.0, 800.0), (1461.0, 2960.0)], [(0.0, 800.0), (1461.0, 2102.0)]
     assert _without(sine, helix) == [(2102.0, 2960.0)]
     assert _without([(0.0, 100.0)], [(20.0, 30.0), (50.0, 60.0)]) == [(0.0, 20.0), (30.0, 50.0), (60.0, 100.0)]
+
+
+def test_what_is_left_of_a_sine_beside_a_helix_is_told_where_its_ends_are_printed_as_two_numbers():
+    left = _without([(674.23, 726.58), (913.38, 990.0)], [(913.42, 990.0)])
+    assert _spans(_long_enough(left, "metric"), "metric") == "674.2 m to 726.6 m"
+    # 0.04 m are 0.13 ft: 2996.7 and 2996.8 ft are both printed as 2997 ft
+    assert _spans(_long_enough(left, "field"), "field") == "2212 ft to 2384 ft"
+    assert _long_enough([(913.38, 913.52)], "metric") == [(913.38, 913.52)]
 
 
 def test_no_stretch_is_left_out_without_a_word():

@@ -314,6 +314,7 @@ def test_both_models_stand_beside_each_other_in_table_json_and_figure(drillstrin
         (("--depth", "3990:1000:-500"), ("has a step below zero", "first, such as 1000:3990:500")),
         (("--depth", "3990:1000:500"), ("ends above where it begins", "first, such as 1000:3990:500")),
         (("--depth", "1000:3990:-500"), ("has a step below zero", "first, such as 1000:3990:500")),
+        (("--depth", "500:600:0 ft"), ("500:600:0 ft: never gets to its end by a step of zero", "500:3500:250")),
         (("--depth", "3000:500:100"), ("--depth", "ends above where it begins")),
         (("--depth", "1:3000:0.001"), ("--depth", "larger step")),
         (("--depth", "0"), ("--depth",)),

@@ -224,3 +224,75 @@ def test_a_bit_that_creeps_does_not_use_up_the_memory_of_its_blades():
         commit(group, string.State(q, np.zeros(16), np.zeros(16)), 0.01 * step, 0.01)
     angles = np.sort(group.ring[:, 0])
     assert angles[-1] - angles[0] > 2.0 * np.pi / 3.0
+
+
+PATHS = {
+    "picked up and turned": lambda x: (-2.0 * np.sin(np.pi * x), 20.0 * x),
+    "picked up and not turned": lambda x: (-2.0 * np.sin(np.pi * x), 0.0),
+    "picked up and turned back": lambda x: (-2.0 * np.sin(np.pi * x), -20.0 * x),
+    "lowered half way and lifted again": lambda x: (-np.sin(np.pi * x) * (1.3 + np.cos(6.0 * np.pi * x)), 20.0 * x),
+    "bouncing by less than it is pressed in": lambda x: (-0.3 * np.sin(9.0 * np.pi * x) ** 2, 9.0 * x),
+}
+
+
+def bit_at_start(weight):
+    """Three blades that have drilled steadily with a weight, at depth and angle 0."""
+    state = string.State(*np.zeros((3, 16)))
+    group = blade_bit(state, placed=0, weight=weight, status=STICK, settled=STICK, force=0.0)
+    commit(group, state, 0.0, h=0.0)
+    return group
+
+
+def set_to(group, t, depth, angle, spin=0.0):
+    q, v = np.zeros(16), np.zeros(16)
+    q[PLACES], q[TURN], v[TURN] = DIRECTION * depth, angle, spin
+    commit(group, string.State(q, v, np.zeros(16)), t, 0.01)
+
+
+@pytest.mark.parametrize("path", PATHS.values(), ids=list(PATHS))
+@pytest.mark.parametrize("weight", [0.4, 0.5], ids=["rubbing", "flats that bear all they can"])
+def test_a_bit_off_bottom_bears_nothing_and_its_flats_meet_the_rock_where_they_left_it(path, weight):
+    """Flats of 0.5 N at most, on 3 N/m: they are pressed in by weight / 3, and come back to it along the same line."""
+    group = bit_at_start(weight)
+    unloaded, steps = -weight / 3.0, 400
+    for step in range(1, steps + 1):
+        depth, angle = path(step / steps)
+        set_to(group, 0.01 * step, depth, angle)
+        if depth < unloaded:
+            assert recorded(group)[:2] == pytest.approx(0.0, abs=1e-15)
+    assert recorded(group)[3] == pytest.approx(4.2, abs=1e-12), "nothing is drilled on the way"
+    for share in (0.1, 0.7):
+        set_to(group, 5.0, (1.0 - share) * unloaded, angle)
+        assert recorded(group)[0] == pytest.approx(share * weight, rel=1e-9)
+
+
+@pytest.mark.parametrize("angle", [0.7, 5.0, 20.0])
+def test_blades_that_are_lifted_off_and_set_down_meet_the_steps_that_they_left(angle):
+    """Blades that drilled steadily with a cut c left a saw: an angle x behind a tooth it lies c (p - x) / 2 pi higher
+    than the bit was, p the angle between blades. The flats have met the tips of the teeth, and push all the way.
+    """
+    cut, pitch = 1.5, 2.0 * np.pi / 3.0
+    group = bit_at_start(1.3 * cut + 0.5)
+    for step in range(1, 401):
+        set_to(group, 0.01 * step, -1.0, angle * step / 400)
+        assert recorded(group)[0] == pytest.approx(0.0, abs=1e-15) or step * angle / 400 < 1e-9
+    set_to(group, 5.0, 0.0, angle)
+    left = -cut * (pitch - angle % pitch) / (2.0 * np.pi)
+    weight, kinetic = group.value[0], group.value[1]
+    assert group.row[0].hole == pytest.approx(0.0, abs=1e-12)
+    assert weight == pytest.approx(0.5 + 1.3 * 3.0 * -left, rel=1e-6)
+    assert kinetic == pytest.approx(0.4 * 0.5 + 0.6 * 3.0 * -left, rel=1e-6)
+
+
+def test_a_bit_that_was_turned_back_drills_on_from_where_it_is():
+    """The blades are alike: turned back by a pitch each stands where another stood, and no turn has to be made up."""
+    group = bit_at_start(0.5)
+    group.row[0].limit = 0.0
+    back, deep, spin, h = 40.0, 0.02, 2.0, 0.05
+    ways = [(-2.0, -back * k / 50.0) for k in range(51)] + [(deep, spin * h * k - back) for k in range(200)]
+    for step, (depth, angle) in enumerate(ways, 1):
+        set_to(group, step * h, depth, angle, spin)
+    # Held at one depth, three blades have cut all of it within less than three pitches.
+    weight, _, rate, hole = recorded(group)
+    assert (weight, rate) == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert hole == pytest.approx(4.2 + deep, rel=1e-12)

@@ -209,6 +209,36 @@ def test_a_bit_that_is_picked_up_drills_no_more_and_touches_again_where_it_left(
     assert result["weight_on_bit"][result.time > 5.0].max() > 0.3 * WEIGHT
 
 
+@pytest.mark.parametrize("kind", ["lumped", "ale-ancf"])
+def test_blades_with_worn_flats_hang_free_off_bottom_and_drill_on_from_the_bottom_that_they_left(kind):
+    """Off bottom the hook bears m g L and nothing rubs. Set down by s more, drilling off leaves the weight a l sigma of
+    the flats on the bit: the hole is deeper by s less what that presses the string, (a l sigma - W0) L / (E A).
+    """
+    first, worn, lower, length = 1e4, 0.108 * 1.2e-3 * 100e6, 0.01, 400.0
+    block = {"table": {"time": [0.0, 0.5, 2.5, 4.0, 6.0], "value": [0.0, 0.0, -0.2, -0.2, lower]}}
+    cutting = CUTTING | {"blades": 4}
+    scene = drilled(
+        length, 3, bit={"cutting": cutting}, weight=first, top__block=block, model__kind=kind, solver__end=17.0,
+        solver__rho_inf=0.5, damping={"structural": 2e-2},
+    )  # fmt: skip
+    result = run(scene)
+    deep, spent = result["hole_depth"], result["dissipated_energy"]
+    weight, torque = result["weight_on_bit"], result["torque_on_bit"]
+    turning = 0.5 * 0.7 * 0.9 * 0.108 * worn
+    off, last = (result.time > 1.0) & (result.time < 4.5), result.time > 16.0
+    assert np.all(weight[off] == 0.0) and np.all(torque[off] == 0.0)
+    hang = (result.time > 3.5) & (result.time < 4.0)
+    assert result["hook_load"][hang] == pytest.approx(mass_per_length() * GRAVITY * length, rel=1e-4)
+    # All that is lost is what damps the swings after letting go: next to nothing beside flats that went on rubbing.
+    rubbing = turning * 120 * RPM
+    assert np.ptp(spent[hang]) < 1e-3 * rubbing * 0.5
+    assert weight[last] == pytest.approx(worn, rel=1e-3) and torque[last] == pytest.approx(turning, rel=1e-3)
+    assert np.ptp(spent[last]) == pytest.approx(rubbing * np.ptp(result.time[last]), rel=2e-3)
+    drilled_by = lower - (worn - first) * length / (E * SECTION)
+    assert deep[-1] - deep[0] == pytest.approx(drilled_by, abs=1e-2 * lower)
+    assert np.ptp(deep[result.time < 5.0]) < 1e-9
+
+
 @pytest.mark.parametrize("blades", [None, 3])
 def test_a_run_that_is_gone_on_with_drills_the_same_hole(tmp_path, blades):
     """What the rock remembers, the bottom as blades left it too, is in the result."""

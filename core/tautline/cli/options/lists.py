@@ -84,11 +84,16 @@ def three_of(text: str, option: str, example: str) -> list[str]:
     Raises
     ------
     SceneError
-        Naming the option, for more words or fewer; its cure is the example.
+        Naming the option, for more words or fewer, and for a step of zero; its cure is the example.
     """
+    from tautline.scene.values.quantity import NUMBER
+
     parts = text.split(":")
     if len(parts) != 3:
         raise option_error(option, text, "needs three numbers: from, to and step", example)
+    step = NUMBER.fullmatch(parts[2])
+    if step is not None and float(step["number"]) == 0.0:
+        raise option_error(option, text, "never gets to its end by a step of zero", example)
     return parts
 
 
