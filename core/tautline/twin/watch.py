@@ -243,8 +243,8 @@ class Watch:
         elif one.name in self.alarms.active:
             said = self._said_silent(one, row.time, sensor)
             self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1])
-        # Else silence counts neither for nor against what has not lasted yet. Otherwise a sensor that is silent now and
-        # then, for less than the bound has to be passed, would never raise its alarm.
+        # Else what has not lasted yet waits: silence raises nothing, nor does it let the time of the bound begin anew.
+        # A sensor that is silent now and then, before that time is over, would never raise its alarm otherwise.
 
     def _follow_seen(self, one: Alarm, sensor: Health, measured: float, computed_too: bool, within: bool) -> None:
         """Follow whether the last that a sensor has shown is beyond a bound.
