@@ -29,14 +29,19 @@ watch:
   - {residual: winch.tension, above: 20 kN, for: 1 s, name: irregular}
   - {output: winch.tension, above: 80 kN, for: 0.5 s, name: lasting overload}
   - {residual: winch.tension, above: 20 kN, for: 0.5 s, name: lasting irregular}
+  - {output: winch.tension, above: 80 kN, for: 3 s, name: long overload}
+  - {residual: winch.tension, above: 20 kN, for: 3 s, name: long irregular}
 ahead: 0 s
 """,
     ).plan
 
-    def judged(readings, computed=lambda time: HELD, name="overload", times=TIMES):
+    def judged(readings, computed=lambda time: HELD, name="overload", times=TIMES, rests=np.inf):
         health, noise = Health(plan.channels[0]), np.random.default_rng(1)
         watch, found = Watch(plan, [health], None), []
         for time in times:
+            if time >= rests:
+                watch.begun_again()
+                rests = np.inf
             reading = readings(time)
             reading += 0.1 * noise.standard_normal() * (reading not in (OVER, 90.0))
             value = health.check(time, 1e3 * reading)
@@ -80,6 +85,11 @@ def test_what_is_computed_ends_an_overload_of_a_dead_cell_only_where_it_was_one_
     assert all(between(told(dead, lambda time: 50.0), 2.0, END)), "a load that was picked up as the cell broke"
     found = told(dead, lambda time: 84.0 if 2.0 < time < 7.0 else 50.0)
     assert all(between(found, 2.0, 7.0)) and not any(between(found, 8.2, END))
+
+
+def test_what_is_computed_and_begun_again_from_rest_has_followed_no_overload_and_ends_none(told):
+    found = told(steps((2.0, 84.0), (4.0, MISSING)), lambda time: 84.0 if 2.0 < time < 7.0 else 50.0, rests=7.0)
+    assert all(between(found, 2.0, END))
 
 
 @pytest.mark.parametrize("beyond, known", [(((2.0, 84.0), (3.0, 120.0)), True), (((2.0, 120.0),), False)])
@@ -161,3 +171,67 @@ def test_a_second_reading_beyond_a_bound_need_not_come_as_its_time_is_over(name,
 def test_what_is_computed_beyond_a_bound_lasts_without_readings(told):
     found = told(steps((0.0, MISSING)), lambda time: 84.0 if time > 5.05 else HELD, "lasting overload")
     assert not any(between(found, 0.0, 5.55)) and all(between(found, 5.65, END))
+
+
+BURSTS = {"2 s in 5 s": (5.0, 2.0), "three readings in 1.7 s": (1.7, 0.25), "all but 1.2 s in 5 s": (5.0, 3.8)}
+"""Period of readings that come in bursts, and how long one lasts, s."""
+
+
+def bursts(kind, whole, until=np.inf):
+    """Readings in bursts, up to a time, s."""
+    period, lasting = BURSTS[kind]
+    return lambda time: whole(time) if time % period < lasting and time < until else MISSING
+
+
+@pytest.mark.parametrize("name", ["long overload", "long irregular"])
+@pytest.mark.parametrize("kind", BURSTS)
+def test_silences_of_a_sensor_do_not_keep_a_bound_from_having_been_passed_for_its_time(kind, name, told):
+    """All readings from 5 s on are beyond the bound, with `for: 3 s`."""
+    read, times = bursts(kind, steps((5.0, 84.0))), np.arange(0.0, 20.0, 0.1)
+    found = told(read, name=name, times=times)
+    over = [time for time in times if time > 5.05 and np.isfinite(read(time))]
+    lasted = next(time for time in over if time >= over[0] + 3.0)
+    assert not any(between(found, 0.0, over[0] + 2.95)) and all(between(found, lasted - 0.05, 20.0))
+
+
+@pytest.mark.parametrize("name", ["long overload", "long irregular"])
+def test_a_reading_within_a_bound_begins_its_time_anew_behind_a_silence_and_no_silence_is_time(name, told):
+    """Bursts of 2 s in 5 s, of which the last two readings alone are beyond the bound, with `for: 3 s`."""
+    read = bursts("2 s in 5 s", lambda time: 84.0 if 1.75 < time % 5.0 < 1.95 else HELD)
+    assert not any(one for _, one in told(read, name=name, times=np.arange(0.0, 40.0, 0.1)))
+
+
+@pytest.mark.parametrize("name", ["overload", "irregular"])
+@pytest.mark.parametrize(("kind", "rate"), [*((kind, 10.0) for kind in BURSTS), ("2 s in 5 s", 50.0)])
+def test_an_alarm_stays_known_in_silences_as_long_as_three_of_the_last_minute_and_no_longer(kind, rate, name, told):
+    """Bursts to 25 s, of an overload from 15.5 s on, and nothing from then on."""
+    (period, lasting), times = BURSTS[kind], np.arange(0.0, 30.0, 1.0 / rate)
+    read = bursts(kind, steps((15.5, 84.0)), until=25.0)
+    found, shown = told(read, name=name, times=times), [time for time in times if np.isfinite(read(time))]
+    begin, silence = next(time for time in shown if time > 18.5), np.diff(shown).max()
+    assert period - lasting <= silence < period - lasting + 0.2
+    assert all(one is not None and one.known for one in between(found, begin, shown[-1] + silence + 0.01))
+    assert all(not one.known for one in between(found, shown[-1] + 1.3 * silence, 30.0))
+
+
+@pytest.mark.parametrize("name", ["overload", "irregular"])
+def test_two_silences_are_not_usual_yet_nor_are_three_of_which_one_is_longer(name, told):
+    """Readings of 10 Hz but for silences of 3, 3, 1.5 and 3 s: the last stands 1, 1, 1 and 1.9 s."""
+    silent = ((4.0, 7.0), (9.0, 12.0), (14.0, 15.5), (17.0, 20.0))
+    found = told(
+        lambda time: MISSING if any(a < time < b for a, b in silent) else 84.0, name=name, times=np.arange(0, 21, 0.1)
+    )
+    for (begin, end), stands in zip(silent, (1.0, 1.0, 1.0, 1.25 * 1.5), strict=True):
+        assert all(one.known for one in between(found, begin, begin + stands - 0.15))
+        assert all(not one.known for one in between(found, begin + stands + 0.15, end))
+
+
+@pytest.mark.parametrize(("every", "lost", "stands"), [(12.0, 99.0, 10.0), (4.0, 4.5, 4.5)])
+def test_no_silence_is_usual_for_longer_than_ten_seconds_or_than_its_sensor_counts_as_lost(every, lost, stands):
+    """Two readings again and again, and none behind the fifth time."""
+    load = f"sensors: [{{column: load, unit: kN, output: winch.tension}}]\nlost: {lost} s"
+    health, last = Health(Twin(STILL, load).plan.channels[0]), 4.0 * every + 0.1
+    for time in np.arange(0.0, last + 15.0, 0.1):
+        health.check(time, 84e3 + time if time % every < 0.15 and time < last + 0.05 else MISSING)
+        if abs(time - last - stands) > 0.05 and time > last:
+            assert np.isfinite(health.last_side(time)) == (time < last + stands)

@@ -6,13 +6,14 @@ import json
 import numpy as np
 import pytest
 from of_the_suite import studies
-from twin.rehearsal import WEIGHT, calm_rows, weight_twin
+from twin.rehearsal import STILL, WEIGHT, calm_rows, weight_twin
 
 from tautline.results.errors import ResultError
 from tautline.twin.packing import Held, Packing, Unpacking
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.rows import Rows
 from tautline.twin.storage import load, save
+from tautline.twin.twin import Twin
 
 LOST, GAP = (4.0, 6.0), (8.0, 9.5)
 END = 12.0
@@ -204,6 +205,51 @@ def test_a_state_that_lacks_something_is_refused_and_changes_nothing(whole, tmp_
     with pytest.raises(ResultError, match="is no state of a twin"):
         load(twin, tmp_path / "less.npz")
     assert np.isnan(twin.now)
+
+
+WATCHED = """
+sensors: [{column: load, unit: kN, output: winch.tension, sd: 0.5 kN}]
+watch:
+  - {output: winch.tension, above: 80 kN, name: overload}
+  - {output: winch.tension, above: 80 kN, for: 2 s, name: lasting}
+ahead: 0 s
+"""
+
+
+@pytest.mark.parametrize("layout", ["the same", "another"])
+def test_an_overload_whose_cell_is_silent_is_not_over_in_a_twin_that_goes_on_whatever_its_simulations_hold(
+    layout, tmp_path
+):
+    """84 kN from 0.5 s to 1.4 s, saved as the cell is silent, and again from 4 s on: for 2 s and more, then."""
+
+    def lines(twin, begin, end):
+        noise = 0.1 * np.sin(37.0 * np.arange(50) ** 2)
+        shown = [49.0] * 5 + [84.0] * 10 + [np.nan] * 25 + [84.0] * 10
+        rows = [(0.1 * k, [shown[k] + noise[k]]) for k in range(begin, end)]
+        return [
+            (
+                line["time"],
+                {one["name"]: one["known"] for one in line["alarms"] if one["name"] in ("overload", "lasting")},
+            )
+            for row in rows
+            for line in twin.add(*row)
+        ]
+
+    first = Twin(STILL, WATCHED)
+    lines(first, 0, 20)
+    save(first, tmp_path / "state")
+    with np.load(tmp_path / "state") as file:
+        words = json.loads(file["words"].tobytes())
+        words |= {"layout": "of another version"} if layout == "another" else {}
+        np.savez(tmp_path / "own.npz", **{**file, "words": np.frombuffer(json.dumps(words).encode(), np.uint8)})
+    second = Twin(STILL, WATCHED)
+    load(second, tmp_path / "own.npz")
+    assert bool([note for note in second.notes if "another version" in note]) == (layout == "another")
+    found = lines(second, 20, 50)
+    silent = [alarms for time, alarms in found if 2.45 < time < 3.95]
+    again = [alarms for time, alarms in found if 3.95 < time < 4.5]
+    assert len(silent) == 15 and all(one == {"overload": False} for one in silent)
+    assert len(again) >= 5 and all(one == {"overload": True, "lasting": True} for one in again)
 
 
 def differences(a, b, path="twin"):

@@ -80,6 +80,16 @@ class Memory:
         for name in self._whole.keys() & (whole := _whole(twin)).keys() - later.keys():
             self._whole[name].check(whole[name])
 
+    def put_watch(self, twin: Twin) -> None:
+        """Let a twin go on with what sensors and alarms have shown, whatever its simulations hold.
+
+        An overload that nothing shows to be over is none of the simulations' affair.
+        """
+        vars(twin.watch).update(self._named("watch", OF_WATCH))
+        for name, part in _whole(twin).items():
+            if name in self._whole and (name == "alarms" or name.startswith("health ")):
+                self._whole[name].put(part)
+
     def put(self, twin: Twin) -> None:
         """Let a twin of the same scene and map go on from it."""
         for name, family in _families(twin).items():
@@ -87,11 +97,15 @@ class Memory:
                 family.restore(self._families[name]["states"])
                 vars(family).update(self._families[name]["numbers"])
         for name, (part, names) in _some(twin).items():
-            vars(part).update({key: value for key, value in self._some[name].items() if key in names})
+            vars(part).update(self._named(name, names))
         for name, part in _whole(twin).items():
             if name in self._whole:
                 self._whole[name].put(part)
         twin.readings.rows.gone_on(clock.monotonic())
+
+    def _named(self, part: str, names: tuple[str, ...]) -> dict[str, Any]:
+        """What is kept of a part that is mostly made of others, but for what it does not hold any more."""
+        return {key: value for key, value in self._some[part].items() if key in names}
 
 
 def _records(twin: Twin) -> tuple[type, ...]:

@@ -85,7 +85,7 @@ def load(twin: Twin, path: Path) -> float:
     """Let a twin go on from a file; gives the time of the data that it goes on from, s.
 
     Where another version of the program wrote it, whose simulations hold other things, the twin keeps the estimates and
-    begins again from rest, as behind a long gap.
+    what alarms are judged by, and begins again from rest, as behind a long gap.
 
     Raises
     ------
@@ -114,6 +114,8 @@ def load(twin: Twin, path: Path) -> float:
         raise foreign
     if words["layout"] != mine[0].layout:
         _recall(twin, words, arrays)
+        if memory is not None:
+            memory.put_watch(twin)
         twin.go_on_from_rest()
         return float(words["now"])
     twin.estimate.family.restore([

@@ -407,6 +407,7 @@ class Twin:
         """Put the simulations back to rest, with the parameters of the estimate."""
         self.estimate.rest()
         self.outlook.drop()
+        self.watch.begun_again()
 
     # -- the estimate --------------------------------------------------------------------------------------------------
 

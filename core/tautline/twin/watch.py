@@ -175,14 +175,14 @@ class Watch:
         """Take notice that the simulation was begun again."""
         self.alarms.judge(STOPPED, True, time, text)
 
+    def begun_again(self) -> None:
+        """Take notice that what is computed begins again from rest: it has followed nothing of what sensors showed."""
+        self._seen = {name: (text, False) for name, (text, _) in self._seen.items()}
+
     def _judge_residual(self, one: Alarm, row: Compared, m: int, measured: float, sensor: Health) -> None:
         r, sd = row.residual[m], row.residual_sd[m]
         if not sensor.believed and one.name in self._irregular:
-            # Without a reading nothing shows whether it is over.
-            text, certain = self._irregular[one.name], sensor.fault == "" and sensor.is_recent(row.time)
-            told = text if certain else f"not known any more: {text}. {no_reading(sensor)}"
-            holds = certain or one.name in self.alarms.active
-            self.alarms.judge(one.name, holds, row.time, told, one.lasting, certain, sensor.seen)
+            self._judge_irregular_unseen(one, row.time, sensor)
             return
         size = abs(r) / sd if one.times_sd else r
         known = np.isfinite(r) and bool(row.use[m]) and row.converged
@@ -194,6 +194,14 @@ class Watch:
         if holds:
             self._irregular[one.name] = text
         self.alarms.judge(one.name, holds, row.time, text, one.lasting)
+
+    def _judge_irregular_unseen(self, one: Alarm, time: float, sensor: Health) -> None:
+        """Judge a residual that was beyond its bound: without a reading nothing shows whether that is over."""
+        if one.name not in self.alarms.active and (sensor.fault or not sensor.is_recent(time)):
+            return  # as of `_judge_unseen`
+        text, known = self._irregular[one.name], sensor.fault == "" and sensor.is_awaited(time)
+        told = text if known else f"not known any more: {text}. {no_reading(sensor)}"
+        self.alarms.judge(one.name, True, time, told, one.lasting, known, sensor.seen)
 
     def _judge_output(self, one: Alarm, row: Compared, sensor: Health | None, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
@@ -225,14 +233,18 @@ class Watch:
 
     def _judge_unseen(self, one: Alarm, row: Compared, sensor: Health | None) -> None:
         """Judge a bound that nothing shows to be passed now: what was seen is over only where something shows that."""
-        text, holds = "", False
         if row.late and one.name in self._told_ahead:
-            text, holds = "this was foreseen, and the computer has no time to look again", True
-        else:
-            self._told_ahead.discard(one.name)
-        if not holds and sensor is not None and one.name in self._seen and one.name in self.alarms.active:
-            text, holds = f"{self._seen[one.name][0]}. {no_reading(sensor)}", True
-        self.alarms.judge(one.name, holds, row.time, f"not known any more: {text}", one.lasting, not holds)
+            text = "not known any more: this was foreseen, and the computer has no time to look again"
+            self.alarms.judge(one.name, True, row.time, text, one.lasting, False)
+            return
+        self._told_ahead.discard(one.name)
+        if sensor is None or one.name not in self._seen:
+            self.alarms.judge(one.name, False, row.time, "", one.lasting)
+        elif one.name in self.alarms.active:
+            said = self._said_silent(one, row.time, sensor)
+            self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1])
+        # Else what has not lasted yet waits: silence raises nothing, nor does it let the time of the bound begin anew.
+        # A sensor that is silent now and then, before that time is over, would never raise its alarm otherwise.
 
     def _follow_seen(self, one: Alarm, sensor: Health, measured: float, computed_too: bool, within: bool) -> None:
         """Follow whether the last that a sensor has shown is beyond a bound.
@@ -267,6 +279,14 @@ class Watch:
         certain = computed_too or (active is not None and active.known)
         ending = "" if sensor.text.endswith("?") else "."
         return f"{text}. {sensor.text}" + f"{ending} That is not certain" * (not certain), certain
+
+    def _said_silent(self, one: Alarm, time: float, sensor: Health) -> tuple[str, bool]:
+        """What is said of a bound that was passed, of whose sensor nothing shows now whether that is over; and whether
+        it is certain: in a silence that is usual for the sensor the last reading holds."""
+        last = sensor.last_side(time)
+        if np.isfinite(last) and beyond(last, one.above, one.below):
+            return self._said_measured(one, sensor, False)
+        return f"not known any more: {self._seen[one.name][0]}. {no_reading(sensor)}", False
 
     def _said_computed(self, one: Alarm, value: float, sd: float, measured: float) -> tuple[str, bool]:
         """What is said of a computed value beyond a bound, and whether that is certain beside what is measured."""

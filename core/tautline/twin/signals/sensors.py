@@ -77,6 +77,11 @@ LONGEST_PASSED = 1.0
 BETWEEN = 2.5
 """Usual intervals of a sensor for which its last reading stands, `CLEAR` at least: rows of faster sensors come between
 two of its own, and single readings may be missing."""
+OFTEN, LATELY = 3, 60.0
+"""Silences longer than `CLEAR`, as between packets of a radio, and the last seconds in which so many make one usual."""
+LONGER, LONGEST = 1.25, 10.0
+"""What a silence may last to be one of the usual ones, over the third longest of them; and at most, s: no reading is
+known to hold for longer, for a machine does much in that time."""
 SPEAKING = ("clipped", "out of range", "unit")
 """Faults of which the reading is wrong, but says on which side of a bound the machine may be."""
 
@@ -107,6 +112,7 @@ class Health:
         self.begun = np.nan
         self.shown, self.believed = np.nan, False
         self._intervals: deque[float] = deque(maxlen=RECENT)
+        self._silences: deque[tuple[float, float]] = deque()  # of `LATELY`: begin, and how long
         self._values: deque[float] = deque(maxlen=HISTORY)
         self._changes: deque[float] = deque(maxlen=HISTORY)
         self._same, self._same_from, self._abrupt, self._stopped = 1, np.nan, False, False
@@ -153,7 +159,7 @@ class Health:
             return np.nan
         passed, self.seen, self.shown = time - self.seen, time, reading
         if np.isfinite(passed):
-            self._intervals.append(passed)
+            self._spoken(time, passed)
         if passed > GAP * self._passed:
             # What was before a gap tells nothing of a motion that stops.
             self._last = self._step = np.nan
@@ -177,6 +183,14 @@ class Health:
             return np.nan
         return self._repeated(time, reading, low, high, width)
 
+    def _spoken(self, time: float, passed: float) -> None:
+        """Take notice that a reading came, so long after the one before it, s."""
+        self._intervals.append(passed)
+        if passed > CLEAR:
+            self._silences.append((time - passed, passed))
+        while self._silences and self._silences[0][0] < time - LATELY:
+            self._silences.popleft()
+
     def is_recent(self, time: float) -> bool:
         """Whether the last reading is of a time, s, or the next one is not missed yet: of a slower sensor, or one of
         which single readings are missing."""
@@ -186,13 +200,33 @@ class Health:
         # One short interval, or a gap, changes nothing of what is usual.
         return bool(passed <= BETWEEN * np.median(self._intervals) * (1.0 + EDGE))
 
+    def is_awaited(self, time: float) -> bool:
+        """Whether a sensor that shows nothing at a time, s, is silent as it often is: its next reading is to come.
+
+        Of readings that come in bursts the median interval tells only how fast those of one burst are, and so does any
+        other share of them: the more readings a burst has, the smaller is the share of the silences.
+        """
+        if self.is_recent(time):
+            return True
+        silences = sorted((long for _, long in self._silences), reverse=True)
+        if len(silences) < OFTEN:
+            return False
+        return bool(time - self.seen <= min(LONGER * silences[OFTEN - 1], LONGEST))
+
     def side(self, time: float) -> float:
         """The reading, SI, that tells on which side of a bound the machine is at a time, s; NaN where none does.
 
         It need not be one that is believed: what is beyond the range of its sensor is still above or below a bound.
         """
-        tells = self.is_recent(time) and (self.fault == "" or self.fault in SPEAKING)
-        return self.shown if tells else np.nan
+        return self._telling() if self.is_recent(time) else np.nan
+
+    def last_side(self, time: float) -> float:
+        """The same of a sensor that is silent as it often is: nothing tells that it would show another side now."""
+        return self._telling() if self.is_awaited(time) else np.nan
+
+    def _telling(self) -> float:
+        """The last reading, SI; NaN where its fault is one by which it tells nothing."""
+        return self.shown if self.fault == "" or self.fault in SPEAKING else np.nan
 
     def jumping(self, time: float) -> bool:
         """Whether a reading jumped away and back lately."""
