@@ -139,7 +139,7 @@ class Simulation:
         )
         self._frame_clock = FrameClock(model.solver)
         self._tolerance = self._frame_clock.tolerance
-        self._checked = CheckedStep(run, self._tolerance)
+        self._checked = CheckedStep(run, self._frame_clock)
         self._clock = np.zeros(2)
         self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
@@ -278,6 +278,7 @@ class Simulation:
         if time > until + self._tolerance:
             cause = f"cannot advance to {time:g} s: {key} is known up to {until:g} s only"
             raise SimulationError(cause, "give the scene a later solver.end; a record has to last as long")
+        self._checked.allow(begin, time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) if ear is None else nullcontext(ear) as ear:
             self._turn.advancing = get_ident()
@@ -304,7 +305,7 @@ class Simulation:
 
     def _go(self, begin: float, end: float, ear: Ear) -> None:
         """Take the steps from one time to the next; raises Interrupted where Ctrl-C was heard meanwhile."""
-        self._steps[0] = self._checked.steps(end - begin)
+        self._steps[0] = self._checked.steps(begin, end)
         self._ends[0] = end
         counters = self._state.counters
         try:
