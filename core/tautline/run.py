@@ -18,7 +18,7 @@ from tautline.integrators.explicit_step import SAFE
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import method_for
 from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
-from tautline.integrators.schedule import frame_times, steps_to
+from tautline.integrators.schedule import frame_times, steps_to_frames
 from tautline.integrators.state import (
     AT_START,
     FACTORISATIONS,
@@ -185,7 +185,7 @@ class Run:
             cause = f"ends at {self.time:.6g} s: nothing is left to run of {self.model.solver.end:.6g} s"
             raise ResultError(place_of(earlier), cause, "give a later end of the run (solver.end)")
         self.ends = self.ends[later]
-        self.steps = steps_to(self.ends, self.time, self.model.solver.step)
+        self.steps = steps_to_frames(self.ends, self.time, self.model.solver.interval, self.model.solver.step)
         self.book(None, frames)
         self.memory = remember(*self._parts())
         return frames

@@ -12,7 +12,7 @@ from crane.assembly.friction import closure_of
 from crane.assembly.held_loads import CLOSED
 from crane.scene.scene import CraneScene, Drum
 from tautline.kernels.time_function import sample
-from tautline.live.simulation import INPUTS_DRIVEN
+from tautline.results.resumption import INPUTS_DRIVEN
 from tautline.scene.functions import Constant
 from tautline.system.time_functions import FunctionRequest, compile_functions
 

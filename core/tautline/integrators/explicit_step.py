@@ -96,6 +96,22 @@ class ExplicitStep:
         self._before, self._looked = ahead, time
         self._go_on(time)
 
+    def beyond_critical(self, state: State, time: float, ahead: float) -> tuple[float, int] | None:
+        """The critical step, s, and the unknown that sets it, where steps of ``ahead``, s, would be longer; else None.
+
+        These are refused by who asks, and never taken. So what is known of the steps up to now stays as it is.
+        """
+        if not self._begun:
+            self.begin(state, time, ahead)
+            # Steps before the state was changed say nothing of those from here on.
+            self._begun, self.taken = ahead <= self._found, 0.0
+            return None if self._begun else (self._found, self.worst)
+        if ahead <= self._found:
+            return None
+        found, worst = self.critical.search(state, time)
+        # Steps that were beyond it have been taken: they are for `follow` to find.
+        return None if ahead <= found or self.taken > found else (found, worst)
+
     def follow(self, state: State, time: float, ahead: float, tolerance: float) -> float:
         """Look at the step where it is due, of a run that cannot go back and takes steps of ``ahead``, s, from here on.
 
@@ -108,7 +124,7 @@ class ExplicitStep:
         longest = max(self.taken, ahead) if self._begun and not self._automatic else ahead
         # Of steps that become longer the last look has said nothing, neither how far they are from the critical one nor
         # when to look again.
-        judged = (1.0 + STEADY) * self._before * self._found
+        judged = min(1.0, (1.0 + STEADY) * self._before) * self._found
         looks = not self._begun or time >= self.due - tolerance or (not self._automatic and ahead > judged)
         if not self._begun:
             self.begin(state, time, longest)
@@ -175,7 +191,9 @@ class ExplicitStep:
         self._go_on(time)
 
     def _go_on(self, time: float) -> None:
-        fewest = max(self._interval, FEWEST_STEPS * self.step)
-        most = max(self._interval, (MOST_FAR if self._before < FAR else MOST_STEPS) * self.step)
+        # Advances and frames may divide a step that is given much further: steps are counted by those that are taken.
+        step = self.step if self._automatic else self._before * self._found
+        fewest = max(self._interval, FEWEST_STEPS * step)
+        most = max(self._interval, (MOST_FAR if self._before < FAR else MOST_STEPS) * step)
         self._span = min(max(self._span, fewest), most)
         self.due = time + self._span

@@ -6,11 +6,14 @@ import functools
 
 import numpy as np
 
-from tautline.scene.solver import frames_to
+from tautline.scene.solver import divided, frames_to
+
+PART = 1.0e-6
+"""Share of the output interval by which a frame is nearer than a whole one, at least, to be a part of one."""
 
 
 def frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Output times (m,) s, and the number of steps before each: equal, and no longer than ``step``."""
+    """Output times (m,) s, and the number of steps before each, as `steps_to_frames` counts them."""
     ends, steps = _frame_times(end, interval, step)
     return ends.copy(), steps.copy()
 
@@ -24,7 +27,20 @@ def _frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, 
         ends = np.append(ends, end)
     elif ends.size:
         ends[-1] = end
-    return ends, steps_to(ends, 0.0, step)
+    return ends, steps_to_frames(ends, 0.0, interval, step)
+
+
+def steps_to_frames(ends: np.ndarray, begin: float, interval: float, step: float) -> np.ndarray:
+    """Number of equal steps (m,) to each frame from the one before, or from ``begin`` s: none longer than ``step``, s.
+
+    Nor are those to a frame that is less than an ``interval``, s, away longer than those of whole intervals: that
+    alone may be what keeps an explicit method below its critical step.
+    """
+    steps = steps_to(ends, begin, step)
+    if ends.size and interval <= ends[-1] * (1.0 + PART):
+        parts = np.diff(ends, prepend=begin) < interval * (1.0 - PART)
+        steps[parts] = steps_to(ends, begin, divided(interval, step))[parts]
+    return steps
 
 
 def steps_to(ends: np.ndarray, begin: float, step: float) -> np.ndarray:

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from tautline.integrators.explicit_step import ExplicitStep
-from tautline.live.frame_clock import CLOSE
+from tautline.live.errors import SimulationError
+from tautline.live.frame_clock import CLOSE, FrameClock
 from tautline.live.memory import Memory
 from tautline.run import Run
 
@@ -22,8 +23,8 @@ class CheckedStep:
     ----------
     run : Run
         Its model, its state and its watch are taken as they are at each look: a force that is added changes them.
-    tolerance : float
-        Within which two times are one, s.
+    frames : FrameClock
+        What divides advances.
 
     Attributes
     ----------
@@ -31,8 +32,8 @@ class CheckedStep:
         Longest step from here on, s.
     """
 
-    def __init__(self, run: Run, tolerance: float) -> None:
-        self._run, self._tolerance = run, tolerance
+    def __init__(self, run: Run, frames: FrameClock) -> None:
+        self._run, self._frames = run, frames
         self.step, self._longest = run.model.solver.step, 0.0
 
     @property
@@ -40,28 +41,64 @@ class CheckedStep:
         """The step of an explicit method; None where it is not to be compared with the critical one."""
         return None if self._run.watch is None else self._run.watch.explicit
 
-    def steps(self, span: float) -> int:
-        """Number of equal steps that an advance, or a part of it, of ``span``, s, is divided into."""
-        return max(1, math.ceil(span / self.step - CLOSE))
+    def steps(self, begin: float, end: float) -> int:
+        """Number of equal steps that an advance, or a part of it, from one time to another, s, is divided into."""
+        step = min(self.step, self._frames.longest_step(begin, end))
+        return max(1, math.ceil((end - begin) / step - CLOSE))
+
+    def allow(self, begin: float, end: float) -> None:
+        """Have an advance from one time to another, s, refused where any step of it is longer than the critical one.
+
+        Nothing has run with these steps, and nothing will: what the state is and what is known of it stays.
+
+        Raises
+        ------
+        SimulationError
+            Of a step that is given; one that is chosen follows the critical one.
+        """
+        explicit = self.explicit
+        if explicit is None or self._chosen:
+            return
+        step = max((b - a) / self.steps(a, b) for a, b in self._frames.parts(begin, end))
+        if beyond := explicit.beyond_critical(self._run.state, begin, step):
+            raise self._too_long(begin, end, step, *beyond)
 
     def due(self, time: float, end: float) -> float:
         """Look at the steps from a time to an end, s, if that is due, and choose them where they are chosen.
 
         Returns when it is due again, s. A step that is given is the one that is taken: the scene's is divided further.
+
+        Raises
+        ------
+        SimulationError
+            Where the critical step has fallen below a given one that is longer than those before it.
         """
         explicit = self.explicit
         if explicit is None:
             return math.inf
-        ahead = self.step if self._chosen else (end - time) / self.steps(end - time)
-        self._longest = explicit.follow(self._run.state, time, ahead, self._tolerance)
-        if not self._chosen:
-            return math.inf
-        self.step = explicit.step
-        return explicit.due
+        ahead = self.step if self._chosen else (end - time) / self.steps(time, end)
+        taken = explicit.taken
+        self._longest = explicit.follow(self._run.state, time, ahead, self._frames.tolerance)
+        if self._chosen:
+            self.step = explicit.step
+            return explicit.due
+        if ahead > explicit.found >= taken:
+            explicit.forget()
+            raise self._too_long(time, end, ahead, explicit.found, explicit.worst)
+        return math.inf
+
+    def _too_long(self, begin: float, end: float, step: float, found: float, worst: int) -> SimulationError:
+        """What refuses an advance for a step, s, that is longer than the critical one, by which unknown that is set."""
+        name, method = self._run.model.system.names[worst], self._run.model.solver.method
+        return SimulationError(
+            f"cannot advance from {begin:.6g} s to {end:.6g} s: that is divided into steps of up to {step:.6g} s, and "
+            f"the critical step of {method} is {found:.4g} s ({name})",
+            f"advance by {_below(found):g} s at most, give a smaller solver.step, or take the method generalized-alpha",
+        )
 
     @property
     def refused(self) -> tuple[str, str] | None:
-        """Where a given step that is longer than the critical one is unstable, by what numbers; None for a good one."""
+        """Where given steps that were taken are unstable, by what numbers; None for good ones."""
         explicit = self.explicit
         if explicit is None or self._chosen or not self._longest > explicit.found:
             return None
@@ -112,3 +149,9 @@ class CheckedStep:
     @property
     def _chosen(self) -> bool:
         return self._run.model.solver.automatic
+
+
+def _below(number: float) -> float:
+    """A number above zero with three digits, rounded down."""
+    unit = 10.0 ** (math.floor(math.log10(number)) - 2)
+    return math.floor(number / unit) * unit

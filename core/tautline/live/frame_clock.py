@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from tautline.integrators.schedule import frame_times
+from tautline.scene.solver import divided, frames_to
 from tautline.system.model import SolverSettings
 
 CLOSE = 1.0e-9
@@ -32,6 +33,36 @@ class FrameClock:
         self._grid, _ = frame_times(solver.end, solver.interval, solver.step)
         self._interval, self.tolerance = solver.interval, CLOSE * solver.interval
         self._number, self.next = 0, self._time(0)
+        whole, rest = frames_to(solver.end, solver.interval)
+        self._left = whole * solver.interval if whole and rest else math.inf
+        self._whole_step = divided(solver.interval, solver.step)
+
+    def longest_step(self, begin: float, end: float) -> float:
+        """Longest step, s, that the frames allow between two times, s, with no frame in between.
+
+        In what is left of the run after its last whole interval that is the step of whole ones, as in `frame_times`.
+        """
+        left = begin >= self._left - self.tolerance and end <= self._grid[-1] + self.tolerance
+        return self._whole_step if left else math.inf
+
+    def parts(self, begin: float, end: float) -> list[tuple[float, float]]:
+        """Begin and end, s, of each different part that the frames divide an advance into."""
+        if end <= self.next + self.tolerance:
+            return [(begin, end)]
+        last = self._number_before(end)
+        found = [(begin, self.next), (self._time(last), end)]
+        # Of frames in between all are a whole interval apart but the one at the end of the scene.
+        numbers = {self._number + 1, self._number + 2, self._grid.size - 1}
+        found += [(self._time(k - 1), self._time(k)) for k in numbers if self._number < k <= last]
+        return found
+
+    def _number_before(self, time: float) -> int:
+        """Number of the last frame before a time, s."""
+        before = time - self.tolerance
+        k = int(np.searchsorted(self._grid, before)) - 1
+        if k < self._grid.size - 1:
+            return k
+        return k + math.floor((before - self._grid[-1]) / self._interval)
 
     def _time(self, k: int) -> float:
         """Time of the k-th frame after the first; they go on after the scene's end."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,8 +11,9 @@ from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import frames_of, loop_of, record_frame
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand_now
-from tautline.kernels.jit import entry
+from tautline.kernels.jit import entry, in_python
 from tautline.live.errors import SimulationError
+from tautline.results.resumption import TORN
 from tautline.system.memory import arrays_of
 from tautline.system.system import System
 
@@ -102,34 +102,42 @@ class Ties:
         self._gaps = np.reshape(memory, (2, 2, -1)) if memory else np.zeros((2, 2, 0))
 
     def displace(
-        self, vector: str, places: np.ndarray, unknowns: np.ndarray, more: np.ndarray, system: System, state: State,
-        look: Callable[[], Look],
-    ) -> None:  # fmt: skip
+        self, vector: str, places: np.ndarray, unknowns: np.ndarray, more: np.ndarray, system: System, q: np.ndarray
+    ) -> None:
         """Take note of what a displacement of positions, or of velocities, is going to open, or to close again."""
         if not system.algebraic.size:
             return
-        tied = np.isin(system.dofs.number, system.algebraic)
-        full, reduced = state.full_q.copy(), state.q.copy()
-        before = look().residual[tied]
-        # The equations are linear: velocities open them as positions do.
+        reduced, moved, opened = np.zeros(system.size), np.zeros(system.q.size), np.zeros(system.q.size)
         reduced[unknowns] += more
-        state.full_q[places] += more
-        expand_now(system.dofs, reduced, state.full_q)
-        opened = look().residual[tied] - before
-        state.full_q[:] = full
+        moved[places] += more
+        expand_now(system.dofs, reduced, moved)
+        # The equations are linear in what moves: positions open them as velocities do. The residual would not say it:
+        # an explicit step, and one that has not begun, write the rows of multipliers by accelerations.
+        with in_python():
+            over.violation(system.groups, 1, q, moved, opened)
+        opened = opened[system.free[system.algebraic]]
         if self._gaps.size == 0:
             self._gaps = np.zeros((2, 2, opened.size))
         sums, largest = self._gaps[VECTORS.index(vector)]
         sums += opened
         np.maximum(largest, np.abs(opened), out=largest)
 
-    def check(self, system: System) -> None:
-        """Raise SimulationError where something is apart."""
+    def torn(self, system: System) -> str:
+        """What is apart, in words; empty where nothing is."""
         for vector, (opened, largest) in zip(VECTORS, self._gaps, strict=True):
             apart = np.abs(opened) > CLOSED * largest
             if apart.any():
                 name = system.names[system.algebraic[int(np.argmax(apart))]]
                 what = "moves with" if vector == "v" else "stands at"
-                cause = f"what was displaced no longer {what} what it is tied to, by the {name}"
-                raise SimulationError(cause, "displace what it is tied to by the same, or restore a saved state")
+                return f"what was displaced no longer {what} what it is tied to, by the {name}"
+        return ""
+
+    def attribute(self, system: System) -> dict[str, str]:
+        """What a result says of it, for who would go on from there; nothing where nothing is apart."""
+        return {TORN: torn} if (torn := self.torn(system)) else {}
+
+    def check(self, system: System) -> None:
+        """Raise SimulationError where something is apart."""
+        if cause := self.torn(system):
+            raise SimulationError(cause, "displace what it is tied to by the same, or restore a saved state")
         self.recall(())

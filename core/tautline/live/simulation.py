@@ -45,14 +45,7 @@ from tautline.live.turn import Turn
 from tautline.results.assessment.balance import Balance
 from tautline.results.assessment.start import Start
 from tautline.results.result import Result
-from tautline.results.resumption import (
-    DISPLACED,
-    FORCES_ADDED,
-    INPUTS_DRIVEN,
-    MISSING_UNTIL,
-    PARAMETERS_CHANGED,
-    PARAMETERS_GIVEN,
-)
+from tautline.results.resumption import moved_by
 from tautline.results.store import Store
 from tautline.run import Run
 from tautline.system.memory import arrays_of, recall, remember
@@ -146,7 +139,7 @@ class Simulation:
         )
         self._frame_clock = FrameClock(model.solver)
         self._tolerance = self._frame_clock.tolerance
-        self._checked = CheckedStep(run, self._tolerance)
+        self._checked = CheckedStep(run, self._frame_clock)
         self._clock = np.zeros(2)
         self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
@@ -242,7 +235,8 @@ class Simulation:
         ------
         SimulationError
             For a time that is not ahead or beyond what is prepared, where the simulation has stopped before, where
-            parameters cannot be beside one another, and where another thread advances it.
+            parameters cannot be beside one another, where steps of `rk4` would be longer than the critical one, where
+            what is tied was displaced by itself, and where another thread advances it.
         StoppedEarly
             Where a step fails. Time and outputs are then those of the last step that did not, and frames are kept.
         Interrupted
@@ -284,6 +278,7 @@ class Simulation:
         if time > until + self._tolerance:
             cause = f"cannot advance to {time:g} s: {key} is known up to {until:g} s only"
             raise SimulationError(cause, "give the scene a later solver.end; a record has to last as long")
+        self._checked.allow(begin, time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) if ear is None else nullcontext(ear) as ear:
             self._turn.advancing = get_ident()
@@ -310,7 +305,7 @@ class Simulation:
 
     def _go(self, begin: float, end: float, ear: Ear) -> None:
         """Take the steps from one time to the next; raises Interrupted where Ctrl-C was heard meanwhile."""
-        self._steps[0] = self._checked.steps(end - begin)
+        self._steps[0] = self._checked.steps(begin, end)
         self._ends[0] = end
         counters = self._state.counters
         try:
@@ -520,15 +515,9 @@ class Simulation:
 
     def _moved_by(self) -> dict[str, Any]:
         """What has moved the scene beside itself, and until when frames are missing, as attributes of a result."""
-        names = {
-            PARAMETERS_GIVEN: sorted(self._given),
-            PARAMETERS_CHANGED: sorted(self._changed),
-            INPUTS_DRIVEN: self.inputs.driven,
-            FORCES_ADDED: [force.name for force in self._forces],
-            DISPLACED: sorted(self._displaced),
-        }
-        moved = {what: ", ".join(some) for what, some in names.items() if some}
-        return moved if self._kept.joined is None else {**moved, MISSING_UNTIL: self._kept.joined}
+        added = [force.name for force in self._forces]
+        found = moved_by(self._given, self._changed, self.inputs.driven, added, self._displaced, self._kept.joined)
+        return found | self._ties.attribute(self.model.system)
 
     # -- to and fro ----------------------------------------------------------------------------------------------------
 
@@ -590,7 +579,7 @@ class Simulation:
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
         with self._turn.change, self._parameter_changes():
             self._displaced.add(name)
-            self._ties.displace(vector, places, unknowns, more, self.model.system, self._state, self._look)
+            self._ties.displace(vector, places, unknowns, more, self.model.system, self._state.full_q)
             full[places] += more
             reduced[unknowns] += more
             expand_now(dofs, reduced, full)
@@ -625,8 +614,9 @@ class Simulation:
 
     @property
     def equations(self) -> Equations:
-        """The equations of motion, at the state as it is, for integrators of others."""
+        """The equations of motion, at the state as it is, for integrators of others; refused as an advance is."""
         other = self.copy()
+        other._ties.check(other.model.system)
         return Equations(other.model, other._time, other._state, other._forces)
 
     def add_force(self, force: Any, on: str | Sequence[int] | None = None) -> None:

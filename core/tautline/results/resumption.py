@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,8 @@ PARAMETERS_GIVEN, PARAMETERS_CHANGED = "parameters_given", "parameters_changed"
 INPUTS_DRIVEN, FORCES_ADDED, DISPLACED = "inputs_driven", "forces_added", "displaced"
 MISSING_UNTIL = "frames_missing_until"
 """Attribute of a result without the frames of another run that its state comes from: the time of that state, s."""
+TORN = "torn"
+"""Attribute of a result whose last state no longer holds what multipliers tie: which, and why."""
 TAKEN_OVER = PARAMETERS_GIVEN, PARAMETERS_CHANGED, DISPLACED, MISSING_UNTIL
 """Attributes of a result that hold for what goes on from it: its last state and its frames are part of that."""
 ROUNDING = 1e-12
@@ -70,7 +72,13 @@ def refuse_another(earlier: Result, method: str, attributes: Mapping[str, Any]) 
 
 
 def _refuse_what_was_moved(place: Any, made: Mapping[str, Any]) -> None:
-    """Refuse what went by inputs and forces that a result does not hold: the scene's own would jump in."""
+    """Refuse what went by inputs and forces that a result does not hold: the scene's own would jump in.
+
+    And what a displacement has torn: the first step would close the gap at once, by a speed of the gap over the step.
+    """
+    if made.get(TORN):
+        cause = f"ends with a displacement of one thing only: {made[TORN]}"
+        raise ResultError(place, cause, "displace what it is tied to by the same before the result is taken")
     cure = "go on with the `Simulation` that made it, or with what its `save()` gave, or run the scene from its start"
     if made.get(INPUTS_DRIVEN):
         cause = f"comes from a simulation whose inputs were given: {made[INPUTS_DRIVEN]}. A result does not hold them"
@@ -98,6 +106,36 @@ def frames_until(earlier: Result, time: float, names: tuple[str, ...]) -> dict[s
     """Frames until a time, s. A run that failed has stored some after the state it holds, which are run again."""
     kept = np.array(earlier["time"]) <= time * (1.0 + ROUNDING)
     return {name: np.array(earlier[name])[kept] for name in (*names, "time")}
+
+
+def moved_by(
+    given: Iterable[str],
+    changed: Iterable[str],
+    driven: Iterable[str],
+    added: Iterable[str],
+    displaced: Iterable[str],
+    joined: float | None,
+) -> dict[str, Any]:
+    """Attributes of what has moved a simulation beside its scene, and until when its frames are missing.
+
+    Parameters
+    ----------
+    given, changed : iterable of str
+        Names of parameters that were set before the start, and after it.
+    driven, added, displaced : iterable of str
+        Names of inputs that were given and of forces that were added, in their order, and of what was displaced.
+    joined : float or None
+        Time up to which the frames are those of another run, s.
+    """
+    names = {
+        PARAMETERS_GIVEN: sorted(given),
+        PARAMETERS_CHANGED: sorted(changed),
+        INPUTS_DRIVEN: driven,
+        FORCES_ADDED: added,
+        DISPLACED: sorted(displaced),
+    }
+    moved: dict[str, Any] = {what: ", ".join(some) for what, some in names.items() if some}
+    return moved if joined is None else {**moved, MISSING_UNTIL: joined}
 
 
 def taken_over(earlier: Result | None) -> dict[str, Any]:

@@ -101,13 +101,12 @@ def longest_step(solver: Any, interval: float) -> float:
 def step_taken(solver: Any, interval: float) -> float:
     """Longest step that a run takes where the scene gives one, s; 0 where it is chosen.
 
-    Each frame is divided into equal steps. What is left of the run after the last whole interval is shorter than the
-    others, but may be divided into fewer and longer steps.
+    Each frame is divided into equal steps. What is left of the run after the last whole interval takes no longer ones.
     """
     if solver.step == "auto":
         return 0.0
     whole, rest = frames_to(solver.end, interval)
-    return max(divided(span, float(solver.step)) for span in ([interval] if whole else []) + ([rest] if rest else []))
+    return divided(interval if whole else rest, float(solver.step))
 
 
 def frames_to(end: float, interval: float) -> tuple[int, float]:
