@@ -103,3 +103,26 @@ output: {interval: 50 ms}
     result = tautline.simulate(tautline.read(hoist))
     # The momentum of the rope that runs, 2.2 kg/m (0.5 m/s)^2, is in it.
     assert result["drum_tension"][0, 0] == pytest.approx((MASS + ROPE * LENGTH) * GRAVITY, rel=1e-4)
+
+
+def test_a_copy_tells_the_tensions_at_rest_of_a_sudden_start_now_and_in_its_result():
+    sim = tautline.Simulation(scene(24))
+    copy = sim.copy()
+    assert np.ravel(copy["tension"])[0] == pytest.approx((MASS + ROPE * LENGTH) * GRAVITY, rel=1e-4)
+    copy.advance_to(0.05)
+    assert np.ravel(copy.result["tension"][0])[0] == pytest.approx((MASS + ROPE * LENGTH) * GRAVITY, rel=1e-4)
+
+
+def test_a_state_of_another_start_tells_what_hung_in_that_one():
+    """A heavy rope that a force pulls aside: at the tip it carries that force, and all weight below."""
+    heavy, aside = 300.0, 400e3
+    text = SCENE.format(elements=24, amplitude=0.0, output=FRAMES, strain="engineering")
+    made = tautline.read(text).replace({"rope.mass_per_length": heavy})
+    pulled = tautline.Simulation(made, ["crate.force"], initial={"crate.force": [aside, 0.0, 0.0]})
+    other = tautline.Simulation(made, ["crate.force"])
+    other.restore(pulled.save())
+    at_tip, at_hook = np.ravel(other["tension"])
+    length = np.ptp(other["material_coordinate"])
+    assert at_hook == pytest.approx(np.hypot(aside, MASS * GRAVITY), rel=2e-4)
+    assert at_tip == pytest.approx(np.hypot(aside, (MASS + heavy * length) * GRAVITY), rel=2e-4)
+    assert other["tension"].tolist() == pulled["tension"].tolist()

@@ -99,7 +99,7 @@ def test_fmpy_finds_nothing_to_complain_of_in_any_application(name, inputs, outp
     names = {variable.name for variable in told.modelVariables}
     assert set(inputs) <= names and f"{outputs[0]}" in {n.split("[")[0] for n in names}
     with zipfile.ZipFile(path) as file:
-        assert "resources/scene.yaml" in file.namelist() and "documentation/index.txt" in file.namelist()
+        assert "resources/scene/scene.yaml" in file.namelist() and "documentation/index.txt" in file.namelist()
 
 
 def test_no_value_of_a_model_description_is_minus_zero(hoist):

@@ -267,6 +267,27 @@ def test_what_an_fmu_of_fmi_2_refuses_at_its_start_is_a_format_too(of_percents, 
     assert str(told.value) % () == "100% of memory"
 
 
+WRITE = """
+begin()
+from tautline.live.fmu.writing import write_fmu
+write_fmu({scene!r}, {path!r}, [], ["winch.tension"], fmi={fmi})
+"""
+
+
+@pytest.mark.parametrize("fmi", [2, *studies(3)])
+def test_the_host_of_an_fmu_may_write_one_that_another_host_loads(fmi, tmp_path):
+    """It imports PythonFMU out of the FMU that it hosts, where there are no libraries."""
+    first, second = tmp_path / "first.fmu", tmp_path / "second.fmu"
+    write_fmu(DATA / "hoist.yaml", first, [], ["winch.tension"], fmi=fmi)
+    said = host(first, WRITE.format(scene=str(DATA / "hoist.yaml"), path=str(second), fmi=fmi))
+    assert second.exists(), said
+    with zipfile.ZipFile(first) as one, zipfile.ZipFile(second) as other:
+        names = [{name.replace(path.stem, "") for name in file.namelist()} for file, path in
+                 ((one, first), (other, second))]  # fmt: skip
+    assert names[0] == names[1]
+    assert "stepped" in host(second)
+
+
 WITHOUT_START = """
 begin(**{"vessel.heave": 1e5})
 state = unit.getFMUState()

@@ -29,6 +29,12 @@ def test_what_is_no_time_is_refused(sim, duration):
     assert sim.time == pytest.approx(0.2)
 
 
+@pytest.mark.parametrize("duration", [1e-300, 1e-17, 1e-12])
+def test_an_advance_that_is_rounding_is_told_by_its_own_length(sim, duration):
+    with pytest.raises(SimulationError, match=f"{duration:.3g} s is too short to go on by.*at least"):
+        sim.advance(duration)
+
+
 @pytest.mark.parametrize("text", ["1 m", "abc", "-1 s", ""])
 def test_a_text_that_is_no_time_ahead_is_refused(sim, text):
     for ask in (sim.advance, sim.advance_to, lambda text: tautline.rollout([sim], text)):

@@ -55,6 +55,10 @@ def _steps(path, fmi):
     unit.terminate()
     unit.reset()
     step("reset", 0.0)
+    for when, time in (("anew", 0.0), ("twice", H)):
+        unit.enterInitializationMode()
+        unit.exitInitializationMode()
+        step(when, time)
     return found
 
 
@@ -63,4 +67,4 @@ def test_a_step_succeeds_from_the_initialisation_to_the_end_and_nowhere_else(fmi
     pytest.importorskip("pythonfmu3", reason="PythonFMU3 is not installed")
     write_fmu(DATA / "hoist.yaml", tmp_path / "hoist.fmu", [], ["winch.tension"], fmi=fmi)
     steps = hosted(_steps, str(tmp_path / "hoist.fmu"), fmi)
-    assert {when for when, done in steps.items() if done} == {"initialised", "back"}
+    assert {when for when, done in steps.items() if done} == {"initialised", "back", "anew"}

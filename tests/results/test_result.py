@@ -54,6 +54,11 @@ def result(request, tmp_path):
     return store.finish({"status": "done", "steps": 5000, "headline": HEADLINE}, restart=RESTART)
 
 
+def test_a_result_lists_its_variables_as_a_mapping_does(result):
+    assert list(result) == list(result.variables) and len(result) == len(result.variables) > 0
+    assert all(name in result and len(result[name]) for name in result) and 0 not in result
+
+
 def test_numpy_access_gives_the_frames(result):
     np.testing.assert_array_equal(result["tension"], frames(0, 50)["tension"])
     assert result["tension"].dtype == np.float64

@@ -98,6 +98,7 @@ def build(scene: CraneScene) -> Model:
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
         at_rest=observer.at_rest,
+        memory={"hangs": observer.hangs},
         other_start="as drawn",
         handles=lambda: handles(made, stored, places),
         cause=lambda state, status: two_blocking(layout, system, state, status),

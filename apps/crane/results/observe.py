@@ -130,7 +130,8 @@ class Observer:
         diameter = self.scene.rope.diameter
         self.layers = [layers_of(self.scene.path[i], diameter, layout.stretch) for i in self.drums]
         self.hung = layout.once("hung", self._hung)
-        self.hangs: np.ndarray | None = None
+        # Known once an equilibrium was found, here or by the simulation whose state was restored.
+        self.hangs = np.full((self.elements, 2), np.nan)
         self.compensator: Any = None
         if compensation is not None:
             self.compensator = compile_functions([FunctionRequest(compensation.place, end=self.scene.solver.end)])
@@ -213,7 +214,7 @@ class Observer:
         first = np.flatnonzero(
             (np.asarray(frames.time) == 0.0) & (frames.energy[:, ENERGIES.index("external_work")] == 0.0)
         )
-        if self.spans is None or self.hangs is None or first.size == 0:
+        if self.spans is None or np.isnan(self.hangs).any() or first.size == 0:
             return found
         found, rows = found.copy(), self.spans.rows
         then = found[first]
@@ -251,7 +252,7 @@ class Observer:
         if self.spans is None:
             return {}
         # What hangs on the ends of an element beside its force in the middle: its weight, and what the water does.
-        self.hangs = self.spans.found[:, [FIRST, LAST]] - self.spans.found[:, [FORCE]]
+        self.hangs[:] = self.spans.found[:, [FIRST, LAST]] - self.spans.found[:, [FORCE]]
         still = np.zeros((1, self.layout.degrees.value.size))
         return {"tension": self._tension(still, self.spans.found[None])[0]}
 

@@ -86,6 +86,13 @@ def seconds(value: Any) -> float:
     return real(value, "time", 'give seconds, or a text with a unit: "100 ms"')
 
 
+def check_length(length: float, least: float) -> None:
+    """Refuse a length of an advance, s, that is below the least; raises SimulationError."""
+    if length < least:
+        cause = f"{length:.3g} s is too short to go on by: it is rounding beside output.interval or the time now"
+        raise SimulationError(cause, f"go on by {least:.3g} s at least")
+
+
 class UnknownName(SimulationError, KeyError):
     """A name that an input, output or parameter does not have."""
 

@@ -33,7 +33,7 @@ from tautline.kernels.dofs import expand_now
 from tautline.live.arguments import displacement_of, names_of, span_of, values_of
 from tautline.live.checked_step import CheckedStep
 from tautline.live.equations import Equations
-from tautline.live.errors import SimulationError, seconds, unknown
+from tautline.live.errors import SimulationError, check_length, seconds, unknown
 from tautline.live.forces import Force, Group, force_of, places_of
 from tautline.live.frame_clock import FrameClock
 from tautline.live.inputs import Inputs
@@ -180,6 +180,7 @@ class Simulation:
         arrays = [
             *(pair for name, thing in self._memorable() for pair in arrays_of(thing, name)),
             *((f"input.{k}", array) for k, array in enumerate(self.inputs.arrays())),
+            *((f"model.{name}", array) for name, array in self.model.memory.items()),
             ("frame", self._frames.rows), ("clock", self._clock),
             *self._checked.arrays(),
         ]  # fmt: skip
@@ -213,9 +214,9 @@ class Simulation:
 
         SimulationError is raised, too, for a time that is not above zero.
         """
-        duration = seconds(duration)
-        if not duration > 0.0:
+        if not (duration := seconds(duration)) > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
+        check_length(duration, max(SHORTEST * self.model.solver.interval, 8.0 * math.ulp(self._time)))
         self.parameters.check()
         with self._turn.change:
             self._advance_to(self._time + duration)
@@ -266,9 +267,7 @@ class Simulation:
         if not begin < time < math.inf:
             cause = f"cannot advance to {time:g} s from {begin:g} s"
             raise SimulationError(cause, "give a later time; restore() goes back")
-        if time - begin < SHORTEST * self.model.solver.interval:
-            cause = f"{time - begin:.3g} s is too short to go on by: it is rounding beside output.interval"
-            raise SimulationError(cause, f"go on by {SHORTEST * self.model.solver.interval:.3g} s at least")
+        check_length(time - begin, SHORTEST * self.model.solver.interval)
         if self._stopped:
             cause = f"the simulation has stopped: {self._stopped}"
             raise SimulationError(cause, "restore a state that was saved before")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -152,8 +152,15 @@ class Result:
         with self._open() as file:
             return {name: _variable(name, data) for name, data in file.items() if _is_variable(data)}
 
-    def __contains__(self, name: str) -> bool:
+    def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and name in self.variables
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of `variables`. Without it Python would ask for the variables 0, 1, 2 and so on."""
+        return iter(self.variables)
+
+    def __len__(self) -> int:
+        return len(self.variables)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Array of a variable, shape as its dimensions say, SI units; it cannot be written to, a copy can.

@@ -112,6 +112,9 @@ class Model:
     at_rest : callable or None
         -> variables by name as they are in the static equilibrium that was found last, before anything moves: what
         figures are over that a sudden start must not change. None where an application has no such figures.
+    memory : mapping
+        Arrays, by name, in which the application keeps what it found at the start and needs to tell what frames mean. A
+        saved state of a simulation holds them.
     statistics : mapping
         Fields of `Keep` that are the application's: variables that are watched where the scene names none, and so on.
     """
@@ -144,6 +147,7 @@ class Model:
     remarks: Callable[[Any], list[str]] | None = None
     cause: Callable[[Any, Any], tuple[Any, int, str] | None] | None = None
     at_rest: Callable[[], Mapping[str, np.ndarray]] | None = None
+    memory: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def seen(self, frames: Any) -> Mapping[str, np.ndarray]:
         """Variables of frames that stay as they are, made on demand where that can be: few may be asked for."""

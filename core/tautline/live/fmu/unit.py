@@ -19,8 +19,8 @@ from tautline.live.memory import State, damaged, number_of, read_exactly, state_
 from tautline.live.simulation import SHORTEST, Simulation
 from tautline.system.handles import PART, Output
 
-SCENE, DESCRIPTION = "scene.yaml", "unit.json"
-"""Names of the scene, and of what goes in and out, among the resources."""
+SCENE, DESCRIPTION = "scene", "unit.json"
+"""Names of the scene's own folder, and of what tells its file and what goes in and out, among the resources."""
 BASE = {
     "m": {"m": 1}, "m/s": {"m": 1, "s": -1}, "m/s^2": {"m": 1, "s": -2}, "rad": {"rad": 1},
     "rad/s": {"rad": 1, "s": -1}, "N": {"kg": 1, "m": 1, "s": -2}, "N m": {"kg": 1, "m": 2, "s": -2}, "kg": {"kg": 1},
@@ -30,7 +30,9 @@ BASE = {
 }  # fmt: skip
 """Units that are written, by their base units."""
 NEAR = 1.0e-9
-"""Difference of the host's time and ours that is rounding, s."""
+"""Difference of the host's time and ours that is rounding, s, beside that of the times themselves."""
+ROUNDED = 4.0
+"""Units in the last place of the largest time by which sums of times differ that are meant to be the same."""
 
 
 def parts_of(output: Output) -> list[tuple[str, tuple[int, ...]]]:
@@ -51,8 +53,8 @@ def actual_of(name: str, inputs: Sequence[str]) -> str:
     return f"{thing}.actual{index}" if thing in driven else name
 
 
-NO_STATE = "no state"
-"""Key under which it stands why bytes are no state."""
+NO_STATE, AGAIN = "no state", "initialised again"
+"""Keys under which it stands why bytes are no state, and that the unit was to be initialised twice."""
 
 
 class Core:
@@ -67,7 +69,9 @@ class Core:
     def __init__(self, resources: str | Path) -> None:
         folder = Path(resources)
         self.told: dict[str, Any] = json.loads((folder / DESCRIPTION).read_text(encoding="utf8"))
-        self.scene = folder / SCENE
+        if "scene" not in self.told:
+            raise SimulationError("the FMU was written by an earlier build of Tautline", "write it anew")
+        self.scene = folder / SCENE / self.told["scene"]
         check_packages(self.told["packages"])
         self.changed: dict[str, float] = {}
         self.given: dict[str, float] = {}
@@ -75,7 +79,7 @@ class Core:
         self.refused: dict[str, str] = {}
         self.fault = ""
         self.begin, self.timed = 0.0, False
-        self.stale, self.initialised, self.stepped = False, False, False
+        self.stale, self.initialised = False, False
         self.running, self.terminated = False, False
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
         parts = (name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked))
@@ -128,13 +132,24 @@ class Core:
         self.begin, self.timed = float(time), True
 
     def initialise(self) -> None:
-        """Find the start, after which inputs are reached in steps; raises what the simulation raises.
+        """Find the start, after which inputs are reached in steps and parameters count from then on.
 
-        Where none is found, inputs that are set next are still those of the start.
+        Where none is found, or a value was refused, what is set next is still of the start.
+
+        Raises
+        ------
+        SimulationError
+            Where no start is found, and where one was found before: a host that goes on as if the unit began anew would
+            take what follows for another experiment. No step is made then until a state is set.
         """
+        if self.initialised:
+            cause = "the unit is initialised already, and stands at its time"
+            error = SimulationError(cause, "reset it, or set a state that was saved before")
+            self.refused[AGAIN] = str(error)
+            raise error
         self.running = True
         self.begun()
-        self.initialised = True
+        self.initialised = not self.refused
 
     def terminate(self) -> None:
         """Take no further step, until a state is set that was saved while steps were made."""
@@ -169,6 +184,8 @@ class Core:
     def set(self, name: str, value: float) -> None:
         """An input, held from the start on, or reached at the end of the next communication step; or a parameter.
 
+        A parameter is one of the start until this is found for good, and changes the simulation as it stands after it.
+
         Raises
         ------
         SimulationError
@@ -178,7 +195,7 @@ class Core:
         try:
             if name in self.inputs:
                 self.sim.inputs.checked(name, value)
-            elif self.stepped:
+            elif self.initialised:
                 self.sim.parameters[name] = value
             else:
                 self.sim.parameters.checked(name, value)
@@ -186,9 +203,7 @@ class Core:
             self.refused[name] = str(error)
             raise
         self.refused.pop(name, None)
-        # Where no start is found, an input may be why: to be reached in a step it would never be heard.
-        without_start = self.stale and self.fault
-        if name in self.inputs and (self.initialised or self.stepped) and not without_start:
+        if name in self.inputs and self.initialised:
             self.given[name] = value
             return
         self.given.pop(name, None)
@@ -196,7 +211,7 @@ class Core:
         # One that is set again is the last one: a start is found with parameters in the order in which they were set.
         kept.pop(name, None)
         kept[name] = value
-        if not self.stepped:
+        if not self.initialised:
             self.stale, self.fault = True, ""
 
     def step(self, time: float, length: float) -> None:
@@ -208,6 +223,7 @@ class Core:
         if self.refused:
             raise SimulationError("; ".join(self.refused.values()))
         sim = self.begun()
+        self.initialised = True  # also where what was set after the initialisation made a start of it
         if sim.stopped:
             # Before the time, which a host that goes on after a failure has no longer from here.
             cure = "set a state that was saved before"
@@ -215,10 +231,10 @@ class Core:
         if not self.timed:
             self.start_at(time)
         rounding = SHORTEST * sim.model.solver.interval
-        if abs(time - self.begin - sim.time) > max(NEAR * max(1.0, abs(time)), rounding):
-            cause = f"the host steps from {time:g} s, and the unit stands at {self.begin + sim.time:g} s"
+        largest = max(abs(time), abs(self.begin), sim.time)
+        if abs(time - self.begin - sim.time) > max(NEAR, rounding) + ROUNDED * math.ulp(largest):
+            cause = f"the host steps from {time:.15g} s, and the unit stands at {self.begin + sim.time:.15g} s"
             raise SimulationError(cause, "set the state that was saved there")
-        self.stepped = True
         end = time - self.begin + length
         if length > 0.0 and end - sim.time < rounding:
             return
@@ -235,8 +251,8 @@ class Core:
         """All that a state of the FMU is; raises SimulationError where no start is found with what was set."""
         return {
             "state": self.begun().save(), "sent": dict(self.sent), "given": dict(self.given),
-            "held": dict(self.held), "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
-            "timed": self.timed, "initialised": self.initialised, "running": self.running,
+            "held": dict(self.held), "changed": dict(self.changed), "begin": self.begin, "timed": self.timed,
+            "initialised": self.initialised, "running": self.running,
         }  # fmt: skip
 
     def refuse_output(self, name: str) -> None:
@@ -262,7 +278,7 @@ class Core:
         self.refused.clear()
         self.sent, self.given = dict(saved["sent"]), dict(saved["given"])
         self.held, self.changed = dict(saved["held"]), dict(saved["changed"])
-        self.stepped, self.begin, self.timed = saved["stepped"], saved["begin"], saved["timed"]
+        self.begin, self.timed = saved["begin"], saved["timed"]
         # Else an input that is set next would be taken for one of a start that is still to be found, or the reverse.
         self.initialised, self.running = saved["initialised"], saved["running"]
 
@@ -327,7 +343,7 @@ def _switch(told: Any) -> bool:
 
 
 READ: dict[str, Callable[[Any], Any]] = {
-    "sent": _values, "given": _values, "held": _values, "changed": _values, "stepped": _switch, "begin": _finite,
+    "sent": _values, "given": _values, "held": _values, "changed": _values, "begin": _finite,
     "timed": _switch, "initialised": _switch, "running": _switch,
 }  # fmt: skip
 """What a state of an FMU holds beside that of its simulation, and how it is read of bytes."""

@@ -7,9 +7,12 @@ import re
 import shutil
 import sys
 import tempfile
+import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
+from importlib.machinery import PathFinder
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +29,8 @@ from tautline.whole_file import whole_file
 
 PACKAGES = {2: "pythonfmu", 3: "pythonfmu3"}
 """What makes an FMU of each version of the standard."""
+CACHE = "__pycache__"
+"""A folder that PythonFMU leaves out."""
 STATES = {
     2: {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, "canHandleVariableCommunicationStepSize": True},
     3: {"canGetAndSetFMUState": True, "canSerializeFMUState": True, "canHandleVariableCommunicationStepSize": True},
@@ -73,33 +78,61 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     _refuse_rivals(sim, inputs)
     name, packages = _model_name(path), packages_of_others(sim)
     needs = host_needs(packages)
-    with tempfile.TemporaryDirectory() as work:
-        folder = Path(work)
-        files = _files(sim.scene, folder)
-        script = folder / f"{module_of(script_of(fmi))}.py"
-        script.write_text(script_of(fmi), encoding="utf8")
-        told = {
-            "inputs": list(inputs), "outputs": list(outputs), "name": name, "title": _title(path),
-            "version": __version__, "packages": packages,
-        }  # fmt: skip
-        (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
-        notes = folder / "documentation"
-        notes.mkdir()
-        (notes / "index.txt").write_text(page_of(fmi, needs), encoding="utf8")
-        try:
-            # PythonFMU3 names the file itself, and both leave one behind where they fail.
-            made = folder / "made"
-            made.mkdir()
-            with _modules_as_before(script.stem):
-                builder.build_FMU(
-                    script, made, [folder / DESCRIPTION, *files], notes, canBeInstantiatedOnlyOncePerProcess=False,
-                    needsExecutionTool=True, **STATES[fmi],
-                )  # fmt: skip
+    told = {
+        "inputs": list(inputs), "outputs": list(outputs), "name": name, "title": _title(path),
+        "version": __version__, "packages": packages,
+    }  # fmt: skip
+    try:
+        with tempfile.TemporaryDirectory() as work:
+            made = _built(builder, sim.scene, told, page_of(fmi, needs), fmi, Path(work))
+            _check_library(made, path, PACKAGES[fmi])
             with whole_file(path) as waiting:
-                shutil.copyfile(made / f"{name}.fmu", waiting)
-        except OSError as error:
-            raise unwritten(path, error, "choose another place") from None
+                shutil.copyfile(made, waiting)
+    except OSError as error:
+        raise unwritten(path, error, "choose another place") from None
     return needs
+
+
+def _built(builder: Any, scene: Any, told: dict[str, Any], page: str, fmi: int, folder: Path) -> Path:
+    """The FMU as PythonFMU makes it in an empty folder.
+
+    Parameters
+    ----------
+    builder : class
+        `FmuBuilder` of a PythonFMU.
+    scene : scene
+    told : dict
+        What the unit is told beside the name of its scene's file.
+    page : str
+        Its documentation.
+    fmi : int
+        Version of the standard.
+    folder : path
+    """
+    script = folder / f"{module_of(script_of(fmi))}.py"
+    script.write_text(script_of(fmi), encoding="utf8")
+    # In a folder of their own the scene's files meet nothing of the FMU's, whatever their names.
+    told = {**told, "scene": _put_scene(scene, folder / SCENE)}
+    (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
+    notes, made = folder / "documentation", folder / "made"
+    notes.mkdir()
+    (notes / "index.txt").write_text(page, encoding="utf8")
+    # PythonFMU3 names the file itself, and both leave one behind where they fail.
+    made.mkdir()
+    with _modules_as_before(script.stem):
+        builder.build_FMU(
+            script, made, [folder / DESCRIPTION, folder / SCENE], notes, canBeInstantiatedOnlyOncePerProcess=False,
+            needsExecutionTool=True, **STATES[fmi],
+        )  # fmt: skip
+    return made / f"{told['name']}.fmu"
+
+
+def _check_library(made: Path, path: Path, package: str) -> None:
+    """Refuse an FMU that PythonFMU made without a library, which no host can load; raises ResultError."""
+    with zipfile.ZipFile(made) as file:
+        if not any(name.startswith("binaries/") for name in file.namelist()):
+            cause, cure = f"cannot be written: {package} gave it no library", f"install {package} anew"
+            raise ResultError(path, cause, f"{cure}: pip install --force-reinstall {package}")
 
 
 def _builder(path: Path, fmi: int) -> Any:
@@ -108,9 +141,26 @@ def _builder(path: Path, fmi: int) -> Any:
         raise SimulationError(f"there is no FMI {fmi}.0", "take 2 or 3")
     package = PACKAGES[fmi]
     try:
-        return import_module(package).FmuBuilder
+        made_by: Any = import_module(f"{package}.builder")
     except ModuleNotFoundError:
         raise ResultError(path, f"needs {package}, which is not installed", "pip install 'tautline[fmi]'") from None
+    # In a process that has hosted an FMU it is the copy out of that, which has no libraries and may be deleted by now:
+    # what goes into an FMU is taken from where the package is installed.
+    made_by.HERE = next(filter(_has_libraries, (made_by.HERE, *_folders_of(package))), made_by.HERE)
+    return made_by.FmuBuilder
+
+
+def _has_libraries(folder: Path) -> bool:
+    """Whether a folder is that of a PythonFMU itself, and no copy in an FMU."""
+    return (folder / "resources" / "binaries").is_dir()
+
+
+def _folders_of(package: str) -> Iterator[Path]:
+    """All folders that Python could import a package from: it takes the first, which may be in an FMU."""
+    for place in sys.path:
+        spec = PathFinder.find_spec(package, [place])
+        if spec is not None and spec.origin:
+            yield Path(spec.origin).parent
 
 
 def _model_name(path: Path) -> str:
@@ -146,17 +196,23 @@ def _refuse_rivals(sim: Simulation, inputs: Sequence[str]) -> None:
                 raise SimulationError(f"{name} and {other} drive the same", "leave one of them out of --inputs")
 
 
-def _files(scene: Any, folder: Path) -> list[Path]:
-    """The scene as a file, and copies of those that it names beside it."""
-    (folder / SCENE).write_text(scene.document.told, encoding="utf8")
-    made = [folder / SCENE]
-    for name in files_of(scene):
-        source = Path(name)
+def _put_scene(scene: Any, folder: Path) -> str:
+    """Put a scene into a new folder, with copies of the files that it names; returns the name of its own file."""
+    sources = [Path(name) for name in files_of(scene)]
+    for source in sources:
         if source.is_absolute() or ".." in source.parts:
             cause = f"names the file {source}, which lies outside of its own folder"
             raise SimulationError(f"the scene {cause}", "copy the file beside the scene")
+        if CACHE in source.parts:
+            cause = f"names the file {source}, and PythonFMU leaves folders of the name {CACHE} out of an FMU"
+            raise SimulationError(f"the scene {cause}", "give the folder another name")
+    # Some hosts take capitals for small letters in the names of files.
+    taken = {source.parts[0].casefold() for source in sources}
+    name = next(name for k in count() if (name := f"scene{k or ''}.yaml") not in taken)
+    folder.mkdir()
+    (folder / name).write_text(scene.document.told, encoding="utf8")
+    for source in sources:
         target = folder / source
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes((scene.folder / source).read_bytes())
-        made.append(folder / source.parts[0])
-    return list(dict.fromkeys(made))
+    return name
