@@ -102,6 +102,7 @@ def test_an_installed_item_is_known_to_check_and_to_the_schema(folder, ran):
     ("written", "expected"),
     [
         ("speed: -3", r"lamp.yaml:9: CableModel\[4\].Wind.speed = -3: must not be negative"),
+        *studies(("speed: 3, direction: [0, 0, 0]", r"lamp.yaml:9: CableModel\[4\].Wind.direction: has no direction.*give where it blows to")),
         *studies(("speed: 3 kg", r"lamp.yaml:9: CableModel\[4\].Wind.speed = 3 kg: 'kg' is not the unit of a speed")),
         *studies(("sped: 3", r"lamp.yaml:9: CableModel\[4\].Wind.sped.*unknown key; did you mean 'speed'")),
     ],

@@ -85,7 +85,7 @@ SENTENCES = {
         "scene creates energy"
     ),
     Status.NO_FORCE: (
-        "a force that was added, or a hook of an extension, has no value: the fault is in its function; correct that"
+        "a force that was added, or a hook of an extension, gives nan or infinity: correct its function"
     ),
     Status.NO_BALANCE: (
         "the run went to its end, but its energy has no value: nobody can say whether it balances, and so whether what "
