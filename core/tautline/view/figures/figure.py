@@ -214,7 +214,7 @@ def scale_in(system: str, values: Sequence[np.ndarray], unit: str) -> tuple[floa
 
 
 def label(text: str, unit: str, letters: int = 0) -> str:
-    """Axis label: ``hook load [MN]``; in lines of so many letters at most, if that is said, which end at commas first."""
+    """Axis label: ``hook load [MN]``; in lines of so many letters at most, if that is said, ending at commas first."""
     whole = f"{text} [{unit}]" if unit else text
     if not letters:
         return whole
