@@ -235,6 +235,11 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
     **options
         Of `tautline.study.accuracy.precision.study`: tolerance, repetitions, budget, point, reference.
 
+    Returns
+    -------
+    Study
+        Its runs with their errors and times, and the reference that they are compared with.
+
     Raises
     ------
     SceneError, ResultError, ArgumentError, ArgumentTypeError
@@ -262,6 +267,11 @@ def study_stability(scene: Any, end: float | str | None = None, **options: Any) 
         Simulated time, s or with a unit, in place of the scene's.
     **options
         Of `tautline.study.robustness.stability.stability`: tolerance, budget, point, quick.
+
+    Returns
+    -------
+    Stability
+        The critical step and what sets it, and how the scene's variants ended.
 
     Raises
     ------

@@ -178,7 +178,9 @@ class Keys:
             text = "number" + (f", {unit}" if unit else "") + _bounds(number)
             return " or ".join([text, *words])
         kinds = []
-        for choice in choices:
+        # Beside words other spellings of them are no other kind.
+        words = any("enum" in choice for choice in choices)
+        for choice in (choice for choice in choices if not (words and "pattern" in choice)):
             kind = None if choice.get("type") == "null" else self._kind(choice)
             if kind and kind not in kinds:
                 kinds.append(kind)

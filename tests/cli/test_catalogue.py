@@ -2,15 +2,24 @@
 
 import importlib.metadata
 import json
+from pathlib import Path
 
 import pytest
+import yaml
 from fake_application import FakeApplication
 
+from crane.application import Crane
+from drillstring.application import Drillstring
+from gardenhose.application import Gardenhose
 from tautline import entry_points
 from tautline.application.installed import Installed
+from tautline.cable.application import Cable
+from tautline.cli.commands.starter import of_any
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.scene.errors import SceneError
+
+DATA = Path(__file__).parents[2] / "data"
 
 
 class Other(FakeApplication):
@@ -69,10 +78,20 @@ def test_check_runs_through_the_catalogue(installed, tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["status"] == "good"
 
 
-def test_schema_of_several_applications_is_an_object_by_name(installed, capsys):
+def test_schema_of_several_applications_is_one_schema_of_a_scene_of_any_of_them(installed, capsys, monkeypatch):
+    length = {"$defs": {"Length": {"type": "number"}}, "properties": {"length": {"$ref": "#/$defs/Length"}}}
+    words = {"$defs": {"Length": {"type": "string"}}, "properties": {"length": {"$ref": "#/$defs/Length"}}}
+    monkeypatch.setattr(FakeApplication, "schema", lambda self: length)
+    monkeypatch.setattr(Other, "schema", lambda self: words)
     with pytest.raises(SystemExit):
         run(make_app(installed), ["schema"])
-    assert json.loads(capsys.readouterr().out).keys() == {"fake", "other"}
+    schema = json.loads(capsys.readouterr().out)
+    assert schema["$defs"].keys() == {"fake", "other"}
+    jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed")
+    jsonschema.Draft202012Validator.check_schema(schema)
+    checked = jsonschema.Draft202012Validator(schema)
+    assert checked.is_valid({"length": 1.0}) and checked.is_valid({"length": "1 m"})
+    assert not checked.is_valid({"length": [1.0]})
 
 
 def test_installed_packages_are_looked_through_once_for_all_groups_and_again_where_another_folder_is_looked_in(
@@ -126,3 +145,18 @@ def test_an_application_that_asks_for_a_key_which_scenes_of_others_lack_is_kept_
     scene.write_text("ship: 1\n")
     with pytest.raises(SceneError, match=r"`recognises` of by_kind failed at this scene \(KeyError: 'kind'\)"):
         Installed().for_scene(scene)
+
+
+SHIPPED = ("hoist", "hose", "jwell", "reeled_span", "cantilever_bar")
+
+
+def test_the_schema_of_all_applications_allows_what_they_read_and_refuses_what_they_refuse():
+    jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed")
+    schemas = {kind.name: kind.schema() for kind in (Crane(), Drillstring(), Gardenhose(), Cable())}
+    checked = jsonschema.Draft202012Validator(json.loads(json.dumps(of_any(schemas))))
+    scenes = {name: yaml.safe_load((DATA / f"{name}.yaml").read_text(encoding="utf8")) for name in SHIPPED}
+    for name, scene in scenes.items():
+        assert checked.is_valid(scene), name
+        assert not checked.is_valid(scene | {"no such key": 1}), name
+    wrong = scenes["reeled_span"] | {"GeneralizedAlpha": scenes["reeled_span"]["GeneralizedAlpha"] | {"type": "RK5"}}
+    assert not checked.is_valid(wrong)

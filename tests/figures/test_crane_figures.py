@@ -98,12 +98,19 @@ def test_tensions_of_few_ends_are_drawn_one_by_one_and_of_many_as_a_range():
     run = result(one_fall())
     (plot,) = draw([run], ["tension"])["tension"].axes
     curves = lines(plot)
-    assert list(curves) == ["winch", "boom tip, side of winch", "boom tip, side of hook", "hook"]
+    ends = ["winch", "boom tip, side of winch", "boom tip, side of hook", "hook"]
+    assert list(curves) == [*ends, "at the first frame"] and plot.get_ylabel() == "tension [kN]"
     np.testing.assert_allclose(curves["hook"][1], run["tension"][:, 1, 1] / 1e3)
-    dashed = [line for line in plot.get_lines() if line.get_linestyle() == "--"]
-    assert [line.get_ydata()[0] for line in dashed] == list(run["tension"][0].ravel() / 1e3)
+    dotted = [line for line in plot.get_lines() if line.get_linestyle() == ":" and len(line.get_ydata())]
+    assert [line.get_ydata()[0] for line in dotted] == list(run["tension"][0].ravel() / 1e3)
     (plot,) = draw([result(falls(16), frames=21)], ["tension"])["tension"].axes
-    assert list(lines(plot)) == ["winch", "dead end"] and plot.collections
+    assert list(lines(plot)) == ["winch", "dead end", "at the first frame"] and plot.collections
+
+
+def test_tensions_on_both_sides_of_a_sheave_are_both_seen_where_they_are_the_same():
+    (plot,) = draw([result(one_fall())], ["tension"])["tension"].axes
+    dashed = [line.get_label() for line in plot.get_lines() if line.get_linestyle() == "--"]
+    assert dashed == ["boom tip, side of hook"]
 
 
 def test_the_breaking_load_is_drawn_where_it_is_near():

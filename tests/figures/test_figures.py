@@ -304,6 +304,13 @@ def test_a_unit_stands_in_one_line_of_a_label_wherever_the_line_must_break(unit)
         assert " ".join(lines) == f"torque percentiles [{unit}]"
 
 
+def test_a_label_breaks_at_commas_so_that_names_and_their_units_stay_together():
+    assert label("tension, winch to boom tip", "kN", 30) == "tension,\nwinch to boom tip [kN]"
+    assert label("velocity along the hole, body 3", "m/s", 30) == "velocity along the hole,\nbody 3 [m/s]"
+    assert label("position of a body, x", "m", 30) == "position of a body, x [m]"
+    assert label("a first of many words, b, c", "m", 12) == "a first of\nmany words,\nb, c [m]"
+
+
 @pytest.mark.parametrize(
     ("values", "limits"),
     [

@@ -45,7 +45,7 @@ def test_an_estimate_has_a_band_of_two_standard_deviations_in_the_units_of_the_s
 def test_a_residual_is_drawn_about_zero_and_a_gap_stays_a_gap():
     (plot,) = found().plot.residuals().axes
     zero, line = plot.lines
-    assert plot.get_ylabel() == "winch.tension [kN]" and set(zero.get_ydata()) == {0.0}
+    assert plot.get_ylabel() == "residual of winch.tension [kN]" and set(zero.get_ydata()) == {0.0}
     assert np.array_equal(line.get_ydata(), [np.nan, 2.0, -1.0, 0.5], equal_nan=True)
 
 

@@ -83,7 +83,14 @@ def test_directions_stand_one_below_the_other_and_things_in_one_panel(hoist):
     for k, plot in enumerate(plots):
         np.testing.assert_allclose(curves(plot)["payload"][1], hoist["body_position"][:, 0, k])
     (plot,) = only(draw_crane([hoist], ["tension:boom tip to hook"])).axes
-    assert list(curves(plot)) == ["first", "last"]
+    assert list(curves(plot)) == ["boom tip", "hook"]
+
+
+def test_ends_of_a_span_are_called_by_their_items_and_by_first_and_last_where_a_result_does_not_tell_them(hoist):
+    whole = ("winch to boom tip, first", "winch to boom tip, last")
+    assert choose(hoist, "tension").panels()[0][1][:2] == list(whole)
+    assert choose(hoist, "tension:winch to boom tip:last").text == "tension, winch to boom tip, boom tip"
+    assert choose(hoist, "fleet_angle:boom tip").panels()[0][1] == ["first", "last"]
 
 
 def test_directions_are_called_what_the_description_lists():

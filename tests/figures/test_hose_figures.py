@@ -1,5 +1,6 @@
 """Figures of hoses come out whole for every kind of result, and show what was stored."""
 
+import re
 import subprocess
 import sys
 import warnings
@@ -17,7 +18,7 @@ from gardenhose.view.figures import FIGURES, boundary_figure, draw, figures, flu
 from tautline.results.errors import ResultError
 from tautline.view.figures.figure import save
 
-EACH = [name for name in FIGURES if name != "overview"]
+EACH = [name for name in FIGURES if name not in ("overview", "ramp")]
 RAMP = {"frames": 1201, "ramp": 6.0, "speed": 40.0, "swing": 0.6}
 
 
@@ -149,6 +150,29 @@ def test_a_ramp_shows_extremes_amplitude_and_where_they_begin():
     (onset,) = (text for text in lines(size) if "length" in text)
     assert onset.startswith("1 % of the length at 1") and 11.0 < float(onset.split()[-2]) < 13.0
     assert size.get_xlabel() == "flow speed [m/s]" and place.get_ylabel() == "tip z [m]"
+
+
+def test_a_ramp_of_one_flow_speed_is_refused_and_not_drawn_as_a_column_of_dots():
+    with pytest.raises(ResultError, match="one flow speed all the time"):
+        draw([result(ramp=0.0)], ["ramp"])
+    with pytest.raises(ResultError, match="one flow speed all the time"):
+        draw([result(speed=0.0)], ["ramp"])
+    assert draw([result(ramp=0.0), result(ramp=0.0, speed=30.0)], ["ramp"])
+
+
+def test_a_motion_that_is_slim_beside_the_hose_is_drawn_larger_across_and_the_label_says_how_many_times():
+    run, slim = result(sag=0.0), result(sag=0.0)
+    slim._contents[1]["position"][..., 2] *= 1e-3
+    slim._contents[1]["tip"][:, 2] *= 1e-3
+    slim._contents[1]["tip_velocity"][:, 2] *= 1e-3
+    slim._contents[1]["slope"][..., 2] *= 1e-3
+    whole = draw([run], ["shape"])["shape"].axes[0]
+    plot = draw([slim], ["shape"])["shape"].axes[0]
+    said = re.fullmatch(r"z, drawn (\d+) times larger than x \[m\]", plot.get_ylabel())
+    assert whole.get_aspect() == 1.0 and plot.get_aspect() == float(said[1])
+    (left, right), (low, high) = plot.get_xlim(), plot.get_ylim()
+    assert 1.0 < (right - left) / (float(said[1]) * (high - low)) < 3.0
+    assert plot.get_xlabel() == "x [m]"
 
 
 def test_a_speed_that_rises_and_falls_is_told_apart():

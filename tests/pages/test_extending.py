@@ -5,10 +5,14 @@ import os
 import re
 import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from of_the_suite import studies
 from young_processes import OF_COMMANDS, young_processes
+
+from tautline import entry_points
+from tautline.scene import extensions
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf8")
@@ -102,6 +106,7 @@ def test_an_installed_item_is_known_to_check_and_to_the_schema(folder, ran):
     ("written", "expected"),
     [
         ("speed: -3", r"lamp.yaml:9: CableModel\[4\].Wind.speed = -3: must not be negative"),
+        *studies(("speed: 3, direction: [0, 0, 0]", r"Wind.direction: has no direction.*give where it blows to")),
         *studies(("speed: 3 kg", r"lamp.yaml:9: CableModel\[4\].Wind.speed = 3 kg: 'kg' is not the unit of a speed")),
         *studies(("sped: 3", r"lamp.yaml:9: CableModel\[4\].Wind.sped.*unknown key; did you mean 'speed'")),
     ],
@@ -128,6 +133,19 @@ def test_an_extension_that_cannot_be_loaded_is_named_beside_the_key_that_is_unkn
     told = " ".join(ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", code=2).stderr.split())
     assert "unknown key 'Wind'" in told
     assert "the extension wind could not be loaded (ModuleNotFoundError" in told
+    assert told.index("could not be loaded") < told.index("unknown key")
+
+
+def test_a_mistake_in_the_syntax_of_an_extension_is_told_with_the_whole_path_of_its_file_and_line(
+    monkeypatch, tmp_path
+):
+    def load():
+        exec(compile("x = 1\ny = = 2\n", str(tmp_path / "wind.py"), "exec"))
+
+    point = SimpleNamespace(name="wind", load=load)
+    monkeypatch.setattr(entry_points, "in_group", lambda group: [point])
+    told = extensions.load_extensions.__wrapped__()
+    assert told["wind"].startswith("SyntaxError: ") and told["wind"].endswith(f"({tmp_path / 'wind.py'}, line 2)")
 
 
 def test_an_extension_that_calls_exit_keeps_neither_the_command_nor_the_other_extensions_from_their_work(folder, ran):

@@ -160,6 +160,12 @@ class Observer:
             "axis": ("axis", np.array(["x", "y", "z"]), "", "axis"),
             "span": ("span", np.array([f"{a.name} to {b.name}" for a, b in pairwise(path)]), "", "span"),
             "end": ("end", np.array(["first", "last"]), "", "where the rope comes from, and where it goes"),
+            "end_name": (
+                ("span", "end"),
+                np.array([[a.name, b.name] for a, b in pairwise(path)]),
+                "",
+                "item at an end",
+            ),
         }
         if self.scene.bodies:
             made["body"] = ("body", np.array([body.name for body in self.scene.bodies]), "", "body")

@@ -11,7 +11,7 @@ from tautline.scene.functions import Constant, FunctionOfTime, Ramp, Table, time
 from tautline.scene.model import Branch, Model, OneOf, Switch, Whole, word
 from tautline.scene.refusal import fault, raise_all, refusal
 from tautline.scene.values.quantity import quantity
-from tautline.scene.vector import Position, Vector, three, unit
+from tautline.scene.vector import Position, Vector, not_zero, three, unit
 
 UPRIGHT = 0.1
 """Sine of the angle within which an axis counts as upright, or as level: there a word of the wrap means nothing."""
@@ -29,18 +29,14 @@ def _named(text: str) -> str:
     return text
 
 
-def _not_zero(axis: tuple[float, ...]) -> tuple[float, ...]:
-    if not any(axis):
-        raise refusal("has no direction: all three numbers are zero", "give the axis it turns about, such as [0, 1, 0]")
-    return axis
-
-
 Name = Annotated[str, AfterValidator(_named)]
 Radius = Annotated[float, quantity("m", positive=True, of="radius of a sheave or drum")]
 PinRadius = Annotated[float, quantity("m", positive=True, of="bearing radius")]
 Inertia = Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")]
 Axis = Annotated[
-    tuple[Annotated[float, quantity("", of="direction")], ...], three("[0, 1, 0]"), AfterValidator(_not_zero)
+    tuple[Annotated[float, quantity("", of="direction")], ...],
+    three("[0, 1, 0]"),
+    not_zero("give the axis it turns about, such as [0, 1, 0]"),
 ]
 Friction = Annotated[float, quantity("", nonnegative=True, at_most=2.0, of="friction factor")]
 Wrap = Annotated[Literal["over", "under", "left", "right"], word("over", "under", "left", "right")]

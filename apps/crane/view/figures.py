@@ -24,6 +24,7 @@ from tautline.view.figures.comparison import NothingToShow, marker, names, over_
 from tautline.view.figures.drawings import Drawing, drawn, writing
 from tautline.view.figures.figure import (
     COLOURS,
+    QUIET,
     STYLES,
     Axes,
     Figure,
@@ -43,6 +44,8 @@ MOST_LINES = 6
 """Span ends that are drawn one by one; of more, the two ends of the rope and the range of all."""
 CLOSE = 2.0
 """Breaking load over largest tension up to which it is drawn."""
+GAPS = (0, (4.0, 4.0))
+"""Dashes so far apart that a line below them is seen."""
 STILL, LITTLE = 1.0e-6, 1.0e-4
 """Motion of a coordinate that is left out: metres, and as a share of the largest motion."""
 
@@ -126,7 +129,8 @@ def path(runs: Sequence[_Run]) -> Figure:
 def tension(runs: Sequence[_Run]) -> Figure:
     """Tension at the ends of the spans, shaded where the rope is slack, and the breaking load where it is near.
 
-    Of one result the first frame is dashed; of several, both ends of the rope are drawn and the range between.
+    Of one result the first frame is dotted, and what leaves a sheave is dashed, for without friction it covers what
+    comes to it; of several, both ends of the rope are drawn and the range between.
     """
     every = [ends_of(run.result) for run in runs]
     factor, unit = scale(every, "N")
@@ -140,7 +144,9 @@ def tension(runs: Sequence[_Run]) -> Figure:
         named = flags.any() and not any(before.any() for before in slack[:number])
         shade(plot, run.time, flags, text="slack" if named else "")
     widen(plot, np.concatenate([values.ravel() for values in every]) / factor, 1.0 / factor)
-    plot.set_ylabel(label("tension; dashed: at the first frame" if len(runs) == 1 else "tension", unit))
+    if len(runs) == 1 and len(runs[0].time) > 1:
+        plot.plot([], [], color=QUIET, lw=1.0, ls=":", label="at the first frame")
+    plot.set_ylabel(label("tension", unit))
     legend_above(plot)
     return _over_time(figure, plots, runs)
 
@@ -175,10 +181,11 @@ def _tensions(plot: Axes, run: _Run, values: np.ndarray, ink: Any) -> None:
     for number, k in enumerate(shown):
         mine = colour(number, max(len(shown), 2)) if ink is None else ink
         words = ends[k] if ink is None else f"{run.name}, {ends[k]}"
-        look = {"color": mine, "lw": 1.1, "ls": "-" if ink is None else STYLES[number]}
+        leaves = len(shown) == values.shape[1] and k % 2 == 0 and k > 0
+        look = {"color": mine, "lw": 1.1, "ls": (GAPS if leaves else "-") if ink is None else STYLES[number]}
         plot.plot(run.time, values[:, k], label=words, **look, **marker(run.time))
         if ink is None:
-            plot.axhline(values[0, k], color=mine, lw=0.8, ls="--")
+            plot.axhline(values[0, k], color=mine, lw=1.0, ls=":")
 
 
 @styled
@@ -247,7 +254,7 @@ def sheaves(runs: Sequence[_Run]) -> Figure:
     result, wheels = run.result, [str(name) for name in run.result["sheave"]]
     panels = (
         (np.degrees(result["wrap_angle"]), "wrap", "deg", 0.1),
-        (np.degrees(np.abs(result["fleet_angle"]).max(axis=-1)), "larger fleet\nangle", "deg", 0.1),
+        (np.degrees(np.abs(result["fleet_angle"]).max(axis=-1)), "fleet angle,\nlarger side", "deg", 0.1),
         (result["sheave_rotation"] / (2.0 * np.pi), "rotation", "turns", 1e-2),
     )
     slips = result["slipping"] != 0.0
@@ -317,7 +324,7 @@ DRAWINGS: Mapping[str, Drawing] = {
     "winch": Drawing("tension, speed and power of the drums", winch),
     "sheaves": Drawing("wrap, fleet angle and rotation of the sheaves, and when the rope slips", sheaves, False),
     "spectrum": Drawing("spectra of the tension and of the load's height", spectrum),
-    "energy": energies("work of winches and frames"),
+    "energy": energies("work of winches, vessel and boom"),
     "rainflow": Drawing("ranges of tension of the most worked span end", rainflow, False),
     "bending": Drawing("bending cycles along the rope", bending, False),
 }

@@ -81,7 +81,7 @@ def bending_figure(result: Any, course: Course, title: str) -> Figure | None:
     factor, unit = scale([found.tension], "N")
     lower.step(found.edges, np.r_[found.tension, found.tension[-1:]] / factor, where="post", color=COLOURS[6], lw=1.1)
     lower.set_ylim(0.0, max(1e-3, 1.1 * float(found.tension.max()) / factor))
-    lower.set_ylabel(label("largest tension\nwhile bent", unit))
+    lower.set_ylabel(label("largest tension\nwhere bent", unit))
     lower.set_xlabel(label("piece of rope: material coordinate p", "m"))
     lower.set_xlim(found.edges[0], found.edges[-1])
     _ratio(upper, found.ratio)

@@ -22,7 +22,7 @@ from gardenhose.view.stability_figures import show_in_plane
 from gardenhose.view.stability_figures import static_figure as static_figure
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.view.figures.comparison import marker, names, one_kind, over_time, title_of_runs
+from tautline.view.figures.comparison import NothingToShow, marker, names, one_kind, over_time, title_of_runs
 from tautline.view.figures.drawings import Drawing, drawn, writing
 from tautline.view.figures.figure import (
     COLOURS,
@@ -49,6 +49,14 @@ ONSET = 0.01
 """Amplitude over the hose's length that the figure of a ramp marks."""
 DRIFT = 5.0
 """Times the usual duration of a swing from which on a change is none."""
+SAME_FLOW = 1e-9
+"""Share of the largest flow speed by which one speed may change."""
+SLIM = 5.0
+"""Length over width of a motion from which on its width is drawn larger."""
+STRETCHED = 1.25
+"""Length over width that such a motion has as it is drawn, at least."""
+NO_MOTION = 1e-7
+"""Share of the hose's length below which a width is rounding."""
 ALMOST = 0.15
 """How far a unit vector may be from an axis that figures take in its place."""
 HARMONICS = 8
@@ -153,15 +161,17 @@ def shape(runs: Sequence[Run]) -> Figure:
     columns = min(len(runs), 3)
     rows, width = -(-len(runs) // columns), 6.0 if columns == 1 else 3.6
     least = 0.2 * runs[0].length
-    ratio = max(height_over_width(*run.plane(points), least) for run, points in zip(runs, extents, strict=True))
+    seen = [run.plane(points) for run, points in zip(runs, extents, strict=True)]
+    larger = [_enlargement(*points, least) for points in seen] if alike else [(1.0, 1.0)] * len(runs)
+    ratio = max(height_over_width(x * across, y * up, least) for (x, y), (across, up) in zip(seen, larger, strict=True))
     height = min(max(width * ratio, 1.0), 2.0 * width) + 0.9
     figure, plots = axes(rows, columns, width * columns + 1.0, height * rows + 1.2, title_of_runs(runs))
-    for plot, run, fan, extent in zip(plots.flat, runs, fans, extents, strict=False):
+    for plot, run, fan, extent, factors in zip(plots.flat, runs, fans, extents, larger, strict=False):
         for share, curve in zip(fan.share, fan.curves, strict=True):
             plot.plot(*run.plane(curve), color=SHADES(share), lw=1.2)
         plot.plot(*run.plane(fan.path), color="black", lw=0.8, ls=":")
         plot.plot(*run.plane(fan.curves[0, :1]), color="black", marker="s", ms=6, ls="")
-        show_in_plane(plot, run.plane, extent, least)
+        show_in_plane(plot, run.plane, extent, least, factors)
         if len(runs) > 1:
             plot.set_title(run.name, fontsize=10)
     for plot in plots.flat[len(runs) :]:
@@ -174,6 +184,17 @@ def shape(runs: Sequence[Run]) -> Figure:
         span += f", {1e3 * duration:.4g} ms" if duration < 1.0 else f", {duration:.4g} s"
     bar_of_shades(figure, plots, 0.0, 1.0, f"time as a share of the {span} [–]", shrink=0.6, pad=0.04)
     return figure
+
+
+def _enlargement(x: np.ndarray, y: np.ndarray, least: float) -> tuple[float, float]:
+    """How many times larger than the other way each is drawn, round numbers: a slim motion would be seen as a line."""
+    wide, high = float(np.ptp(x)), float(np.ptp(y))
+    if min(wide, high) * SLIM >= max(wide, high) or min(wide, high) <= NO_MOTION * least:
+        return 1.0, 1.0
+    wanted = max(wide, high) / min(wide, high) / STRETCHED
+    power = 10.0 ** np.floor(np.log10(wanted))
+    factor = float(power * np.floor(wanted / power))
+    return (factor, 1.0) if wide < high else (1.0, factor)
 
 
 class _Fan(NamedTuple):
@@ -230,6 +251,9 @@ def spectra(runs: Sequence[Run]) -> Figure:
 @styled
 def ramp(runs: Sequence[Run]) -> Figure:
     """Extremes of the tip, and its amplitude, against the flow speed at the time: where the motion begins."""
+    flows = np.concatenate([run.flow for run in runs])
+    if np.ptp(flows) <= SAME_FLOW * np.abs(flows).max():
+        raise NothingToShow(runs[0].result, "one flow speed all the time: nothing is drawn against it")
     leading = max(runs, key=lambda run: run.cycle.amplitude)
     # Of the whole run: at its end the hose may have come to rest again.
     direction = snapped(directions(leading.tip_velocity)[0], ALMOST)
@@ -269,7 +293,6 @@ def ramp(runs: Sequence[Run]) -> Figure:
     place.set_ylabel(label(f"tip {name_of(direction)}", "m"))
     size.set_ylabel(label("amplitude of a swing", "m"))
     size.set_xlabel(label("flow speed", "m/s"))
-    flows = np.concatenate([run.flow for run in runs])
     margin = 0.02 * float(np.ptp(flows)) if np.ptp(flows) > 1e-9 else 0.5
     size.set_xlim(flows.min() - margin, flows.max() + margin)
     widen(place, np.concatenate([run.tip @ direction for run in runs]), 2e-3 * leading.length)

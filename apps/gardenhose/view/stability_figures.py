@@ -49,11 +49,20 @@ MOST_NAMED = 8
 """Static shapes up to which each is named; of more, a bar tells the speed."""
 
 
-def show_in_plane(plot: Axes, plane: Plane, points: np.ndarray, least: float) -> None:
-    """Same scale both ways, round points (n, 3), at least `least` m each way; labels with the axes' names."""
-    equal_scale(plot, *plane(points), least)
-    plot.set_xlabel(label(name_of(plane.across), "m"))
-    plot.set_ylabel(label(name_of(plane.up), "m"))
+def show_in_plane(
+    plot: Axes, plane: Plane, points: np.ndarray, least: float, larger: tuple[float, float] = (1.0, 1.0)
+) -> None:
+    """Same scale both ways, round points (n, 3), at least `least` m each way; labels with the axes' names.
+
+    Where one way is drawn `larger` than the other, its label says how many times.
+    """
+    equal_scale(plot, *plane(points), least, larger)
+    across, up = name_of(plane.across), name_of(plane.up)
+    for name, other, factor, write in (
+        (across, up, larger[0], plot.set_xlabel),
+        (up, across, larger[1], plot.set_ylabel),
+    ):
+        write(label(f"{name}, drawn {factor:.0f} times larger than {other}" if factor > 1.0 else name, "m"))
 
 
 @styled

@@ -31,6 +31,10 @@ def settings_of(
         Error that a step may have, m; 0 leaves steps as they are.
     **more
         Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    SolverSettings
     """
     alpha_m, alpha_f = solver.alphas
     optional = {key: getattr(solver, key) for key in ("max_iterations", "max_halvings") if hasattr(solver, key)}
@@ -72,7 +76,22 @@ def attributes_of(scene: Any, application: str, conventions: str, besides: Any =
 
 
 def energy_variables(strain: str, potential: str, lost: str, work: str) -> list[Variable]:
-    """The variables of energies, (time,) J, with what each holds of an application."""
+    """The variables of energies, (time,) J, with what each holds of an application.
+
+    Parameters
+    ----------
+    strain, potential : str
+        What follows "strain energy" and "potential energy": `` of the rope``, or nothing.
+    lost : str
+        What energy is lost to: ``damping and friction``.
+    work : str
+        Whose work is done from outside: ``of winches and forces``.
+
+    Returns
+    -------
+    list of Variable
+        In the order of the energies of a frame.
+    """
     texts = {
         "kinetic_energy": "kinetic energy",
         "strain_energy": f"strain energy{strain}",
@@ -84,5 +103,16 @@ def energy_variables(strain: str, potential: str, lost: str, work: str) -> list[
 
 
 def energies_of(frames: Any) -> dict[str, np.ndarray]:
-    """Values of these variables from a batch of frames, each (frames,) J."""
+    """Values of the variables of energies from a batch of frames.
+
+    Parameters
+    ----------
+    frames
+        With ``energy`` (frames, 5) J, as `Observer.observe` of an application is given them.
+
+    Returns
+    -------
+    dict of str to (frames,) array
+        By the names of `energy_variables`, J.
+    """
     return {name: frames.energy[:, k].copy() for k, name in enumerate(ENERGIES)}

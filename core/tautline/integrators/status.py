@@ -84,9 +84,7 @@ SENTENCES = {
         "a smaller step, and finer elements where they fold. If a smaller step does not help, a force law of the "
         "scene creates energy"
     ),
-    Status.NO_FORCE: (
-        "a force that was added, or a hook of an extension, has no value: the fault is in its function; correct that"
-    ),
+    Status.NO_FORCE: ("a force that was added, or a hook of an extension, gives nan or infinity: correct its function"),
     Status.NO_BALANCE: (
         "the run went to its end, but its energy has no value: nobody can say whether it balances, and so whether what "
         "the run shows is right. Correct the hook that gives no number"

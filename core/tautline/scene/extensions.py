@@ -19,8 +19,15 @@ def load_extensions() -> dict[str, str]:
         try:
             point.load()
         except (Exception, SystemExit) as error:  # a broken one must not keep the others from being used
-            broken[point.name] = f"{type(error).__name__}: {error}"
+            broken[point.name] = f"{type(error).__name__}: {_words(error)}"
     return broken
+
+
+def _words(error: BaseException) -> str:
+    """What an error says; of one of syntax with the whole path of its file, of which Python tells the last part."""
+    if isinstance(error, SyntaxError) and error.filename is not None:
+        return f"{error.msg} ({error.filename}, line {error.lineno})"
+    return str(error)
 
 
 def problems_of_extensions(file: str) -> list[Problem]:

@@ -504,12 +504,19 @@ def word(*known: str, aliases: dict[str, str] | None = None) -> BeforeValidator:
     return BeforeValidator(lambda value: read_word(value, known, aliases or {}))
 
 
+def fold(text: str) -> str:
+    """A word without what does not matter in it: capitals, and whether its parts stand between blanks or dashes."""
+    return text.lower().replace("_", "-").replace(" ", "-")
+
+
+def _spelt(word: str) -> str:
+    """Regular expression of all spellings of a word that `fold` makes the same."""
+    ways = (f"[{c}{c.upper()}]" if c.isalpha() else "[-_ ]" if c == "-" else re.escape(c) for c in fold(word))
+    return "".join(ways)
+
+
 def read_word(value: Any, known: Sequence[str], aliases: Mapping[str, str]) -> str:
     """The known word that is meant; refuses anything else with the nearest."""
-
-    def fold(text: str) -> str:
-        return text.lower().replace("_", "-").replace(" ", "-")
-
     meant = {fold(w): w for w in known} | {fold(a): w for a, w in aliases.items()}
     if not isinstance(value, str):
         raise refusal("must be a word", f"give one of: {', '.join(known)}")
@@ -537,8 +544,9 @@ class WordOf:
         )
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
-        """The words that there are now."""
-        return handler(schema) | {"enum": list(self.names())}
+        """The words that there are now, and how else they may be written."""
+        spellings = "|".join(_spelt(word) for word in (*self.names(), *self.aliases()))
+        return handler(schema) | {"anyOf": [{"enum": list(self.names())}, {"pattern": f"^({spellings})$"}]}
 
 
 class Branch:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, GetCoreSchemaHandler
+from pydantic import AfterValidator, BeforeValidator, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.model import MARK
@@ -34,8 +34,19 @@ def listed(count: int | None, of: str, example: str) -> BeforeValidator:
 
 
 def three(example: str) -> BeforeValidator:
-    """Annotate a list of three numbers."""
+    """Annotate a list of three numbers; ``example`` stands in the refusal of anything else, a SceneError."""
     return listed(3, "three numbers: x, y and z", example)
+
+
+def not_zero(cure: str) -> AfterValidator:
+    """Annotate three numbers that are a direction: all zeros are refused, a SceneError, with what to do about it."""
+
+    def read(vector: tuple[float, ...]) -> tuple[float, ...]:
+        if not any(vector):
+            raise refusal("has no direction: all three numbers are zero", cure)
+        return vector
+
+    return AfterValidator(read)
 
 
 Position = Annotated[tuple[Annotated[float, quantity("m", of="position")], ...], three("[0, 0, 0]")]

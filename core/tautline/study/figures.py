@@ -184,7 +184,7 @@ def _region(plot: Axes, found: Stability) -> None:
     plot.set_aspect("equal")
     plot.set_xlabel("Re h λ")
     plot.set_ylabel("Im h λ")
-    plot.set_title(f"one step of {method.name} shrinks what lies inside")
+    plot.set_title(f"stability region of {method.name}")
 
 
 def _springs(plot: Axes, springs: Sequence[Stiffness]) -> None:

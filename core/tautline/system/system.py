@@ -34,6 +34,10 @@ class Degrees:
         Values at t = 0, m or rad.
     scale : (n_full,) array
         Force or moment that counts as large in that row, N or N m: the residual is judged against it.
+    motion : dict of int to int
+        Of each held degree of freedom the function of time that its value follows, by its index; -1 of a fixed one.
+    masters : dict of int to list of (int, float)
+        Of each tied one those whose sum it is, with their factors.
     """
 
     names: list[str]

@@ -83,6 +83,7 @@ class Series:
         add("lag", "s", "time of a line behind the newest sample", lambda line: line["lag"])
         document = getattr(twin.scene, "document", None)
         attributes = {
+            "title": f"Twin of {title}" if (title := getattr(twin.scene, "title", "")) else "",
             "scene": document.text if document else "", "version": __version__, "application": "twin",
             "printed_in": getattr(twin.scene, "units", "si"),
         }  # fmt: skip

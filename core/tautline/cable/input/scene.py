@@ -67,8 +67,8 @@ def _scene(document: Document) -> CableScene:
     try:
         written = validate(model, meant)
     except SceneError as error:
-        # An unknown key may be one of an extension that could not be loaded.
-        raise SceneError([*error.problems, *problems_of_extensions(str(document.path))]) from None
+        # An unknown key may be of an extension that could not be loaded: that comes first, for it is the cause then.
+        raise SceneError([*problems_of_extensions(str(document.path)), *error.problems]) from None
     scene = replace(resolve(written, meant, document, warnings), made_by=_scene)
     # A scene whose lengths or couplings contradict each other is refused here, not when it is built.
     check_couplings(scene, material_coordinates(scene))

@@ -87,8 +87,8 @@ def overview(results: Sequence[Result]) -> Figure:
             text = ENERGIES[name] if run == 0 else None
             energy.plot(result.time, values / joule, color=COLOURS[number], label=text, **style)
     force.set_ylabel(label("axial force", force_unit))
-    place.set_ylabel(label(f"node {_name(results[0], 'node', node)}", "m"))
-    energy.set_ylabel(label("energy, change", energy_unit))
+    place.set_ylabel(label(f"position of node {_name(results[0], 'node', node)}", "m"))
+    energy.set_ylabel(label("change of energy", energy_unit))
     for plot in (force, place, energy):
         legend_above(plot)
     return over_time(figure, grid, [result.time for result in results])

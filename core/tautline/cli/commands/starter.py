@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ from tautline.whole_file import whole_file
 
 SCHEMA = frozenset({"$schema", "$defs", "properties"})
 """Keys by one of which a JSON schema is known."""
+DEFINITIONS = "#/$defs/"
+"""Where a JSON schema refers to its definitions."""
 
 
 def _refuse(where: str, cause: str, cure: str) -> SceneError:
@@ -47,9 +50,9 @@ def new(catalogue: Catalogue, template: str | None, output: Path | None, listed:
 
 
 def schema(catalogue: Catalogue, output: Path | None) -> None:
-    """Print the JSON schema of a scene; of several applications, an object of schemas by name."""
+    """Print the JSON schema of a scene; of several applications, one of a scene of any of them."""
     schemas: dict[str, Any] = {application.name: application.schema() for application in catalogue.all()}
-    text = json.dumps(next(iter(schemas.values())) if len(schemas) == 1 else schemas, indent=2) + "\n"
+    text = json.dumps(next(iter(schemas.values())) if len(schemas) == 1 else of_any(schemas), indent=2) + "\n"
     if output is None or str(output) == "-":
         print_text(text)
         return
@@ -59,6 +62,25 @@ def schema(catalogue: Catalogue, output: Path | None) -> None:
         raise _refuse(str(output), "exists and is no schema: it would be lost", "name another with -o")
     write(output, text, force=earlier)
     say(f"wrote {output}", "green")
+
+
+def of_any(schemas: Mapping[str, Any]) -> dict[str, Any]:
+    """One schema of what any of some by name allows; each is a definition, with those of its own below it."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "anyOf": [{"$ref": f"{DEFINITIONS}{name}"} for name in schemas],
+        "$defs": {name: _below(schema, f"{DEFINITIONS}{name}/$defs/") for name, schema in schemas.items()},
+    }
+
+
+def _below(part: Any, place: str) -> Any:
+    """A part of a schema whose definitions stand at another place."""
+    if isinstance(part, dict):
+        return {key: _below(value, place) for key, value in part.items()}
+    if isinstance(part, list):
+        return [_below(value, place) for value in part]
+    refers = isinstance(part, str) and part.startswith(DEFINITIONS)
+    return part.replace(DEFINITIONS, place, 1) if refers else part
 
 
 def _is_schema(path: Path) -> bool:

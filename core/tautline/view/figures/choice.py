@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -86,7 +87,8 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
         )
         raise ResultError(option, f"{result.path or 'the result'} has no variable '{name}'", cure)
     variable, values = result.variables[name], result[name]
-    dims, picked, text = list(variable.dims), [], variable.long_name
+    dims, picked, text = list(variable.dims), list[tuple[str, str]](), variable.long_name
+    taken: dict[str, int] = {}
     every, left = values, list(dims)
     if values.dtype.kind not in "fiub":
         raise ResultError(option, f"'{name}' are names, not numbers", "name a variable with values")
@@ -100,15 +102,18 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
             every = np.take(every, place, axis=left.index(dim))
             left.remove(dim)
         directions = _directions(result, dim, text)
-        picked.append(directions[place] if directions else member if _named(result, dim) else f"{dim} {member}")
-    labels = tuple(tuple(_words(result, dim, values.shape[dims.index(dim)], text)) for dim in own)
+        taken[dim] = place
+        picked.append((dim, directions[place] if directions else member if _named(result, dim) else f"{dim} {member}"))
+    called = {dim: _called(result, dim, taken) for dim in variable.dims}
+    labels = tuple(tuple(called[dim] or _words(result, dim, values.shape[dims.index(dim)], text)) for dim in own)
     for dim in variable.dims:
         text = text.removesuffix(", ".join(_directions(result, dim, text)))
     text = _text(text, name)
     things = all(_named(result, dim) for dim in own if dim not in COMPONENTS)
     size = _size(np.asarray(every, float))
+    said = [called[dim][taken[dim]] if called[dim] else words for dim, words in picked]
     return Chosen(
-        ", ".join([text, *picked]), variable.units, tuple(dims), np.asarray(values, float), labels, things, size
+        ", ".join([text, *said]), variable.units, tuple(dims), np.asarray(values, float), labels, things, size
     )
 
 
@@ -164,6 +169,18 @@ def _words(result: Result, dim: str, size: int, long_name: str) -> list[str]:
     if dim in COMPONENTS or _named(result, dim):
         return _directions(result, dim, long_name) or labels
     return [f"{dim} {label}" for label in labels]
+
+
+def _called(result: Result, dim: str, taken: Mapping[str, int]) -> list[str]:
+    """Names that members of a dimension have where members of others are taken: the ends of a span are its items.
+
+    A result tells them by ``DIM_name``, along those others too; empty where it does not, or others are left.
+    """
+    told = result.variables.get(f"{dim}_name")
+    if told is None or len(told.dims) < 2 or any(other not in taken for other in told.dims if other != dim):
+        return []
+    names = np.moveaxis(np.asarray(result[f"{dim}_name"]), told.dims.index(dim), -1)
+    return [str(name) for name in names[tuple(taken[other] for other in told.dims if other != dim)]]
 
 
 def _directions(result: Result, dim: str, long_name: str) -> list[str]:

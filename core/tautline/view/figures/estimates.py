@@ -42,8 +42,10 @@ def _known(values: np.ndarray) -> np.ndarray:
     return values[np.isfinite(values)]
 
 
-def _one_each(result: Result, beginning: str, draw: Callable[..., str], nothing: NothingToShow) -> Figure:
-    """A panel for each variable with a beginning; ``draw`` puts it in and returns its unit.
+def _one_each(
+    result: Result, beginning: str, draw: Callable[..., str], nothing: NothingToShow, words: str = ""
+) -> Figure:
+    """A panel for each variable with a beginning; ``draw`` puts it in and returns its unit, `words` stand before names.
 
     Raises
     ------
@@ -58,7 +60,7 @@ def _one_each(result: Result, beginning: str, draw: Callable[..., str], nothing:
     figure, plots = axes(rows, 1, 8.0, 4.4 if rows == 1 else 2.2 * rows + 0.6, title([result]), sharex=True)
     for plot, name in zip(plots[:, 0], names, strict=True):
         unit = draw(plot, result, name, time)
-        plot.set_ylabel(label(name, unit or "–", LETTERS))
+        plot.set_ylabel(label(f"{words}{name}", unit or "–", LETTERS))
     return _finished(figure, plots, time, along)
 
 
@@ -85,7 +87,7 @@ def residuals(results: Sequence[Result]) -> Figure:
     """What sensors show less what the scene expects, against time."""
     (result,) = results
     cure = "give a sensor of the map an `output`"
-    return _one_each(result, RESIDUAL, _draw_residual, NothingToShow(result, "no residual", cure))
+    return _one_each(result, RESIDUAL, _draw_residual, NothingToShow(result, "no residual", cure), "residual of ")
 
 
 def _draw_residual(plot: Axes, result: Result, name: str, time: np.ndarray) -> str:

@@ -214,11 +214,19 @@ def scale_in(system: str, values: Sequence[np.ndarray], unit: str) -> tuple[floa
 
 
 def label(text: str, unit: str, letters: int = 0) -> str:
-    """Axis label: ``hook load [MN]``; in lines of at most so many letters, if that is said."""
+    """Axis label: ``hook load [MN]``; in lines of so many letters at most, if that is said, ending at commas first."""
     whole = f"{text} [{unit}]" if unit else text
+    if not letters:
+        return whole
     # A unit such as [N m] or [kft-lbf] is one word.
-    words = whole.replace(f"[{unit}]", f"[{unit}]".replace(" ", "\0"))
-    lines = textwrap.wrap(words, letters, break_on_hyphens=False) if letters else [whole]
+    first, *others = whole.replace(f"[{unit}]", f"[{unit}]".replace(" ", "\0")).split(", ")
+    lines = textwrap.wrap(first, letters, break_on_hyphens=False)
+    for part in others:
+        if lines and len(lines[-1]) + len(part) + 2 <= letters:
+            lines[-1] += f", {part}"
+        else:
+            begun, lines = f"{lines.pop()}," if lines else "", lines
+            lines += [*filter(None, [begun]), *textwrap.wrap(part, letters, break_on_hyphens=False)]
     return "\n".join(lines).replace("\0", " ")
 
 
@@ -341,14 +349,17 @@ def height_over_width(x: np.ndarray, y: np.ndarray, least: float) -> float:
     return high / wide
 
 
-def equal_scale(plot: Axes, x: np.ndarray, y: np.ndarray, least: float) -> None:
-    """Show points at the same scale both ways, at least `least` each way, in their unit."""
-    plot.set_aspect("equal", adjustable="box")
-    for values, limit in zip((x, y), (plot.set_xlim, plot.set_ylim), strict=True):
-        middle, size = 0.5 * (values.min() + values.max()), max(float(np.ptp(values)), least)
+def equal_scale(
+    plot: Axes, x: np.ndarray, y: np.ndarray, least: float, larger: tuple[float, float] = (1.0, 1.0)
+) -> None:
+    """Show points at the same scale both ways, at least `least` each way, in their unit; or one way so often larger."""
+    plot.set_aspect(larger[1] / larger[0], adjustable="box")
+    for values, limit, factor in zip((x, y), (plot.set_xlim, plot.set_ylim), larger, strict=True):
+        middle, size = 0.5 * (values.min() + values.max()), max(float(np.ptp(values)), least / factor)
         limit(middle - 0.55 * size, middle + 0.55 * size)
     (left, right), (bottom, top) = plot.get_xlim(), plot.get_ylim()
-    plot.locator_params(axis="x", nbins=int(np.clip(6.0 * (right - left) / (top - bottom), 2, 6)))
+    shown = larger[0] * (right - left) / (larger[1] * (top - bottom))
+    plot.locator_params(axis="x", nbins=int(np.clip(6.0 * shown, 2, 6)))
 
 
 def thin_logarithms(figure: Figure) -> None:

@@ -97,6 +97,9 @@ class NodalItem:
         (row, offset, name) each; row is a list of (place, factor), and the sum of factor times q plus offset is zero.
     warnings : callable
         ``warnings(scene, part)``: (key path, text) of what is odd about an item.
+
+    A number that a scene may not have is refused by the model, by annotations such as `quantity` and `not_zero`: a
+    SceneError with line, key and cure.
     """
 
     key: str
