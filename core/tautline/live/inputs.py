@@ -1,18 +1,25 @@
 """Inputs: functions of time that are written while a simulation goes on.
 
 What is given is reached at the end of the next advance. The way there is a polynomial with the value, the rate and the
-second rate that the function has now, so that nothing jumps. The rate at its end is that given beside the value; else
-it is the harmonic mean of the slopes of this advance and of the last, and zero where these differ in sign (F. N.
-Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): a value that is given in every advance is followed
-smoothly, and one that is given once is come to rest at. A value that is not given again counts as given again: the
-slope of an advance in which nothing moves is zero. A way of which an advance was left in the middle, on Ctrl-C, is
-gone on with; by an advance that goes beyond its end what was given is come to rest at, at the end of that.
+second rate that the function has now, so that nothing jumps. The rates at its end are those given beside the value.
+Else they are chosen by what was given before:
+
+- Where values go on smoothly, rates are those of the cubic through the last four values. They go on smoothly where the
+  last two second differences are nearly alike, or the last two third differences: near a turning point of the motion
+  the former are, near an inflection the latter. Jumps, stops and noise are neither.
+- Else the rate is the harmonic mean of the slopes of this advance and of the last, and zero where these differ in sign
+  (F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984), and the second rate is zero: a value that is given
+  once is come to rest at, and a jump is not overshot.
+
+A value that is not given again counts as given again: the slope of an advance in which nothing moves is zero, and what
+was before it is forgotten. A way of which an advance was left in the middle, on Ctrl-C, is gone on with; by an advance
+that goes beyond its end what was given is come to rest at, at the end of that.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import inf, isfinite
+from math import inf, isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -22,9 +29,11 @@ from tautline.live.errors import SimulationError, Unpickled, real, unknown
 from tautline.live.turn import Turn
 from tautline.system.handles import Input
 
-TARGET, RATE, SECOND, SLOPE, STATE = range(5)
+TARGET, RATE, SECOND, SLOPE, STATE, LENGTH, BEFORE, BEND, TWIST = range(9)
 """Columns of the memory of an input: value, rate and second rate to be reached (NaN: to be chosen), slope of the last
-advance (NaN: none was given yet), and one of the following."""
+advance (NaN: none was given yet), one of the following, lengths of the last advance and of that before it, s, and the
+second and the third divided difference of the values that were given last (NaN: too few since it was at rest)."""
+PAST = slice(LENGTH, TWIST + 1)
 AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
 """As the scene has it; at its value, at rest; at its value, moving; given anew, to be reached in the next advance."""
 PIECES = 3
@@ -32,7 +41,17 @@ POWERS = np.arange(DEGREES)
 SECOND_POWERS = POWERS[2:] * POWERS[1:-1]
 """Powers of a way's terms, and the factors of their second derivatives."""
 ROUNDING = 1e-14
-"""Share of a time within which an advance ends where a way does."""
+"""Share of a time within which an advance ends where a way does, and of a value within which it is given again."""
+NOT_SMOOTH = 0.0, 0.0, 0.0
+"""Where a cubic through the last values has no share in the rates."""
+HELD = 1e-9
+"""A move that is this share of the last is rounding: a way ends at what was given but for that."""
+ALIKE, UNLIKE = 2.0 / 3.0, 1.0 / 3.0
+"""Ratios of two differences, the smaller to the greater: from the first on values go on smoothly, up to the second not.
+
+Of a sine all values go on smoothly down to sixteen a period, some down to seven; of noise three in four differences
+differ in sign from the last.
+"""
 
 
 class Inputs(Unpickled, Mapping[str, Any]):
@@ -54,8 +73,8 @@ class Inputs(Unpickled, Mapping[str, Any]):
         self._numbers = {name: k for k, name in enumerate(inputs)}
         self._list = list(inputs.values())
         self._rivals = _rivals_of(self._list)
-        self.memory = np.zeros((len(inputs), 5))
-        self.memory[:, SLOPE] = np.nan
+        self.memory = np.zeros((len(inputs), 9))
+        self.memory[:, SLOPE] = self.memory[:, PAST] = np.nan
         self._active: set[int] = set()
 
     def __iter__(self) -> Iterator[str]:
@@ -128,7 +147,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
         row = self.memory[k]
         row[TARGET] = given[0]
         row[RATE] = given[1] if len(given) > 1 else np.nan
-        row[SECOND] = given[2] if len(given) > 2 else 0.0
+        row[SECOND] = given[2] if len(given) > 2 else np.nan
         row[STATE] = GIVEN
         self._active.add(k)
 
@@ -153,7 +172,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
                 raise SimulationError(cause, cure if self._list[place].steering.order == 0 else "give one of them")
         for other in self._rivals[k]:
             # It would come to rest where it was to go. What it knows of its last advance is old when it is next given.
-            self.memory[other, SLOPE] = np.nan
+            self.memory[other, SLOPE] = self.memory[other, PAST] = np.nan
             if self.memory[other, STATE] != AS_WRITTEN:
                 self.memory[other, STATE] = AT_REST
             self._active.discard(other)
@@ -301,6 +320,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
 
         The next value would else be taken for one that goes on from the way of before the rest.
         """
+        row[PAST] = np.nan
         if begin >= self._way_end(k) * (1.0 - ROUNDING):
             row[SLOPE] = 0.0
             self._active.discard(k)
@@ -318,11 +338,15 @@ class Inputs(Unpickled, Mapping[str, Any]):
         h, members = end - begin, self._list[k].members
         steering, function = members[0]
         now = self._now(function)
-        target, rate, second, last, _ = row.tolist()  # plain floats take a third of the time of an array's
-        slope = (target - now[steering.order] / steering.factor) / h
-        if not isfinite(rate):
-            # What the scene itself has moved goes on from its rate.
-            rate = _between(last if isfinite(last) else now[steering.order + 1] / steering.factor, slope)
+        target, rate, second, last, _, *past = row.tolist()  # plain floats take a third of the time of an array's
+        if begin < self._way_end(k) * (1.0 - ROUNDING):
+            past = [nan] * 4  # the last advance did not come to the value that was given for it
+        moved = target - now[steering.order] / steering.factor
+        slope = 0.0 if abs(moved) <= ROUNDING * abs(target) or abs(moved) <= HELD * abs(last) * h else moved / h
+        # What the scene itself has moved goes on from its rate.
+        before = last if isfinite(last) else now[steering.order + 1] / steering.factor
+        smooth, past = _gone_on(h, slope, last, past)
+        rate, second = _chosen(rate, second, _between(before, slope), smooth)
         at_end = target, rate, second
         for i, (steering, function) in enumerate(members):
             f = self._now(function) if i else now
@@ -330,7 +354,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
             # A rate that is integrated has one order less to be smooth in.
             way = _quintic(h, f, g) if steering.order == 0 else _integrated_cubic(h, f, g)
             self._lay(function, begin, end, way)
-        row[SLOPE] = slope
+        row[SLOPE], row[PAST] = slope, past
         moving = rate != 0.0 or second != 0.0
         row[STATE] = MOVING if moving else AT_REST
         if not moving and slope == 0.0:
@@ -382,6 +406,57 @@ def _rivals_of(inputs: Sequence[Input]) -> list[list[int]]:
 def _between(before: float, after: float) -> float:
     """Slope at a value between two slopes: their harmonic mean, zero where they differ in sign."""
     return 2.0 * before * after / (before + after) if before * after > 0.0 else 0.0
+
+
+def _chosen(rate: float, second: float, between: float, smooth: tuple[float, float, float]) -> tuple[float, float]:
+    """Rates at the end of a way, of which those that are NaN were not given."""
+    share, smooth_rate, smooth_second = smooth
+    if not isfinite(second):
+        second = share * smooth_second
+    return rate if isfinite(rate) else between + share * (smooth_rate - between), second
+
+
+def _gone_on(
+    h: float, slope: float, last: float, past: Sequence[float]
+) -> tuple[tuple[float, float, float], list[float]]:
+    """How values go on, and the memory of them after an advance of h seconds.
+
+    Parameters
+    ----------
+    h, slope : float
+        Of this advance.
+    last : float
+        Slope of the last.
+    past : (4,)
+        What is remembered: `LENGTH`, `BEFORE`, `BEND`, `TWIST`.
+
+    Returns
+    -------
+    smooth : (3,)
+        Share, from 0 to 1, that a cubic through the last four values has in the rates at the end; and its rates there.
+    past : (4,)
+    """
+    if slope == 0.0:
+        return NOT_SMOOTH, [nan] * 4
+    length, before, bend, twist = past
+    two = h + length
+    new_bend = (slope - last) / two
+    new_twist = (new_bend - bend) / (two + before)
+    now = [h, length, new_bend, new_twist]
+    share = max(_alike(bend, new_bend), _alike(twist, new_twist)) if isfinite(twist) else 0.0
+    if share == 0.0:
+        return NOT_SMOOTH, now
+    # Newton's form with the knots 0, -h, -two at its end.
+    rate = slope + h * (new_bend + two * new_twist)
+    return (share, rate, 2.0 * (new_bend + (h + two) * new_twist)), now
+
+
+def _alike(a: float, b: float) -> float:
+    """How far two differences are alike, from 0 to 1."""
+    if not a * b > 0.0:
+        return 0.0
+    a, b = abs(a), abs(b)
+    return min(max((min(a, b) / max(a, b) - UNLIKE) / (ALIKE - UNLIKE), 0.0), 1.0)
 
 
 def _quintic(h: float, f: Sequence[float], g: Sequence[float]) -> np.ndarray:
