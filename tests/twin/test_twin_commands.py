@@ -217,11 +217,11 @@ def test_an_interruption_within_a_step_ends_a_twin_as_one_between_rows(rehearsal
     ("changes", "said"),
     [
         ({"input: winch.pay_out": "input: winch.payout"}, "there is no input 'winch.payout'; did you mean"),
-        ({"unit: kN": "unit: kg"}, "its unit is [kN], and the map says kg: 'kN' is a unit of another quantity"),
+        ({"unit: kN": "unit: kg"}, "sensors[2].unit = kg: 'kg' is not a unit of this quantity; its unit is N"),
         ({"start: 9 t": "start: 90 t"}, "is outside its range"),
         ({"keep:": "kept:"}, "unknown key; did you mean 'keep'?"),
         ({"above: 60 kN": "above: 60 m"}, "'m' is not the unit of a force"),
-        ({"column: heave": "column: heav"}, "there is no column 'heav'"),
+        ({"column: heave": "column: heav"}, "map.yaml:4: sensors[1].column = heav: "),
     ],
 )
 def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, here, tmp_path, changes, said):
