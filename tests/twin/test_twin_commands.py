@@ -480,3 +480,13 @@ def test_ctrl_c_within_a_step_of_a_record_keeps_its_whole_rows_and_ends_as_inter
     code, _, told = here("record", SCENE, "--map", rehearsal / "map.yaml", "-o", where, "--end", "4 s")
     assert code == 130 and "10 rows, what there was until then" in " ".join(told.split())
     assert len(where.read_text().splitlines()) == 11
+
+
+def test_a_watched_residual_whose_sensor_is_misspelt_is_no_second_fault(rehearsal, here, tmp_path):
+    text = MAP.replace("output: winch.tension", "output: winch.tensoin", 1)
+    text = text.replace("watch:\n", "watch:\n  - {residual: winch.tension, above: 4 sd}\n")
+    assert "residual: winch.tension" in text and "winch.tensoin" in text
+    (tmp_path / "map.yaml").write_text(text)
+    code, _, told = here("twin", SCENE, "--map", tmp_path / "map.yaml", "--source", rehearsal / "r.csv")
+    (line,) = [one for one in told.splitlines() if "map.yaml" in one]
+    assert code == 2 and "sensors[" in line and "did you mean 'winch.tension'?" in line
