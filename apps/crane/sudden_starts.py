@@ -17,6 +17,7 @@ from crane.sea.compensation import Compensation
 from crane.sea.frames import MOTIONS
 from tautline.kernels.time_function import sample
 from tautline.scene.functions import Chirp, Harmonic, Ramp, Spectrum, Sum, Table
+from tautline.scene.values.printed import quantity
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 TOLD = 1e-3
@@ -64,12 +65,12 @@ def _adds(found: Estimate, jumps: Jumps, least: float) -> Iterator[str]:
     """What that does to the tension and to the load."""
     fronts = jumps.front > FELT * max(jumps.rise, jumps.drop, jumps.swing, least)
     if fronts:
-        along = f"v = {jumps.pulled:.3g} m/s along the rope"
-        yield f"This sends a front of {jumps.front:.3g} N along the rope: v sqrt(EA rho) with {along}"
+        along = f"EA axial_stiffness, m mass_per_length, v = {jumps.pulled:.3g} m/s along the rope"
+        yield f"This starts a tension wave of {_force(jumps.front)}: v sqrt(EA m), with {along}"
     if jumps.swing > least:
-        yield f"The load then bounces on the rope, with {jumps.swing:.3g} N more and less"
-    more = f"up to {jumps.rise:.3g} N more" if jumps.rise > FELT * jumps.drop else ""
-    less = f"up to {jumps.drop:.3g} N less" if jumps.drop > FELT * jumps.rise else ""
+        yield f"The load then bounces on the rope, with {_force(jumps.swing)} more and less"
+    more = f"up to {_force(jumps.rise)} more" if jumps.rise > FELT * jumps.drop else ""
+    less = f"up to {_force(jumps.drop)} less" if jumps.drop > FELT * jumps.rise else ""
     if max(jumps.rise, jumps.drop) > least:
         both = " and ".join(filter(None, (more, less)))
         yield f"In the first bounce the tension is {both} than in the same motion without a sudden start"
@@ -79,6 +80,10 @@ def _adds(found: Estimate, jumps: Jumps, least: float) -> Iterator[str]:
         yield "The rope may then go slack. The tension is higher than told here where it becomes taut with a snap"
     if jumps.sway >= SWINGS:
         yield f"The load begins to swing sideways, by up to {math.degrees(jumps.sway):.2g} deg"
+
+
+def _force(newtons: float) -> str:
+    return quantity(newtons, "N", 3)
 
 
 def _drags(scene: CraneScene) -> bool:
@@ -99,7 +104,7 @@ def _cures(scene: CraneScene, hangs: bool, drums: list[tuple[Drum, float]], soon
 def growth(scene: CraneScene, otherwise: str = "") -> str:
     """How the motion of vessel and frames can be made to grow from rest: `ramp` is not a key of every function."""
     cures = {
-        BY_RAMP: "Use `ramp`",
+        BY_RAMP: "Use `ramp`: write ramp: 10 s beside the other keys of the motion",
         BY_TABLE: "Let the table begin with rest, and its values grow over some periods of the bounce",
         BY_CHIRP: "A chirp begins at once. Give a table of it that begins with rest and grows",
         BY_TIME: "Let the ramp begin at t = 0 or later",

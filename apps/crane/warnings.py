@@ -38,13 +38,15 @@ from tautline.scene.errors import SceneWarning
 from tautline.scene.functions import Ramp, Spectrum, Sum, Table
 from tautline.scene.solver import step_taken
 from tautline.scene.unit_slips import meant, units_that_fit
-from tautline.scene.values.printed import as_typed, shown
+from tautline.scene.values.printed import as_typed, in_percent, quantity, shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 LEAST_SAFETY = 3.0
 """Breaking load over tension at rest: a rule of thumb of offshore lifting."""
+LITTLE = 0.001
+"""Of these below which it is told no closer."""
 STEPS_PER_PERIOD = 10.0
 FRAMES_PER_PERIOD = 4.0
 OF_A_WAVE = "the time of a wave of tension along an element"
@@ -314,10 +316,11 @@ def _safety(found: Estimate) -> Sentences:
     breaking, tension = found.scene.rope.breaking_load, found.largest_tension
     if breaking is None or tension <= 0.0 or breaking >= LEAST_SAFETY * tension:
         return
+    times = f"{breaking / tension:.2g}" if breaking >= LITTLE * tension else f"less than {LITTLE:g}"
     text = (
-        f"{breaking:.3g} N is {breaking / tension:.2g} times the tension at rest, about {tension:.3g} N. By a rule of "
-        f"thumb of offshore lifting it should be {LEAST_SAFETY:g} times. Codes ask for their own factor. Take a "
-        "stronger rope, more falls or less load"
+        f"{quantity(breaking, 'N', 3)} is {times} times the tension at rest, about {quantity(tension, 'N', 3)}. By a "
+        f"rule of thumb of offshore lifting it should be {LEAST_SAFETY:g} times. Codes ask for their own factor. "
+        "Take a stronger rope, more falls or less load"
     )
     yield "rope.breaking_load", text
 
@@ -327,10 +330,9 @@ def _strain(found: Estimate) -> Sentences:
     tension, stiffness, bound = found.largest_tension, found.scene.rope.axial_stiffness, strain_bound(found.scene)
     if tension > bound * stiffness:
         text = (
-            f"the tension at rest, about {tension:.3g} N, is {100.0 * tension / stiffness:.3g} % of EA = "
-            f"{stiffness:.3g} N, and the strain is about that. The limit of a run is "
-            f"{100.0 * bound:g} %: hardly any such rope bears more. See whether axial_stiffness and the load are what "
-            "was meant"
+            f"the tension at rest, about {quantity(tension, 'N', 3)}, is {in_percent(tension / stiffness, 3)} of EA = "
+            f"{quantity(stiffness, 'N', 3)}, and the strain is about that. The limit of a run is {100.0 * bound:g} %: "
+            "hoisting ropes break before that. See whether axial_stiffness and the load are what was meant"
         )
         yield "rope.axial_stiffness", text
 

@@ -501,6 +501,7 @@ class Run:
             "start": self.began.attribute,
             "method": solver.method,
             "step": taken if solver.automatic else self.step,
+            **({"longest_step": self.step} if solver.automatic and solver.step_error > 0.0 else {}),
             "end": float(solver.end),
             "wall_time": self.wall,
             "cpu_time": self.cpu,

@@ -74,4 +74,4 @@ def test_warnings_of_a_crane_are_in_the_units_of_its_scene(summary, tmp_path):
         (found,) = [one.text for one in crane.warnings(crane.read(scene)) if one.where == "rope.breaking_load"]
         return found
 
-    assert " N is " in said("si") and " kip is " in said("field") and " kN is " in said("metric")
+    assert " kN is " in said("si") and " kip is " in said("field") and " kN is " in said("metric")

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, one_fall
+from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, forces_in, one_fall
 from of_the_suite import studies
 
 import tautline
@@ -43,12 +43,12 @@ def told(of):
 
 
 def told_of(of, pattern):
-    return [float(x) for x in re.findall(pattern, told(of))]
+    return forces_in(told(of), pattern)
 
 
 def more_and_less(of):
     """What the first bounce has more and less than the same motion without a sudden start, N."""
-    (more,), (less,) = told_of(of, r"up to ([\d.e+]+) N more"), told_of(of, r"up to ([\d.e+]+) N less")
+    (more,), (less,) = told_of(of, "up to FORCE more"), told_of(of, "up to FORCE less")
     return more, less
 
 
@@ -111,7 +111,7 @@ def test_a_run_rises_as_is_told_of_a_winch_that_jumps(mass, height, elements, en
 
 def test_a_bounce_smaller_than_the_front_is_told_too():
     of = hung("1 t", -970.0, -0.4, 1.6, elements=30, damping=1e-4)
-    (bounce,), (front,) = told_of(of, r"with ([\d.e+]+) N more and less"), told_of(of, r"front of ([\d.e+]+) N")
+    (bounce,), (front,) = told_of(of, "with FORCE more and less"), told_of(of, "wave of FORCE")
     assert 0.01 * estimate(of).largest_tension < bounce < front
     _, tension = tensions(of)
     rise = (tension - tension[0]).max()
@@ -149,15 +149,15 @@ def test_a_bounce_from_a_sea_of_some_waves_is_that_of_their_closed_sum():
         stretch -= forced * math.sin(phase)
         speed += a * w * math.cos(phase) - forced * w * math.cos(phase)
     closed = stiffness * math.hypot(stretch, speed / natural)
-    (bounce,) = told_of(of, r"with ([\d.e+]+) N more and less")
+    (bounce,) = told_of(of, "with FORCE more and less")
     assert bounce == pytest.approx(closed, rel=0.02)
 
 
 def test_a_tip_that_moves_across_its_rope_sends_no_front_and_lets_the_load_swing():
     speed = 0.5
     of = hung("50 t", end=2.6, motion={"sway": {"harmonic": {"amplitude": 50.0, "period": 100.0 * 2.0 * math.pi}}})
-    assert "front" not in told(of)
-    (angle,) = told_of(of, r"swing sideways, by up to ([\d.]+) deg")
+    assert "tension wave" not in told(of)
+    (angle,) = map(float, re.findall(r"swing sideways, by up to ([\d.]+) deg", told(of)))
     assert math.radians(angle) == pytest.approx(speed / math.sqrt(9.81 * 25.0), rel=0.05)
     result = tautline.simulate(of)
     lag = speed * np.array(result["time"]) - np.array(result["body_position"])[:, 0, 1]

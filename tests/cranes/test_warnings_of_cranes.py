@@ -7,7 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from figures.synthetic_crane import HOOK, LOAD, ROPE, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
+from figures.synthetic_crane import (
+    HOOK,
+    LOAD,
+    ROPE,
+    TIP,
+    WINCH,
+    elevator,
+    falls,
+    fixed_rope,
+    forces_in,
+    one_fall,
+    scene,
+)
 from of_the_suite import studies
 from references.cables import catenary
 
@@ -242,7 +254,7 @@ def test_what_is_said_to_be_written_of_a_sheave_that_is_locked_is_taken():
 def test_a_winch_that_begins_with_a_jump_is_told_the_front_it_sends():
     sudden = one_fall(path=[winch(pay_out=-1.0), TIP, HOOK])
     wave = math.sqrt(8.0e7 * 6.5)
-    assert f"a front of {wave:.3g} N" in only(sudden, "path[0].drum.pay_out")
+    assert f"a tension wave of {1e-3 * wave:.3g} kN" in only(sudden, "path[0].drum.pay_out")
     table = {"table": {"time": [0, 1, 9, 10], "value": [0, -1, -1, 0]}}
     assert told(one_fall(path=[winch(pay_out=table), TIP, HOOK]), "path[0].drum.pay_out") == []
     drum = {key: value for key, value in WINCH["drum"].items() if key != "pay_out"} | {"speed": 2.0}
@@ -274,10 +286,10 @@ def test_a_jump_is_told_the_tension_of_the_loads_bounce_that_it_causes(count, ju
     of = swung(count, jump)
     closed = 0.2 * math.sqrt(8.0e7 / estimate(of).path.length * 50_000.0) / count
     text = only(of, "vessel.motion" if jump == "tip" else "path[0].drum.pay_out")
-    (said,) = (float(x) for x in re.findall(r"(?:causes up to|with) ([\d.e+]+) N", text))
+    (said,) = forces_in(text, "with FORCE")
     assert said == pytest.approx(closed, rel=0.02)
     assert "ignore" not in text
-    (rise,) = (float(x) for x in re.findall(r"the tension is up to ([\d.e+]+) N more", text))
+    (rise,) = forces_in(text, "the tension is up to FORCE more")
     tension = np.array(tautline.simulate(of)["tension"])
     assert (tension - tension[0]).max() == pytest.approx(rise, rel=0.03)
 
@@ -300,10 +312,10 @@ def rise_of(of):
 
 def jumping(of):
     """Front and bounce, N, that the one warning of all jumps tells; no bounce is None."""
-    (text,) = (warning.text for warning in warnings(of) if "a front of" in warning.text)
-    (front,) = re.findall(r"a front of ([\d.e+]+) N", text)
-    bounce = re.findall(r"with ([\d.e+]+) N more and less", text)
-    return float(front), float(bounce[0]) if bounce else None
+    (text,) = (warning.text for warning in warnings(of) if "a tension wave of" in warning.text)
+    (front,) = forces_in(text, "a tension wave of FORCE")
+    bounce = forces_in(text, "with FORCE more and less")
+    return front, bounce[0] if bounce else None
 
 
 def heaving(compensation=None, pay_out=0.0, **phase):
@@ -379,14 +391,14 @@ def test_a_compensator_that_starts_late_is_told_with_the_bounce_of_both_starts(g
 
 def test_a_late_compensator_of_a_heave_that_rests_at_its_crest_is_told_no_jump():
     crest = heaving({"gain": 0.95, "delay": 0.2}, phase="90 deg")
-    assert not any("a front of" in warning.text for warning in warnings(crest))
+    assert not any("a tension wave of" in warning.text for warning in warnings(crest))
     grows = heaving({"gain": 0.95, "limits": {"stroke": 0.05}}, pay_out=0.4, ramp=1)
     assert "catch up" not in only(grows, "path[0].drum.pay_out")
 
 
 def test_a_jump_of_a_crane_that_starts_as_drawn_is_told_without_the_heave():
     still = heaving({"gain": 1.0}).model_copy(update={"start": "as drawn"})
-    assert not any("a front of" in warning.text for warning in warnings(still))
+    assert not any("a tension wave of" in warning.text for warning in warnings(still))
 
 
 def test_a_drum_that_runs_out_and_a_load_hoisted_too_high_are_told_with_the_time():
@@ -411,7 +423,7 @@ def test_two_drums_that_hoist_one_block_too_high_are_told_together():
 def test_a_load_that_no_rope_of_that_stiffness_bears_is_told_with_its_strain():
     """5000 t weigh 49.05 MN, and the rope down to the load 1.6 kN."""
     text = only(one_fall(rope={"breaking_load": None}, bodies=[LOAD | {"mass": "5000 t"}]), "rope.axial_stiffness")
-    assert "4.91e+07 N, is 61.3 % of EA = 8e+07 N" in text
+    assert "49.1 MN, is 61.3 % of EA = 80 MN" in text
     assert told(one_fall(rope={"breaking_load": None}), "rope.axial_stiffness") == []
 
 

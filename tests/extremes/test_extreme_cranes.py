@@ -28,6 +28,7 @@ from physics.lifting.crane_scenes import (
 )
 from references import cables
 
+import tautline
 from crane.application import Crane
 from crane.warnings import warnings
 from tautline.cli.run import ExitCode, run
@@ -442,6 +443,26 @@ def test_a_payload_that_goes_over_its_boom_tip_takes_the_rope_off_it(load):
     stop = stopped(hoist(drive=AT_REST, load=load, solver={"end": 6.0}), Status.OFF_WHEEL)
     assert "boom tip" in stop.part and "sheave" in stop.sentence
     assert stop.result["body_position"][-1, 0, 0] < 0.0
+
+
+def test_a_rope_that_leaves_the_sheave_of_a_block_is_told_by_the_sheave_and_not_by_an_unknown_of_the_block():
+    """It was "block: x" for a block that is pulled along y; and of every sheave that a block has."""
+    text = """
+rope: {mass_per_length: 6.5, axial_stiffness: 80 MN, damping: 1 ms, diameter: 36 mm}
+bodies: [{name: block, mass: 3000, position: [12.75, 0, 5], force: [0, {ramp: {to: 60 kN, over: 8}}, 0]}]
+path:
+  - drum: {name: winch, center: [0, 0, 0], radius: 0.5, axis: [0, 1, 0], wrap: over,
+           pay_out: {ramp: {to: -2.5, over: 2}}}
+  - sheave: {name: tip, center: [12, 0, 30], radius: 0.4, axis: [0, 1, 0], wrap: over}
+  - sheave: {name: lower, body: block, radius: 0.35, axis: [0, 1, 0], wrap: under}
+  - anchor: {name: dead, position: [13.1, 0, 30]}
+mesh: {elements_per_span: 2}
+solver: {step: 5 ms, end: 20}
+output: {interval: 0.5 s}
+"""
+    with pytest.raises(StoppedEarly) as stop:
+        tautline.simulate(text)
+    assert (stop.value.status, stop.value.part) == (Status.OFF_WHEEL, "lower")
 
 
 def into_the_sheave(speed, step):

@@ -1,5 +1,7 @@
 """Made-up runs of cranes, for trying figures and summaries: the geometry is that of a taut rope, the forces are not."""
 
+import re
+
 import numpy as np
 import yaml
 
@@ -177,3 +179,9 @@ def _drums(of, node, made, time):
         made["pay_out_speed"][:, j] = np.gradient(made["paid_out"][:, j], time) if len(time) > 1 else 0.0
         made["drum_rotation"][:, j] = made["paid_out"][:, j] / of.path[i].radius
         made["winch_power"][:, j] = -made["drum_tension"][:, j] * made["pay_out_speed"][:, j]
+
+
+def forces_in(text, pattern):
+    """Forces, N, that a message tells: ``FORCE`` in a pattern stands for one, such as 10.9 kN."""
+    found = re.findall(pattern.replace("FORCE", r"([\d.e+]+ [kMG]?N)"), text)
+    return [float(number) * {"N": 1.0, "kN": 1e3, "MN": 1e6, "GN": 1e9}[unit] for number, unit in map(str.split, found)]

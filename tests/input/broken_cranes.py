@@ -100,7 +100,14 @@ BODIES = {
         "spring.stiffness[2] = -1",
         "negative",
     ),
-    "a guide along no axis": ("hoist", PAYLOAD, f"{PAYLOAD}, guide: [w]", 12, "bodies[0].guide[0] = w", "x, y, z"),
+    "a guide along no axis": (
+        "hoist",
+        PAYLOAD,
+        f"{PAYLOAD}, guide: [w]",
+        12,
+        "bodies[0].guide[0] = w",
+        "must be x, y or z",
+    ),
     "a guide that is no list": ("hoist", PAYLOAD, f"{PAYLOAD}, guide: x", 12, "bodies[0].guide = x", "be a list"),
     "a guide twice the same": ("hoist", PAYLOAD, f"{PAYLOAD}, guide: [x, x]", 12, "bodies[0].guide", "holds x twice"),
     "a speed along a guide": (
@@ -562,10 +569,9 @@ SURROUNDINGS = {
 WHOLE = {
     "an unknown part": ("hoist", "bodies:", "bodys:", 11, "bodys", "did you mean 'bodies'"),
     "gravity upwards as a number": ("hoist", "[0, 0, -9.81]", "-9.81", 24, "gravity = -9.81", "must not be negative"),
-    "an unknown start": ("hoist", "start: static", "start: drown", 25, "start = drown", "static, as drawn"),
+    "an unknown start": ("hoist", "start: static", "start: drown", 25, "start = drown", "static or as drawn"),
     "a rest without gravity": ("hoist", "[0, 0, -9.81]", "0", 25, "start = static", "start: as drawn"),
     "no solver": ("hoist", re.search(r"solver:.*\n", TEXTS["hoist"])[0], "", 1, "solver", "add `solver:`"),
-    "a control of nothing": ("hoist", "step: 5 ms", "step: 5 ms, control: error", 26, "solver.step_error", "1.0e-5"),
     "frames between steps": ("hoist", "interval: 50 ms", "interval: 1 ms", 27, "output.interval = 1 ms", "solver.step"),
     "a duplicate key": ("hoist", "start: static", "start: static\nstart: static", 26, "start", "duplicate"),
 }

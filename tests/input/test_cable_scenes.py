@@ -344,7 +344,13 @@ EDITS = {
     ),
     "alpha_f alone": ("rho_inf: 0.6 ", "alpha_f: 0.1 ", 28, "GeneralizedAlpha.alpha_m", "add `alpha_m:`"),
     "rho_inf over one": ("rho_inf: 0.6 ", "rho_inf: 1.6 ", 30, "rho_inf = 1.6", "not be more than 1"),
-    "an unknown start": (END, END + "\n  start: statical", 38, "start = statical", "known: static, relaxed, as given"),
+    "an unknown start": (
+        END,
+        END + "\n  start: statical",
+        38,
+        "start = statical",
+        "must be static, relaxed or as given",
+    ),
     "error control without a tolerance": (END, END + "\n  control: error", 28, "tolerance", "such as 1.0e-5"),
     "three projections": (END, END + "\n  stabilise: 3", 38, "GeneralizedAlpha.stabilise = 3", "at most 2"),
     "an unknown projection": (END, END + "\n  projection: mas", 38, "projection = mas", "did you mean 'mass'"),
@@ -773,7 +779,7 @@ def test_an_odd_scene_is_warned_of_and_not_refused(name):
     ("given", "cause"),
     [
         ({"step": 0.0}, "--step: GeneralizedAlpha.time_step = 0.0: must be greater than zero"),
-        ({"method": "rk5"}, "--method: GeneralizedAlpha.type = rk5: is not one of the known words"),
+        ({"method": "rk5"}, "--method: GeneralizedAlpha.type = rk5: is not known here; did you mean 'rk4'?"),
         ({"rho_inf": 2.0}, "--rho-inf: GeneralizedAlpha.rho_inf = 2.0: must not be more than 1"),
         ({"end": 1e-9}, "--end: GeneralizedAlpha.time_end = 1e-09: is before the first step ends"),
     ],

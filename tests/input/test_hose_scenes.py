@@ -126,7 +126,7 @@ EDITS = {
     "a root that is no place": ("root: [0, 0, 0]", "root: [0, .nan, 0]", 10, "hose.root[1] = .nan", "finite"),
     "a root in kilogrammes": ("root: [0, 0, 0]", "root: [0 kg, 0, 0]", 10, "hose.root[0] = 0 kg", "a length such as"),
     "a root beyond the moon": ("root: [0, 0, 0]", "root: [0, 0, 1e9]", 10, "hose.root", "origin near the hose"),
-    "an unknown support": (*beside("root_support", "held"), 12, "hose.root_support = held", "clamped, pinned"),
+    "an unknown support": (*beside("root_support", "held"), 12, "hose.root_support = held", "clamped or pinned"),
     "an unknown end": (*beside("end", "fre"), 12, "hose.end = fre", "did you mean 'free'"),
     "an unknown clamp": (*beside("clamp", "slopes"), 12, "hose.clamp = slopes", "did you mean 'slope'"),
     "an unknown strain": (*beside("strain", "engineerin"), 12, "hose.strain", "did you mean 'engineering'"),

@@ -38,7 +38,9 @@ def test_an_explicit_run_that_is_far_off_is_told_a_step_that_does_better():
     run = study.run(Setting())
     found = estimate(study, run.result, parts=(0.5,))
     assert found.taken == pytest.approx(h)
-    step = re.search(r"Take a shorter step than \S+ s, such as with --step '(\S+) s', or --verify", found.warning)
+    step = re.search(
+        r"Take a shorter step than \S+ s, such as with --step '(\S+) s', or run with --verify", found.warning
+    )
     shorter = float(step.group(1))
     assert shorter < h
     better = estimate(study, study.run(Setting(step=shorter)).result, Setting(step=shorter), parts=(0.5,))

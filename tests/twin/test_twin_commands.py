@@ -217,11 +217,11 @@ def test_an_interruption_within_a_step_ends_a_twin_as_one_between_rows(rehearsal
     ("changes", "said"),
     [
         ({"input: winch.pay_out": "input: winch.payout"}, "there is no input 'winch.payout'; did you mean"),
-        ({"unit: kN": "unit: kg"}, "its unit is [kN], and the map says kg: 'kN' is a unit of another quantity"),
+        ({"unit: kN": "unit: kg"}, "sensors[2].unit = kg: 'kg' is not a unit of this quantity; its unit is N"),
         ({"start: 9 t": "start: 90 t"}, "is outside its range"),
         ({"keep:": "kept:"}, "unknown key; did you mean 'keep'?"),
         ({"above: 60 kN": "above: 60 m"}, "'m' is not the unit of a force"),
-        ({"column: heave": "column: heav"}, "there is no column 'heav'"),
+        ({"column: heave": "column: heav"}, "map.yaml:4: sensors[1].column = heav: "),
     ],
 )
 def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, here, tmp_path, changes, said):
@@ -480,3 +480,13 @@ def test_ctrl_c_within_a_step_of_a_record_keeps_its_whole_rows_and_ends_as_inter
     code, _, told = here("record", SCENE, "--map", rehearsal / "map.yaml", "-o", where, "--end", "4 s")
     assert code == 130 and "10 rows, what there was until then" in " ".join(told.split())
     assert len(where.read_text().splitlines()) == 11
+
+
+def test_a_watched_residual_whose_sensor_is_misspelt_is_no_second_fault(rehearsal, here, tmp_path):
+    text = MAP.replace("output: winch.tension", "output: winch.tensoin", 1)
+    text = text.replace("watch:\n", "watch:\n  - {residual: winch.tension, above: 4 sd}\n")
+    assert "residual: winch.tension" in text and "winch.tensoin" in text
+    (tmp_path / "map.yaml").write_text(text)
+    code, _, told = here("twin", SCENE, "--map", tmp_path / "map.yaml", "--source", rehearsal / "r.csv")
+    (line,) = [one for one in told.splitlines() if "map.yaml" in one]
+    assert code == 2 and "sensors[" in line and "did you mean 'winch.tension'?" in line

@@ -38,7 +38,7 @@ from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.time_function import TimeFunctions, copy_of, sample_all
-from tautline.scene.solver import error_of_steps, unused_alphas
+from tautline.scene.solver import unused_alphas
 from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
@@ -73,7 +73,7 @@ def build(scene: CraneScene) -> Model:
     solver = scene.solver
     stored = layout.once(f"variables, {made.compensation is None}", lambda: variables(observer))
     places = layout.once("coordinates", observer.coordinates)
-    error = error_of_steps(solver, STEP_ERROR) or (STEP_ERROR if scene.controlled else 0.0)
+    error = float(solver.step_error or STEP_ERROR) if scene.controlled else 0.0
     model = Model(
         system=system,
         solver=settings_of(solver, scene.output.interval, TOLERANCE, "force", error),

@@ -234,7 +234,10 @@ class Efficiency(Model):
 
 
 Law = Literal["frictionless", "no_slip", "capstan"] | Efficiency
-WORDS = Annotated[Literal["frictionless", "no_slip", "capstan"], word("frictionless", "no_slip", "capstan")]
+WORDS = Annotated[
+    Literal["frictionless", "no_slip", "capstan"],
+    word("frictionless", "no_slip", "capstan", forms=("{efficiency: 0.98}",)),
+]
 SHARE = Branch(
     Annotated[float, quantity("", positive=True, at_most=1.0, of="share")], lambda share: Efficiency(efficiency=share)
 )
@@ -278,6 +281,9 @@ class Sheave(Disc):
     """
 
     key: ClassVar[str] = "sheave"
+    _elsewhere: ClassVar[dict[str, str]] = {
+        "efficiency": "the efficiency stands in `law`: write law: {efficiency: 0.98}"
+    }
 
     body: str | None = None
     offset: Position = (0.0, 0.0, 0.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -114,6 +114,21 @@ class Mesh(Model):
     ] = ELEMENTS_PER_SPAN
 
 
+class CraneSolver(Solver):
+    """The time integrator of a crane: its steps are controlled by their error, unless ``control: fixed``, or rk4.
+
+    Through slack a fixed step can converge, without a failure, to a wrong answer.
+    """
+
+    by_error: ClassVar[bool] = True
+
+    @classmethod
+    def _in_full(cls, given: Any) -> Any:
+        """A solver that was made in Python as any other is: it is the same with what was given."""
+        other = isinstance(given, Solver) and not isinstance(given, cls)
+        return super()._in_full(given.model_dump(exclude_unset=True) if other else given)
+
+
 class CraneScene(Scene):
     """A rope over sheaves and all that moves it: what a run needs to know.
 
@@ -144,7 +159,7 @@ class CraneScene(Scene):
     start: Annotated[Literal["static", "as drawn"], word("static", "as drawn", aliases={"drawn": "as drawn"})] = (
         "static"
     )
-    solver: Solver = Field(examples=["{method: generalized-alpha, rho_inf: 0.6, step: 5 ms, end: 12 s}"])
+    solver: CraneSolver = Field(examples=["{method: generalized-alpha, rho_inf: 0.6, step: 5 ms, end: 12 s}"])
     output: Output = Field(examples=["{interval: 50 ms}"])
     limits: LimitsOfRun = ()
 
@@ -172,10 +187,7 @@ class CraneScene(Scene):
 
     @property
     def controlled(self) -> bool:
-        """Whether the step is controlled by its error: it is, unless the scene says ``control: fixed``, or rk4.
-
-        Through slack a fixed step can converge, without a failure, to a wrong answer.
-        """
+        """Whether the step is controlled by its error, see `CraneSolver`."""
         solver = self.solver
         if solver.explicit:
             return False

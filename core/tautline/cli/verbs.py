@@ -66,7 +66,8 @@ FigurePlace = Annotated[
         "-o",
         "--output",
         metavar="FILE_OR_FOLDER",
-        help="Where to: a file, or a folder, which is made. [dim]\\[default: the current folder][/]",
+        help="Where to: a file, or a folder, which is made where its parent is there. "
+        "[dim]\\[default: the current folder][/]",
     ),
 ]
 ExportPlace = Annotated[

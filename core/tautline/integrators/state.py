@@ -133,8 +133,8 @@ def watch(groups, dofs, state, t, alarm):
     over.alarm(groups, t, state.full_q, alarm)
     if alarm[0] == 0:
         return DONE
-    # A place that is no unknown of its own is told by its full number, from -1 downwards.
-    state.counters[WORST] = dofs.number[alarm[1]] if dofs.number[alarm[1]] >= 0 else -1 - alarm[1]
+    # It is told by its full number, from -1 downwards: a sheave rides on a body, and its unknowns are the body's.
+    state.counters[WORST] = -1 - alarm[1]
     return BEFORE_ALARMS + alarm[0]
 
 

@@ -93,7 +93,7 @@ SENTENCES = {
 }
 
 
-ON_WHEELS = (Status.RUN_OUT, Status.TWO_BLOCKED, Status.DRUM_FULL, Status.SLACK_ON_WHEEL)
+ON_WHEELS = (Status.OFF_WHEEL, Status.RUN_OUT, Status.TWO_BLOCKED, Status.DRUM_FULL, Status.SLACK_ON_WHEEL)
 """Ends of a run that a drum or a sheave as a whole has."""
 
 

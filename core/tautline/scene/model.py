@@ -7,7 +7,7 @@ import functools
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
 
 import pydantic
 from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
@@ -17,7 +17,7 @@ from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
-from tautline.scene.refusal import KIND, nearest, refusal
+from tautline.scene.refusal import KIND, must_be, nearest, one_of, refusal
 from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import Quantity, suited
 
@@ -42,6 +42,8 @@ BASED = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
 """A number of YAML that nobody writes for a quantity."""
 AFTER_COMMA = re.compile(r"[0-9]+([eE][+-]?[0-9]+)?(\s+\S.*|[^\W\d].*|\s*%)?", re.ASCII)
 """What stands behind a decimal comma: digits, and a unit."""
+WITHOUT_BLANK = re.compile(r"([^\W\d]\w*):(\S.*)")
+"""A key and its value with no blank behind the colon: in braces YAML reads all of it as a key."""
 OTHER_WORDS = {
     "wob": ("weight",), "weight_on_bit": ("weight",), "tob": ("torque",), "torque_on_bit": ("torque",),
     "weight": ("mass", "mass_per_length"), "mbl": ("breaking_load",), "ea": ("axial_stiffness",),
@@ -84,6 +86,8 @@ class Model(pydantic.BaseModel):
     """A frozen mapping of known keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, defer_build=True)
+    _elsewhere: ClassVar[Mapping[str, str]] = {}
+    """Keys that are looked for here and are not: key -> where it stands, and how it is written there."""
 
     @pydantic.model_validator(mode="wrap")
     @classmethod
@@ -129,15 +133,31 @@ def _meant(key: str, known: Sequence[str]) -> str:
 
 
 def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any]:
-    """Errors without those of missing keys that are there and misspelt: these are told as unknown keys."""
+    """Errors without those that follow from an unknown key.
+
+    A missing key is there, and misspelt. What stands before a decimal comma is not the number that was meant.
+    """
     unknown = [str(e["loc"][0]) for e in errors if len(e["loc"]) == 1 and e["type"] == "extra_forbidden"]
+    cut = {before for key in unknown if (before := _decimal_comma(data, key)[1])}
     meant = {_meant(key, model._keys()) for key in unknown if not _decimal_comma(data, key)[0]}
+    run_in = {key for one in unknown if (key := _without_blank(model, one)[0])}
 
-    def misspelt(error: Any) -> bool:
+    def follows(error: Any) -> bool:
         place = error["loc"]
-        return len(place) == 1 and error["type"] == "missing" and f"did you mean '{place[0]}'?" in meant
+        if place and place[0] in cut:
+            return True
+        missing = len(place) == 1 and error["type"] == "missing"
+        return missing and (f"did you mean '{place[0]}'?" in meant or place[0] in run_in)
 
-    return [error for error in errors if not misspelt(error)]
+    return [error for error in errors if not follows(error)]
+
+
+def _without_blank(model: type[Model], key: str) -> tuple[str, str]:
+    """Key and cure of ``step:5 ms`` in braces, of which the whole is an unknown key; empty where it is none of ours."""
+    parts = WITHOUT_BLANK.fullmatch(key)
+    if parts is None or parts[1] not in model._keys():
+        return "", ""
+    return parts[1], f"a blank is missing after the colon: write {parts[1]}: {parts[2]}"
 
 
 def _decimal_comma(data: Any, key: str) -> tuple[str, str]:
@@ -173,6 +193,7 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
         known = refusal("is missing", f"add `{place[0]}:`" + (f", such as {example}" if example else ""))
     elif len(place) == 1 and kind == "extra_forbidden":
         cure, before = _decimal_comma(data, str(place[0]))
+        cure = cure or _without_blank(model, str(place[0]))[1] or model._elsewhere.get(str(place[0]), "")
         words = {"cause": "unknown key", "cure": cure or _meant(str(place[0]), model._keys())}
         known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
@@ -181,6 +202,8 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
         words = {"cause": error["msg"]} | {k: v for k, v in context.items() if k != "error"}
         if len(place) == 1 and "cure" in words and (stated := model._stated(str(place[0]))):
             words["cure"] = suited(words["cure"], error["input"], stated)
+        within = error["input"] if len(place) == 1 and isinstance(error["input"], dict) else ()
+        words["cure"] = next((model._elsewhere[k] for k in within if k in model._elsewhere), words.get("cure", ""))
         known = PydanticCustomError(KIND, "{cause}", words)
     elif len(place) == 1 and kind in ("tuple_type", "list_type") and (stated := model._stated(str(place[0]))):
         told = next(
@@ -462,7 +485,8 @@ def _plain(error: Any) -> tuple[str, str]:
     context: dict[str, Any] = error.get("ctx") or {}
     if kind == "literal_error":
         words = [word.strip(" '") for word in context["expected"].replace(" or ", ", ").split(", ")]
-        return "is not one of the known words", nearest(str(given), words)
+        close = difflib.get_close_matches(str(given)[:LONGEST], words, n=1)
+        return "is not known here", must_be(words, close[0] if close else "")
     if given is None:
         return "is empty", "give a value, or remove the key"
     if kind.startswith("bool_"):
@@ -499,9 +523,12 @@ def _truth(given: Any) -> str:
     return f"write {meant}, without quotes{why}"
 
 
-def word(*known: str, aliases: dict[str, str] | None = None) -> BeforeValidator:
-    """Annotate a choice of words: capitals, spaces and underscores do not matter, aliases are understood."""
-    return BeforeValidator(lambda value: read_word(value, known, aliases or {}))
+def word(*known: str, aliases: dict[str, str] | None = None, forms: Sequence[str] = ()) -> BeforeValidator:
+    """Annotate a choice of words: capitals, spaces and underscores do not matter, aliases are understood.
+
+    `forms` are what else may be written in place of a word, for messages: ``{efficiency: 0.98}``.
+    """
+    return BeforeValidator(lambda value: read_word(value, known, aliases or {}, forms))
 
 
 def fold(text: str) -> str:
@@ -515,16 +542,17 @@ def _spelt(word: str) -> str:
     return "".join(ways)
 
 
-def read_word(value: Any, known: Sequence[str], aliases: Mapping[str, str]) -> str:
+def read_word(value: Any, known: Sequence[str], aliases: Mapping[str, str], forms: Sequence[str] = ()) -> str:
     """The known word that is meant; refuses anything else with the nearest."""
-    meant = {fold(w): w for w in known} | {fold(a): w for a, w in aliases.items()}
+    words = {fold(w): w for w in known} | {fold(a): w for a, w in aliases.items()}
     if not isinstance(value, str):
-        raise refusal("must be a word", f"give one of: {', '.join(known)}")
-    if fold(value) in meant:
-        return meant[fold(value)]
-    close = difflib.get_close_matches(fold(value[:LONGEST]), list(meant), n=1)
-    cure = f"did you mean '{meant[close[0]]}'? " if close else ""
-    raise refusal("is not one of the known words", f"{cure}known: {', '.join(known)}")
+        raise refusal("must be a word", f"give {one_of([*known, *forms])}")
+    if fold(value) in words:
+        return words[fold(value)]
+    inside = next((form for form in forms if form.startswith("{" + value.strip() + ":")), "")
+    close = difflib.get_close_matches(fold(value[:LONGEST]), list(words), n=1)
+    guess = inside or (words[close[0]] if close else "")
+    raise refusal("is not known here", must_be([*known, *forms], guess))
 
 
 UnitSystem = Annotated[Literal["si", "metric", "field"], word("si", "metric", "field")]

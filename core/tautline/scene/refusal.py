@@ -6,7 +6,7 @@ pydantic collects these; `tautline.scene.model.validate` turns them into `Proble
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from pydantic_core import InitErrorDetails, PydanticCustomError, ValidationError
 
@@ -69,13 +69,29 @@ def raise_all(faults: Iterable[tuple[str | tuple[str | int, ...], str, str]]) ->
         raise ValidationError.from_exception_data("scene", details)
 
 
+def one_of(words: Sequence[str]) -> str:
+    """Words of which one is to be written: ``over, under, left or right``."""
+    return " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+
+
+def must_be(words: Sequence[str], guess: str = "") -> str:
+    """The cure of a word that is not known: ``did you mean 'static'? It must be static or as drawn``."""
+    rule = f"t must be {one_of(words)}"
+    return f"did you mean '{guess}'? I{rule}" if guess else f"i{rule}"
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """Say which known word was probably meant; nothing where none is near."""
+    words = list(known)
+    close = difflib.get_close_matches(word[:LONGEST].lower(), [w.lower() for w in words], n=1, cutoff=0.6)
+    return f"did you mean '{next(w for w in words if w.lower() == close[0])}'?" if close else ""
+
+
 def nearest(word: str, known: Iterable[str]) -> str:
     """Say which known word was probably meant, or list those there are."""
     words = list(known)
-    close = difflib.get_close_matches(word[:LONGEST].lower(), [w.lower() for w in words], n=1, cutoff=0.6)
-    if close:
-        meant = next(w for w in words if w.lower() == close[0])
-        return f"did you mean '{meant}'?"
+    if close := meant(word, words):
+        return close
     if len(words) == 1:
         return f"known: {words[0]}"
     return f"known: {', '.join(words)}" if words else "remove it"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -70,7 +70,7 @@ def unused_alphas(solver: Any) -> list[str]:
     return [f"{solver.method} has no {names} and ignores {them}; take generalized-alpha, or remove {them}"]
 
 
-def check_control(solver: Any, key: str) -> None:
+def check_control(solver: Any, key: str, by_error: bool = False) -> None:
     """Refuse step control without an error to keep to, and for a method that has none.
 
     Parameters
@@ -78,6 +78,8 @@ def check_control(solver: Any, key: str) -> None:
     solver : Solver or CableSolver
     key : str
         What the error is called in the file.
+    by_error : bool
+        Whether steps are controlled by their error, and by which, where the file does not say it: those of a crane are.
 
     Raises
     ------
@@ -85,12 +87,17 @@ def check_control(solver: Any, key: str) -> None:
         At ``key`` or ``control``.
     """
     error = solver.step_error
+    says = "control" in solver.model_fields_set
+    fixed = solver.step != "auto" and solver.control == "fixed" and (says or not by_error)
     if solver.explicit and solver.control == "error":
         raise fault("control", f"{solver.method} has no control of its error", "use generalized-alpha, or step: auto")
-    if error is None and solver.control == "error" and solver.step != "auto":
+    if error is None and not by_error and solver.control == "error" and solver.step != "auto":
         raise fault(key, "is missing beside control: error", f"add `{key}:`, a length such as 1.0e-5")
-    if error is not None and solver.control == "fixed" and solver.step != "auto":
-        raise fault(key, "is not used with a fixed step", f"add `control: error`, or remove {key}")
+    if error is not None and solver.explicit and by_error:
+        raise fault(key, f"is not used: {solver.method} has no control of its error", f"remove {key}")
+    if error is not None and fixed:
+        cure = f"{'write' if says else 'add'} `control: error`, or remove {key}"
+        raise fault(key, "is not used with a fixed step", cure)
 
 
 def longest_step(solver: Any, interval: float) -> float:
@@ -176,6 +183,8 @@ class Solver(Model):
     max_halvings: Annotated[Whole, Field(ge=0, le=40)] = 10
     newton: Newton = "modified"
     criterion: Annotated[Literal["energy", "force"], word("energy", "force")] | None = None
+    by_error: ClassVar[bool] = False
+    """Whether steps are controlled by their error where the scene does not say it."""
 
     @classmethod
     def _in_full(cls, given: Any) -> Any:
@@ -188,7 +197,7 @@ class Solver(Model):
         if "rho_inf" in given and len(given) > 1:
             raise fault(given[1], "is given together with rho_inf", "keep rho_inf, or alpha_m and alpha_f")
         check_alphas(self.alpha_m, self.alpha_f)
-        check_control(self, "step_error")
+        check_control(self, "step_error", self.by_error)
         if self.step == "auto":
             return self
         if self.end < self.step:

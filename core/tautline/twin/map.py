@@ -15,7 +15,7 @@ from tautline.live.errors import UnknownName
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.model import Model, Scene, Switch, word
-from tautline.scene.refusal import nearest, refusal
+from tautline.scene.refusal import meant, nearest, refusal
 from tautline.scene.values.printed import quantity as printed
 from tautline.scene.values.printed import significant
 from tautline.scene.values.quantity import Quantity, quantity
@@ -383,6 +383,16 @@ class _Reader:
         self.fault(key, f"there is no {kind} '{name}'", nearest(name, sorted(known)))
         return False
 
+    def measured(self, key: tuple[str | int, ...], name: str, measured: set[str]) -> bool:
+        """Whether a sensor measures an output; a fault where none does, but for one that is only misspelt there."""
+        sound = {one for one in measured if one in self.outputs}
+        if name in sound:
+            return True
+        if f"did you mean '{name}'?" not in {meant(one, sorted(self.outputs)) for one in measured - sound}:
+            cure = f"add a sensor with output: {name}" if name in self.outputs else nearest(name, sorted(sound))
+            self.fault(key, f"no sensor measures '{name}'", cure if sound else "add a sensor with output:")
+        return False
+
     def plan(self) -> Plan:
         read = self.map
         channels = [self.channel(i, sensor) for i, sensor in enumerate(read.sensors)]
@@ -498,9 +508,7 @@ class _Reader:
                 return None
             unit, default = self.names.parameters[target], self.values.get(target, 0.0)
         else:
-            if target not in measured:
-                cure = nearest(target, sorted(measured)) if measured else "add a sensor with output:"
-                self.fault((*key, "offset"), f"no sensor measures '{target}'", cure)
+            if not self.measured((*key, "offset"), target, measured):
                 return None
             unit, default = self.outputs[target], 0.0
         start = self.number((*key, "start"), one.start, unit, default)
@@ -533,14 +541,16 @@ class _Reader:
     def alarm(self, i: int, one: Watch, measured: set[str]) -> Alarm | None:
         key, target = ("watch", i), one.output or one.residual or ""
         kind = "output" if one.output else "residual"
-        known = self.outputs if one.output else {name: self.outputs[name] for name in measured if name in self.outputs}
-        if not self.known((*key, kind), kind if one.output else "sensor of", target, known):
+        if one.output:
+            if not self.known((*key, kind), kind, target, self.outputs):
+                return None
+        elif not self.measured((*key, kind), target, measured):
             return None
         asked = target
         if one.output and target in self.names.judged_by:
             # What raises an alarm is what a run is judged by.
             target = self.names.judged_by[target][one.above is None]
-        unit = known[target]
+        unit = self.outputs[target]
         times = one.residual is not None and isinstance(one.above, str) and TIMES_SD.fullmatch(one.above)
         if times:
             above, below = float(times[1]), -math.inf

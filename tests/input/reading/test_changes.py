@@ -61,7 +61,7 @@ def test_numbers_lists_and_mappings_replace_and_a_key_that_the_file_leaves_out_c
         ({"solver.step": float("nan")}, "solver.step", "is not a finite number", "1 ms"),
         ({"bodies[0].mass": True}, "bodies[0].mass", "true and false are not numbers", "give a mass"),
         ({"bodies[0].mass": None}, "bodies[0].mass", "is empty", "give a mass"),
-        ({"start": "statc"}, "start", "is not one of the known words", "did you mean 'static'?"),
+        ({"start": "statc"}, "start", "is not known here", "did you mean 'static'? It must be static or as drawn"),
     ],
 )
 def test_what_cannot_be_is_refused_by_key_cause_and_cure_and_names_what_gave_it(changes, key, cause, cure):

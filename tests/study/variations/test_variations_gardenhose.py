@@ -232,7 +232,7 @@ def test_hose_and_water_swing_alike_however_they_are_coupled():
 
 
 def test_a_coupling_that_is_none_is_refused_by_name():
-    with pytest.raises(SceneError, match=r"study: coupling = glue: is not one of the known words"):
+    with pytest.raises(SceneError, match=r"study: coupling = glue: is not known here"):
         vary.constraint(hose_scene(), "glue")
 
 

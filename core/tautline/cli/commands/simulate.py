@@ -324,6 +324,7 @@ def _other_runs(
             cure = "leave --verify out, or run a shorter stretch of the scene with output.keep: frames"
             raise option_error("--verify", "", "needs every frame, and the scene keeps statistics", cure)
         return None
+    from tautline.application.installed import key_of_setting
     from tautline.study.trials.step_error import estimate, runs_for
     from tautline.study.trials.trial import Subject
 
@@ -341,7 +342,9 @@ def _other_runs(
         found = estimate(Subject(application, scene), result, progress=bar, parts=parts, begin=begin)
         if isinstance(found, str):
             return {}, [f"the error due to the time step is not known: {found}"] if found else []
-        return {"step_error": found._asdict()}, [found.warning] if found.warning else []
+        keys = {name: key for name in ("step", "step_error") if (key := key_of_setting(application, name))}
+        warning = found.warned(**keys)
+        return {"step_error": found._asdict()}, [warning] if warning else []
 
     return compared
 

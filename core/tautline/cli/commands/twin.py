@@ -10,7 +10,7 @@ import re
 import time as clock
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -26,6 +26,7 @@ from tautline.results.errors import WriteError
 from tautline.scene.errors import SceneError, option_error
 
 if TYPE_CHECKING:
+    from tautline.application.protocol import Application
     from tautline.twin.map import TwinMap
     from tautline.twin.record import Sensing
     from tautline.twin.sources.record import Record, Source
@@ -95,7 +96,6 @@ def twin(
     from tautline.results.output_path import check_found
     from tautline.scene.values.moments import stamp_said
     from tautline.twin.series import Series
-    from tautline.twin.sources.opening import open_source
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
@@ -105,10 +105,9 @@ def twin(
         check_found(given.output)
     print_warnings(application.warnings(scene))
     silence_library_logs()
-    units = {one.column: one.unit for one in read.sensors}
     with (
         _alone({"--state": given.state, "--account": given.account, "-o": given.output}),
-        closing(open_source(given.source, list(units), time=read.time, speed=given.speed, units=units)) as opened,
+        closing(_open(application, scene, read, given)) as opened,
     ):
         try:
             made = Twin(scene, read, live=opened.live, account=given.account)
@@ -132,6 +131,37 @@ def twin(
             raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
 
 
+def _open(application: Application, scene: Any, read: TwinMap, given: TwinOptions) -> Any:
+    """The source of a twin's rows; raises SceneError at the map where the fault lies there."""
+    from tautline.twin.sources.opening import open_source
+    from tautline.twin.sources.record import NoColumn
+
+    units = {one.column: one.unit for one in read.sensors}
+    try:
+        return open_source(given.source, list(units), time=read.time, speed=given.speed, units=units)
+    except SceneError as error:
+        _check_map(application, scene, read)
+        columns, problems = list(units), []
+        for one in error.problems:
+            if isinstance(one, NoColumn):
+                key = ("sensors", columns.index(one.column), "column")
+                one = read.problem(key, f"{one.file} has no column '{one.column}'", one.cure)
+            problems.append(one)
+        raise SceneError(problems) from None
+
+
+def _check_map(application: Application, scene: Any, read: TwinMap) -> None:
+    """See that a map goes with its scene, whatever the source has; raises SceneError."""
+    from tautline.integrators.status import StoppedEarly
+    from tautline.twin.map import checked
+
+    make = getattr(application, "operation", None)
+    operation = make(scene, None) if make else None
+    signals, further = (operation.signals, operation.outputs) if operation else ({}, {})
+    with suppress(StoppedEarly):
+        checked(read, scene, signals, further)
+
+
 def _refuse_unknown_rows(state: Path | None) -> None:
     """Refuse to go on in a file whose clock was set back from a state that has not counted its rows."""
     from tautline.results.errors import ResultError
@@ -145,7 +175,7 @@ def _read_map(path: Path) -> TwinMap:
     from tautline.twin.map import read_map
 
     if not path.exists():
-        raise option_error("--map", str(path), "there is no such file", "see the documentation of twins for an example")
+        raise option_error("--map", str(path), "there is no such file", "docs/twin.md has an example")
     try:
         return read_map(path)
     except SceneError:

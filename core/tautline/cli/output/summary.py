@@ -75,9 +75,13 @@ def _along(label: str, value: Any) -> Any:
 
 def _numbers(report: dict[str, Any], attributes: dict[str, Any], system: str) -> list[tuple[str, str]]:
     """Rows of how a run was computed, how fast, and how accurately."""
+    longest = attributes.get("longest_step")
     rows = [
         ("method", str(report["method"] or "–")),
-        ("step", quantity(report["step"], "s")),
+        # A step that was chosen is told by its mean.
+        ("mean step", f"{quantity(report['step'], 's')}, at most {quantity(longest, 's')}")
+        if longest
+        else ("step", quantity(report["step"], "s")),
         ("steps", quantity(report["steps"], "")),
     ]
     if report["newton_iterations"]:

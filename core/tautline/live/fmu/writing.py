@@ -69,9 +69,12 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     path = Path(path)
     builder = _builder(path, fmi)
     check_unit(path)
-    if not outputs:
-        raise SimulationError("an FMU without an output says nothing", "give --outputs")
     sim = Simulation(scene, inputs=inputs, keep=False)
+    if not outputs:
+        single = [name for name, one in sim.outputs.describe().items() if "." in name and " " not in name]
+        example = ",".join(single[:2] or list(sim.outputs)[:2])
+        cure = f"give names, such as --outputs {example}; known: {', '.join(sim.outputs)}"
+        raise SimulationError("an FMU without an output says nothing", cure)
     for name in outputs:
         if not parts_of(sim.outputs.handle(name)):
             raise SimulationError(f"the output {name} has no numbers in this scene", "name another")

@@ -69,15 +69,24 @@ def stretch_limits(time: np.ndarray, stretch: np.ndarray, places: Sequence[str])
         return []
     low, high = STRETCH
     return [
-        judged("least_stretch", "least length over unstretched length", "", time, stretch, low, places, AT_LEAST),
-        judged("most_stretch", "largest length over unstretched length", "", time, stretch, high, places),
+        judged(
+            "least_stretch",
+            "smallest stretch, length over unstretched length",
+            "",
+            time,
+            stretch,
+            low,
+            places,
+            AT_LEAST,
+        ),
+        judged("most_stretch", "largest stretch, length over unstretched length", "", time, stretch, high, places),
     ]
 
 
 def strain_limit(
     time: np.ndarray, strain: np.ndarray, limit: float | np.ndarray, places: Sequence[str]
 ) -> list[dict[str, Any]]:
-    """Record of the strain of tension, (m, n); none where there is no place."""
+    """Record of tension over EA, (m, n), which is the strain where that is small; none where there is no place."""
     if strain.size == 0:
         return []
-    return [judged("strain", "largest strain", "", time, np.maximum(strain, 0.0), limit, places)]
+    return [judged("strain", "largest tension / EA", "", time, np.maximum(strain, 0.0), limit, places)]

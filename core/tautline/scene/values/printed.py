@@ -23,9 +23,9 @@ MEANT = 10.0
 """Share of a whole up to which it is told in numbers: of what hardly is there it says nothing but that it is large."""
 
 
-def in_percent(share: float) -> str:
+def in_percent(share: float, digits: int = 2) -> str:
     """A share as text."""
-    return f"{significant(100.0 * share, 2)} %" if not share > MEANT else f"more than {100.0 * MEANT:.0f} %"
+    return f"{significant(100.0 * share, digits)} %" if not share > MEANT else f"more than {100.0 * MEANT:.0f} %"
 
 
 def significant(value: float, digits: int = 4) -> str:

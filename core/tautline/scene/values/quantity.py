@@ -70,6 +70,12 @@ MEANINGS_OF = {
 }
 """The same of a row of the table of plausible ranges that is called otherwise than most quantities of its unit."""
 
+FROM_MODULUS = {
+    "axial stiffness": "EA is the modulus times the metal area",
+    "bending stiffness": "EJ is the modulus times the second moment of area",
+}
+"""Rows of that table for which a modulus is given by mistake, and how they follow from it."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -178,9 +184,10 @@ class Quantity:
                 raise refusal(*told)
             if POUND.search(unit) and read.dimension == (wanted * PER_GRAVITY).dimension:
                 raise refusal("a pound is a mass", f"write lbf, klbf or ft-lbf for a force: {self.cure}")
-            raise refusal(
-                f"'{unit}' is not the unit of {self.meaning}", f"expected {self.meaning} such as {self.example}"
-            )
+            expected = f"expected {self.meaning} such as {self.example}"
+            if self.of in FROM_MODULUS and read.dimension == read_unit("Pa").dimension:
+                expected += f". {FROM_MODULUS[self.of]}"
+            raise refusal(f"'{unit}' is not the unit of {self.meaning}", expected)
         try:
             value = converted(read, wanted).si(Decimal(number))
         except Uncounted as error:

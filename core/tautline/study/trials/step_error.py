@@ -105,26 +105,50 @@ class StepError(NamedTuple):
 
     @property
     def warning(self) -> str | None:
-        """What a reader should know, if the error is a large one."""
+        """What a reader should know, if the error is a large one; see `warned`."""
+        return self.warned()
+
+    def warned(self, step: str = "solver.step", step_error: str = "solver.step_error") -> str | None:
+        """What a reader should know, if the error is a large one; None where it is small.
+
+        Parameters
+        ----------
+        step, step_error : str
+            What the step, and the error that steps are controlled by, are called in the scene's file.
+        """
         if not max(self.position, self.force or 0.0) > POOR:
             return None
-        sentence = f"the {self.place} may be off by {self.distance:.2g} m, {in_percent(self.position)} of its motion"
-        if self.force is not None:
-            sentence += f", and the amplitude of the {self.force_place} by {self._of_force()}"
-        steps = self.steps or (self.step,)
-        runs = "runs" if len(steps) > 1 else "a run"
-        text = f"{sentence}. This is estimated from {runs} with steps of {_listed(steps)}. "
-        shorter = "Take a shorter step"
+        text = f"{self._how_far_off()}. This is estimated from {self._other_runs()}. "
+        steps, shorter = self.steps or (self.step,), "Take a shorter step"
         if self.bound is None and len(steps) == 1 and self.taken is not None and self.step < self.taken:
             # An explicit run, maybe with `step: auto`, which is no number to be made smaller; this one is known to run.
             shorter += f" than {quantity(self.taken, 's')}, such as with --step '{quantity(self.step, 's')}'"
         if self.bound is not None:
-            shorter += f" and an error of each below {self.bound:.2g} m"
+            shorter = f"Give a smaller {step_error} (now {self.bound:.2g} m) and a smaller {step}"
+            shorter += f" (now {quantity(self.taken, 's')})" if self.taken is not None else ""
         if len(self.steps) > 1 and self.steps[1] < self.steps[0]:
             text += f"{shorter} and compare"
             friction = ". Where friction decides what slips first, a shorter step need not do better"
             return text + (friction if self.friction else "")
-        return text + f"{shorter}, or --verify, which estimates it more closely from shorter steps"
+        return text + f"{shorter}, or run with --verify, which estimates it more closely from shorter steps"
+
+    def _how_far_off(self) -> str:
+        """By how much place and force may be off; what is off by the larger share comes first."""
+        way = f"{self.distance:.2g} m, {in_percent(self.position)} of its motion"
+        told = [(self.position, f"the {self.place}", way)]
+        if self.force is not None:
+            told.append((self.force, f"the amplitude of the {self.force_place}", self._of_force()))
+        (_, first, much), *others = sorted(told, key=lambda one: -one[0])
+        return f"{first} may be off by {much}" + "".join(f", and {what} by {off}" for _, what, off in others)
+
+    def _other_runs(self) -> str:
+        """The runs that it is estimated from: ``a run with half the step, 0.025 s``."""
+        steps = self.steps or (self.step,)
+        if len(steps) > 1 or self.bound is None or self.taken is None:
+            return f"{'runs' if len(steps) > 1 else 'a run'} with steps of {_listed(steps)}"
+        share = steps[0] / self.taken
+        times = "half" if abs(share - 0.5) < SAME_TIME else f"{share:.3g} times"
+        return f"a run with {times} the step, {_listed(steps)}"
 
     def _of_force(self) -> str:
         """Error of the force's amplitude: in per cent of it, or where it hardly varies beside what it varies about."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from tautline.errors import TautlineError
-from tautline.scene.errors import SceneError
+from tautline.scene.errors import Problem, SceneError
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +93,13 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Let go of file, thread or connection."""
+
+
+@dataclass(frozen=True)
+class NoColumn(Problem):
+    """A column that a map names and that a table does not have."""
+
+    column: str = ""
 
 
 class NewHeader(SourceStopped):

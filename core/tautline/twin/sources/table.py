@@ -25,7 +25,7 @@ from tautline.scene.reading.long_rows import (
 from tautline.scene.reading.time_columns import unit_of_time
 from tautline.scene.refusal import nearest
 from tautline.twin.sources.reading_units import Marks, OtherQuantity, factor_between
-from tautline.twin.sources.record import Later, NewHeader
+from tautline.twin.sources.record import Later, NewHeader, NoColumn
 from tautline.twin.sources.rows_in_doubt import RowInDoubt, RowsBefore
 from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column, stamp_of
 
@@ -153,7 +153,7 @@ class Header:
             place = next(iter(self._places(column, titles)), None)
             if place is None:
                 cure = nearest(column, sorted(name for name in self.names if name))
-                problems.append(Problem(where, number, "", None, f"there is no column '{column}'", cure))
+                problems.append(NoColumn(where, number, "", None, f"there is no column '{column}'", cure, column))
             elif others := self._other_units(column, place):
                 problems += others
             else:
@@ -165,7 +165,7 @@ class Header:
                     cause = (
                         f"its unit is [{self.units[place]}], and the map says {asked}: '{self.units[place]}' {error}"
                     )
-                    cure = f"write [{asked}] in the header, or correct `unit` of this column in the map"
+                    cure = f"correct `unit` of this column in the map, or write [{asked}] in the header"
                     problems.append(Problem(where, number, f"column '{column}'", None, cause, cure))
         if problems:
             raise SceneError(problems)
