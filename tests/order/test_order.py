@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import two_masses
-from of_the_suite import studies
 
 from tautline.integrators.generalized_alpha import alphas
 from tautline.integrators.linearise import start_moving
@@ -114,28 +113,6 @@ def test_steps_of_unequal_length_keep_the_second_order(case):
 
     orders = fitted_orders(STEP_COUNTS, [in_turn(n) for n in STEP_COUNTS])
     assert orders == pytest.approx([2.0] * 4, abs=0.2)
-
-
-@pytest.mark.parametrize("lengths", [(1.0, 0.05), (1.0, 0.2, 0.7, 0.05), *studies(((1.0, 1e-3),), ((1.0, 0.1),))])
-@pytest.mark.parametrize("case", PARAMETERS)
-def test_frames_of_very_different_lengths_in_turn_keep_the_second_order(case, lengths):
-    """As of a host that advances by ten milliseconds and by half a one: by 20 : 1 the order was the first, or 1.4."""
-
-    def in_turn(n):
-        ends = np.cumsum(np.resize(lengths, n // 2 * len(lengths)))
-        ends = END / ends[-1] * ends
-        return run("generalized-alpha", 1, ends=tuple(ends), alpha=PARAMETERS[case])
-
-    orders = fitted_orders(STEP_COUNTS, [in_turn(n) for n in STEP_COUNTS])
-    assert orders == pytest.approx([2.0] * 4, abs=0.25)
-
-
-def test_a_frame_of_next_to_no_length_costs_the_next_one_eight_parts_and_no_more():
-    ends = np.repeat(np.linspace(0.0, END, 41)[1:], 2)
-    ends[1::2] += 1e-11
-    plain, cut = run("generalized-alpha", 1, ends=tuple(ends[::2])), run("generalized-alpha", 1, ends=tuple(ends))
-    assert plain.counters[STEPS] == 40 and cut.counters[STEPS] <= 40 * (1 + 8)
-    assert max(np.array(errors(cut)) / errors(plain)) < 1.0
 
 
 @pytest.mark.parametrize("case", PARAMETERS)

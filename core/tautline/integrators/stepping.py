@@ -14,11 +14,6 @@ from tautline.scene.methods import Method, method_of
 from tautline.system.model import SolverSettings
 from tautline.system.system import System
 
-LONGER = 2.0
-"""Times the last step by which a longer one carries the auxiliary acceleration's lead along. By the whole of a ratio of
-4.5, of steps of 0.9 and 0.2 in turn, fast modes grow by 1.8 a pair with rho_inf 0. With 2 no sequence of steps from a
-tenth to all of the nominal one grew, for rho_inf from 0 to 0.9; with 1.5 and 3 some did (products of eq. 2.86)."""
-
 
 @dataclass(frozen=True)
 class Stepping:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.integrators.corrector.newton import ASTRAY, DONE, NOT_FINITE, SAME_STEP
+from tautline.integrators.corrector.newton import ASTRAY, DONE, NOT_FINITE
 from tautline.integrators.explicit import accelerate, account, is_finite
 from tautline.integrators.linearise import NO_SEARCH, SUMS, evaluate_scene
 from tautline.integrators.newton_at_rest import iterate
@@ -22,7 +22,7 @@ from tautline.integrators.state import (
     open_ledger,
     stand_at,
 )
-from tautline.integrators.stepping import LONGER, stepping_with, take_step
+from tautline.integrators.stepping import stepping_with, take_step
 from tautline.kernels import groups as over
 from tautline.kernels import matrix, time_function
 from tautline.kernels.dofs import expand, expand_held
@@ -127,38 +127,17 @@ DOUBLED_BELOW = 1.0 / 12.0
 """Share of the tolerance below which a step's error lets the next be twice as long: the error grows by about eight."""
 
 
-LEAST_PART = 1.0 / 128.0
-"""Of a step, the shortest part that it begins with because the last one was much shorter. What the cap on the lead then
-leaves out cannot be seen beside the error of the step, and a host's step of nanoseconds costs no more than eight parts.
-With a 32nd the order fell to 1.5 for steps of 1000 : 1 and rho_inf 0."""
-
-
-@kernel
-def _first_part(method, h, size, finest):
-    """Parts of the finest size to begin a step of h s with: ``size``, or fewer behind a step much shorter than h.
-
-    The auxiliary acceleration stands a share of the last step away, and a longer step carries that lead along by at
-    most `LONGER`: parts that double keep within that, and so the order of the method. Without a lead there is no need.
-    """
-    last = method.last_step[0]
-    if last > 0.0 and method.alpha_m != method.alpha_f:
-        longest = max(LONGER * last * (1.0 + SAME_STEP), LEAST_PART * h)
-        while size > 1 and h * (size / finest) > longest:
-            size //= 2
-    return size
-
-
 @kernel(forceinline=True)
 def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
     """One implicit step of length h, in halves, quarters, ... where it is not solved or not accurate.
 
     Returns a status, or PAUSED; ``pause`` then says which parts were accepted, and so it does of a step that fails. The
     next step goes on in parts of the size that this one ended with, or twice that: a step much longer than the last
-    would carry what is left of a disturbance too far. For the same reason it begins in parts behind a much shorter one.
+    would carry what is left of a disturbance too far.
     """
     finest = 1 << method.max_halvings
     controlled = method.tolerance > 0.0
-    size = _first_part(method, h, max(1, int(method.control[1] * finest)), finest)
+    size = max(1, int(method.control[1] * finest))
     at = pause[PART]
     pause[PART] = 0
     while at < finest:

@@ -206,7 +206,7 @@ def test_a_corner_in_a_swing_leaves_nothing_behind_whatever_the_spectral_radius(
     assert np.max(np.abs(x - true)) < 0.015 * swing
 
 
-@pytest.mark.parametrize(("rho", "most"), [(0.0, 0.08), *studies((0.3, 0.04), (0.8, 0.02))])
+@pytest.mark.parametrize(("rho", "most"), [(0.0, 0.06), *studies((0.3, 0.05), (0.8, 0.035))])
 @pytest.mark.parametrize("period", [10, *studies(15, 20)])
 def test_a_swing_moves_what_it_carries_as_it_should_where_advances_are_short_in_one_half_of_it(period, rho, most):
     value, place = sine(period * STEP, 50 * STEP)
