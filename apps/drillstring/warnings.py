@@ -174,7 +174,7 @@ def _survey(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 def _above_the_table(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A hole that goes up above the rotary table: inclinations counted from another direction."""
-    md = np.union1d(ready.well.md, np.linspace(0.0, ready.well.length, STATIONS))
+    md = np.concatenate((ready.well.md, np.linspace(0.0, ready.well.length, STATIONS)))
     heights = -ready.well.tvd(md)
     if heights.max() <= RISING * ready.well.length:
         return

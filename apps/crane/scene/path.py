@@ -281,7 +281,7 @@ class Sheave(Disc):
     """
 
     key: ClassVar[str] = "sheave"
-    _elsewhere: ClassVar[dict[str, str]] = {
+    elsewhere: ClassVar[dict[str, str]] = {
         "efficiency": "the efficiency stands in `law`: write law: {efficiency: 0.98}"
     }
 
