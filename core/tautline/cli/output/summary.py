@@ -8,7 +8,6 @@ from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 from tautline.cli.output.console import console
-from tautline.results.assessment.limits import AT_MOST
 from tautline.scene.values.printed import in_percent, in_words, printed_in, quantity, shown, significant
 
 if TYPE_CHECKING:
@@ -151,14 +150,14 @@ def _reached(chosen: dict[str, Any]) -> str:
 
 def limit_said(record: dict[str, Any], system: str = "si") -> str:
     """A limit and what came of it: ``6.2 deg: must be at most 4 deg (winch, t = 3.2 s)``; angles in degrees."""
+    from tautline.results.assessment.limits import AT_MOST  # it loads numpy
 
-    def write(value: float, unit: str) -> str:
-        return _said(value, unit, "si" if unit == "rad" else system)
-
-    limit = write(record["limit"], record["unit"])
+    unit = record["unit"]
+    system_of_value = "si" if unit == "rad" else system
+    limit = shown(record["limit"], unit, system_of_value)
     if record["passed"] is None:
         return f"{record['sense']} {limit} is not judged: {record['note']}"
-    value, lasting = write(record["value"], record["unit"]), record.get("for")
+    value, lasting = _said(record["value"], unit, system_of_value), record.get("for")
     held = f" for {quantity(lasting, 's')}" if lasting else ""
     verdict = ", " if record["passed"] else ": must be "
     # What is nowhere more than 0 has no place and no time.
