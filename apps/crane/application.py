@@ -50,6 +50,12 @@ class Crane(Packaged):
 
         return Lifting(scene) if account is None else CraneOperation(scene, account)
 
+    def aside(self, figures: Any, limits: Any) -> frozenset[str]:
+        """Names of figures and limits that the summary of a run leaves out, as others tell the same."""
+        from crane.results.rows import aside
+
+        return aside(figures, limits)
+
     def free_motions(self, scene: Any) -> Any:
         """What moves freely, by blows that no sensor sees: loads bounce on their ropes."""
         from crane.assembly.bouncing_loads import free_motions

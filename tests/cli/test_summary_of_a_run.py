@@ -1,6 +1,7 @@
 """The summary of a run: first what the engineer asked for, in his units, then one block on the computation."""
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from cli.in_process import commands_of
 from crane.application import Crane
 from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
+from tautline.cli.output.summary import limit_said, table
 
 DATA = Path(__file__).parents[2] / "data"
 NUMBERS = ["method", "step", "steps", "Newton iterations per step", "simulated time", "wall time"]
@@ -49,6 +51,36 @@ def test_it_begins_with_what_was_asked_and_ends_with_the_numbers_of_the_computat
     assert not any(head in NUMBERS for head in heads[len(NUMBERS) :])
 
 
+def test_a_lift_is_summed_up_in_what_tells_something_new_and_the_json_has_all(summary):
+    """A crate on a hook took 24 rows and 8 of limits: each tension at each place, and each rise three times."""
+    lines, report = summary("crane", "si")
+    first = next(i for i, line in enumerate(lines) if line.startswith("largest tension ("))
+    asked = lines[first : next(i for i in range(first, len(lines)) if not lines[i])]
+    assert len(asked) <= 17, asked
+    told = "\n".join(asked)
+    for once in (
+        "largest tension (",
+        "fleet angle at a sheave",
+        "sidelead",
+        "D/d",
+        "safety factor",
+        "rise of",
+        "power of",
+    ):
+        assert told.count(once) == 1, once
+    assert not re.search(r"tension at|rainflow|largest displacement|stretch| 0 deg.*t = 0 s|at 0 s\) +0 ", told)
+    everything = {"max_tension_winch", "max_tension_hook", "tension_cycles", "max_rise", "max_displacement"}
+    assert everything | {"mean_winch_power", "energy_hoisted", "max_fleet_angle", "max_sidelead"} <= report.keys()
+    assert {"strain", "least_stretch", "breaking_load"} <= {record["name"] for record in report["limits"]}
+
+
+def test_a_run_without_figures_begins_with_no_empty_line():
+    report = dict.fromkeys(["method", "step", "steps", "newton_iterations", "simulated_time", "wall_time"])
+    report |= {"total_time": 1.0, "real_time_factor": None, "energy_error": None}
+    found = table(report, {}, {})
+    assert found.row_count == 7 and "method" in str(next(iter(found.columns[0].cells)))
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_metric_units_are_those_of_the_summary_and_the_json_stays_si(case, summary):
     si = summary(case, "si")[1]
@@ -61,6 +93,33 @@ def test_metric_units_are_those_of_the_summary_and_the_json_stays_si(case, summa
     times = {"wall_time", "total_time", "real_time_factor", "cpu_time"}
     same = {key for key in si if isinstance(si[key], float)} - times
     assert {key: si[key] for key in same} == {key: metric[key] for key in same}
+
+
+def test_a_limit_on_what_is_nowhere_more_than_0_names_no_place_and_no_time_and_another_does():
+    record = {
+        "sense": "at most",
+        "unit": "rad",
+        "limit": 0.1,
+        "value": 0.0,
+        "passed": True,
+        "time": 0.0,
+        "place": "tip",
+    }
+    assert limit_said(record) == "0 deg, at most 5.73 deg"
+    assert limit_said(record | {"value": 0.05, "time": 3.2}).endswith("(tip, t = 3.2 s)")
+    slack = record | {"sense": "at least", "unit": "N", "limit": 1.0, "passed": False}
+    assert limit_said(slack).endswith("must be at least 1 N (tip, t = 0 s)")
+
+
+def test_an_angle_of_two_millimetres_in_a_kilometre_is_not_printed_to_four_digits():
+    """A landing had an offlead of 4.677e-06 deg: neither Newton's tolerance nor the step changes it, so it is no 0."""
+    report = dict.fromkeys(["method", "step", "steps", "newton_iterations", "simulated_time", "wall_time"])
+    report |= {"total_time": 1.0, "real_time_factor": None, "energy_error": None}
+    for value, said in ((8.162e-8, "less than 0.0001 deg"), (0.0, "0 deg"), (math.radians(2e-4), "0.0002 deg")):
+        found = table(report, {}, {"max_offlead": {"value": value, "unit": "rad", "text": "largest offlead"}})
+        assert str(next(iter(found.columns[1].cells))) == said
+    record = {"sense": "at most", "unit": "rad", "limit": 0.1, "value": 1e-8, "passed": True, "time": 1.0, "place": ""}
+    assert limit_said(record) == "less than 0.0001 deg, at most 5.73 deg (t = 1 s)"
 
 
 def test_warnings_of_a_crane_are_in_the_units_of_its_scene(summary, tmp_path):

@@ -13,6 +13,8 @@ from crane.assembly.tension_at_rest import static_tension
 from crane.model.build import build
 from crane.results.angles import hook_span, leads
 from crane.results.course import contacts_of, course_of, laid_out, nodes_of, scene_of
+from crane.results.limits import limits
+from crane.results.rows import aside
 from crane.results.summary import headline, most_worked_end, possible_figures, span_ends
 from crane.scene.scene import read
 from tautline.integrators.status import Status, StoppedEarly
@@ -220,6 +222,55 @@ def test_angles_in_a_result_are_those_of_the_course_of_the_rope():
     along = np.abs(np.arcsin((course.leaves[:, drum] * course.axis[:, drum]).sum(axis=-1)))
     np.testing.assert_allclose(run["drum_fleet_angle"][:, 0], along, atol=1e-9)
     assert value(headline(run, scene), "max_sidelead") == np.abs(run["sidelead"]).max()
+
+
+def test_angles_that_are_rounding_are_none_and_have_no_time_and_larger_ones_stay():
+    """Figures took them away, and limits did not."""
+    of = one_fall()
+    for size, there in ((8e-10, False), (2e-9, True)):
+        run = result(of, frames=11)
+        for name in ("offlead", "sidelead", "fleet_angle", "drum_fleet_angle"):
+            run._contents[1][name] = np.full_like(run[name], -size)
+        found = headline(run, of)
+        for name in ("max_offlead", "max_sidelead", "max_fleet_angle"):
+            assert value(found, name) == (size if there else 0.0)
+            assert ("at 0 s" in found[name]["text"]) is there
+        judged = {record["name"]: record["value"] for record in limits(run, of)}
+        assert [judged[name] for name in ("fleet_angle", "drum_fleet_angle", "sidelead")] == [size * there] * 3
+
+
+def test_a_ratio_of_diameters_is_of_no_time():
+    (record,) = [one for one in limits(result(one_fall(), frames=11), one_fall()) if one["name"] == "bending_ratio"]
+    assert record["time"] is None and record["place"] == "boom tip"
+
+
+@pytest.mark.parametrize(
+    ("ways", "left_out"),
+    [
+        ({"rise": 23.0, "max_rise": 23.0, "max_displacement": 23.0}, {"max_rise", "max_displacement"}),
+        ({"rise": 4.9, "max_rise": 5.0, "max_displacement": 16.7}, set()),
+        ({"rise": -30.0, "max_rise": 0.0, "max_displacement": 30.0}, {"max_rise", "max_displacement"}),
+        ({"rise": -30.0, "max_rise": 0.5, "max_displacement": 30.3}, set()),
+        ({"rise": 0.0, "max_rise": 2.0, "max_displacement": 2.0}, {"max_displacement"}),
+    ],
+)
+def test_a_way_of_a_load_that_is_another_of_its_ways_is_not_printed_again(ways, left_out):
+    for of in ("", "_car"):
+        found = aside({name + of: {"value": way, "unit": "m", "text": ""} for name, way in ways.items()}, [])
+        assert {name for name in found if name.endswith(("rise" + of, "displacement" + of))} == {
+            n + of for n in left_out
+        }
+
+
+def test_what_a_winch_takes_back_is_printed_where_it_lowers_more_than_it_hoists():
+    for hoisted, back in ((5.0, 1.0), (1.0, 5.0)):
+        figures = {"energy_hoisted": {"value": hoisted}, "energy_regenerated": {"value": back}}
+        assert ("energy_regenerated" in aside(figures, [])) is (hoisted > back)
+
+
+def test_a_figure_that_a_limit_tells_is_printed_where_there_is_no_such_limit():
+    figures = {"max_fleet_angle": {"value": 0.1}, "max_sidelead": {"value": 0.1}}
+    assert {"max_fleet_angle"} == aside(figures, [{"name": "fleet_angle"}]) & figures.keys()
 
 
 def test_names_of_items_make_keys():

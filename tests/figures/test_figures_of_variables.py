@@ -265,6 +265,9 @@ REFUSED = [
     (["hook_load"], "measured_depth", "'measured_depth' has 13 values a frame, and what is drawn against it 1"),
     (["hook_load"], "block_position@3", "'block_position' has one value a frame: it is no profile"),
     (["tension"], "measured_depth@noon", r"'noon' are no times in seconds; .*measured_depth@0,12.5"),
+    (["tension"], "measured_depth@0,99", r"t = 99 s is outside of the run.*give times from 0 to 2.95 s"),
+    (["tension"], "measured_depth@-1", r"t = -1 s is outside of the run"),
+    (["measured_depth@0,12.5"], None, r"--what: times after @ belong to --vs.*--what NAME --vs measured_depth@0,12.5"),
     (["waterfall:nothing"], None, "has no variable 'nothing'"),
 ]
 

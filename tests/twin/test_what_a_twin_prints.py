@@ -100,7 +100,7 @@ def test_a_null_is_counted_where_the_header_has_another_unit_than_the_map(twin):
 def test_a_twin_that_could_use_no_row_says_what_was_wrong_and_ends_with_3(twin, text, said):
     code, out, told = twin(text, "--json")
     assert code == 3 and not out
-    assert f"no row of data could be used: {said}" in told and "rows answered" in told
+    assert f"no row of data could be used: {said}" in told and "rows processed" in told
 
 
 def test_a_file_with_nothing_new_for_a_twin_that_goes_on_is_no_fault(twin, tmp_path):
@@ -227,7 +227,7 @@ def test_rows_that_were_not_answered_when_the_command_was_stopped_are_counted(tw
     code, out, told = twin(Stopped(given), "--json")
     left = len(given) - len(out.splitlines())
     assert code == 130 and left > 2
-    assert re.search(rf"rows not answered +{left}\b", told)
+    assert re.search(rf"rows not processed +{left}\b", told)
 
 
 def test_an_alarm_that_began_with_a_reading_out_of_range_and_becomes_certain_is_told_again(twin, tmp_path):

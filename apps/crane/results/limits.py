@@ -10,7 +10,7 @@ import numpy as np
 
 from crane.results.angles import hook_span
 from crane.results.course import nodes_of
-from crane.results.summary import ends_of, span_ends
+from crane.results.summary import ends_of, size_of_angles, span_ends
 from crane.scene.path import DRUM_FLEET_LIMIT, Drum, Sheave
 from crane.scene.scene import CraneScene
 from crane.scene.strength import strain_bound
@@ -60,17 +60,17 @@ def _strain(result: Any, scene: CraneScene) -> Records:
 def _angles(result: Any, scene: CraneScene) -> Records:
     """Fleet angles at sheaves and drums, and sidelead."""
     if scene.sheaves:
-        size = np.abs(result["fleet_angle"]).max(axis=-1)
+        size = size_of_angles(result["fleet_angle"]).max(axis=-1)
         bounds = np.array([sheave.fleet_limit for sheave in scene.sheaves])
         names = [sheave.name for sheave in scene.sheaves]
         yield judged("fleet_angle", "largest fleet angle at a sheave", "rad", result.time, size, bounds, names)
     if scene.drums:
-        names, angle = [drum.name for drum in scene.drums], np.asarray(result["drum_fleet_angle"])
+        names, angle = [drum.name for drum in scene.drums], size_of_angles(result["drum_fleet_angle"])
         text = "largest fleet angle at a drum"
         yield judged("drum_fleet_angle", text, "rad", result.time, angle, DRUM_FLEET_LIMIT, names)
     hung = hook_span(scene)
     if hung is not None and "sidelead" in result:
-        side, place = np.abs(result["sidelead"])[:, None], scene.path[hung[0]].name
+        side, place = size_of_angles(result["sidelead"])[:, None], scene.path[hung[0]].name
         yield judged("sidelead", "largest sidelead of the hook rope", "rad", result.time, side, SIDELEAD, [place])
 
 
@@ -81,4 +81,5 @@ def _bending(result: Any, scene: CraneScene) -> Records:
         return
     ratio = np.array([[2.0 * item.radius / scene.rope.diameter for item in wheels]])
     names, text = [item.name for item in wheels], "smallest D/d of sheaves and drums"
-    yield judged("bending_ratio", text, "", result.time[:1], ratio, LEAST_RATIO, names, AT_LEAST)
+    # It is the same at all times.
+    yield judged("bending_ratio", text, "", result.time[:1], ratio, LEAST_RATIO, names, AT_LEAST) | {"time": None}

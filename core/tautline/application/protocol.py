@@ -26,7 +26,8 @@ class Application(Protocol):
     It may have more: ``verbs``, typer commands of its own; ``describe(figures)``, rows of a table (what, how much) that
     ``check`` prints of `check_figures`; ``draw(scene, path)``, which ``check --figure`` calls and which returns the
     path; ``tables``, verbs whose findings a sweep collects, name -> `tautline.results.tables.finding.Table`;
-    ``sometimes``, names of the figures of a run that only some runs have.
+    ``sometimes``, names of the figures of a run that only some runs have; ``aside(figures, limits)``, names of those of
+    its headline and its limits that the printed summary leaves out.
     """
 
     name: str

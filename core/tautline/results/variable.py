@@ -40,6 +40,12 @@ def listed(variables: Iterable[Variable]) -> list[str]:
     return [f"({', '.join(dims)}) {', '.join(names)}" for dims, names in groups.items()]
 
 
+def outside(number: float, time: np.ndarray) -> bool:
+    """Whether a time, s, is of no frame of a run: before or behind all (m,) by more than lies between two of them."""
+    room = float(np.max(np.diff(time))) if len(time) > 1 else 0.0
+    return not time[0] - room <= number <= time[-1] + room
+
+
 def late_start(result: Any) -> str:
     """Where a result begins that does not know the start of its run: ``8 s, where the result begins``; else empty.
 

@@ -381,7 +381,7 @@ class Watch:
             holds = stopped is not None and stopped[1] == status
             left = max(0.0, ahead.begun + stopped[0] - row.time) if holds and ahead and stopped else 0.0
             what = name.removesuffix(" ahead")
-            text, known = f"{what} in {left:.1f} s if all goes on as now", True
+            text, known = f"in {left:.1f} s, if the inputs go on as now", True
             if not holds and unknown and name in self.alarms.active:
                 # Where nothing shows where the machine goes, a danger that was seen is not over.
                 holds, known = True, False

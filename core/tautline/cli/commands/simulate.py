@@ -157,7 +157,8 @@ def simulate(
         return _as_it_stands(application, read, model, target, verify, earlier, bar, quiet, begin)
 
     outcome = _outcome_of(run, end, quiet)
-    _finish(catalogue, _report(scene, outcome.result, end, warnings) | outcome.report, outcome.result, as_json, quiet)
+    report = _report(scene, outcome.result, end, warnings) | outcome.report
+    _finish(catalogue, application, report, outcome.result, as_json, quiet)
     if outcome.line:
         say(*outcome.line)
     if outcome.code is not None:
@@ -398,13 +399,21 @@ def _print_limits(report: dict[str, Any], attributes: dict[str, Any]) -> None:
         )
 
 
-def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None, as_json: bool, quiet: bool) -> None:
+def _finish(
+    catalogue: Catalogue,
+    application: Application,
+    report: dict[str, Any],
+    result: Result | None,
+    as_json: bool,
+    quiet: bool,
+) -> None:
     """Print what came of a run, and how long the whole command took up to here."""
     report["total_time"] = total_time()
     if result is None:
         say("nothing was stored", "yellow")
     elif not quiet:
-        console().print(table(report, result.attributes, result.headline))
+        aside = getattr(application, "aside", lambda figures, limits: ())(result.headline, report["limits"])
+        console().print(table(report, result.attributes, result.headline, aside))
         _print_limits(report, result.attributes)
         frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
         if result.path is None:
@@ -422,7 +431,8 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
     for warning in report["warnings"]:
         say(f"warning: {in_words(warning, system)}", "yellow")
     for record in report["limits"]:
-        if not record["passed"]:
+        # Those of the scene stand in a table of their own, with what came of each.
+        if not record["passed"] and (quiet or "output" not in record):
             say(f"warning: {record['text']}: {limit_said(record, system)}", "yellow")
     if as_json:
         print_json(report)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from tautline.scene.errors import SceneWarning
+    from tautline.study.robustness.critical import Critical
     from tautline.study.robustness.stability import Stability
     from tautline.study.robustness.variants import Variant
 
@@ -103,18 +104,19 @@ def _count(variants: Sequence[Variant]) -> None:
     if silent:
         say(f"{silent} of {whole} ended with a wrong result and no warning", "red")
     else:
-        said = "none ended wrong" if not unknown else "of the others none ended wrong"
-        say(f"{whole}: {said} without saying so", "green")
+        rest = "of the others " if unknown else ""
+        say(f"{whole}: {rest}no wrong result without a warning", "green")
 
 
 def _rows(found: Stability) -> list[tuple[str, str]]:
     c = found.critical
     rows = [
         (f"critical step of {c.method}, by effective length (eq. 2.151)", _step(c.effective_length, c.shortest)),
-        ("by eigenvalues, least along the run", _step(c.eigenvalue, f"at t = {c.at:.4g} s")),
-        ("set by", c.set_by or "–"),
-        ("its angular frequency", "–" if c.omega_max is None else f"{significant(c.omega_max)} rad/s"),
-        ("by real runs from the start", _bracket(c.bisection, c.at_start)),
+        ("critical step by eigenvalues, least along the run", _step(c.eigenvalue, f"at t = {c.at:.4g} s")),
+        ("critical step by eigenvalues set by", c.set_by or "–"),
+        ("angular frequency of that mode", "–" if c.omega_max is None else f"{significant(c.omega_max)} rad/s"),
+        ("critical step by real runs from the start", _bracket(c.bisection, c.at_start)),
+        (f"step of {c.method} to stay below, the smallest of these", _step(_least(c), "")),
     ]
     if c.why:
         rows.append(("", c.why))
@@ -124,12 +126,20 @@ def _rows(found: Stability) -> list[tuple[str, str]]:
         rows.append((f"with {kind} springs of so many N/m", text))
     for condition in found.conditions:
         plain = "" if condition.unscaled is None else f", {condition.unscaled:.1e} without the scaling"
-        rows.append((f"condition number of S_T at {condition.step:.2g} s", f"{condition.scaled:.1e}{plain}"))
+        what = f"condition number of the matrix of a step of {condition.step:.2g} s"
+        rows.append((what, f"{condition.scaled:.1e}{plain}"))
     rows.append(("energy drift of the scene as it stands", _share(found.energy_drift)))
     if found.constraint_drift is not None:
         rows.append(("constraint drift", f"{found.constraint_drift:.1e}"))
     rows.append(("tangent against differences of the residual", _share(found.tangent)))
     return rows
+
+
+def _least(critical: Critical) -> float | None:
+    """The shortest of the critical steps that were found, s; of real runs the longest step that was stable."""
+    stable = critical.bisection[0] if critical.bisection is not None else None
+    known = [step for step in (critical.effective_length, critical.eigenvalue, stable) if step is not None]
+    return min(known, default=None)
 
 
 def _step(value: float | None, note: str) -> str:
@@ -161,6 +171,7 @@ def _table(variants: Sequence[Variant]) -> Table:
         error = "–" if v.error is None else f"{100.0 * v.error:.2g} %"
         own = f"late by {v.lag:.1g} rad, energy {v.energy_error:.1g}" if v.outcome == "inaccurate" else ""
         own += f", states {100.0 * v.stated:.2g} %" if v.stated else ""
-        warned = f"{len(v.warnings)} x" if v.warnings else own
+        count = len(v.warnings)
+        warned = f"{count} warning{'s' * (count > 1)}" if count else own
         table.add_row(v.name, outcome, error, v.status, warned)
     return table

@@ -486,8 +486,8 @@ class _Loop:
         if self.source.dropped:
             rows.append(("records dropped, as they came too fast", str(self.source.dropped)))
         if left := self.source.waiting + len(self.twin.readings.rows.waiting):
-            rows.append(("rows not answered", str(left)))
-        rows.append(("rows answered", str(self.lines)))
+            rows.append(("rows not processed", str(left)))
+        rows.append(("rows processed", str(self.lines)))
         if not self.quiet:
             console().print(two_columns(rows))
 

@@ -7,10 +7,7 @@ from collections.abc import Callable
 
 from tautline.cli.output.console import say
 
-FIRST_RUN = (
-    "first run of this kind of scene: compiling {kernels} of the solver, once. "
-    "about 10 s on two free cores, up to a minute on a busy machine"
-)
+FIRST_RUN = "first run of this kind of scene: compiling {kernels} of the solver. Once only. Takes 10 s to 1 min"
 """Of a scene whose kernels are neither installed nor kept."""
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 from tautline.cli.output.console import console
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 VERDICTS = {True: ("kept", "green"), False: ("FAILED", "red"), None: ("not judged", "yellow")}
 """What came of a limit, and its colour."""
+LEAST_ANGLE = 1.0e-4
+"""Angle, deg, below which only that is printed: two millimetres in a kilometre. ``--json`` has the number."""
 FEWEST = 24
 """Letters in a line that a value has at least, beside what it is of, and that this has in a narrow window."""
 
@@ -43,7 +45,12 @@ def two_columns(rows: Iterable[tuple[str, str]]) -> Table:
     return laid_out
 
 
-def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str, dict[str, Any]]) -> Table:
+def table(
+    report: dict[str, Any],
+    attributes: dict[str, Any],
+    headline: dict[str, dict[str, Any]],
+    aside: Collection[str] = (),
+) -> Table:
     """Lay out the summary.
 
     Parameters
@@ -54,18 +61,39 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         Attributes of the result; `printed_in` says which units the figures are printed in.
     headline : dict
         The application's figures: name -> {value, unit, text}.
+    aside : collection of str
+        Names of figures and limits that are not printed.
     """
     system = printed_in(attributes)
     rows = []
     for name, figure in headline.items():
+        if name in aside:
+            continue
         label = in_words(str(figure.get("text") or name.replace("_", " ")), system)
-        rows.append((label, shown(_along(label, figure.get("value")), str(figure.get("unit") or ""), system)))
-    if limits := report.get("limits"):
-        rows += [("limits satisfied", f"{sum(record['passed'] is True for record in limits)} of {len(limits)}")]
-        # Those of the scene have a table of their own.
-        own = [record for record in limits if "output" not in record]
-        rows += [(f"  {record['text']}", limit_said(record, system)) for record in own]
-    return two_columns([*rows, ("", ""), *_numbers(report, attributes, system)])
+        rows.append((label, _said(_along(label, figure.get("value")), str(figure.get("unit") or ""), system)))
+    # Those of the scene have a table of their own.
+    if usual := [record for record in report.get("limits") or () if "output" not in record]:
+        rows += _of_limits(usual, aside, system)
+    apart = [("", "")] if rows else []
+    return two_columns([*rows, *apart, *_numbers(report, attributes, system)])
+
+
+def _of_limits(limits: list[dict[str, Any]], aside: Collection[str], system: str) -> list[tuple[str, str]]:
+    """Rows of how many limits are satisfied, and of these by how much; the others are told as warnings."""
+    satisfied = [record for record in limits if record["passed"]]
+    others = "" if len(satisfied) == len(limits) else ", see the warnings below"
+    shown = [record for record in satisfied if record["name"] not in aside]
+    return [
+        ("limits satisfied", f"{len(satisfied)} of {len(limits)}{others}"),
+        *((f"  {record['text']}", limit_said(record, system)) for record in shown),
+    ]
+
+
+def _said(value: Any, unit: str, system: str) -> str:
+    """Write a figure; of an angle that nobody could measure that it is one."""
+    if unit == "rad" and isinstance(value, float) and 0.0 < abs(math.degrees(value)) < LEAST_ANGLE:
+        return f"less than {LEAST_ANGLE:g} deg"
+    return shown(value, unit, system)
 
 
 def _along(label: str, value: Any) -> Any:
@@ -122,17 +150,19 @@ def _reached(chosen: dict[str, Any]) -> str:
 
 def limit_said(record: dict[str, Any], system: str = "si") -> str:
     """A limit and what came of it: ``6.2 deg: must be at most 4 deg (winch, t = 3.2 s)``; angles in degrees."""
+    from tautline.results.assessment.limits import AT_MOST  # it loads numpy
 
-    def write(value: float, unit: str) -> str:
-        return f"{significant(math.degrees(value))} deg" if unit == "rad" else shown(value, unit, system)
-
-    limit = write(record["limit"], record["unit"])
+    unit = record["unit"]
+    system_of_value = "si" if unit == "rad" else system
+    limit = shown(record["limit"], unit, system_of_value)
     if record["passed"] is None:
         return f"{record['sense']} {limit} is not judged: {record['note']}"
-    value, lasting = write(record["value"], record["unit"]), record.get("for")
+    value, lasting = _said(record["value"], unit, system_of_value), record.get("for")
     held = f" for {quantity(lasting, 's')}" if lasting else ""
     verdict = ", " if record["passed"] else ": must be "
-    where = in_words(when_and_where(record), system)
+    # What is nowhere more than 0 has no place and no time.
+    nowhere = record["sense"] == AT_MOST and record["value"] == 0.0
+    where = "" if nowhere else in_words(when_and_where(record), system)
     about = in_words(record.get("note", ""), system)
     told = f"{value}{held}{verdict}{record['sense']} {limit}"
     return told + (f" ({where})" if where else "") + (f"; {about}" if about else "")

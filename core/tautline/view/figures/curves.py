@@ -9,6 +9,7 @@ import numpy as np
 
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
+from tautline.results.variable import outside
 from tautline.view.figures.choice import Chosen, choose, split
 from tautline.view.figures.comparison import marker, over_time
 from tautline.view.figures.figure import (
@@ -106,7 +107,18 @@ def _against(results: Sequence[Result], vs: str) -> _Against:
     except ValueError:
         cause = f"'{words}' are no times in seconds"
         raise ResultError("--vs", cause, f"write them between commas: {name}@0,12.5") from None
+    for result in results:
+        _check_times(times, result)
     return _Against(name, [choose(result, name, "--vs") for result in results], times)
+
+
+def _check_times(times: Sequence[float], result: Result) -> None:
+    """Refuse times that a run does not have, as its pictures do; raises ResultError."""
+    begin, end = float(result.time[0]), float(result.time[-1])
+    for one in times:
+        if outside(one, result.time):
+            cause = f"t = {one:g} s is outside of the run{f' in {result.path}' if result.path else ''}"
+            raise ResultError("--vs", cause, f"give times from {begin:g} to {end:g} s")
 
 
 def _history(chosen: Sequence[Chosen], times: Sequence[np.ndarray], names: Sequence[str], title: str) -> Figure:

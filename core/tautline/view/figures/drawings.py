@@ -158,6 +158,10 @@ def _check_known(
     first = split(name)[0]
     if first in result.variables:
         return
+    variable, at, times = first.partition("@")
+    if at and variable in result.variables:
+        cure = f"name what to draw in --what, and the profile in --vs: --what NAME --vs {variable}@{times or '0,12.5'}"
+        raise ResultError("--what", f"times after @ belong to --vs, not to '{variable}' here", cure)
     if first in drawings and vs is not None:
         cause = f"'{first}' is a figure, and --vs draws variables"
         raise ResultError("--vs", cause, f"name a variable: {listed(result.variables)}")

@@ -9,6 +9,7 @@ import numpy as np
 
 from tautline.results.errors import ResultError, unwritten
 from tautline.results.output_path import check_drawn, check_folder
+from tautline.results.variable import outside
 from tautline.view.space.stage import Stage
 
 FORMATS = ("png", "jpg")
@@ -41,8 +42,7 @@ def frame_of(asked: str, time: np.ndarray) -> int:
     cure = f"give a time from {time[0]:g} to {time[-1]:g} s, such as t={0.5 * (time[0] + time[-1]):.3g}, first or last"
     if number is None or not np.isfinite(number):
         raise ResultError("--image", f"'{asked}' is no time", cure)
-    room = float(np.max(np.diff(time))) if len(time) > 1 else 0.0
-    if not time[0] - room <= number <= time[-1] + room:
+    if outside(number, time):
         raise ResultError("--image", f"t = {number:g} s is outside of the run", cure)
     return int(np.abs(time - number).argmin())
 
