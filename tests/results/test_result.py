@@ -57,6 +57,15 @@ def result(request, tmp_path):
 def test_a_result_lists_its_variables_as_a_mapping_does(result):
     assert list(result) == list(result.variables) and len(result) == len(result.variables) > 0
     assert all(name in result and len(result[name]) for name in result) and 0 not in result
+    assert result.keys() == set(result)
+    for arrays in (dict(result), dict(**result)):
+        assert list(arrays) == list(result)
+        np.testing.assert_array_equal(arrays["hook_load"], frames(0, 50)["hook_load"])
+
+
+def test_a_result_is_true_and_nothing_of_it_is_read_to_see_that(result, monkeypatch):
+    monkeypatch.setattr(Result, "variables", property(lambda result: pytest.fail("the variables were read")))
+    assert result
 
 
 def test_numpy_access_gives_the_frames(result):

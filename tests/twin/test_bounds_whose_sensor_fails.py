@@ -201,6 +201,40 @@ def test_a_reading_within_a_bound_begins_its_time_anew_behind_a_silence_and_no_s
     assert not any(one for _, one in told(read, name=name, times=np.arange(0.0, 40.0, 0.1)))
 
 
+@pytest.mark.parametrize("name", ["long overload", "long irregular"])
+@pytest.mark.parametrize(("silent", "rows"), [(9.5, True), (10.5, True), (50.0, True), (9.5, False), (3600.0, False)])
+def test_two_lone_readings_beyond_a_bound_are_no_overload_that_lasts_where_ten_silent_seconds_are_between(
+    silent, rows, name, told
+):
+    """`for: 3 s`; one reading at 2 s, silence with rows or without, and one behind it."""
+    begin, again = np.arange(0.0, 2.05, 0.1), 2.0 + silent
+    times = np.r_[begin, np.arange(2.1, again - 0.05, 0.1) if rows else [], again + np.arange(0.0, 5.0, 0.1)]
+
+    def reading(time):
+        if min(abs(time - 2.0), abs(time - again)) < 0.04:
+            return 84.0
+        return MISSING if 2.0 < time < again else HELD
+
+    found = told(reading, name=name, times=times)
+    assert any(one for _, one in found) == (silent < 10.0)
+
+
+def test_one_computed_row_is_no_overload_that_lasts_behind_a_reading_of_fifty_seconds_ago(told):
+    dead = steps((1.95, 84.0), (2.05, MISSING))
+    found = told(dead, lambda time: 84.0 if abs(time - 52.0) < 0.04 else HELD, "long overload", np.arange(0, 60, 0.1))
+    assert not any(one for _, one in found)
+
+
+@pytest.mark.parametrize("name", ["long overload", "long irregular"])
+@pytest.mark.parametrize("rows", [1.0, 20.0])
+def test_two_readings_of_a_sensor_that_is_slower_than_ten_seconds_have_lasted(rows, name, told):
+    """A reading in 20 s, of which those of 60 s and later are beyond the bound; rows as often, or every second."""
+    found = told(
+        lambda time: MISSING if time % 20.0 else 84.0 if time > 50.0 else HELD, name=name, times=np.arange(0, 101, rows)
+    )
+    assert not any(between(found, 0.0, 79.5)) and all(between(found, 79.5, 101.0))
+
+
 @pytest.mark.parametrize("name", ["overload", "irregular"])
 @pytest.mark.parametrize(("kind", "rate"), [*((kind, 10.0) for kind in BURSTS), ("2 s in 5 s", 50.0)])
 def test_an_alarm_stays_known_in_silences_as_long_as_three_of_the_last_minute_and_no_longer(kind, rate, name, told):

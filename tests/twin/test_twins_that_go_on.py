@@ -252,6 +252,18 @@ def test_an_overload_whose_cell_is_silent_is_not_over_in_a_twin_that_goes_on_wha
     assert len(again) >= 5 and all(one == {"overload": True, "lasting": True} for one in again)
 
 
+@pytest.mark.parametrize("gap", [0.0, 200.0])
+def test_the_time_of_a_bound_begins_anew_behind_a_long_gap_in_rows_however_late_its_sensor_is_lost(gap):
+    """84 kN from 0.5 s on, with `for: 2 s`, and a gap behind 1.4 s."""
+    twin, noise = Twin(STILL, WATCHED + "lost: 10 min\n"), 0.1 * np.sin(37.0 * np.arange(50) ** 2)
+    lasting = []
+    for k in range(50):
+        shown = (84.0 if k >= 5 else 49.0) + noise[k]
+        for line in twin.add(0.1 * k + gap * (k >= 15), [shown]):
+            lasting += [line["time"] - gap for one in line["alarms"] if one["name"] == "lasting"]
+    assert lasting[0] == pytest.approx(2.5 if gap == 0.0 else 3.5)
+
+
 def differences(a, b, path="twin"):
     """Names of numbers that two things of a twin do not share."""
     if type(a) is not type(b):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, KeysView, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -161,6 +161,14 @@ class Result:
 
     def __len__(self) -> int:
         return len(self.variables)
+
+    def __bool__(self) -> bool:
+        """True: a result has a frame. Without it Python would ask for the length, and so read the variables."""
+        return True
+
+    def keys(self) -> KeysView[str]:
+        """Names of `variables`; with them ``dict(result)`` holds the arrays of all."""
+        return self.variables.keys()
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Array of a variable, shape as its dimensions say, SI units; it cannot be written to, a copy can.

@@ -27,6 +27,7 @@ class Alarms:
     def __init__(self) -> None:
         self.active: dict[str, Active] = {}
         self._begun: dict[str, float] = {}
+        self._held: dict[str, float] = {}  # when each of them was shown last
 
     def judge(
         self,
@@ -37,6 +38,7 @@ class Alarms:
         lasting: float = 0.0,
         known: bool = True,
         read: float = math.inf,
+        forgotten_after: float = math.inf,
     ) -> None:
         """Take notice of a condition at a time.
 
@@ -50,18 +52,30 @@ class Alarms:
         read : float
             When the last reading came, where readings alone show the condition, s: one that stands for a while has not
             lasted. Infinite where more than readings shows it.
+        forgotten_after : float
+            How long nothing may show the condition, nor that it is over, for its time to go on, s. Behind a longer
+            silence it begins anew: two sights of it that far apart say nothing of what was between them.
         """
         if not holds:
             self._begun.pop(name, None)
+            self._held.pop(name, None)
             alarm = self.active.get(name)
             if alarm is not None and time - alarm.seen >= CLEAR:
                 del self.active[name]
             return
+        if time - self._held.get(name, time) > forgotten_after:
+            self._begun[name] = time
         begun = self._begun.setdefault(name, time)
+        self._held[name] = min(time, read)
         if name in self.active:
             self.active[name] = Active(self.active[name].since, time, text, known)
         elif time - begun >= lasting - 1e-9 and (lasting <= 0.0 or read > begun):
             self.active[name] = Active(time, time, text, known)
+
+    def pass_over(self) -> None:
+        """Take notice of a time of which nothing is known: what had not lasted before it begins anew behind it."""
+        self._begun.clear()
+        self._held.clear()
 
     def told(self) -> list[dict[str, Any]]:
         """What stands in a line of the twin."""

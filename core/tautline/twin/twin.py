@@ -399,6 +399,8 @@ class Twin:
         why = f"no rows came for {row.time - self.now:.0f} s, or the clock was set forward"
         if row.time - self.now <= LONG_GAP:
             why = "rows come as they are measured from now on"
+        else:
+            self.watch.alarms.pass_over()
         self.notes.append(f"{why}: the simulation was begun again from rest at {stamp_said(row.time)}")
         self._rest()
         self.settling.disturb(row.time)

@@ -193,7 +193,7 @@ class Watch:
         self._irregular.pop(one.name, None)
         if holds:
             self._irregular[one.name] = text
-        self.alarms.judge(one.name, holds, row.time, text, one.lasting)
+        self.alarms.judge(one.name, holds, row.time, text, one.lasting, forgotten_after=sensor.forgotten_after)
 
     def _judge_irregular_unseen(self, one: Alarm, time: float, sensor: Health) -> None:
         """Judge a residual that was beyond its bound: without a reading nothing shows whether that is over."""
@@ -201,7 +201,7 @@ class Watch:
             return  # as of `_judge_unseen`
         text, known = self._irregular[one.name], sensor.fault == "" and sensor.is_awaited(time)
         told = text if known else f"not known any more: {text}. {no_reading(sensor)}"
-        self.alarms.judge(one.name, True, time, told, one.lasting, known, sensor.seen)
+        self.alarms.judge(one.name, True, time, told, one.lasting, known, sensor.seen, sensor.forgotten_after)
 
     def _judge_output(self, one: Alarm, row: Compared, sensor: Health | None, measured: float) -> None:
         # Before the estimate is known, what is computed is that of a guess.
@@ -229,7 +229,8 @@ class Watch:
             return
         (self._told_ahead.add if ahead is not None else self._told_ahead.discard)(one.name)
         read = sensor.seen if seen and sensor is not None and not computed_too else np.inf
-        self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1], read)
+        forgotten_after = sensor.forgotten_after if sensor is not None else np.inf
+        self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1], read, forgotten_after)
 
     def _judge_unseen(self, one: Alarm, row: Compared, sensor: Health | None) -> None:
         """Judge a bound that nothing shows to be passed now: what was seen is over only where something shows that."""
@@ -244,7 +245,8 @@ class Watch:
             said = self._said_silent(one, row.time, sensor)
             self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1])
         # Else what has not lasted yet waits: silence raises nothing, nor does it let the time of the bound begin anew.
-        # A sensor that is silent now and then, before that time is over, would never raise its alarm otherwise.
+        # A sensor that is silent now and then, before that time is over, would never raise its alarm otherwise. Behind
+        # a silence longer than `Health.forgotten_after` it does begin anew.
 
     def _follow_seen(self, one: Alarm, sensor: Health, measured: float, computed_too: bool, within: bool) -> None:
         """Follow whether the last that a sensor has shown is beyond a bound.

@@ -232,8 +232,12 @@ class Core:
             self.start_at(time)
         rounding = SHORTEST * sim.model.solver.interval
         largest = max(abs(time), abs(self.begin), sim.time)
-        if abs(time - self.begin - sim.time) > max(NEAR, rounding) + ROUNDED * math.ulp(largest):
-            cause = f"the host steps from {time:.15g} s, and the unit stands at {self.begin + sim.time:.15g} s"
+        off = time - self.begin - sim.time
+        if abs(off) > max(NEAR, rounding) + ROUNDED * math.ulp(largest):
+            # At epoch times the two may be alike in all digits that are told.
+            side = "earlier" if off > 0.0 else "later"
+            stands = f"{self.begin + sim.time:.15g} s, {abs(off):.3g} s {side}"
+            cause = f"the host steps from {time:.15g} s, and the unit stands at {stands}"
             raise SimulationError(cause, "set the state that was saved there")
         end = time - self.begin + length
         if length > 0.0 and end - sim.time < rounding:
