@@ -269,3 +269,71 @@ def test_an_input_that_was_driven_by_another_meanwhile_goes_on_as_one_given_for_
     place = float(sim.inputs[PLACE])
     _, found = ways(sim, PLACE, [1.0, 1.1, 1.2, 1.3], place + 0.01 * np.array([0.19, 0.4, 0.63, 0.88]))
     assert found[[20, 40, 60], 2] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("short", "noise", "wrong"), [(0.01, 1e-3, 2.0), (0.001, 1e-4, 2.0), (0.01, 0.0, 1.001)])
+def test_a_long_advance_behind_short_ones_of_a_noisy_signal_goes_at_most_twice_as_far_astray_as_by_slopes_alone(
+    short, noise, wrong
+):
+    """A dropout of a second in a signal of 100 or 1000 Hz; the way flew off by 1.4 and 13 m."""
+    lengths = np.where(np.arange(400) % 8 == 7, 1.0, short)
+    times = np.cumsum(lengths)
+    values = 0.5 - 0.5 * np.cos(W * times) + np.random.default_rng(0).normal(0.0, noise, times.size)
+    t, found = ways(simulation_of_all(), HEAVE, times, values)
+    truth = 0.5 - 0.5 * np.cos(W * t)
+    by_slopes = np.abs(slopes_only(times, values)[:, 0] - truth).max()
+    assert np.abs(found[:, 0] - truth).max() < wrong * by_slopes
+
+
+def test_a_noisy_signal_that_is_given_no_more_stays_near_its_last_value_in_a_long_advance():
+    times = np.append(0.01 * np.arange(1, 101), 2.0)
+    noise = np.random.default_rng(0)
+    for _ in range(20):
+        values = [*noise.normal(0.0, 1e-3, 100), None]
+        _, found = ways(simulation_of_all(), HEAVE, times, values)
+        assert np.abs(found[-20:, 0] - values[-2]).max() < 0.2
+
+
+def test_a_second_rate_that_was_given_is_carried_into_an_advance_of_any_length():
+    times = np.append(0.01 * np.arange(1, 11), 1.1)
+    _, found = ways(simulation_of_all(), HEAVE, times, zip(*heave(times), strict=True))
+    assert found[200, 2] == pytest.approx(heave(0.1)[2], rel=1e-12)
+
+
+def test_much_longer_advances_carry_as_much_of_a_second_rate_as_four_times_the_last_would():
+    """Continuous in the length, so that rounding of a time decides nothing."""
+    for long, share in ((0.39, 1.0), (0.41, (0.4 / 0.41) ** 2), (0.8, 0.25), (4.0, 0.01)):
+        times = np.append(0.1 * np.arange(1, 11), 1.0 + long)
+        _, found = ways(simulation_of_all(), HEAVE, times, times**3)
+        assert found[200, 2] == pytest.approx(6.0 * share, rel=1e-6)
+
+
+def notches():
+    """All commands of a lever with three notches in six values, the last held."""
+    return [np.array([*given, given[-1], given[-1]]) for given in itertools.product((0.0, 0.5, 1.0), repeat=6)]
+
+
+@pytest.mark.parametrize(("name", "order"), [(HEAVE, 0), (SPEED, 1)])
+def test_commands_in_notches_are_overshot_no_more_than_by_slopes_alone(name, order):
+    """Half of the range beyond it was the worst.
+
+    The reference for a speed: a cubic that leaves 1 with half the range an advance, and comes to rest there.
+    """
+    sim, times = simulation(name), 0.1 * np.arange(1, 9)
+    saved, beyond, by_slopes = sim.save(), [], []
+    for given in notches()[::3] + [np.array([1, 0.5, 0, 0.5, 1, 0, 0, 0]), np.array([1, 1, 0, 0.5, 1, 0, 0, 0])]:
+        sim.restore(saved)
+        _, found = ways(sim, name, times, given, points=6)
+        beyond.append(max(-found[:, 0].min(), found[:, 0].max() - 1.0))
+        place = slopes_only(times, given, points=6)[:, 0]
+        by_slopes.append(2.0 / 27.0 if order else max(-place.min(), place.max() - 1.0))
+    assert max(beyond) <= max(by_slopes) + 1e-9
+
+
+def test_values_that_differ_by_rounding_from_a_ramp_have_no_second_rate():
+    """Every microsecond: 0.09 m/s2 came out of the last bits of 1000 m."""
+    times = 1e-6 * np.arange(1, 51)
+    _, found = ways(simulation_of_all(), HEAVE, times, 1000.0 + 0.3 * times, points=2)
+    at_ends = found[20::2]
+    assert at_ends[:, 1] == pytest.approx(0.3, rel=1e-3)
+    assert at_ends[:, 2] == pytest.approx(0.0, abs=1e-6)

@@ -1,15 +1,16 @@
 """Inputs: functions of time that are written while a simulation goes on.
 
 What is given is reached at the end of the next advance. The way there is a polynomial with the value, the rate and the
-second rate that the function has now, so that nothing jumps. The rates at its end are those given beside the value.
-Else they are chosen by what was given before:
+second rate that the function has now, so that nothing jumps; but see `_carried`. The rates at its end are those given
+beside the value. Else they are chosen by what was given before:
 
 - Where values go on smoothly, rates are those of the cubic through the last four values. They go on smoothly where the
   last two second differences are nearly alike, or the last two third differences: near a turning point of the motion
-  the former are, near an inflection the latter. Jumps, stops and noise are neither.
+  the former are, near an inflection the latter. Of commands in notches and of noise they are so by chance; the third
+  difference is large then, beside the move and the second difference.
 - Else the rate is the harmonic mean of the slopes of this advance and of the last, and zero where these differ in sign
   (F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984), and the second rate is zero: a value that is given
-  once is come to rest at, and a jump is not overshot.
+  once is come to rest at, and a jump from rest is not overshot.
 
 A value that is not given again counts as given again: the slope of an advance in which nothing moves is zero, and what
 was before it is forgotten. A way of which an advance was left in the middle, on Ctrl-C, is gone on with; by an advance
@@ -29,10 +30,12 @@ from tautline.live.errors import SimulationError, Unpickled, real, unknown
 from tautline.live.turn import Turn
 from tautline.system.handles import Input
 
-TARGET, RATE, SECOND, SLOPE, STATE, LENGTH, BEFORE, BEND, TWIST = range(9)
+TARGET, RATE, SECOND, SLOPE, STATE, LENGTH, BEFORE, BEND, TWIST, CHOSEN = range(10)
+COLUMNS = 10
 """Columns of the memory of an input: value, rate and second rate to be reached (NaN: to be chosen), slope of the last
 advance (NaN: none was given yet), one of the following, lengths of the last advance and of that before it, s, and the
-second and the third divided difference of the values that were given last (NaN: too few since it was at rest)."""
+second and the third divided difference of the values that were given last (NaN: too few since it was at rest), and 1
+where the second rate that it has was chosen."""
 PAST = slice(LENGTH, TWIST + 1)
 AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
 """As the scene has it; at its value, at rest; at its value, moving; given anew, to be reached in the next advance."""
@@ -41,7 +44,8 @@ POWERS = np.arange(DEGREES)
 SECOND_POWERS = POWERS[2:] * POWERS[1:-1]
 """Powers of a way's terms, and the factors of their second derivatives."""
 ROUNDING = 1e-14
-"""Share of a time within which an advance ends where a way does, and of a value within which it is given again."""
+"""Share of a time within which an advance ends where a way does, of a value within which it is given again, and within
+which its differences are rounding."""
 NOT_SMOOTH = 0.0, 0.0, 0.0
 """Where a cubic through the last values has no share in the rates."""
 HELD = 1e-9
@@ -52,6 +56,14 @@ ALIKE, UNLIKE = 2.0 / 3.0, 1.0 / 3.0
 Of a sine all values go on smoothly down to sixteen a period, some down to seven; of noise three in four differences
 differ in sign from the last.
 """
+GENTLE, ROUGH = 0.4, 0.7
+"""Ratios of the third difference to the greatest of the last two moves and the second difference: up to the first
+values go on smoothly, from the second on not.
+
+Of a sine with sixteen values a period it is a tenth at most, of commands in notches two thirds or more.
+"""
+MUCH_LONGER = 4.0
+"""Times the last advance, beyond which less of a second rate that was chosen is carried on."""
 
 
 class Inputs(Unpickled, Mapping[str, Any]):
@@ -73,7 +85,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
         self._numbers = {name: k for k, name in enumerate(inputs)}
         self._list = list(inputs.values())
         self._rivals = _rivals_of(self._list)
-        self.memory = np.zeros((len(inputs), 9))
+        self.memory = np.zeros((len(inputs), COLUMNS))
         self.memory[:, SLOPE] = self.memory[:, PAST] = np.nan
         self._active: set[int] = set()
 
@@ -338,21 +350,24 @@ class Inputs(Unpickled, Mapping[str, Any]):
         h, members = end - begin, self._list[k].members
         steering, function = members[0]
         now = self._now(function)
-        target, rate, second, last, _, *past = row.tolist()  # plain floats take a third of the time of an array's
+        # Plain floats take a third of the time of an array's.
+        target, rate, second, last, _, *past, was_chosen = row.tolist()
         if begin < self._way_end(k) * (1.0 - ROUNDING):
             past = [nan] * 4  # the last advance did not come to the value that was given for it
         moved = target - now[steering.order] / steering.factor
         slope = 0.0 if abs(moved) <= ROUNDING * abs(target) or abs(moved) <= HELD * abs(last) * h else moved / h
         # What the scene itself has moved goes on from its rate.
         before = last if isfinite(last) else now[steering.order + 1] / steering.factor
-        smooth, past = _gone_on(h, slope, last, past)
+        carried = _carried(h, past[0]) if was_chosen else 1.0
+        row[CHOSEN] = not isfinite(second)
+        smooth, past = _gone_on(h, slope, last, past, ROUNDING * abs(target))
         rate, second = _chosen(rate, second, _between(before, slope), smooth)
         at_end = target, rate, second
         for i, (steering, function) in enumerate(members):
             f = self._now(function) if i else now
             g = [steering.factor * x for x in at_end]
             # A rate that is integrated has one order less to be smooth in.
-            way = _quintic(h, f, g) if steering.order == 0 else _integrated_cubic(h, f, g)
+            way = _quintic(h, (f[0], f[1], carried * f[2]), g) if steering.order == 0 else _integrated_cubic(h, f, g)
             self._lay(function, begin, end, way)
         row[SLOPE], row[PAST] = slope, past
         moving = rate != 0.0 or second != 0.0
@@ -416,8 +431,18 @@ def _chosen(rate: float, second: float, between: float, smooth: tuple[float, flo
     return rate if isfinite(rate) else between + share * (smooth_rate - between), second
 
 
+def _carried(h: float, length: float) -> float:
+    """Share of a chosen second rate that an advance of h seconds begins with, behind one of another length, s.
+
+    Of values with noise it is noise over the square of the last length. An advance that is much longer would be carried
+    away by it, with the square of its own length: no farther than one of `MUCH_LONGER` times the last. The acceleration
+    jumps there, as it did in each advance before second rates were chosen.
+    """
+    return (MUCH_LONGER * length / h) ** 2 if h > MUCH_LONGER * length else 1.0
+
+
 def _gone_on(
-    h: float, slope: float, last: float, past: Sequence[float]
+    h: float, slope: float, last: float, past: Sequence[float], rounding: float
 ) -> tuple[tuple[float, float, float], list[float]]:
     """How values go on, and the memory of them after an advance of h seconds.
 
@@ -429,6 +454,8 @@ def _gone_on(
         Slope of the last.
     past : (4,)
         What is remembered: `LENGTH`, `BEFORE`, `BEND`, `TWIST`.
+    rounding : float
+        Differences of values up to this say nothing.
 
     Returns
     -------
@@ -443,7 +470,12 @@ def _gone_on(
     new_bend = (slope - last) / two
     new_twist = (new_bend - bend) / (two + before)
     now = [h, length, new_bend, new_twist]
-    share = max(_alike(bend, new_bend), _alike(twist, new_twist)) if isfinite(twist) else 0.0
+    # Differences of values over the length of these advances.
+    move, second, third = max(abs(slope), abs(last)) * h, abs(new_bend) * h * two, abs(new_twist) * h * two * two
+    if not isfinite(twist) or max(second, third) <= rounding:
+        return NOT_SMOOTH, now
+    gentle = _falling(third / max(move, second), GENTLE, ROUGH)
+    share = gentle * max(_alike(bend, new_bend), _alike(twist, new_twist))
     if share == 0.0:
         return NOT_SMOOTH, now
     # Newton's form with the knots 0, -h, -two at its end.
@@ -456,7 +488,12 @@ def _alike(a: float, b: float) -> float:
     if not a * b > 0.0:
         return 0.0
     a, b = abs(a), abs(b)
-    return min(max((min(a, b) / max(a, b) - UNLIKE) / (ALIKE - UNLIKE), 0.0), 1.0)
+    return 1.0 - _falling(min(a, b) / max(a, b), UNLIKE, ALIKE)
+
+
+def _falling(x: float, first: float, last: float) -> float:
+    """One up to the first number, zero from the last on, and straight between."""
+    return min(max((last - x) / (last - first), 0.0), 1.0)
 
 
 def _quintic(h: float, f: Sequence[float], g: Sequence[float]) -> np.ndarray:
