@@ -82,8 +82,8 @@ def _half_flowing(scene: CableScene, driven: list[_Driven]) -> Sentences:
     text = (
         f"`start: {scene.solver.start}` lets material flow on at {speed:.9g} m/s at node {node}, beside which an "
         f"element keeps its length, and takes it to stand still at node {other}, whose {rate:.9g} m/s differ by more "
-        f"than 1 %. Forces at rest in elements near them are off by about rhoA v^2 = {force:.3g} N, and the rope swings "
-        f"when the run begins.{others} Let all speeds grow from 0, or begin at one rate, and change them later"
+        f"than 1 %. Forces at rest in elements near them are off by about rhoA v^2 = {force:.3g} N, and the rope "
+        f"swings when the run begins.{others} Let all speeds grow from 0, or begin at one rate, and change them later"
     )
     yield element.place, text
 
