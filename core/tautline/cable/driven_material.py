@@ -60,6 +60,11 @@ def _nearly_one_rate(scene: CableScene, driven: list[_Driven]) -> Sentences:
         f"material{others}. If one speed is meant, couple p of one node to p of the other by LinearCoupl, or write the "
         "functions with more digits"
     )
+    if scene.solver.start == "relaxed":
+        text += (
+            ". It grows or shrinks during dynamic relaxation, too, which finds no rest, or forces there that are off: "
+            "take start: static"
+        )
     yield element.place, text
 
 

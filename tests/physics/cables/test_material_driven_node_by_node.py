@@ -183,6 +183,7 @@ def test_rates_that_nearly_agree_are_told_with_both_where_rest_is_looked_for(sta
     rates = [4.0] * 6 + [4.004] + [4.0] * 6
     (text,) = told(hanging(speeds, rates=rates), start=start)
     assert "at 4 m/s at node 5 " in text and "at 4.004 m/s at node 6." in text and "1 more like it" in text
+    assert ("take start: static" in text) == (start == "relaxed")
 
 
 @pytest.mark.parametrize("rates", [[4.0] * (N + 1), 4.0 + 1e-9 * APART, APART])
