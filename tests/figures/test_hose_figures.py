@@ -175,6 +175,32 @@ def test_a_motion_that_is_slim_beside_the_hose_is_drawn_larger_across_and_the_la
     assert plot.get_xlabel() == "x [m]"
 
 
+def scaled(along=1.0, across=1.0):
+    """A hose whose motion across, z, and whose places along, x, are so many times those of the usual one."""
+    run = result(sag=0.0)
+    for axis, factor in ((0, along), (2, across)):
+        run._contents[1]["position"][..., axis] *= factor
+        run._contents[1]["slope"][..., axis] *= factor
+        for name in ("tip", "tip_velocity"):
+            run._contents[1][name][:, axis] *= factor
+    return run
+
+
+def test_a_hose_that_is_slim_only_beside_a_longer_one_is_not_drawn_larger_across():
+    long = scaled(along=100.0)
+    plots = draw([long, result(sag=0.0)], ["shape"])["shape"].axes[:2]
+    assert [plot.get_aspect() for plot in plots] == [1.0, 1.0]
+    assert draw([long], ["shape"])["shape"].axes[0].get_aspect() > 1.0
+    both = draw([long, scaled(across=1e-2)], ["shape"])["shape"].axes[:2]
+    assert both[0].get_aspect() == both[1].get_aspect() > 1.0
+
+
+@pytest.mark.parametrize(("across", "larger"), [(1e-4, True), (1e-6, False)])
+def test_a_motion_below_1e_5_of_the_length_is_not_drawn_larger(across, larger):
+    """The tip of the usual hose swings by some 0.4 of its length to both sides."""
+    assert (draw([scaled(across=across)], ["shape"])["shape"].axes[0].get_aspect() > 1.0) == larger
+
+
 def test_a_speed_that_rises_and_falls_is_told_apart():
     run = result(**RAMP)
     run._contents[1]["flow_speed"][:] = 40.0 * np.sin(np.pi * run.time / run.time[-1])

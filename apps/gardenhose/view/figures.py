@@ -55,7 +55,7 @@ SLIM = 5.0
 """Length over width of a motion from which on its width is drawn larger."""
 STRETCHED = 1.25
 """Length over width that such a motion has as it is drawn, at least."""
-NO_MOTION = 1e-7
+NO_MOTION = 1e-5
 """Share of the hose's length below which a width is rounding."""
 ALMOST = 0.15
 """How far a unit vector may be from an axis that figures take in its place."""
@@ -156,13 +156,16 @@ def shape(runs: Sequence[Run]) -> Figure:
     # Hoses of one plane share their limits, so that amplitudes compare at a glance.
     alike = all(np.allclose(np.array(run.plane), np.array(runs[0].plane)) for run in runs)
     extents = [np.concatenate([fan.curves.reshape(-1, 3), fan.path]) for fan in fans]
+    ways = {_slim(*run.plane(points)) for run, points in zip(runs, extents, strict=True)}
     if alike:
         extents = [np.concatenate(extents)] * len(runs)
     columns = min(len(runs), 3)
     rows, width = -(-len(runs) // columns), 6.0 if columns == 1 else 3.6
     least = 0.2 * runs[0].length
     seen = [run.plane(points) for run, points in zip(runs, extents, strict=True)]
-    larger = [_enlargement(*points, least) for points in seen] if alike else [(1.0, 1.0)] * len(runs)
+    # What is slim beside a longer hose only is drawn as it is: larger, it would be flattened.
+    enlarged = alike and ways in ({"wide"}, {"high"})
+    larger = [_enlargement(*points, NO_MOTION * runs[0].length) if enlarged else (1.0, 1.0) for points in seen]
     ratio = max(height_over_width(x * across, y * up, least) for (x, y), (across, up) in zip(seen, larger, strict=True))
     height = min(max(width * ratio, 1.0), 2.0 * width) + 0.9
     figure, plots = axes(rows, columns, width * columns + 1.0, height * rows + 1.2, title_of_runs(runs))
@@ -186,10 +189,18 @@ def shape(runs: Sequence[Run]) -> Figure:
     return figure
 
 
-def _enlargement(x: np.ndarray, y: np.ndarray, least: float) -> tuple[float, float]:
+def _slim(x: np.ndarray, y: np.ndarray) -> str:
+    """Which way a motion is so much longer than the other that it is seen as a line: wide, high, or neither ("")."""
+    wide, high = float(np.ptp(x)), float(np.ptp(y))
+    if min(wide, high) * SLIM >= max(wide, high):
+        return ""
+    return "wide" if wide > high else "high"
+
+
+def _enlargement(x: np.ndarray, y: np.ndarray, rounding: float) -> tuple[float, float]:
     """How many times larger than the other way each is drawn, round numbers: a slim motion would be seen as a line."""
     wide, high = float(np.ptp(x)), float(np.ptp(y))
-    if min(wide, high) * SLIM >= max(wide, high) or min(wide, high) <= NO_MOTION * least:
+    if not _slim(x, y) or min(wide, high) <= rounding:
         return 1.0, 1.0
     wanted = max(wide, high) / min(wide, high) / STRETCHED
     power = 10.0 ** np.floor(np.log10(wanted))

@@ -1,51 +1,109 @@
-"""What to tell of material that is driven through an element at two rates that nearly agree."""
+"""What to tell of material that is driven through an element at two rates, where a run begins at rest."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from tautline.cable.coarse_lines import Sentences
-from tautline.cable.input.couplings import SAME_RATE, rates_at_start
+from tautline.cable.input.couplings import NEARLY, SAME_RATE, rates_at_start
 from tautline.cable.input.parts import CableScene, Element
 from tautline.scene.warnings import warning
 
-NEARLY = 0.01
-"""Difference of two rates of p over the larger, below which one rate may be meant by both."""
+TOO_LITTLE = 1e-7
+"""Force over EA, a strain, below which a force is not worth a word."""
+
+
+class _Driven(NamedTuple):
+    """An element whose material is driven at both ends, and its rates there, m/s."""
+
+    element: Element
+    rates: tuple[float, float]
+
+    @property
+    def apart(self) -> float:
+        """Difference of the rates over the larger."""
+        first, second = self.rates
+        return abs(first - second) / (max(abs(first), abs(second)) or 1.0)
+
+    @property
+    def flows(self) -> bool:
+        """Whether both ends flow on while the rope rests: at one rate, or nearly."""
+        return 0.0 not in self.rates and self.apart <= NEARLY
 
 
 @warning("cable")
-def _nearly_one_rate(scene: CableScene) -> Sentences:
-    """Material whose flow a start at rest leaves out, for functions drive both ends of an element nearly alike."""
-    if scene.solver.start not in ("static", "relaxed") or not scene.motions:
-        return
-    drives, kinds = _drives_of_p(scene), {node.id: node.kind for node in scene.nodes}
-    several: list[Element] = []
-    for element in scene.elements:
-        first, second = (drives(node) for node in element.nodes)
+def _two_rates(scene: CableScene) -> Sentences:
+    """Material that a start at rest lets flow on at two rates, or at one end of an element only."""
+    if driven := _driven(scene):
+        yield from _nearly_one_rate(scene, driven)
+        yield from _half_flowing(scene, driven)
+
+
+def _nearly_one_rate(scene: CableScene, driven: list[_Driven]) -> Sentences:
+    """Elements that grow slowly from the first moment on, for functions drive both ends nearly alike."""
+    drives = _drives_of_p(scene)
+    found = []
+    for one in driven:
+        here, there = (drives(node) for node in one.element.nodes)
         # Where the same functions move both ends by factors of their own, the difference is meant.
-        if first and second and first != second:
-            several.append(element)
-    if not several:
-        return
-    rate_of = rates_at_start(scene)
-    found: list[tuple[float, Element, float, float]] = []
-    for element in several:
-        (one, held), (other, there) = (rate_of(node, kinds[node]) for node in element.nodes)
-        apart = abs(one - other) / (max(abs(one), abs(other)) or 1.0)
-        if held and there and SAME_RATE < apart <= NEARLY:
-            found.append((apart, element, one, other))
+        if here and there and here != there and SAME_RATE < one.apart <= NEARLY:
+            found.append(one)
     if not found:
         return
-    _, element, one, other = max(found, key=lambda entry: entry[0])
-    others = f" and of {len(found) - 1} more like it" if len(found) > 1 else ""
+    element, (first, second) = max(found, key=lambda one: one.apart)
+    others = f", as do {len(found) - 1} more like it" if len(found) > 1 else ""
     text = (
-        f"material runs at {one:.9g} m/s at node {element.nodes[0]} when the run begins, and at {other:.9g} m/s at "
-        f"node {element.nodes[1]}. `start: {scene.solver.start}` lets material flow on where both rates are equal to "
-        f"{SAME_RATE:.0e} of them. Material of this element{others} is taken to stand still, and the rope swings when "
-        "the run begins. If one speed is meant, couple p of one node to p of the other by LinearCoupl, or write the "
+        f"material runs at {first:.9g} m/s at node {element.nodes[0]} when the run begins, and at {second:.9g} m/s at "
+        f"node {element.nodes[1]}. `start: {scene.solver.start}` lets material flow on at both rates, for they nearly "
+        f"agree, and this element {'grows' if second > first else 'shrinks'} by {abs(second - first):.3g} m/s of "
+        f"material{others}. If one speed is meant, couple p of one node to p of the other by LinearCoupl, or write the "
         "functions with more digits"
     )
+    if scene.solver.start == "relaxed":
+        text += (
+            ". It grows or shrinks during dynamic relaxation, too, which finds no rest, or forces there that are off: "
+            "take start: static"
+        )
     yield element.place, text
+
+
+def _half_flowing(scene: CableScene, driven: list[_Driven]) -> Sentences:
+    """Elements of which a start at rest lets one node flow on and not the other: they take in momentum that is lost."""
+    flowing = {node for one in driven if one.flows for node in one.element.nodes}
+    found: list[tuple[float, Element, tuple[int, float], tuple[int, float]]] = []
+    for element, rates in driven:
+        ends = tuple(zip(element.nodes, rates, strict=True))
+        runs = [end for end in ends if end[0] in flowing]
+        # A node whose own rate is 0 is right where it stands.
+        stands = [end for end in ends if end[0] not in flowing and end[1] != 0.0]
+        force = element.rhoA * runs[0][1] ** 2 if runs and stands else 0.0
+        if force > TOO_LITTLE * element.EA:
+            found.append((force, element, runs[0], stands[0]))
+    if not found:
+        return
+    force, element, (node, speed), (other, rate) = max(found, key=lambda entry: entry[0])
+    others = f" {len(found) - 1} more elements are like this one." if len(found) > 1 else ""
+    text = (
+        f"`start: {scene.solver.start}` lets material flow on at {speed:.9g} m/s at node {node}, beside which an "
+        f"element keeps its length, and takes it to stand still at node {other}, whose {rate:.9g} m/s differ by more "
+        f"than 1 %. Forces at rest in elements near them are off by about rhoA v^2 = {force:.3g} N, and the rope "
+        f"swings when the run begins.{others} Let all speeds grow from 0, or begin at one rate, and change them later"
+    )
+    yield element.place, text
+
+
+def _driven(scene: CableScene) -> list[_Driven]:
+    """Elements whose material is held at both ends and runs at one of them at least, of a scene that begins at rest."""
+    if scene.solver.start not in ("static", "relaxed") or not scene.motions:
+        return []
+    rate_of, kinds = rates_at_start(scene), {node.id: node.kind for node in scene.nodes}
+    found = []
+    for element in scene.elements:
+        (first, held), (second, there) = (rate_of(node, kinds[node]) for node in element.nodes)
+        if held and there and (first or second):
+            found.append(_Driven(element, (first, second)))
+    return found
 
 
 def _drives_of_p(scene: CableScene) -> Callable[[int], frozenset[int]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 
 from tautline.cable.input.initial import initial_rate
@@ -16,6 +17,8 @@ APART = 1.0e-9
 """Gap of a constraint at the start, m or as a share of the node's place, that is no rounding."""
 SAME_RATE = 1.0e-6
 """Difference of two rates over the larger, below which they are one: above what rounding leaves of a table's rate."""
+NEARLY = 0.01
+"""Difference of two rates over the larger, up to which material flows on while its rope rests."""
 FAR = 1.0e-3
 """Gap of a coupling, as a share of the shortest element at the slave, that no drawing is rounded by."""
 
@@ -116,11 +119,16 @@ def rates_at_start(scene: CableScene) -> Callable[[int, int], tuple[float, bool]
     """
     nodes = {node.id: node for node in scene.nodes}
     masters = {coupling.slave: coupling.masters for coupling in scene.couplings}
-    begins = {motion.id: initial_rate(motion) for motion in scene.motions}
+    motions = {motion.id: motion for motion in scene.motions}
+
+    @functools.cache
+    def begins(function: int) -> float:
+        # Only of those that are asked for: a function that is not plain is compiled for its rate.
+        return initial_rate(motions[function]) if function in motions else 0.0
 
     def of(node: int, dof: int) -> tuple[float, bool]:
         if (node, dof) not in masters:
-            return begins.get(nodes[node].functions[dof - 1], 0.0), nodes[node].held[dof - 1]
+            return begins(nodes[node].functions[dof - 1]), nodes[node].held[dof - 1]
         parts = [(factor, *of(*master)) for *master, factor in masters[node, dof]]
         return sum(factor * rate for factor, rate, _ in parts), all(held for *_, held in parts)
 

@@ -60,7 +60,7 @@ def steady_flow(layout: Layout) -> list[int]:
     """Places of the p of material that is driven through elements of constant length: it flows on while they rest.
 
     An element keeps its length where one motion drives both of its ends, and at the start of a run where several drive
-    them at one rate: that state is at rest, whatever the rates are later.
+    them at one rate, or nearly: that state is at rest, whatever the rates are later. Each node flows on at its own.
     """
     places: set[int] = set()
     for element in () if _all_still(layout) else layout.scene.elements:

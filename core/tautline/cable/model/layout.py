@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.cable.input.couplings import SAME_RATE
+from tautline.cable.input.couplings import NEARLY
 from tautline.cable.input.parts import CableScene
 from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.scene.functions import Table
@@ -124,10 +124,13 @@ class Layout:
         return frozenset(parts)
 
     def run_alike(self, place: int, other: int) -> bool:
-        """Whether two degrees of freedom are held, move when a run begins, and at one rate, whatever drives each."""
+        """Whether two places are held and move when a run begins, at one rate or nearly, whatever drives each.
+
+        A small difference adds a small force, the other end at 0 all of the momentum: what nearly agrees flows on.
+        """
         rate, there = (abs(float(self.velocity[i])) for i in (place, other))
         apart = abs(float(self.velocity[place] - self.velocity[other]))
-        return 0.0 < rate and apart <= SAME_RATE * max(rate, there) and self.is_held(place) and self.is_held(other)
+        return 0.0 < rate and apart <= NEARLY * max(rate, there) and self.is_held(place) and self.is_held(other)
 
     def is_held(self, place: int) -> bool:
         """Whether a degree of freedom is fixed, prescribed, or follows only such ones."""
