@@ -6,19 +6,27 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from tautline.cable.coarse_lines import Sentences
-from tautline.cable.input.couplings import NEARLY, SAME_RATE, rates_at_start
+from tautline.cable.input.couplings import NEARLY, SAME_RATE, alike_within, rates_at_start
 from tautline.cable.input.parts import CableScene, Element
 from tautline.scene.warnings import warning
 
 TOO_LITTLE = 1e-7
 """Force over EA, a strain, below which a force is not worth a word."""
 
+SETTLES = {
+    "static": "`start: static` lets material flow on at both rates, for they nearly agree",
+    "relaxed": "Dynamic relaxation would let it do so while it looks for rest, and takes these for two rates: "
+    "take start: static",
+}
+"""What a start at rest makes of two rates that nearly agree."""
+
 
 class _Driven(NamedTuple):
-    """An element whose material is driven at both ends, and its rates there, m/s."""
+    """An element whose material is driven at both ends, its rates there, m/s, and within what share they are alike."""
 
     element: Element
     rates: tuple[float, float]
+    alike: float
 
     @property
     def apart(self) -> float:
@@ -29,7 +37,7 @@ class _Driven(NamedTuple):
     @property
     def flows(self) -> bool:
         """Whether both ends flow on while the rope rests: at one rate, or nearly."""
-        return 0.0 not in self.rates and self.apart <= NEARLY
+        return 0.0 not in self.rates and self.apart <= self.alike
 
 
 @warning("cable")
@@ -51,20 +59,15 @@ def _nearly_one_rate(scene: CableScene, driven: list[_Driven]) -> Sentences:
             found.append(one)
     if not found:
         return
-    element, (first, second) = max(found, key=lambda one: one.apart)
+    element, (first, second), _ = max(found, key=lambda one: one.apart)
+    change = f"{'grows' if second > first else 'shrinks'} by {abs(second - first):.3g} m/s of material"
     others = f", as do {len(found) - 1} more like it" if len(found) > 1 else ""
     text = (
         f"material runs at {first:.9g} m/s at node {element.nodes[0]} when the run begins, and at {second:.9g} m/s at "
-        f"node {element.nodes[1]}. `start: {scene.solver.start}` lets material flow on at both rates, for they nearly "
-        f"agree, and this element {'grows' if second > first else 'shrinks'} by {abs(second - first):.3g} m/s of "
-        f"material{others}. If one speed is meant, couple p of one node to p of the other by LinearCoupl, or write the "
+        f"node {element.nodes[1]}: this element {change}{others}. {SETTLES[scene.solver.start]}. If one speed is meant, "
+        "couple p of one node to p of the other by LinearCoupl, or write the "
         "functions with more digits"
     )
-    if scene.solver.start == "relaxed":
-        text += (
-            ". It grows or shrinks during dynamic relaxation, too, which finds no rest, or forces there that are off: "
-            "take start: static"
-        )
     yield element.place, text
 
 
@@ -72,7 +75,7 @@ def _half_flowing(scene: CableScene, driven: list[_Driven]) -> Sentences:
     """Elements of which a start at rest lets one node flow on and not the other: they take in momentum that is lost."""
     flowing = {node for one in driven if one.flows for node in one.element.nodes}
     found: list[tuple[float, Element, tuple[int, float], tuple[int, float]]] = []
-    for element, rates in driven:
+    for element, rates, _ in driven:
         ends = tuple(zip(element.nodes, rates, strict=True))
         runs = [end for end in ends if end[0] in flowing]
         # A node whose own rate is 0 is right where it stands.
@@ -87,8 +90,9 @@ def _half_flowing(scene: CableScene, driven: list[_Driven]) -> Sentences:
     text = (
         f"`start: {scene.solver.start}` lets material flow on at {speed:.9g} m/s at node {node}, beside which an "
         f"element keeps its length, and takes it to stand still at node {other}, whose {rate:.9g} m/s differ by more "
-        f"than 1 %. Forces at rest in elements near them are off by about rhoA v^2 = {force:.3g} N, and the rope "
-        f"swings when the run begins.{others} Let all speeds grow from 0, or begin at one rate, and change them later"
+        f"than {100.0 * alike_within(scene.solver.start):.3g} %. Forces at rest in elements near them are off by about "
+        f"rhoA v^2 = {force:.3g} N, and the rope swings when the run begins.{others} Let all speeds grow from 0, or "
+        "begin at one rate, and change them later"
     )
     yield element.place, text
 
@@ -102,7 +106,7 @@ def _driven(scene: CableScene) -> list[_Driven]:
     for element in scene.elements:
         (first, held), (second, there) = (rate_of(node, kinds[node]) for node in element.nodes)
         if held and there and (first or second):
-            found.append(_Driven(element, (first, second)))
+            found.append(_Driven(element, (first, second), alike_within(scene.solver.start)))
     return found
 
 

@@ -18,9 +18,15 @@ APART = 1.0e-9
 SAME_RATE = 1.0e-6
 """Difference of two rates over the larger, below which they are one: above what rounding leaves of a table's rate."""
 NEARLY = 0.01
-"""Difference of two rates over the larger, up to which material flows on while its rope rests."""
+"""Difference of two rates over the larger, up to which material flows on while its rope rests. In dynamic relaxation
+the element would grow meanwhile: there it is `SAME_RATE`."""
 FAR = 1.0e-3
 """Gap of a coupling, as a share of the shortest element at the slave, that no drawing is rounded by."""
+
+
+def alike_within(start: str) -> float:
+    """Difference of two rates over the larger, up to which a start of a scene counts them as one."""
+    return SAME_RATE if start == "relaxed" else NEARLY
 
 
 def ties(register: Register) -> tuple[tuple[Tie, ...], list[SceneWarning]]:

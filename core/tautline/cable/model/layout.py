@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.cable.input.couplings import NEARLY
+from tautline.cable.input.couplings import alike_within
 from tautline.cable.input.parts import CableScene
 from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.scene.functions import Table
@@ -130,7 +130,8 @@ class Layout:
         """
         rate, there = (abs(float(self.velocity[i])) for i in (place, other))
         apart = abs(float(self.velocity[place] - self.velocity[other]))
-        return 0.0 < rate and apart <= NEARLY * max(rate, there) and self.is_held(place) and self.is_held(other)
+        most = alike_within(self.scene.solver.start) * max(rate, there)
+        return 0.0 < rate and apart <= most and self.is_held(place) and self.is_held(other)
 
     def is_held(self, place: int) -> bool:
         """Whether a degree of freedom is fixed, prescribed, or follows only such ones."""
