@@ -15,7 +15,7 @@ TOO_LITTLE = 1e-7
 
 SETTLES = {
     "static": "`start: static` lets material flow on at both rates, for they nearly agree",
-    "relaxed": "Dynamic relaxation would let it do so while it looks for rest, and takes these for two rates: "
+    "relaxed": "Dynamic relaxation lets no material flow on at two rates, for elements would change meanwhile: "
     "take start: static",
 }
 """What a start at rest makes of two rates that nearly agree."""
@@ -64,9 +64,8 @@ def _nearly_one_rate(scene: CableScene, driven: list[_Driven]) -> Sentences:
     others = f", as do {len(found) - 1} more like it" if len(found) > 1 else ""
     text = (
         f"material runs at {first:.9g} m/s at node {element.nodes[0]} when the run begins, and at {second:.9g} m/s at "
-        f"node {element.nodes[1]}: this element {change}{others}. {SETTLES[scene.solver.start]}. If one speed is meant, "
-        "couple p of one node to p of the other by LinearCoupl, or write the "
-        "functions with more digits"
+        f"node {element.nodes[1]}: this element {change}{others}. {SETTLES[scene.solver.start]}. If one speed is "
+        "meant, couple p of one node to p of the other by LinearCoupl, or write the functions with more digits"
     )
     yield element.place, text
 
