@@ -294,6 +294,20 @@ def test_a_noisy_signal_that_is_given_no_more_stays_near_its_last_value_in_a_lon
         assert np.abs(found[-20:, 0] - values[-2]).max() < 0.2
 
 
+def test_a_speed_that_takes_over_from_a_noisy_place_goes_on_near_it_in_a_long_advance():
+    """A winch that is held by `pay_out_speed = 0` behind measured values of 100 Hz; it moved by 2.8 m, from 0.2 m/s."""
+    for seed in range(10):
+        noise = np.random.default_rng(seed)
+        sim = tautline.Simulation(still(), inputs=[PLACE, SPEED], keep=False)
+        times = 0.01 * np.arange(1, 41)
+        ways(sim, PLACE, times, float(sim.inputs[PLACE]) + A * np.sin(W * times) + noise.normal(0.0, 1e-3, 40))
+        sim.inputs[SPEED] = 0.0
+        sim.inputs.write(sim.time, sim.time + 1.0)
+        function = sim.inputs.handle(SPEED).members[0][1]
+        moved = [value_at(sim.model.system.functions, function, t)[0] for t in np.linspace(0.4, 1.4, 21)]
+        assert np.abs(np.array(moved) - moved[0]).max() < 0.4
+
+
 def test_a_second_rate_that_was_given_is_carried_into_an_advance_of_any_length():
     times = np.append(0.01 * np.arange(1, 11), 1.1)
     _, found = ways(simulation_of_all(), HEAVE, times, zip(*heave(times), strict=True))

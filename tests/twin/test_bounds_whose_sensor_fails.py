@@ -225,6 +225,16 @@ def test_one_computed_row_is_no_overload_that_lasts_behind_a_reading_of_fifty_se
     assert not any(one for _, one in found)
 
 
+def test_single_rows_of_what_is_computed_are_no_overload_that_lasts_where_rows_between_are_within(told):
+    """A dead cell that showed 84 kN last: computed rows at 8, 14 and 20 s are beyond the bound, all others are not."""
+    dead = steps((1.95, 84.0), (2.25, MISSING))
+    computed = {8.0, 14.0, 20.0}
+    found = told(
+        dead, lambda time: 84.0 if round(time, 3) in computed else HELD, "long overload", np.arange(0, 25, 0.1)
+    )
+    assert not any(one for _, one in found)
+
+
 @pytest.mark.parametrize("name", ["long overload", "long irregular"])
 @pytest.mark.parametrize("rows", [1.0, 20.0])
 def test_two_readings_of_a_sensor_that_is_slower_than_ten_seconds_have_lasted(rows, name, told):

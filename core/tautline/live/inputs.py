@@ -35,10 +35,12 @@ COLUMNS = 10
 """Columns of the memory of an input: value, rate and second rate to be reached (NaN: to be chosen), slope of the last
 advance (NaN: none was given yet), one of the following, lengths of the last advance and of that before it, s, and the
 second and the third divided difference of the values that were given last (NaN: too few since it was at rest), and 1
-where the second rate that it has was chosen."""
+where the second rate that it has was chosen, or `TAKEN_OVER`."""
 PAST = slice(LENGTH, TWIST + 1)
 AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
 """As the scene has it; at its value, at rest; at its value, moving; given anew, to be reached in the next advance."""
+TAKEN_OVER = 2.0
+"""What stands where an input of a place, whose second rate was chosen, left what a rate drives now."""
 PIECES = 3
 POWERS = np.arange(DEGREES)
 SECOND_POWERS = POWERS[2:] * POWERS[1:-1]
@@ -60,7 +62,7 @@ GENTLE, ROUGH = 0.4, 0.7
 """Ratios of the third difference to the greatest of the last two moves and the second difference: up to the first
 values go on smoothly, from the second on not.
 
-Of a sine with sixteen values a period it is a tenth at most, of commands in notches two thirds or more.
+Of a sine with sixteen values a period it is a tenth at most, of commands in three notches two thirds or more.
 """
 MUCH_LONGER = 4.0
 """Times the last advance, beyond which less of a second rate that was chosen is carried on."""
@@ -183,6 +185,10 @@ class Inputs(Unpickled, Mapping[str, Any]):
                 cure = f"give one of them, or {names[place]} = (value, rate)"
                 raise SimulationError(cause, cure if self._list[place].steering.order == 0 else "give one of them")
         for other in self._rivals[k]:
+            if self.memory[other, CHOSEN] and self._list[other].steering.order == 0:
+                # Of values close together the second rate may be noise: it fades in a longer advance here, too.
+                self.memory[k, CHOSEN], self.memory[k, LENGTH] = TAKEN_OVER, self.memory[other, LENGTH]
+            self.memory[other, CHOSEN] = 0.0
             # It would come to rest where it was to go. What it knows of its last advance is old when it is next given.
             self.memory[other, SLOPE] = self.memory[other, PAST] = np.nan
             if self.memory[other, STATE] != AS_WRITTEN:
@@ -359,6 +365,9 @@ class Inputs(Unpickled, Mapping[str, Any]):
         # What the scene itself has moved goes on from its rate.
         before = last if isfinite(last) else now[steering.order + 1] / steering.factor
         carried = _carried(h, past[0]) if was_chosen else 1.0
+        taken_over = was_chosen == TAKEN_OVER
+        if taken_over:
+            past = [nan] * 4
         row[CHOSEN] = not isfinite(second)
         smooth, past = _gone_on(h, slope, last, past, ROUNDING * abs(target))
         rate, second = _chosen(rate, second, _between(before, slope), smooth)
@@ -367,7 +376,10 @@ class Inputs(Unpickled, Mapping[str, Any]):
             f = self._now(function) if i else now
             g = [steering.factor * x for x in at_end]
             # A rate that is integrated has one order less to be smooth in.
-            way = _quintic(h, (f[0], f[1], carried * f[2]), g) if steering.order == 0 else _integrated_cubic(h, f, g)
+            if steering.order == 0:
+                way = _quintic(h, (f[0], f[1], carried * f[2]), g)
+            else:
+                way = _integrated_cubic(h, (f[0], f[1], carried * f[2] if taken_over else f[2]), g)
             self._lay(function, begin, end, way)
         row[SLOPE], row[PAST] = slope, past
         moving = rate != 0.0 or second != 0.0

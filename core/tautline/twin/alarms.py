@@ -63,7 +63,9 @@ class Alarms:
             if alarm is not None and time - alarm.seen >= CLEAR:
                 del self.active[name]
             return
-        if time - self._held.get(name, time) > forgotten_after:
+        # Of what began in a state of an earlier version nobody knows when it was shown last.
+        shown = self._held.get(name, -math.inf if name in self._begun else time)
+        if time - shown > forgotten_after:
             self._begun[name] = time
         begun = self._begun.setdefault(name, time)
         self._held[name] = min(time, read)

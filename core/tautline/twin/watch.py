@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from tautline.scene.values.printed import in_words, quantity, shown
-from tautline.twin.alarms import Alarms, beyond, bound_said
+from tautline.twin.alarms import CLEAR, Alarms, beyond, bound_said
 from tautline.twin.forecast import Found, extreme
 from tautline.twin.map import Alarm, Plan
 from tautline.twin.operation import Operation
-from tautline.twin.signals.sensors import Health
+from tautline.twin.signals.sensors import EDGE, Health
 
 TOLD = {
     "TWO_BLOCKED": "two-blocking ahead", "RUN_OUT": "drum empty ahead", "DRUM_FULL": "drum full ahead",
@@ -230,6 +230,9 @@ class Watch:
         (self._told_ahead.add if ahead is not None else self._told_ahead.discard)(one.name)
         read = sensor.seen if seen and sensor is not None and not computed_too else np.inf
         forgotten_after = sensor.forgotten_after if sensor is not None else np.inf
+        if sensor is not None and not seen:
+            # What is computed is known at each row: rows within the bound lie between.
+            forgotten_after = max(CLEAR, sensor.patience, row.time - self._before) * (1.0 + EDGE)
         self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1], read, forgotten_after)
 
     def _judge_unseen(self, one: Alarm, row: Compared, sensor: Health | None) -> None:

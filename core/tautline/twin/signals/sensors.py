@@ -216,8 +216,12 @@ class Health:
     @property
     def forgotten_after(self) -> float:
         """For how long it may be silent for what it shows then to go on with what it showed before, s."""
-        usual = float(np.median(self._intervals)) if self._intervals else 0.0
-        return max(LONGEST, self.channel.lost_after, BETWEEN * usual) * (1.0 + EDGE)
+        return max(LONGEST, self.channel.lost_after, self.patience) * (1.0 + EDGE)
+
+    @property
+    def patience(self) -> float:
+        """Time to the next reading that is nothing unusual, s."""
+        return BETWEEN * float(np.median(self._intervals)) if self._intervals else 0.0
 
     def side(self, time: float) -> float:
         """The reading, SI, that tells on which side of a bound the machine is at a time, s; NaN where none does.
