@@ -56,7 +56,7 @@ def test_a_lift_is_summed_up_in_what_tells_something_new_and_the_json_has_all(su
     lines, report = summary("crane", "si")
     first = next(i for i, line in enumerate(lines) if line.startswith("largest tension ("))
     asked = lines[first : next(i for i in range(first, len(lines)) if not lines[i])]
-    assert len(asked) <= 17, asked
+    assert len(asked) <= 19, asked
     told = "\n".join(asked)
     for once in (
         "largest tension (",
@@ -65,10 +65,10 @@ def test_a_lift_is_summed_up_in_what_tells_something_new_and_the_json_has_all(su
         "D/d",
         "safety factor",
         "rise of",
-        "power of",
+        "largest power of",
     ):
         assert told.count(once) == 1, once
-    assert not re.search(r"tension at|rainflow|largest displacement|stretch| 0 deg.*t = 0 s|at 0 s\) +0 ", told)
+    assert not re.search(r"rainflow|largest displacement|stretch| 0 deg.*t = 0 s|at 0 s\) +0 ", told)
     everything = {"max_tension_winch", "max_tension_hook", "tension_cycles", "max_rise", "max_displacement"}
     assert everything | {"mean_winch_power", "energy_hoisted", "max_fleet_angle", "max_sidelead"} <= report.keys()
     assert {"strain", "least_stretch", "breaking_load"} <= {record["name"] for record in report["limits"]}

@@ -262,15 +262,27 @@ def test_a_way_of_a_load_that_is_another_of_its_ways_is_not_printed_again(ways, 
         }
 
 
-def test_what_a_winch_takes_back_is_printed_where_it_lowers_more_than_it_hoists():
-    for hoisted, back in ((5.0, 1.0), (1.0, 5.0)):
+def test_what_a_winch_takes_back_is_printed_where_brakes_are_concerned():
+    for hoisted, back in ((5.0, 0.04), (5.0, 1.0), (1.0, 5.0)):
         figures = {"energy_hoisted": {"value": hoisted}, "energy_regenerated": {"value": back}}
-        assert ("energy_regenerated" in aside(figures, [])) is (hoisted > back)
+        assert ("energy_regenerated" in aside(figures, [])) is (back < 0.1)
 
 
 def test_a_figure_that_a_limit_tells_is_printed_where_there_is_no_such_limit():
     figures = {"max_fleet_angle": {"value": 0.1}, "max_sidelead": {"value": 0.1}}
-    assert {"max_fleet_angle"} == aside(figures, [{"name": "fleet_angle"}]) & figures.keys()
+    assert {"max_fleet_angle"} == aside(figures, [{"name": "fleet_angle", "value": 0.1}]) & figures.keys()
+
+
+def test_a_figure_is_printed_beside_a_limit_that_tells_of_another_place():
+    """A sheave that may be run at 60 deg: the limit is of the one that is nearest to its own bound."""
+    figures = {"max_fleet_angle": {"value": 0.106}}
+    assert not aside(figures, [{"name": "fleet_angle", "value": 0.035}]) & figures.keys()
+
+
+def test_tensions_at_drums_and_ends_are_printed_and_those_beside_sheaves_are_not():
+    names = ("winch", "hook", "boom_tip_in", "boom_tip_out_2", "sheaves", "boom_tip_in_2")
+    found = aside({f"max_tension_{name}": {"value": 1.0} for name in names}, [])
+    assert {name for name in names if f"max_tension_{name}" not in found} == {"winch", "hook"}
 
 
 def test_names_of_items_make_keys():

@@ -59,7 +59,8 @@ def test_a_diagram_that_names_periods_before_heights_is_refused(place, head):
 
 @pytest.mark.parametrize(
     "head",
-    ["Hs / Tpeak", "Hs(m)/T(s)", "Hs / T(p)", "H1/3 [m] / Tp [s]", "Hs (significant) / Tp",
+    ["Hs (return period, mean)", "Hs / period (mean of bin) Tp", "Hs / Tpeak", "Hs(m)/T(s)", "Hs / T(p)",
+     "H1/3 [m] / Tp [s]", "Hs (significant) / Tp",
      "Tp in first row / Hs in first column", "Hs / Tp at site T1", "Hs (rows) / Tp (columns)",
      "Hs", "Hs [m]", "Hs / Tp", "H_s [m] \\ T_p [s]", "Hm0 and Tp", "significant wave height [m], peak period [s]",
      "", "sea states of 1991, bin means", "Hs [m] (mean of the bin)",

@@ -34,7 +34,9 @@ PERIOD = re.compile(rf"{PEAK.pattern}|(?-i:T)|periods?", re.IGNORECASE)
 ANOTHER = re.compile(r"t_?(z|zero|e|m|s|c|h?_?1_?3|av|avg|mean|m?_?0_?[12]|m?_?10|[12])(_s)?", re.IGNORECASE)
 OTHER = r"mean|average|zero|energy|significant|crossing"
 OF_A_PERIOD = re.compile(
-    rf"({OTHER})([- ]*(up|down|crossing|wave))*[- ]*period|periods?\s*[(,]\s*({OTHER})[- a-z]*", re.IGNORECASE
+    rf"({OTHER})([- ]*(up|down|crossing|wave))*[- ]*period|"
+    r"(?<!return )periods?\s*\(\s*(mean|average|zero|energy)([- ]*(up|down|crossing))*\s*\)",
+    re.IGNORECASE,
 )
 """Words of the first cell: of a height, of a peak period, of any period, and of a period that is another one."""
 WRITTEN = (
@@ -139,6 +141,7 @@ def _check_words(file: str, line: int, head: str) -> None:
         text = re.sub(way, plain, text)
     words = WORD.findall(text)
     if other := _another_period(text):
+        other = other if other in head else head.strip()
         cause = f"'{other}' is not the peak period Tp, by which seas are given here"
         ratios = "for a JONSWAP sea of gamma 3.3 Tp is 1.286 Tz, 1.199 Tm01, 1.107 Te"
         cure = f"convert the periods ({ratios}), and write Hs [m] / Tp [s]"

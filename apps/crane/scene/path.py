@@ -251,8 +251,14 @@ def _usual(law: Any, info: ValidationInfo) -> Any:
     return "no_slip" if info.data.get("inertia") else "frictionless"
 
 
+EFFICIENCY = {"efficiency": ("friction", "the efficiency of a sheave stands in `law`: write law: {efficiency: 0.98}")}
+"""Where people look for it, and where it stands."""
+
+
 class Bearing(Model):
     """Friction of a sheave's bearing: its coefficient, and the radius where it acts, m."""
+
+    elsewhere = EFFICIENCY
 
     friction: Friction
     radius: PinRadius
@@ -281,9 +287,7 @@ class Sheave(Disc):
     """
 
     key: ClassVar[str] = "sheave"
-    elsewhere: ClassVar[dict[str, str]] = {
-        "efficiency": "the efficiency stands in `law`: write law: {efficiency: 0.98}"
-    }
+    elsewhere = EFFICIENCY
 
     body: str | None = None
     offset: Position = (0.0, 0.0, 0.0)

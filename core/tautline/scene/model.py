@@ -86,8 +86,8 @@ class Model(pydantic.BaseModel):
     """A frozen mapping of known keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, defer_build=True)
-    elsewhere: ClassVar[Mapping[str, str]] = {}
-    """Keys that are looked for here and are not: key -> where it stands, and how it is written there."""
+    elsewhere: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    """Keys that are looked for here and are not: key -> a field in which it may be looked for, too, and where it is."""
 
     @pydantic.model_validator(mode="wrap")
     @classmethod
@@ -193,7 +193,7 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
         known = refusal("is missing", f"add `{place[0]}:`" + (f", such as {example}" if example else ""))
     elif len(place) == 1 and kind == "extra_forbidden":
         cure, before = _decimal_comma(data, str(place[0]))
-        cure = cure or _without_blank(model, str(place[0]))[1] or model.elsewhere.get(str(place[0]), "")
+        cure = cure or _without_blank(model, str(place[0]))[1] or model.elsewhere.get(str(place[0]), ("", ""))[1]
         words = {"cause": "unknown key", "cure": cure or _meant(str(place[0]), model._keys())}
         known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
@@ -203,7 +203,8 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
         if len(place) == 1 and "cure" in words and (stated := model._stated(str(place[0]))):
             words["cure"] = suited(words["cure"], error["input"], stated)
         within = error["input"] if len(place) == 1 and isinstance(error["input"], dict) else ()
-        words["cure"] = next((model.elsewhere[k] for k in within if k in model.elsewhere), words.get("cure", ""))
+        stands = (text for key, (field, text) in model.elsewhere.items() if key in within and place[0] == field)
+        words["cure"] = next(stands, words.get("cure", ""))
         known = PydanticCustomError(KIND, "{cause}", words)
     elif len(place) == 1 and kind in ("tuple_type", "list_type") and (stated := model._stated(str(place[0]))):
         told = next(

@@ -431,8 +431,7 @@ def _finish(
     for warning in report["warnings"]:
         say(f"warning: {in_words(warning, system)}", "yellow")
     for record in report["limits"]:
-        # Those of the scene stand in a table of their own, with what came of each.
-        if not record["passed"] and (quiet or "output" not in record):
+        if not record["passed"]:
             say(f"warning: {record['text']}: {limit_said(record, system)}", "yellow")
     if as_json:
         print_json(report)

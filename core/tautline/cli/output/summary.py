@@ -71,18 +71,20 @@ def table(
             continue
         label = in_words(str(figure.get("text") or name.replace("_", " ")), system)
         rows.append((label, _said(_along(label, figure.get("value")), str(figure.get("unit") or ""), system)))
-    # Those of the scene have a table of their own.
-    if usual := [record for record in report.get("limits") or () if "output" not in record]:
-        rows += _of_limits(usual, aside, system)
+    if limits := report.get("limits"):
+        rows += _of_limits(limits, aside, system)
     apart = [("", "")] if rows else []
     return two_columns([*rows, *apart, *_numbers(report, attributes, system)])
 
 
 def _of_limits(limits: list[dict[str, Any]], aside: Collection[str], system: str) -> list[tuple[str, str]]:
-    """Rows of how many limits are satisfied, and of these by how much; the others are told as warnings."""
+    """Rows of how many limits are satisfied, and of these by how much; the others are told as warnings.
+
+    Those of the scene count, too, and have a table of their own.
+    """
     satisfied = [record for record in limits if record["passed"]]
     others = "" if len(satisfied) == len(limits) else ", see the warnings below"
-    shown = [record for record in satisfied if record["name"] not in aside]
+    shown = [record for record in satisfied if record["name"] not in aside and "output" not in record]
     return [
         ("limits satisfied", f"{len(satisfied)} of {len(limits)}{others}"),
         *((f"  {record['text']}", limit_said(record, system)) for record in shown),

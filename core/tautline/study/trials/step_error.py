@@ -87,6 +87,8 @@ class StepError(NamedTuple):
         Of the force, half of its range and its largest size, N; None where they were not kept.
     friction : bool
         Whether the scene has dry friction.
+    chosen : bool
+        Whether the run chose its steps by itself, as with `step: auto`.
     """
 
     step: float
@@ -102,6 +104,7 @@ class StepError(NamedTuple):
     amplitude: float | None = None
     largest: float | None = None
     friction: bool = False
+    chosen: bool = False
 
     @property
     def warning(self) -> str | None:
@@ -124,8 +127,10 @@ class StepError(NamedTuple):
             # An explicit run, maybe with `step: auto`, which is no number to be made smaller; this one is known to run.
             shorter += f" than {quantity(self.taken, 's')}, such as with --step '{quantity(self.step, 's')}'"
         if self.bound is not None:
-            shorter = f"Give a smaller {step_error} (now {self.bound:.2g} m) and a smaller {step}"
-            shorter += f" (now {quantity(self.taken, 's')})" if self.taken is not None else ""
+            shorter = f"Give a smaller {step_error} (now {self.bound:.2g} m)"
+            if not self.chosen:
+                shorter += f" and a smaller {step}"
+                shorter += f" (now {quantity(self.taken, 's')})" if self.taken is not None else ""
         if len(self.steps) > 1 and self.steps[1] < self.steps[0]:
             text += f"{shorter} and compare"
             friction = ". Where friction decides what slips first, a shorter step need not do better"
@@ -264,7 +269,9 @@ def estimate(
         histories.append(watched.of(trial.result))
         steps.append(float(trial.result.attributes["step"]))
     found = _stated(result, watched, histories, steps, bound)
-    return found._replace(friction=bool(model.system.has_friction)) if isinstance(found, StepError) else found
+    if isinstance(found, StepError):
+        return found._replace(friction=bool(model.system.has_friction), chosen=bool(model.solver.automatic))
+    return found
 
 
 def _step_taken(model: Model) -> float:
