@@ -448,7 +448,7 @@ def _carried(h: float, length: float) -> float:
 
     Of values with noise it is noise over the square of the last length. An advance that is much longer would be carried
     away by it, with the square of its own length: no farther than one of `MUCH_LONGER` times the last. The acceleration
-    jumps there, as it did in each advance before second rates were chosen.
+    jumps there.
     """
     return (MUCH_LONGER * length / h) ** 2 if h > MUCH_LONGER * length else 1.0
 
