@@ -122,7 +122,7 @@ def _built(builder: Any, scene: Any, told: dict[str, Any], page: str, fmi: int, 
     (notes / "index.txt").write_text(page, encoding="utf8")
     # PythonFMU3 names the file itself, and both leave one behind where they fail.
     made.mkdir()
-    with _modules_as_before(script.stem):
+    with _modules_as_before(script.stem), _libraries_at_hand(sys.modules[builder.__module__], PACKAGES[fmi]):
         builder.build_FMU(
             script, made, [folder / DESCRIPTION, folder / SCENE], notes, canBeInstantiatedOnlyOncePerProcess=False,
             needsExecutionTool=True, **STATES[fmi],
@@ -147,10 +147,21 @@ def _builder(path: Path, fmi: int) -> Any:
         made_by: Any = import_module(f"{package}.builder")
     except ModuleNotFoundError:
         raise ResultError(path, f"needs {package}, which is not installed", "pip install 'tautline[fmi]'") from None
-    # In a process that has hosted an FMU it is the copy out of that, which has no libraries and may be deleted by now:
-    # what goes into an FMU is taken from where the package is installed.
-    made_by.HERE = next(filter(_has_libraries, (made_by.HERE, *_folders_of(package))), made_by.HERE)
     return made_by.FmuBuilder
+
+
+@contextmanager
+def _libraries_at_hand(made_by: Any, package: str) -> Iterator[None]:
+    """Let PythonFMU take what goes into an FMU from where it is installed, and put back where it looked before.
+
+    In a process that has hosted an FMU it is the copy out of that, which has no libraries and may be deleted by now.
+    """
+    before = made_by.HERE
+    made_by.HERE = next(filter(_has_libraries, (before, *_folders_of(package))), before)
+    try:
+        yield
+    finally:
+        made_by.HERE = before
 
 
 def _has_libraries(folder: Path) -> bool:
