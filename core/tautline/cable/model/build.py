@@ -31,7 +31,7 @@ ERROR = 1.0e-6
 """Error of a step over the length of all ropes, where the step is chosen and the scene gives none."""
 FAR = 1.0 / 40.0
 """Share of a scene's extent by which nodes, and their neighbours with them, may move in an iteration towards rest."""
-CONTRACTION = 0.2
+CONTRACTION = 0.25
 """New factors of a rope of cubic elements cost as much as ten iterations with old ones, which are given more time."""
 
 
