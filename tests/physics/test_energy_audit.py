@@ -59,9 +59,9 @@ def test_the_average_acceleration_neither_makes_nor_destroys_energy_of_a_damped_
 
 
 def test_energy_that_a_method_does_create_still_stops_the_run():
-    # undamped, and three times too long a step for the average acceleration of a rope that turns: it explodes
+    # undamped, and twice too long a step for the average acceleration of a rope that turns: it explodes
     with pytest.raises(StoppedEarly) as stop:
-        hanging(0.0, 0.03, 1.0, end=6.0)
+        hanging(0.0, 0.02, 1.0, end=6.0)
     assert stop.value.status == Status.IMBALANCE
 
 
