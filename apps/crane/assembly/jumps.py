@@ -19,6 +19,7 @@ from crane.assembly.prepared import heave_of
 from crane.assembly.rope_waves import bar_of, tensions
 from crane.scene.scene import Anchor, Drum, End
 from crane.sea.compensation import Compensation
+from crane.sea.frames import point_of
 from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -203,11 +204,12 @@ def _moved(found: Estimate, time: np.ndarray, order: int) -> dict[int, np.ndarra
     functions = compile_functions(layout.requests.of)
     places = {frame: range(frame, frame + ENTRIES) for _, frame in hung}
     rates = {frame: entries_of(layout.degrees, functions, at, time, order) for frame, at in places.items()}
+    pivots = {layout.frame[k]: frame.pivot for k, frame in enumerate(layout.frames)}
     moved: dict[int, np.ndarray] = {}
     for i, frame in hung:
         item = found.scene.path[i]
-        drawn = np.array(getattr(item, "center", None) or getattr(item, "position", None))
-        moved[i] = rates[frame][:, :3] + np.einsum("mji,j->mi", rates[frame][:, 3:].reshape(-1, 3, 3), drawn)
+        drawn = getattr(item, "center", None) or getattr(item, "position", None)
+        moved[i] = point_of(rates[frame], pivots[frame], drawn)
     return moved
 
 

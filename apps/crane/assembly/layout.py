@@ -203,7 +203,8 @@ def _laid_out(scene: CraneScene, motion: FrameMotion) -> tuple[Layout, list[Whee
     frames, places, requests, entries = motion.frames, motion.places, motion.requests, motion.entries
     on = [_frame_number(scene, item, places) for item in scene.path]
     wheels = [
-        _wheel(scene, item, entries[k] if k != GROUND else IDENTITY) for item, k in zip(scene.path, on, strict=True)
+        _wheel(scene, item, *((entries[k], frames[k].pivot) if k != GROUND else (IDENTITY, (0.0, 0.0, 0.0))))
+        for item, k in zip(scene.path, on, strict=True)
     ]
     _refuse_load_above(scene, wheels)
     path = _reeved(scene, wheels)
@@ -229,7 +230,7 @@ def _frame_number(scene: CraneScene, item: Any, places: dict[str, int]) -> int:
     return GROUND if name is None else places[name]
 
 
-def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
+def _wheel(scene: CraneScene, item: Any, entries: np.ndarray, pivot: Sequence[float]) -> Wheel:
     """An item as the geometry sees it, where it is at t = 0."""
     turned = entries[3:].reshape(3, 3).T
     if isinstance(item, End):
@@ -238,11 +239,11 @@ def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
             item.name, body.position + _turned(scene, body) @ item.offset, np.array([0, 1, 0]), 0.0, None, True
         )
     if isinstance(item, Anchor):
-        return Wheel(item.name, point_of(entries, item.position), np.array([0, 1, 0]), 0.0, None, True)
+        return Wheel(item.name, point_of(entries, pivot, item.position), np.array([0, 1, 0]), 0.0, None, True)
     if isinstance(item, Sheave) and item.body is not None:
         center = np.add(scene.body(item.body).position, item.offset)
         return Wheel(item.name, center, np.array(item.unit_axis), item.radius, item.wrap)
-    center = point_of(entries, item.center)
+    center = point_of(entries, pivot, item.center)
     return Wheel(item.name, center, turned @ np.array(item.unit_axis), item.radius, item.wrap)
 
 
@@ -449,4 +450,5 @@ class _Builder:
                 self.motion[place + c] = -1
                 self.value[place + c] = drawn[c]
             else:
-                self.masters[place + c] = [(f + c, 1.0), *((f + 3 + 3 * j + c, drawn[j]) for j in range(AXES))], 0.0
+                arms = np.subtract(drawn, self.frames[k].pivot).tolist()
+                self.masters[place + c] = [(f + c, 1.0), *((f + 3 + 3 * j + c, arms[j]) for j in range(AXES))], 0.0

@@ -1,8 +1,9 @@
 """Frames that move by prescription: the vessel, and booms that slew and luff upon it.
 
 A point is drawn in ground coordinates with every frame at rest. While the frames move, a point drawn at x in a frame
-stands at ``O + R x``. Both follow from the frame's six motions and its parent, exactly and for large angles, with two
-derivatives that are carried through each product: nothing is differenced.
+with pivot p stands at ``C + R (x - p)``, C being where the pivot is. Both follow from the frame's six motions and its
+parent, exactly and for large angles, with two derivatives that are carried through each product: nothing is
+differenced.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ GROUND = -1
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 TOLERANCE = 1.0e-11
-"""Error of the quintics between knots, as a share of how far O, or R, moves from where it is at t = 0."""
+"""Error of the quintics between knots, as a share of how far C, or R, moves from where it is at t = 0."""
 ROUNDING = 64.0 * np.finfo(float).eps
 KNOTS_AT_FIRST = 16
 """Knots that a period gets, and a run, before the error is looked at."""
@@ -101,7 +102,7 @@ def motion_of(frames: Sequence[Frame], values: np.ndarray) -> tuple[np.ndarray, 
     Returns
     -------
     value, rate, second : float64 (m, frames, 12)
-        O and the three columns of R, and their first and second time derivatives.
+        C and the three columns of R, and their first and second time derivatives.
     """
     return places_of(_parents(frames), np.array([frame.pivot for frame in frames]), np.asarray(values, dtype=float))
 
@@ -113,22 +114,22 @@ def _parents(frames: Sequence[Frame]) -> np.ndarray:
     return np.array([frame.parent for frame in frames], dtype=np.int64)
 
 
-def point_of(entries: np.ndarray, point: Sequence[float]) -> np.ndarray:
-    """Where a point stands that is drawn in a frame, ``O + R x``.
+def point_of(entries: np.ndarray, pivot: Sequence[float], point: Sequence[float]) -> np.ndarray:
+    """Where a point stands that is drawn in a frame, ``C + R (x - p)``.
 
     Parameters
     ----------
     entries : float64 (..., 12)
-        O and R of the frame.
-    point : sequence of 3 floats
-        Where it is drawn, m.
+        C and R of the frame.
+    pivot, point : sequence of 3 floats
+        Where the frame's pivot and the point are drawn, m.
 
     Returns
     -------
     float64 (..., 3)
-        m. Of a derivative of O and R, that derivative of the place.
+        m. Of a derivative of C and R, that derivative of the place.
     """
-    x, y, z = point
+    x, y, z = np.subtract(point, pivot)
     return entries[..., :3] + x * entries[..., 3:6] + y * entries[..., 6:9] + z * entries[..., 9:]
 
 
@@ -251,7 +252,8 @@ def heave_of(frames: Sequence[Frame], vessel: int, k: int, point: Sequence[float
     time, entries = path.knots(TOLERANCE)
     # the last knot lies beyond the run, where nothing is sampled: the rest follows there as the whole does
     at_rest = path.entries(time, still=vessel)
-    lift = point_of(entries, point)[..., 2] - point_of(at_rest, point)[..., 2]
+    pivot = frames[k].pivot
+    lift = point_of(entries, pivot, point)[..., 2] - point_of(at_rest, pivot, point)[..., 2]
     return _model(time, with_grace(time[:-1], lift[:, :-1, None])[1][..., 0])
 
 
@@ -313,7 +315,7 @@ class _Path:
         return sampled.reshape(len(self.chain), len(MOTIONS), time.size, 3)
 
     def entries(self, time: np.ndarray, still: int | None = None) -> np.ndarray:
-        """O and R with both derivatives (3, m, 12); `still`: a frame that is held as it is drawn."""
+        """C and R with both derivatives (3, m, 12); `still`: a frame that is held as it is drawn."""
         values = self.motions(time)
         if still is not None:
             values[self.chain.index(still)] = 0.0

@@ -29,7 +29,7 @@ def poses_of(layout: Layout, time: np.ndarray) -> dict[str | None, np.ndarray]:
     for k, frame in enumerate(layout.frames):
         entries = entries_of(degrees, functions, range(layout.frame[k], layout.frame[k] + ENTRIES), time)
         pose = np.tile(np.eye(4), (time.size, 1, 1))
-        pose[:, :3, 3] = entries[:, :3]
         pose[:, :3, :3] = entries[:, 3:].reshape(-1, 3, 3).transpose(0, 2, 1)
+        pose[:, :3, 3] = entries[:, :3] - pose[:, :3, :3] @ np.array(frame.pivot)
         poses[frame.name] = pose
     return poses

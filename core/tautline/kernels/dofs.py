@@ -198,31 +198,31 @@ def _motion_to(dofs, functions, first):
 
 @kernel(forceinline=True)
 def _turns(functions, motion):
-    """Whether a function is one of the nine numbers that turn a frame, and none of the three of its origin."""
+    """Whether a function is one of the nine numbers that turn a frame, and none of the three of its pivot."""
     return functions.entry[motion] % ENTRIES >= AXES
 
 
 @kernel
 def _scales_of_frames(dofs, functions, t, h, known, a):
-    """Change of speed beside which something counts in the step to t: the largest of a frame's origin, or of its turn.
+    """Change of speed beside which something counts in the step to t: the largest of a frame's pivot, or of its turn.
 
-    What rides on a frame at x is at O + R x, where far from the origin of the scene O and R x are large and opposite.
-    One number alone has no acceleration for a moment now and then, and would be pushed without the others.
+    What rides on a frame follows both. One number alone has no acceleration for a moment now and then, and would be
+    pushed without the others.
     """
     first = 0
     while first < dofs.driven.size:
         last = _motion_to(dofs, functions, first)
         if functions.entry[dofs.motion[dofs.driven[first]]] >= 0:
-            origin, turn = 0.0, 0.0
+            pivot, turn = 0.0, 0.0
             for k in dofs.driven[first:last]:
                 i, motion = dofs.held[k], dofs.motion[k]
                 change = h * max(abs(a[i]), abs(evaluate(functions, motion, t)[2]))
                 if _turns(functions, motion):
                     turn = max(turn, change)
                 else:
-                    origin = max(origin, change)
+                    pivot = max(pivot, change)
             for k in dofs.driven[first:last]:
-                known[SCALE, dofs.held[k]] = turn if _turns(functions, dofs.motion[k]) else origin
+                known[SCALE, dofs.held[k]] = turn if _turns(functions, dofs.motion[k]) else pivot
         first = last
 
 

@@ -1,7 +1,8 @@
 """Frames that move by prescription: where they are, exactly and for large angles, with two derivatives.
 
-A point that is drawn at x in a frame stands at ``O + R x``. Twelve numbers place a frame: the three of O, then the
-columns of R one after another. They follow from the frame's six motions and its parent's place: nothing is differenced.
+A point that is drawn at x in a frame with pivot p stands at ``C + R (x - p)``: C is where the pivot is. Twelve numbers
+place a frame: the three of C, then the columns of R one after another. They follow from the frame's six motions and its
+parent's place: nothing is differenced. Nor do they depend on how far from the scene's origin anything is drawn.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ class MovingFrames(NamedTuple):
     parent : int64 (k,)
         Number of the frame that each stands in, -1 for the ground.
     pivot : float64 (k, 3)
-        The point that it turns about, drawn at rest, m.
+        The point that it turns about, as it is drawn, m.
     motion : int64 (k, 6)
         Functions of its surge, sway and heave (m), roll, pitch and yaw (rad); -1 where it has none.
     placed : float64 (k, 3, 12)
@@ -77,8 +78,10 @@ def new_frames(parent: np.ndarray, pivot: np.ndarray, motion: np.ndarray) -> Mov
 @kernel
 def height(frames, k, point, order):
     """Height of a point of a frame as it is placed, m, or a derivative of it."""
-    place = frames.placed[k, order]
-    return place[2] + point[0] * place[5] + point[1] * place[8] + point[2] * place[11]
+    place, z = frames.placed[k, order], 0.0
+    for j in range(AXES):
+        z += (point[j] - frames.pivot[k, j]) * place[AXES * (j + 1) + 2]
+    return place[2] + z
 
 
 @kernel
@@ -129,9 +132,9 @@ def _product(a, b, out):
 
 @kernel
 def place_frame(frames, k):
-    """Place a frame from its motions in ``moved``: R = Rz(yaw) Ry(pitch) Rx(roll), O = pivot + motion - R pivot.
+    """Place a frame from its motions in ``moved``: R = Rz(yaw) Ry(pitch) Rx(roll), C = pivot + motion.
 
-    In a parent's frame both are multiplied by the parent's R, and its O is added.
+    In a parent's frame R is multiplied by the parent's, and C is a point of the parent.
     """
     placed, one, two, three = frames.placed, frames.turns[0], frames.turns[1], frames.turns[2]
     _turn(0, frames.moved[3], one)
@@ -139,13 +142,11 @@ def place_frame(frames, k):
     _product(two, one, three)
     _turn(2, frames.moved[5], two)
     _product(two, three, one)
-    for d in range(AXES):
-        for i in range(AXES):
-            way = frames.moved[i, d] + (frames.pivot[k, i] if d == 0 else 0.0)
-            for j in range(AXES):
-                way -= one[d, i, j] * frames.pivot[k, j]
-            placed[k, d, i] = way
     parent = frames.parent[k]
+    for i in range(AXES):
+        drawn = frames.pivot[k, i] - (frames.pivot[parent, i] if parent >= 0 else 0.0)
+        placed[k, 0, i] = drawn + frames.moved[i, 0]
+        placed[k, 1, i], placed[k, 2, i] = frames.moved[i, 1], frames.moved[i, 2]
     if parent >= 0:
         for d in range(AXES):
             for i in range(AXES):
@@ -154,10 +155,10 @@ def place_frame(frames, k):
         for i in range(AXES):
             value, rate, second = placed[parent, 0, i], placed[parent, 1, i], placed[parent, 2, i]
             for j in range(AXES):
-                o, v, a = placed[k, 0, j], placed[k, 1, j], placed[k, 2, j]
-                value += two[0, i, j] * o
-                rate += two[1, i, j] * o + two[0, i, j] * v
-                second += two[2, i, j] * o + 2.0 * two[1, i, j] * v + two[0, i, j] * a
+                way, v, a = placed[k, 0, j], placed[k, 1, j], placed[k, 2, j]
+                value += two[0, i, j] * way
+                rate += two[1, i, j] * way + two[0, i, j] * v
+                second += two[2, i, j] * way + 2.0 * two[1, i, j] * v + two[0, i, j] * a
             three[0, 0, i], three[1, 0, i], three[2, 0, i] = value, rate, second
         for d in range(AXES):
             for i in range(AXES):
@@ -212,18 +213,18 @@ def places_of(parent: np.ndarray, pivot: np.ndarray, values: np.ndarray) -> tupl
     """
     m = values.shape[2]
     placed = np.empty((3, m, len(parent), ENTRIES), values.dtype)
-    origins: list[np.ndarray] = []
+    places: list[np.ndarray] = []
     turns: list[np.ndarray] = []
     for k, above in enumerate(parent):
         derivatives = np.moveaxis(values[k], 2, 0)
         turn = rotation(*derivatives[:, 3:].transpose(1, 0, 2))
-        origin = np.ascontiguousarray(derivatives[:, :3].transpose(0, 2, 1)) - turn @ pivot[k]
-        origin[0] += pivot[k]
+        place = np.ascontiguousarray(derivatives[:, :3].transpose(0, 2, 1))
+        place[0] += pivot[k] - (pivot[above] if above >= 0 else 0.0)
         if above >= 0:
-            origin = origins[above] + product(turns[above], origin[..., None])[..., 0]
+            place = places[above] + product(turns[above], place[..., None])[..., 0]
             turn = product(turns[above], turn)
-        origins.append(origin)
+        places.append(place)
         turns.append(turn)
-        placed[:, :, k, :3] = origin
+        placed[:, :, k, :3] = place
         placed[:, :, k, 3:] = turn.transpose(0, 1, 3, 2).reshape(3, m, 9)
     return placed[0], placed[1], placed[2]

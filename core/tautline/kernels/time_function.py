@@ -380,8 +380,8 @@ def _sample_lift(functions, n, times):
     lifts = functions.lifts
     then = np.maximum(times - lifts.delay[n], 0.0)
     moved, at_rest = (_sample_frames(functions, then, still)[:, :, lifts.frame[n]] for still in (-1, lifts.still[n]))
-    along = moved - at_rest
-    found = (along[..., 2] + along[..., [5, 8, 11]] @ lifts.point[n]).T * lifts.gain[n]
+    along, arm = moved - at_rest, lifts.point[n] - functions.frames.pivot[lifts.frame[n]]
+    found = (along[..., 2] + along[..., [5, 8, 11]] @ arm).T * lifts.gain[n]
     found[times < lifts.delay[n], 1:] = 0.0
     found[:, 0] += lifts.offset[n]
     return found
