@@ -208,7 +208,7 @@ def _moved(found: Estimate, time: np.ndarray, order: int) -> dict[int, np.ndarra
     moved: dict[int, np.ndarray] = {}
     for i, frame in hung:
         item = found.scene.path[i]
-        drawn = getattr(item, "center", None) or getattr(item, "position", None)
+        drawn = item.position if isinstance(item, Anchor) else item.center
         moved[i] = point_of(rates[frame], pivots[frame], drawn)
     return moved
 

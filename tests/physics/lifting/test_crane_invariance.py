@@ -120,7 +120,9 @@ def test_a_speed_that_jumps_while_the_vessel_yaws_is_felt_far_from_the_origin_as
     """Told at the scene's origin a frame's place moved by R x: beside that a jump was not seen, and 700 N were off."""
     jump = {"ramp": {"rate": 0.2, "over": 1.0e-3, "at": 1.0}}
     yaw = {"harmonic": {"amplitude": 0.1, "period": 6.0, "ramp": 2.0}}
-    scene = solved(hoist() | {"vessel": {"reference": [0.0, 0.0, -10.0], "motion": {motion: jump, "yaw": yaw}}}, end=2.0)
+    scene = solved(
+        hoist() | {"vessel": {"reference": [0.0, 0.0, -10.0], "motion": {motion: jump, "yaw": yaw}}}, end=2.0
+    )
     near, far = (ran(turned(scene, np.eye(3), shift)) for shift in ((0.0, 0.0, 0.0), (450.0e3, 6700.0e3, 0.0)))
     assert off(far["tension"], near["tension"]) < 1.0e-6
 
