@@ -208,8 +208,8 @@ def _moved(found: Estimate, time: np.ndarray, order: int) -> dict[int, np.ndarra
     moved: dict[int, np.ndarray] = {}
     for i, frame in hung:
         item = found.scene.path[i]
-        drawn = item.position if isinstance(item, Anchor) else item.center
-        moved[i] = point_of(rates[frame], pivots[frame], drawn)
+        drawn = getattr(item, "center", None) or getattr(item, "position", None)
+        moved[i] = point_of(rates[frame], pivots[frame], drawn or ())
     return moved
 
 
