@@ -268,7 +268,8 @@ Driven = Annotated[
     typer.Option(
         "--inputs",
         metavar="NAMES",
-        help="What is driven, as winch.pay_out_speed,vessel.heave (in m/s and m). May be repeated.",
+        help="What is driven, as winch.pay_out_speed,vessel.heave (in m/s and m), and vessel.heave.rate beside it (m/s). "
+        "May be repeated.",
     ),
 ]
 Read = Annotated[

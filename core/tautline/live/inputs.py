@@ -130,6 +130,13 @@ class Inputs(Unpickled, Mapping[str, Any]):
         steering, function = self._list[k].members[0]
         return self._now(function)[steering.order] / steering.factor
 
+    def motion(self, name: str) -> tuple[float, float, float]:
+        """What an input is, as reading it gives, and the rate and second rate that it has now."""
+        k = self._number(name)
+        steering, function = self._list[k].members[0]
+        _, rate, second = (*self._now(function)[steering.order :], 0.0, 0.0)[:3]
+        return self._read(k), rate / steering.factor, second / steering.factor
+
     def _now(self, function: int) -> tuple[float, float, float]:
         return value_at(self._functions, function, self._clock())
 

@@ -26,9 +26,17 @@ BASE = {
     "rad/s": {"rad": 1, "s": -1}, "N": {"kg": 1, "m": 1, "s": -2}, "N m": {"kg": 1, "m": 2, "s": -2}, "kg": {"kg": 1},
     "s": {"s": 1}, "1/s": {"s": -1}, "W": {"kg": 1, "m": 2, "s": -3}, "J": {"kg": 1, "m": 2, "s": -2},
     "kg m^2": {"kg": 1, "m": 2}, "1/m": {"m": -1}, "N s/m": {"kg": 1, "s": -1}, "N s^2/m^2": {"kg": 1, "m": -1},
-    "N m^2": {"kg": 1, "m": 3, "s": -2}, "kg/m": {"kg": 1, "m": -1},
+    "N m^2": {"kg": 1, "m": 3, "s": -2}, "kg/m": {"kg": 1, "m": -1}, "m/s^3": {"m": 1, "s": -3},
+    "rad/s^2": {"rad": 1, "s": -2}, "rad/s^3": {"rad": 1, "s": -3}, "N/s": {"kg": 1, "m": 1, "s": -3},
+    "N/s^2": {"kg": 1, "m": 1, "s": -4}, "N m/s": {"kg": 1, "m": 2, "s": -3}, "N m/s^2": {"kg": 1, "m": 2, "s": -4},
+    "1/s^2": {"s": -2},
 }  # fmt: skip
 """Units that are written, by their base units."""
+RATES = ".rate", ".second_rate"
+"""What stands behind the name of an input in those of its rates, which a host may give beside its value."""
+WORDS = "rate", "second rate"
+DERIVED = ("m", "m/s", "m/s^2", "m/s^3"), ("rad", "rad/s", "rad/s^2", "rad/s^3")
+"""Units of what is derived by time, one after another."""
 NEAR = 1.0e-9
 """Difference of the host's time and ours that is rounding, s, beside that of the times themselves."""
 ROUNDED = 4.0
@@ -51,6 +59,39 @@ def actual_of(name: str, inputs: Sequence[str]) -> str:
     thing, index = (found[1], name[len(found[1]) :]) if found else (name, "")
     driven = {match[1] if (match := PART.fullmatch(one)) else one for one in inputs}
     return f"{thing}.actual{index}" if thing in driven else name
+
+
+def rate_unit(unit: str, order: int) -> str:
+    """Unit of the first or second rate (``order``) of what has a unit."""
+    known = next((row[row.index(unit) + order] for row in DERIVED if unit in row[: -len(WORDS)]), "")
+    return known or f"{unit or 1}/s{'^2' if order == 2 else ''}"
+
+
+def rates_of(inputs: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:
+    """Names of inputs apart from those of their rates, such as ``vessel.heave.rate`` beside ``vessel.heave``.
+
+    Returns
+    -------
+    values : list of str
+    rates : dict of str to list of str
+        Input -> the names of its rate and second rate, as far as they are asked for.
+
+    Raises
+    ------
+    SimulationError
+        For a second rate without the rate.
+    """
+    rates: dict[str, list[str]] = {}
+    for name in sorted(dict.fromkeys(inputs), key=len):
+        end = next((end for end in RATES if name.endswith(end)), "")
+        if end and name.removesuffix(end) in rates:
+            rates[name.removesuffix(end)].append(name)
+        else:
+            rates[name] = []
+    for name, found in rates.items():
+        if found and found[0] != name + RATES[0]:
+            raise SimulationError(f"the second rate of {name} says nothing without its rate", f"name {name}.rate too")
+    return [name for name in inputs if name in rates], {name: found for name, found in rates.items() if found}
 
 
 NO_STATE, AGAIN = "no state", "initialised again"
@@ -84,6 +125,11 @@ class Core:
         self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
         parts = (name for asked in self.told["inputs"] for name in self.sim.inputs.parts_of(asked))
         self.inputs = list(dict.fromkeys(parts))
+        self.ways = {part: [part] for part in self.inputs}
+        for name, rates in self.told.get("rates", {}).items():
+            for part in self.sim.inputs.parts_of(name):
+                self.ways[part] += [part + end for end in RATES[: len(rates)]]
+        self.rates = {rate: (part, k + 1) for part, (_, *some) in self.ways.items() for k, rate in enumerate(some)}
         self.sent: dict[str, float] = {}
         self.outputs = {
             actual_of(part, self.told["inputs"]): (name, at)
@@ -97,6 +143,9 @@ class Core:
         for name in self.inputs:
             one = sim.inputs.handle(name).steering
             found.append((name, one.unit, one.text, "input"))
+        for rate, (part, order) in self.rates.items():
+            one = sim.inputs.handle(part).steering
+            found.append((rate, rate_unit(one.unit, order), f"{WORDS[order - 1]} of {part}", "input"))
         for name, (output, _) in self.outputs.items():
             read = sim.outputs.handle(output)
             found.append((name, read.unit, read.text, "output"))
@@ -165,11 +214,12 @@ class Core:
 
     def get(self, name: str) -> float:
         """An input, an output or a parameter. Of a start that is not found it is what the start before has."""
-        if name in self.inputs:
+        if name in self.inputs or name in self.rates:
             for known in (self.given, self.held if self.stale else self.sent):
                 if name in known:
                     return known[name]
-            return float(self.sim.inputs[name]) + 0.0  # minus zero, of a winch at rest, becomes zero
+            part, order = self.rates.get(name, (name, 0))
+            return self.sim.inputs.motion(part)[order] + 0.0  # minus zero, of a winch at rest, becomes zero
         if name in self.outputs:
             output, at = self.outputs[name]
             with suppress(SimulationError):
@@ -195,6 +245,9 @@ class Core:
         try:
             if name in self.inputs:
                 self.sim.inputs.checked(name, value)
+            elif name in self.rates:
+                if not math.isfinite(value):
+                    raise SimulationError(f"{name} = {value} is no finite number", "give a number")
             elif self.initialised:
                 self.sim.parameters[name] = value
             else:
@@ -203,7 +256,7 @@ class Core:
             self.refused[name] = str(error)
             raise
         self.refused.pop(name, None)
-        if name in self.inputs and self.initialised:
+        if name in self.rates or (name in self.inputs and self.initialised):
             self.given[name] = value
             return
         self.given.pop(name, None)
@@ -242,12 +295,29 @@ class Core:
         end = time - self.begin + length
         if length > 0.0 and end - sim.time < rounding:
             return
-        for name, value in self.given.items():
-            # What was given before and stays as it is needs no way to it. What was never given still goes by the scene.
-            if self.sent.get(name) != value:
-                sim.inputs[name] = self.sent[name] = value
+        for name, way in self._given_ways().items():
+            sim.inputs[name] = way
+        self.sent.update(self.given)
         self.given.clear()
         sim.advance_to(end)
+
+    def _given_ways(self) -> dict[str, float | tuple[float, ...]]:
+        """What inputs are to have at the end of the next step: a value, with rates where the host gives them.
+
+        What was given before and stays as it is needs no way to it, unless it has a rate there. What was never given
+        still goes by the scene.
+        """
+        ways: dict[str, float | tuple[float, ...]] = {}
+        for part, names in self.ways.items():
+            if not any(name in self.given for name in names):
+                continue
+            value, *rates = (self.given.get(name, self.sent.get(name)) for name in names)
+            if value is None:
+                continue
+            known = tuple(rate for rate in rates if rate is not None)
+            if any(known) or any(name in self.given and self.given[name] != self.sent.get(name) for name in names):
+                ways[part] = (value, *known) if known else value
+        return ways
 
     # -- state ---------------------------------------------------------------------------------------------------------
 

@@ -16,10 +16,10 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from tautline.live.errors import SimulationError
+from tautline.live.errors import SimulationError, UnknownName
 from tautline.live.fmu.needs import host_needs, packages_of_others, page_of
 from tautline.live.fmu.scripts import module_of, script_of
-from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
+from tautline.live.fmu.unit import DESCRIPTION, RATES, SCENE, parts_of, rates_of
 from tautline.live.simulation import Simulation
 from tautline.results.errors import ResultError, unwritten
 from tautline.results.output_path import check_unit
@@ -46,7 +46,8 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     path : path
         The ``.fmu``.
     inputs, outputs : sequence of str
-        Names, as `tautline.Simulation` has them.
+        Names, as `tautline.Simulation` has them. Beside that of an input those of its rates may stand, such as
+        ``vessel.heave.rate`` and ``vessel.heave.second_rate``.
     fmi : int
         Version of the standard: 2 or 3.
 
@@ -62,14 +63,15 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     UnknownName
         For a name that there is not.
     SimulationError
-        For two inputs that drive the same.
+        For two inputs that drive the same, and a second rate without the rate.
     ResultError
         Where the file cannot be written or is there and no FMU of ours, or PythonFMU is missing.
     """
     path = Path(path)
     builder = _builder(path, fmi)
     check_unit(path)
-    sim = Simulation(scene, inputs=inputs, keep=False)
+    inputs, rates = rates_of(inputs)
+    sim = _driven(scene, inputs)
     if not outputs:
         single = [name for name, one in sim.outputs.describe().items() if "." in name and " " not in name]
         example = ",".join(single[:2] or list(sim.outputs)[:2])
@@ -82,7 +84,7 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     name, packages = _model_name(path), packages_of_others(sim)
     needs = host_needs(packages)
     told = {
-        "inputs": list(inputs), "outputs": list(outputs), "name": name, "title": _title(path),
+        "inputs": inputs, "rates": rates, "outputs": list(outputs), "name": name, "title": _title(path),
         "version": __version__, "packages": packages,
     }  # fmt: skip
     try:
@@ -94,6 +96,19 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
     except OSError as error:
         raise unwritten(path, error, "choose another place") from None
     return needs
+
+
+def _driven(scene: Any, inputs: Sequence[str]) -> Simulation:
+    """A simulation with inputs; raises as it does, and for a rate of what is not asked for itself."""
+    try:
+        return Simulation(scene, inputs=inputs, keep=False)
+    except UnknownName:
+        for name in inputs:
+            for end in RATES:
+                if name.endswith(end):
+                    cause = f"{name} would be a rate of {name.removesuffix(end)}, which is not among the inputs"
+                    raise SimulationError(cause, f"name {name.removesuffix(end)} too") from None
+        raise
 
 
 def _built(builder: Any, scene: Any, told: dict[str, Any], page: str, fmi: int, folder: Path) -> Path:
