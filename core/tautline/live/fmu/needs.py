@@ -30,7 +30,8 @@ The scene, and the files that it names, lie in resources/. The host needs, on Li
 
 A communication step is one advance: it is divided into equal steps that are no longer than solver.step. An input is
 reached at the end of the next communication step by a smooth curve, with the rates that are set beside it or are found
-from the last values. Parameters may be set before the initialisation and at any communication point. Get, set and serialise of the FMU state are there, also in another process.
+from the last values. Parameters may be set before the initialisation and at any communication point. Get, set and
+serialise of the FMU state are there, also in another process.
 """
 
 
