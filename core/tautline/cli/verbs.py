@@ -268,7 +268,7 @@ Driven = Annotated[
     typer.Option(
         "--inputs",
         metavar="NAMES",
-        help="What is driven, as winch.pay_out_speed,vessel.heave (in m/s and m), and vessel.heave.rate (m/s) beside it. "
+        help="What is driven, as winch.pay_out_speed,vessel.heave (m/s and m), and vessel.heave.rate (m/s) beside it. "
         "May be repeated.",
     ),
 ]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from tautline.cli.output.console import say
 
-FIRST_RUN = "first run of this kind of scene: compiling {kernels} of the solver. Once only. Takes 10 s to 1 min"
+FIRST_RUN = "first run of this kind of scene: compiling {kernels} of the solver. Once only. Takes 5 s to 1 min"
 """Of a scene whose kernels are neither installed nor kept."""
 
 
