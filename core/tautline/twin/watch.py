@@ -73,6 +73,8 @@ class Compared:
         Whether the computer has no time to look ahead.
     unsure : bool
         Whether what is computed is in doubt, and health is degraded by that: nothing foreseen is certain then.
+    put_down : bool
+        Whether every load stands on the ground, on a slack rope, in all simulations.
     """
 
     time: float
@@ -91,6 +93,7 @@ class Compared:
     late: bool = False
     moved: Mapping[str, Any] = field(default_factory=dict)
     unsure: bool = False
+    put_down: bool = False
 
     @property
     def foreseen(self) -> Found | None:
@@ -147,6 +150,8 @@ class Watch:
         self._told_ahead: set[str] = set()
         # By alarm: what a sensor has shown beyond the bound, and whether what is computed ever was so too.
         self._seen: dict[str, tuple[str, bool]] = {}
+        # Alarms of which what is computed was beyond the bound before it began again from rest.
+        self._seen_before_rest: set[str] = set()
         self._irregular: dict[str, str] = {}
         self._before = -np.inf
 
@@ -155,6 +160,8 @@ class Watch:
         measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
         sensors = {one.channel.name: one for one in self.health if one.channel.is_output}
         order = [one.name for one in self.plan.measured]
+        if row.put_down and row.converged and row.time >= row.judged_from and not row.unsure:
+            self._follow_again()
         for one in self.plan.alarms:
             sensor = sensors.get(one.target)
             if one.is_residual and sensor is not None:
@@ -177,7 +184,18 @@ class Watch:
 
     def begun_again(self) -> None:
         """Take notice that what is computed begins again from rest: it has followed nothing of what sensors showed."""
+        self._seen_before_rest |= {name for name, (_, followed) in self._seen.items() if followed}
         self._seen = {name: (text, False) for name, (text, _) in self._seen.items()}
+
+    def _follow_again(self) -> None:
+        """Take notice that what is computed is as the machine is again, whatever it has missed since it was at rest.
+
+        What it misses is how the load bounced then. A load that stands on the ground, on a slack rope, has no more of
+        that. The load itself is in the estimate where what is computed was beyond the bound before.
+        """
+        for name in self._seen_before_rest & self._seen.keys():
+            self._seen[name] = self._seen[name][0], True
+        self._seen_before_rest.clear()
 
     def _judge_residual(self, one: Alarm, row: Compared, m: int, measured: float, sensor: Health) -> None:
         r, sd = row.residual[m], row.residual_sd[m]
@@ -271,6 +289,7 @@ class Watch:
             text = f"{one.target} measured: {bound_said(measured, one.above, one.below, self._teller(one))}"
         elif not text or sensor.believed or (within and followed):
             self._seen.pop(one.name, None)
+            self._seen_before_rest.discard(one.name)
             return
         self._seen[one.name] = text, followed or computed_too
 
