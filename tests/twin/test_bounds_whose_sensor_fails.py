@@ -5,7 +5,7 @@ Readings are written here, in kN: a load that hangs still with 49 kN, and what c
 
 import numpy as np
 import pytest
-from twin.rehearsal import STILL
+from twin.rehearsal import SENSORS, STILL, hoist, rows_of
 
 from tautline.twin.signals.sensors import Health
 from tautline.twin.twin import Twin
@@ -35,7 +35,7 @@ ahead: 0 s
 """,
     ).plan
 
-    def judged(readings, computed=lambda time: HELD, name="overload", times=TIMES, rests=np.inf):
+    def judged(readings, computed=lambda time: HELD, name="overload", times=TIMES, rests=np.inf, down=()):
         health, noise = Health(plan.channels[0]), np.random.default_rng(1)
         watch, found = Watch(plan, [health], None), []
         for time in times:
@@ -49,6 +49,7 @@ ahead: 0 s
             watch.judge(Compared(
                 time, np.array([value]), {"winch.tension": (expected, 100.0)}, np.array([value - expected]),
                 np.full(1, 500.0), np.isfinite([value]), np.ones(1), True, None,
+                put_down=any(abs(time - one) < 0.01 for one in down),
             ))  # fmt: skip
             found.append((time, watch.alarms.active.get(name)))
         return found
@@ -90,6 +91,19 @@ def test_what_is_computed_ends_an_overload_of_a_dead_cell_only_where_it_was_one_
 def test_what_is_computed_and_begun_again_from_rest_has_followed_no_overload_and_ends_none(told):
     found = told(steps((2.0, 84.0), (4.0, MISSING)), lambda time: 84.0 if 2.0 < time < 7.0 else 50.0, rests=7.0)
     assert all(between(found, 2.0, END))
+
+
+@pytest.mark.parametrize("down", [7.0, 8.5])
+def test_an_overload_that_was_computed_too_ends_where_its_load_is_put_down_behind_a_rest_and_no_sooner(down, told):
+    """What began again at rest as the load was put down is never beyond the bound again."""
+    dead, followed = steps((2.0, 84.0), (4.0, MISSING)), lambda time: 84.0 if 2.0 < time < 7.0 else 0.0
+    found = told(dead, followed, rests=7.0, down=(down,))
+    assert all(between(found, 2.0, down + 0.85)) and not any(between(found, down + 1.2, END))
+
+
+def test_a_load_that_was_never_computed_ends_no_overload_by_being_put_down_behind_a_rest(told):
+    dead = steps((2.0, 84.0), (4.0, MISSING))
+    assert all(between(told(dead, lambda time: 0.0, rests=7.0, down=(7.0, 8.0, 9.0)), 2.0, END))
 
 
 @pytest.mark.parametrize("beyond, known", [(((2.0, 84.0), (3.0, 120.0)), True), (((2.0, 120.0),), False)])
@@ -279,3 +293,25 @@ def test_no_silence_is_usual_for_longer_than_ten_seconds_or_than_its_sensor_coun
         health.check(time, 84e3 + time if time % every < 0.15 and time < last + 0.05 else MISSING)
         if abs(time - last - stands) > 0.05 and time > last:
             assert np.isfinite(health.last_side(time)) == (time < last + stands)
+
+
+def lowered(cell_dies, rests, end):
+    """Lines of a crane that lowers 5 t onto the ground, with a bound of 40 kN, and when the rope is slack first."""
+    scene = hoist({"time": [0, 1, 4, 5, 60], "value": [0, 0.8, 0.8, 0, 0]}, start_height=-20, ground=-21.5, heave=0.0)
+    bound = "watch: [{output: winch.tension, above: 40 kN, name: overload}]\nahead: 0 s\n"
+    twin, lines = Twin(scene, SENSORS + bound), []
+    for stamp, readings in rows_of(scene, end=end):
+        slack = lines and lines[-1]["outputs"]["winch.tension"] < 20e3
+        if rests and slack:
+            twin.estimate.from_rest, rests = True, False
+        dead = {"rope_tension": MISSING} if stamp > cell_dies else {}
+        lines += twin.add(stamp, readings | dead)
+    return lines + twin.finish()
+
+
+@pytest.mark.parametrize("rests", [False, True])
+def test_an_overload_of_a_crane_whose_cell_is_dead_ends_when_its_load_stands_on_the_ground(rests):
+    lines = lowered(1.5, rests, 9.0)
+    down = next(line["time"] for line in lines if line["outputs"]["winch.tension"] < 20e3)
+    active = [line["time"] for line in lines if any(one["name"] == "overload" for one in line["alarms"])]
+    assert active[0] == lines[0]["time"] and down < active[-1] < down + 4.0

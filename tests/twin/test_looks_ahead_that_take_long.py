@@ -83,7 +83,7 @@ def test_a_danger_at_an_estimate_that_has_moved_since_is_told_and_not_certain(wa
 def test_a_danger_of_an_output_with_places_is_not_certain_where_one_of_them_has_moved_away(watched):
     moved, ahead = np.array([20e3, -15e3]), passed((1.0, 85e3))
     alarm = watched(ahead, moved=moved, value=np.full(2, 50e3), sd=np.full(2, 400.0))
-    assert not alarm.known and "The deviation is 15.01 kN" in alarm.text
+    assert not alarm.known and "The standard deviation is 15.01 kN" in alarm.text
     assert watched(ahead, moved=np.abs(moved), value=np.full(2, 50e3), sd=np.full(2, 400.0)).known
 
 
@@ -102,14 +102,14 @@ def test_a_danger_is_not_certain_where_the_move_of_the_estimate_is_not_known_or_
     watched, moved, sd, told
 ):
     alarm = watched(passed((1.0, 85e3)), moved=moved, sd=sd)
-    assert not alarm.known and alarm.text.endswith(f"The deviation is {told}")
+    assert not alarm.known and alarm.text.endswith(f"The standard deviation is {told}")
     assert watched(passed((1.0, 85e3), known=False), moved=moved, sd=sd) is None or np.isnan(moved).any()
 
 
 def test_the_deviation_of_a_bound_from_below_is_the_largest_of_all_places_too(watched):
     name, value = "slack rope ahead", np.array([900.0, 5e3])
     alarm = watched(None, value=value, sd=np.array([300.0, 1.0]), name=name, output="min_tension")
-    assert not alarm.known and "The deviation is 300 N" in alarm.text
+    assert not alarm.known and "The standard deviation is 300 N" in alarm.text
     assert watched(None, value=value, sd=np.array([20.0, np.nan]), name=name, output="min_tension").known
 
 
@@ -122,7 +122,7 @@ def test_a_danger_is_as_certain_as_the_worst_that_is_to_come_and_not_as_its_firs
 def test_no_danger_ahead_is_certain_where_what_is_computed_is_in_doubt(watched):
     # Noise of 5 mm of the inputs made a simulation bounce to 94 kN, of a load that hung still at 49.
     alarm = watched(passed((1.0, 80.1e3), (1.2, 95e3)), unsure=True)
-    assert not alarm.known and alarm.text.endswith("The deviation is 0.4 kN, and what is computed is in doubt")
+    assert not alarm.known and alarm.text.endswith("The standard deviation is 0.4 kN, and what is computed is in doubt")
 
 
 def test_a_danger_by_a_guess_is_told_only_where_the_estimate_that_is_known_now_has_it_too(watched):

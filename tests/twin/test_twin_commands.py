@@ -217,8 +217,11 @@ def test_an_interruption_within_a_step_ends_a_twin_as_one_between_rows(rehearsal
     ("changes", "said"),
     [
         ({"input: winch.pay_out": "input: winch.payout"}, "there is no input 'winch.payout'; did you mean"),
-        ({"unit: kN": "unit: kg"}, "sensors[2].unit = kg: 'kg' is not a unit of this quantity; its unit is N"),
-        ({"start: 9 t": "start: 90 t"}, "is outside its range"),
+        (
+            {"unit: kN": "unit: kg"},
+            "sensors[2].unit = kg: 'kg' is a unit of mass, and this is a force; write unit: kgf",
+        ),
+        ({"start: 9 t": "start: 90 t"}, "is 90 t, and range is 0.5 t to 20 t; start within the range"),
         ({"keep:": "kept:"}, "unknown key; did you mean 'keep'?"),
         ({"above: 60 kN": "above: 60 m"}, "'m' is not the unit of a force"),
         ({"column: heave": "column: heav"}, "map.yaml:4: sensors[1].column = heav: "),
@@ -285,7 +288,7 @@ def test_a_unit_of_the_map_that_does_not_fit_the_scene_is_refused_where_the_reco
     (tmp_path / "map.yaml").write_text(MAP.replace("unit: kN", "unit: kg"))
     (tmp_path / "r.csv").write_text((rehearsal / "r.csv").read_text().replace(" [kN]", ""))
     code, _, told = here("twin", SCENE, "--map", tmp_path / "map.yaml", "--source", tmp_path / "r.csv")
-    assert code == 2 and "'kg' is not a unit of this quantity" in told
+    assert code == 2 and "'kg' is a unit of mass" in told
 
 
 def test_a_record_in_another_unit_than_the_map_says_is_answered_as_if_it_were_in_that_of_the_map(

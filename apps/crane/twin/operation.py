@@ -49,6 +49,12 @@ class Lifting(Operation):
         lifted = all(bool((read[name][..., 2] > height).all()) for name, height in self._heights.items())
         return np.full(len(sensors), taut and lifted)
 
+    def put_down(self, read: Mapping[str, np.ndarray]) -> bool:
+        """Whether in every simulation the rope is slack and all loads touch the ground."""
+        slack = bool((read["min_tension"] <= 0.0).all())
+        on_ground = all(bool((read[name][..., 2] <= height).all()) for name, height in self._heights.items())
+        return slack and bool(self._heights) and on_ground
+
 
 class CraneOperation(Lifting):
     """The same with the account of the crane's rope.

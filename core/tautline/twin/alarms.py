@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 CLEAR = 1.0
 """How long a condition has to be over before its alarm ends, s: one that flutters is one alarm."""
+NOT_KNOWN = "not known any more"
+"""How the text of an alarm begins of which nothing shows now whether it is over."""
 
 
 @dataclass
 class Active:
-    """An alarm, with when its condition was seen last, and whether it is known to hold still."""
+    """An alarm, with when its condition was seen last, whether it is known to hold still, and when it was so last."""
 
     since: float
     seen: float
     text: str
     known: bool = True
+    certain: float = -math.inf
 
 
 class Alarms:
@@ -39,6 +42,7 @@ class Alarms:
         known: bool = True,
         read: float = math.inf,
         forgotten_after: float = math.inf,
+        flutters: bool = False,
     ) -> None:
         """Take notice of a condition at a time.
 
@@ -55,6 +59,9 @@ class Alarms:
         forgotten_after : float
             How long nothing may show the condition, nor that it is over, for its time to go on, s. Behind a longer
             silence it begins anew: two sights of it that far apart say nothing of what was between them.
+        flutters : bool
+            Whether it is not known only since a value is near its bound, where the next row may be certain again. What
+            was certain is so for `CLEAR` still: a weaker sign of it does not tell less than none at all.
         """
         if not holds:
             self._begun.pop(name, None)
@@ -69,10 +76,13 @@ class Alarms:
             self._begun[name] = time
         begun = self._begun.setdefault(name, time)
         self._held[name] = min(time, read)
-        if name in self.active:
-            self.active[name] = Active(self.active[name].since, time, text, known)
+        alarm = self.active.get(name)
+        if alarm is not None and alarm.known and not known and flutters and time - alarm.certain < CLEAR:
+            self.active[name] = replace(alarm, seen=time)
+        elif alarm is not None:
+            self.active[name] = Active(alarm.since, time, text, known, time if known else alarm.certain)
         elif time - begun >= lasting - 1e-9 and (lasting <= 0.0 or read > begun):
-            self.active[name] = Active(time, time, text, known)
+            self.active[name] = Active(time, time, text, known, time if known else -math.inf)
 
     def pass_over(self) -> None:
         """Take notice of a time of which nothing is known: what had not lasted before it begins anew behind it."""
@@ -88,7 +98,7 @@ class Alarms:
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
-        return {name: [one.since, one.seen, one.text, one.known] for name, one in self.active.items()}
+        return {name: [one.since, one.seen, one.text, one.known, one.certain] for name, one in self.active.items()}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""

@@ -21,6 +21,7 @@ from tautline.scene.values.printed import significant
 from tautline.scene.values.quantity import Quantity, quantity
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 from tautline.system.handles import PART
+from tautline.twin.map_faults import other_quantity, outside
 
 Seconds = Annotated[float, quantity("s", positive=True)]
 Wait = Annotated[float, quantity("s", nonnegative=True)]
@@ -68,6 +69,11 @@ class Sensor(Model):
             cure = "give the factor by which readings are multiplied, such as -1"
             raise refusal(f"has a scale of {self.scale:g}, by which no reading can be multiplied", cure)
         return self
+
+    @property
+    def kind(self) -> Literal["input", "output", "signal"]:
+        """The key that says what it is in the scene."""
+        return "input" if self.input is not None else "output" if self.output is not None else "signal"
 
     @property
     def name(self) -> str:
@@ -397,7 +403,7 @@ class _Reader:
         read = self.map
         channels = [self.channel(i, sensor) for i, sensor in enumerate(read.sensors)]
         self.repeated("sensors", [one.column for one in read.sensors], "column")
-        self.repeated("sensors", [one.name for one in read.sensors], "name")
+        self.repeated_names(channels)
         self.rivals()
         measured = {sensor.output for sensor in read.sensors if sensor.output}
         unknowns = [self.unknown(i, one, measured) for i, one in enumerate(read.estimate)]
@@ -432,6 +438,16 @@ class _Reader:
             if name and name in names[:i]:
                 self.fault((key, i, what), f"'{name}' stands twice", cure)
 
+    def repeated_names(self, channels: Sequence[Channel | None]) -> None:
+        """Refuse a second sensor of what another one measures or drives, at the key that names it."""
+        named: set[str] = set()
+        for i, (sensor, channel) in enumerate(zip(self.map.sensors, channels, strict=True)):
+            if channel is None:
+                continue  # its name is refused already
+            if sensor.name in named:
+                self.fault(("sensors", i, sensor.kind), f"'{sensor.name}' stands twice", "leave one of them out")
+            named.add(sensor.name)
+
     def rivals(self) -> None:
         """Refuse a second sensor that drives what another one drives: each row would give both for one advance."""
         driven: list[str] = []
@@ -449,9 +465,13 @@ class _Reader:
     def channel(self, i: int, sensor: Sensor) -> Channel | None:
         is_input = sensor.input is not None
         kinds = {"input": self.names.inputs, "output": self.names.outputs, "signal": self.signals}
-        kind = next(one for one in kinds if getattr(sensor, one) is not None)
+        kind, key = sensor.kind, ("sensors", i, sensor.kind)
         known = kinds[kind]
-        if not self.known(("sensors", i, kind), kind, sensor.name, known):
+        if sensor.name not in known and (other := next((one for one in kinds if sensor.name in kinds[one]), None)):
+            cure = f"there is {'a' if other == 'signal' else 'an'} {other} of that name: write {other}: {sensor.name}"
+            self.fault(key, f"there is no {kind} '{sensor.name}'", cure)
+            return None
+        if not self.known(key, kind, sensor.name, known):
             return None
         unit = known[sensor.name]
         if kind == "output" and self.names.shapes.get(sensor.name, ()):
@@ -481,7 +501,7 @@ class _Reader:
         try:
             unit, si = read_unit(written), read_unit(wanted) if wanted else read_unit("%")
             if unit.dimension != si.dimension:
-                self.fault(key, f"'{written}' is not a unit of this quantity", f"its unit is {wanted or 'none'}")
+                self.fault(key, *other_quantity(written, unit, wanted, si))
                 return 1.0
             from fractions import Fraction
 
@@ -516,8 +536,8 @@ class _Reader:
         low, high = self.bounds((*key, "range"), one.range, unit)
         if not sd > 0.0:
             self.fault((*key, "sd"), "must be greater than zero", "say how far off the start may be")
-        if not low <= start <= high:
-            self.fault((*key, "start"), "is outside its range", "start within the range")
+        if one.range is not None and not low <= start <= high:
+            self.fault((*key, "start"), *outside(one.start, default, one.range, (low, high), unit))
         drift = self.drift((*key, "drift"), one.drift, unit)
         return Unknown(
             name=one.name, target=target, is_offset=one.parameter is None, unit=unit, start=start, sd=sd, low=low,

@@ -47,7 +47,7 @@ class Operation(Protocol):
     outputs, signals : mapping
         Name -> unit: of what it finds, and of what it asks for, beside outputs and inputs of the simulation.
     reads : sequence of str
-        Outputs of the simulations that `counts` and `found` want.
+        Outputs of the simulations that `counts`, `put_down` and `found` want.
     window : float or None
         Of the estimate where the map gives none, s: the longest time from one rest to the next. None for the usual one.
     mean : float
@@ -92,6 +92,10 @@ class Operation(Protocol):
     def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
         """Which sensors (m,) tell something: all simulations (n, ...) do then what the machine does."""
         return np.ones(len(sensors), bool)
+
+    def put_down(self, read: Mapping[str, np.ndarray]) -> bool:
+        """Whether in all simulations (n, ...) every load stands on the ground: nothing is left of how it bounced."""
+        return False
 
     def found(
         self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]],

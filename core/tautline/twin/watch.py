@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tautline.scene.values.printed import in_words, quantity, shown
-from tautline.twin.alarms import CLEAR, Alarms, beyond, bound_said
+from tautline.twin.alarms import CLEAR, NOT_KNOWN, Alarms, beyond, bound_said
 from tautline.twin.forecast import Found, extreme
 from tautline.twin.map import Alarm, Plan
 from tautline.twin.operation import Operation
@@ -73,6 +73,8 @@ class Compared:
         Whether the computer has no time to look ahead.
     unsure : bool
         Whether what is computed is in doubt, and health is degraded by that: nothing foreseen is certain then.
+    put_down : bool
+        Whether every load stands on the ground, on a slack rope, in all simulations.
     """
 
     time: float
@@ -91,6 +93,7 @@ class Compared:
     late: bool = False
     moved: Mapping[str, Any] = field(default_factory=dict)
     unsure: bool = False
+    put_down: bool = False
 
     @property
     def foreseen(self) -> Found | None:
@@ -147,6 +150,8 @@ class Watch:
         self._told_ahead: set[str] = set()
         # By alarm: what a sensor has shown beyond the bound, and whether what is computed ever was so too.
         self._seen: dict[str, tuple[str, bool]] = {}
+        # Alarms of which what is computed was beyond the bound before it began again from rest.
+        self._seen_before_rest: set[str] = set()
         self._irregular: dict[str, str] = {}
         self._before = -np.inf
 
@@ -155,6 +160,8 @@ class Watch:
         measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
         sensors = {one.channel.name: one for one in self.health if one.channel.is_output}
         order = [one.name for one in self.plan.measured]
+        if row.put_down and row.converged and row.time >= row.judged_from and not row.unsure:
+            self._follow_again()
         for one in self.plan.alarms:
             sensor = sensors.get(one.target)
             if one.is_residual and sensor is not None:
@@ -177,7 +184,18 @@ class Watch:
 
     def begun_again(self) -> None:
         """Take notice that what is computed begins again from rest: it has followed nothing of what sensors showed."""
+        self._seen_before_rest |= {name for name, (_, followed) in self._seen.items() if followed}
         self._seen = {name: (text, False) for name, (text, _) in self._seen.items()}
+
+    def _follow_again(self) -> None:
+        """Take notice that what is computed is as the machine is again, whatever it has missed since it was at rest.
+
+        What it misses is how the load bounced then. A load that stands on the ground, on a slack rope, has no more of
+        that. The load itself is in the estimate where what is computed was beyond the bound before.
+        """
+        for name in self._seen_before_rest & self._seen.keys():
+            self._seen[name] = self._seen[name][0], True
+        self._seen_before_rest.clear()
 
     def _judge_residual(self, one: Alarm, row: Compared, m: int, measured: float, sensor: Health) -> None:
         r, sd = row.residual[m], row.residual_sd[m]
@@ -200,7 +218,7 @@ class Watch:
         if one.name not in self.alarms.active and (sensor.fault or not sensor.is_recent(time)):
             return  # as of `_judge_unseen`
         text, known = self._irregular[one.name], sensor.fault == "" and sensor.is_awaited(time)
-        told = text if known else f"not known any more: {text}. {no_reading(sensor)}"
+        told = text if known else f"{NOT_KNOWN}: {text}. {no_reading(sensor)}"
         self.alarms.judge(one.name, True, time, told, one.lasting, known, sensor.seen, sensor.forgotten_after)
 
     def _judge_output(self, one: Alarm, row: Compared, sensor: Health | None, measured: float) -> None:
@@ -233,12 +251,14 @@ class Watch:
         if sensor is not None and not seen:
             # What is computed is known at each row: rows within the bound lie between.
             forgotten_after = max(CLEAR, sensor.patience, row.time - self._before) * (1.0 + EDGE)
-        self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1], read, forgotten_after)
+        # A doubt of all that is computed, or of where the estimate is, is none that the next row may end.
+        flutters = ahead is None or bool(np.isfinite(ahead[3]) and not row.unsure)
+        self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1], read, forgotten_after, flutters)
 
     def _judge_unseen(self, one: Alarm, row: Compared, sensor: Health | None) -> None:
         """Judge a bound that nothing shows to be passed now: what was seen is over only where something shows that."""
         if row.late and one.name in self._told_ahead:
-            text = "not known any more: this was foreseen, and the computer has no time to look again"
+            text = f"{NOT_KNOWN}: this was foreseen, and the computer has no time to look again"
             self.alarms.judge(one.name, True, row.time, text, one.lasting, False)
             return
         self._told_ahead.discard(one.name)
@@ -269,6 +289,7 @@ class Watch:
             text = f"{one.target} measured: {bound_said(measured, one.above, one.below, self._teller(one))}"
         elif not text or sensor.believed or (within and followed):
             self._seen.pop(one.name, None)
+            self._seen_before_rest.discard(one.name)
             return
         self._seen[one.name] = text, followed or computed_too
 
@@ -291,12 +312,12 @@ class Watch:
         last = sensor.last_side(time)
         if np.isfinite(last) and beyond(last, one.above, one.below):
             return self._said_measured(one, sensor, False)
-        return f"not known any more: {self._seen[one.name][0]}. {no_reading(sensor)}", False
+        return f"{NOT_KNOWN}: {self._seen[one.name][0]}. {no_reading(sensor)}", False
 
     def _said_computed(self, one: Alarm, value: float, sd: float, measured: float) -> tuple[str, bool]:
         """What is said of a computed value beyond a bound, and whether that is certain beside what is measured."""
         text = f"{one.target} computed: {bound_said(value, one.above, one.below, self._teller(one))}"
-        certain, doubt = surely_beyond(value, sd, one), "The deviation"
+        certain, doubt = surely_beyond(value, sd, one), "The standard deviation"
         if certain and np.isfinite(measured):
             certain, doubt, sd = False, "What is measured", measured
         return text + self._doubt(one, doubt, sd) * (not certain), certain
@@ -311,7 +332,7 @@ class Watch:
             sd = float(np.hypot(sd, away)) if np.isfinite(sd) else away
         # A load that bounces in the simulation alone would be a danger by far more than its deviation.
         certain = bool(np.isfinite(away)) and surely_beyond(worst, sd, one) and not row.unsure
-        doubt = self._doubt(one, "The deviation", sd) + ", and what is computed is in doubt" * row.unsure
+        doubt = self._doubt(one, "The standard deviation", sd) + ", and what is computed is in doubt" * row.unsure
         return text + doubt * (not certain), certain
 
     def _doubt(self, one: Alarm, doubt: str, value: float) -> str:
@@ -390,7 +411,7 @@ class Watch:
             if not holds and unknown and name in self.alarms.active:
                 # Where nothing shows where the machine goes, a danger that was seen is not over.
                 holds, known = True, False
-                text = f"not known any more: {what} was foreseen, and {why}"
+                text = f"{NOT_KNOWN}: {what} was foreseen, and {why}"
             self.alarms.judge(name, holds, row.time, text, known=known)
         cut = stopped is not None and stopped[1] not in TOLD
         text, lasting = "an input that the driver moves is not measured: nothing shows where the machine goes", UNSEEN

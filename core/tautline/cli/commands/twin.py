@@ -381,6 +381,7 @@ class _Loop:
     def _tell(self, line: dict[str, Any]) -> None:
         """Print alarms as they begin and end."""
         from tautline.scene.values.moments import stamp_said
+        from tautline.twin.alarms import NOT_KNOWN
 
         self._remark(self.twin.notes)
         self._remark(self.twin.readings.rows.notes)
@@ -391,7 +392,8 @@ class _Loop:
             elif one["known"] and name not in self.known_alarms:
                 say(f"{stamp_said(line['time'])}: {name} is certain now: {one['text']}", "red")
             elif name in self.known_alarms and not one["known"]:
-                say(f"{stamp_said(line['time'])}: {name} is {one['text']}", "yellow")
+                doubt = "" if one["text"].startswith(NOT_KNOWN) else "in doubt now: "
+                say(f"{stamp_said(line['time'])}: {name} is {doubt}{one['text']}", "yellow")
         self.known_alarms = {name for name, one in active.items() if one["known"]}
         for name, since in list(self.told.items()):
             if name not in active:
