@@ -13,7 +13,7 @@ from of_the_suite import studies
 from crane.geometry.drawing import outline
 from crane.results.course import course_of, laid_out
 from crane.view.figures import FIGURES, draw, draw_scene, figures
-from crane.view.path_figure import of_run, of_scene
+from crane.view.path_figure import of_run, of_scene, path_figure
 from tautline.results.errors import ResultError
 
 EACH = list(FIGURES)
@@ -283,6 +283,17 @@ def test_an_unknown_figure_is_refused_with_those_there_are():
         ResultError, match=r"no figure or variable 'torque'; did you mean 'winch_torque'\? known: overview \("
     ):
         draw([result(one_fall(), frames=2)], ["torque"])
+
+
+def test_a_scene_is_drawn_with_the_names_of_winch_tip_and_load_and_the_water_that_lies_near():
+    of = one_fall(water={"surface": 0, "density": 1025})
+    figure = path_figure([of_scene(laid_out(of))], of, "")
+    plot = figure.axes[0]
+    words = [text.get_text() for text in plot.texts]
+    assert {WINCH["drum"]["name"], TIP["sheave"]["name"], LOAD["name"], "water"} <= set(words)
+    deep_water = one_fall(water={"surface": -500, "density": 1025})
+    far = path_figure([of_scene(laid_out(deep_water))], deep_water, "").axes[0]
+    assert far.get_ylim()[0] > -50.0 and "water" not in [text.get_text() for text in far.texts]
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])

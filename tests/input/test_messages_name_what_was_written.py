@@ -148,3 +148,66 @@ def test_a_misspelt_key_is_one_fault_and_no_missing_key_as_well(tmp_path, old, n
     assert len(lines) == len(told)
     for part in told:
         assert any(part in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("rope:", "line_type:", ["line_type: unknown key; did you mean 'rope'?"]),
+        ("step: 5 ms", "dt: 5 ms", ["solver.dt = 5 ms: unknown key; did you mean 'step'?"]),
+        ("radius: 0.5", "diameter: 1 m", ["did you mean 'radius'? Note: it is half of the diameter"]),
+        ("- sheave:", "- pulley:", ["path[1]: unknown key 'pulley'; did you mean 'sheave'?"]),
+        ("- drum:", "- winch:", ["path[0]: unknown key 'winch'; did you mean 'drum'?"]),
+        ("mass: 5 t", "mass: 5 t, Cd: 1.2", ["bodies[0].Cd = 1.2: unknown key; write drag: {quadratic: [x, y, z]}"]),
+        (
+            "heave: {harmonic: {amplitude: 0.5, period: 8, ramp: 8}}",
+            "heave: {spectrum: {Hs: 2, Tp: 9}}",
+            [
+                "Hs = 2: unknown key; did you mean 'significant_height'?",
+                "Tp = 9: unknown key; did you mean 'peak_period'?",
+            ],
+        ),
+    ],
+)
+def test_a_word_of_the_trade_is_answered_with_the_key_and_is_no_missing_key_as_well(tmp_path, old, new, told):
+    lines = refusals(Crane(), changed(tmp_path, HOIST, (old, new)))
+    assert len(lines) == len(told)
+    for part, line in zip(told, lines, strict=True):
+        assert part in line
+
+
+@pytest.mark.parametrize(
+    ("application", "text", "old", "new", "told"),
+    [
+        (Crane, HOIST, "period: 8", "period: 0.1 Hz", "did you mean 'frequency'? 'period' takes a time such as 8 s"),
+        (Crane, HOIST, "pay_out: {ramp: {to: -2.0", "pay_out: {ramp: {to: -60 rpm", "did you mean 'speed'?"),
+        (Crane, HOIST, "pay_out: {ramp: {to: -2.0", "speed: {ramp: {to: -1 m/s", "did you mean 'pay_out'?"),
+        (
+            Drillstring,
+            JWELL,
+            "block: {chirp: {amplitude: 1 m",
+            "block: {chirp: {amplitude: 9 ft/min",
+            "velocity: ...}'?",
+        ),
+    ],
+)
+def test_a_unit_of_another_key_of_the_same_item_is_answered_with_that_key(tmp_path, application, text, old, new, told):
+    (line,) = refusals(application(), changed(tmp_path, text, (old, new)))
+    assert told in line
+
+
+def test_a_time_in_a_drum_s_speed_is_not_taken_for_the_unit_of_another_key(tmp_path):
+    (line,) = refusals(Crane(), changed(tmp_path, HOIST, ("over: 1.0", "over: 1 m/s")))
+    assert "is not the unit of a time; expected a time" in line
+
+
+@pytest.mark.parametrize(
+    ("key", "old", "new"),
+    [
+        ("bodies", "bodies:\n  - {", "bodies:\n    {"),
+        ("frames", "rope:", "frames: {name: boom, pivot: [0, 0, 5]}\nrope:"),
+    ],
+)
+def test_a_list_whose_dash_was_forgotten_is_answered_with_an_entry_of_its_own_and_the_dash(tmp_path, key, old, new):
+    (line,) = refusals(Crane(), changed(tmp_path, HOIST, (old, new)))
+    assert f"{key}: must be a list; give a list such as [{{name: " in line and "begins with `- `" in line

@@ -76,7 +76,14 @@ def test_study_writes_its_files_and_ends_with_a_sentence_of_advice(cable, folder
     assert made(folder) == ["bar_study.csv", "bar_study.nc", "bar_study.png"]
     for name in made(folder):
         assert f"wrote {name}" in err
-    for words in ("newmark", "reference (proved): rk4", "observed order 4", "position of position 1", "cores", "load"):
+    for words in (
+        "newmark",
+        "reference (proved): rk4",
+        "observed order 4",
+        "compared: position of node 1",
+        "cores",
+        "load",
+    ):
         assert words in err
     assert re.search(r"cheapest with an error below 1 %|no run has an error below 1 %", err)
 

@@ -110,7 +110,8 @@ register(WoundRope, residual=_wound_residual, energy=_wound_energy, commit=_woun
 
 class Drums(NamedTuple):
     """Drums (n,) of ``DRUM``; ``found`` and ``direction`` as in `Slips`; ``sum`` (n,) is the integral of what tension
-    lacks, N s, ``torque`` (n,) that of the last step.
+    lacks, N s, ``torque`` (n,) that of the last step. While the torque is at its limit, the integral does not grow. It
+    lessens there as soon as the tension is beyond what is asked for.
 
     A drum turns with the rope that comes onto it, at theta. = lambda p. / R. So a torque acts on p with lambda / R, and
     what turns, with the mass m = I/R^2 + rhoA S at the rim, has T = m (lambda p.)^2 / 2 and resists with
@@ -236,9 +237,12 @@ def _drum_commit(g, t, h, q, v, a):
     for n in range(g.rows.size):
         d = g.rows[n]
         g.torque[n] = _drum_torque(g, n, t, v)
-        if d.holds == 1 and abs(g.torque[n]) < d.limit:
+        if d.holds == 1:
             asked, _, _ = evaluate(g.functions, d.function, t)
-            g.sum[n] += h * (asked - _pull(g, d, v))
+            lack = asked - _pull(g, d, v)
+            # Without a proportional gain nothing but the integral brings the torque back from its limit.
+            if abs(g.torque[n]) < d.limit or g.torque[n] * lack < 0.0:
+                g.sum[n] += h * lack
 
 
 @kernel

@@ -46,8 +46,14 @@ def _once(axes: tuple[str, ...]) -> tuple[str, ...]:
 Axes = Annotated[tuple[Annotated[Literal["x", "y", "z"], word("x", "y", "z")], ...], AfterValidator(_once)]
 
 
+COEFFICIENT = {"Cd": ("", "write drag: {quadratic: [x, y, z]}, of each axis Cd rho A / 2 in N s^2/m^2")}
+"""What people give in place of a quadratic drag, and how it is written."""
+
+
 class Drag(Model):
     """Of water along x, y and z: `linear` in N s/m, `quadratic` in N s^2/m^2."""
+
+    elsewhere = COEFFICIENT
 
     linear: Dampings = (0.0, 0.0, 0.0)
     quadratic: Quadratics = (0.0, 0.0, 0.0)
@@ -103,6 +109,8 @@ class Body(Model):
     force : tuple of functions of time, or None
         Along x, y and z, N.
     """
+
+    elsewhere = COEFFICIENT
 
     name: Name = Field(examples=["payload"])
     mass: Mass = Field(examples=["5 t"])

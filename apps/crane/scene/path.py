@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, model_validator
@@ -172,6 +173,12 @@ class Drum(Disc):
     """
 
     key: ClassVar[str] = "drum"
+    by_unit: ClassVar[Mapping[tuple[str, str], tuple[str, str]]] = {
+        ("speed", "rad/s"): ("m/s", "pay_out"),
+        ("pay_out", "m/s"): ("rad/s", "speed"),
+        ("torque", "N m"): ("N", "tension"),
+        ("tension", "N"): ("N m", "torque"),
+    }
 
     center: Position = Field(examples=["[0, 0, 0]"])
     pay_out: Annotated[FunctionOfTime, time_function("m/s", of="winch speed")] | None = None

@@ -147,9 +147,9 @@ class CraneScene(Scene):
     title: str | None = None
     units: UnitSystem = "si"
     rope: Rope = Field(examples=[PLAIN_ROPE])
-    bodies: tuple[Body, ...] = ()
+    bodies: tuple[Body, ...] = Field((), examples=["[{name: payload, mass: 5 t, position: [12, 0, 5]}]"])
     path: Annotated[tuple[Annotated[PathItem, ITEMS], ...], Field(min_length=1, examples=[PLAIN_PATH])]
-    frames: tuple[Frame, ...] = ()
+    frames: tuple[Frame, ...] = Field((), examples=["[{name: boom, pivot: [0, 0, 18], slew: 0}]"])
     vessel: Vessel | None = None
     water: Water | None = None
     ground: Ground | None = None

@@ -101,7 +101,7 @@ def _range(text: str | None, option: str, unit: str, example: str, other: list[f
             raise option_error(option, "", "is missing", f"give {option} {example}")
         return other
     if ":" not in text:
-        return sorted(numbers(text, option, unit))
+        return sorted(numbers(text, option, unit, example=f"write {option} {example}, or values between commas"))
     first, last, step = (number(word, option, unit) for word in three_of(text, option, f"write {option} {example}"))
     if last < first:
         raise option_error(option, text, "goes downwards", f"write {option} {example}")

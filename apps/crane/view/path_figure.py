@@ -22,8 +22,12 @@ OUT_OF_PLANE = 0.02
 FAR = 4.0
 """Size of a path over that of the crane's fixed wheels from which these get a picture of their own."""
 MOST_NAMES, MOST_LETTERS = 12, 24
-"""Names of bodies beside a picture, and letters of one: a longer one would leave the picture no room."""
-NAMES = "xyz"
+"""Names in a picture, and letters of one: a longer one would leave the picture no room."""
+APART = (0.25, 0.05)
+"""Share of a picture's size across and up within which two names would be written over each other."""
+BEYOND = 0.3
+"""Share of a path's height by which water or ground may lie below or above it and is shown with it."""
+NAMES, UP = "xyz", 2
 WATER, GROUND_COLOUR = "#56B4E9", "#8C6D46"
 
 
@@ -119,8 +123,8 @@ def path_figure(shots: Sequence[Snapshot], scene: CraneScene, title: str) -> Fig
     everything = np.concatenate([_all_points(shot) for shot in shots])
     size = np.ptp(everything, axis=0)
     across = 0 if size[0] >= size[1] else 1
-    views: list[tuple[str, tuple[int, int], np.ndarray]] = [("Elevation", (across, 2), everything)]
-    fixed = [_circle(*disc[:3]) for disc in _fixed_discs(scene, shots[-1])]
+    views: list[tuple[str, tuple[int, int], np.ndarray]] = [("Elevation", (across, 2), _to_levels(scene, everything))]
+    fixed = [_circle(*disc[:3]) for _, disc in _fixed_discs(scene, shots[-1])]
     if fixed:
         head = np.concatenate(fixed)
         if FAR * max(float(np.ptp(head, axis=0).max()), 1e-9) < float(size.max()):
@@ -140,7 +144,7 @@ def path_figure(shots: Sequence[Snapshot], scene: CraneScene, title: str) -> Fig
             plot.set_xticks([0.0 if left < 0.0 < right else float(f"{0.5 * (left + right):.2g}")])
         if name != "Plan":
             _levels(plot, scene)
-        _names(plot, shots[-1], plane, extent)
+        _names(plot, scene, shots[-1], plane)
         plot.set_title(name)
         # What equal scales leave over stands below: above, a heading would be written over.
         plot.set_anchor("N")
@@ -168,10 +172,27 @@ def _all_points(shot: Snapshot) -> np.ndarray:
     return np.concatenate([shot.rope, *circles, *(place[None] for _, place in (*shot.bodies, *shot.ends))])
 
 
-def _fixed_discs(scene: CraneScene, shot: Snapshot) -> list[tuple[np.ndarray, np.ndarray, float, bool]]:
+def _levels_of(scene: CraneScene) -> list[tuple[float, str, str]]:
+    """Height m, colour and name of the water's surface and of the ground."""
+    levels = [(scene.water.surface, WATER, "water")] if scene.water is not None else []
+    return levels + ([(scene.ground.level, GROUND_COLOUR, "ground")] if scene.ground is not None else [])
+
+
+def _to_levels(scene: CraneScene, points: np.ndarray) -> np.ndarray:
+    """Points, and with them those levels that lie near: a load that is drawn above the water is lowered into it."""
+    low, high = points[:, 2].min(), points[:, 2].max()
+    near = BEYOND * (high - low)
+    found = [level for level, _, _ in _levels_of(scene) if low - near <= level <= high + near]
+    return np.concatenate([points, *([[*points[0, :2], level]] for level in found)])
+
+
+def _fixed_discs(
+    scene: CraneScene, shot: Snapshot
+) -> list[tuple[Drum | Sheave, tuple[np.ndarray, np.ndarray, float, bool]]]:
     """Wheels that ride on no body."""
     wheels = [item for item in scene.path if isinstance(item, (Drum, Sheave))]
-    return [disc for item, disc in zip(wheels, shot.wheels, strict=True) if isinstance(item, Drum) or item.body is None]
+    pairs = zip(wheels, shot.wheels, strict=True)
+    return [(item, disc) for item, disc in pairs if isinstance(item, Drum) or item.body is None]
 
 
 def _draw(plot: Axes, shot: Snapshot, plane: tuple[int, int], last: bool) -> None:
@@ -195,32 +216,59 @@ def _draw(plot: Axes, shot: Snapshot, plane: tuple[int, int], last: bool) -> Non
 def _levels(plot: Axes, scene: CraneScene) -> None:
     """Draw the water's surface and the ground, where they are in the picture."""
     bottom, top = plot.get_ylim()
-    levels = [(scene.water.surface, WATER, "water")] if scene.water is not None else []
-    levels += [(scene.ground.level, GROUND_COLOUR, "ground")] if scene.ground is not None else []
-    for level, colour, name in levels:
+    for level, colour, name in _levels_of(scene):
         if bottom < level < top:
             plot.axhline(level, color=colour, lw=1.2, zorder=0)
             # Beside the picture: inside it stands the rope.
             plot.text(1.02, level, name, transform=plot.get_yaxis_transform(), color=colour, va="center", fontsize=9)
 
 
-def _names(plot: Axes, shot: Snapshot, plane: tuple[int, int], extent: np.ndarray) -> None:
-    """Write names beside bodies, as long as there are few."""
+class _Name(NamedTuple):
+    """A name to be written in a picture: its place in the plane, m, and where from there it stands."""
+
+    name: str
+    at: np.ndarray
+    stands: dict[str, Any]
+
+
+BESIDE: dict[str, Any] = {"xytext": (8, 0), "va": "center"}
+ABOVE: dict[str, Any] = {"xytext": (0, 3), "ha": "center", "va": "bottom"}
+BELOW: dict[str, Any] = {"xytext": (0, -3), "ha": "center", "va": "top"}
+
+
+def _names(plot: Axes, scene: CraneScene, shot: Snapshot, plane: tuple[int, int]) -> None:
+    """Write names beside bodies, as long as there are few; and those of wheels and ends for which there is room."""
     if len(shot.bodies) > MOST_NAMES:
         return
-    low, high = extent[:, plane].min(axis=0), extent[:, plane].max(axis=0)
-    for name, place in shot.bodies:
-        at = place[list(plane)]
-        if np.all(at >= low - 1e-9) and np.all(at <= high + 1e-9):
-            text = plot.annotate(
-                shortened(name, MOST_LETTERS),
-                (at[0], at[1]),
-                xytext=(8, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=9,
-            )
-            edged(text)
+    axes = list(plane)
+    bodies = [_Name(name, place[axes], BESIDE) for name, place in shot.bodies]
+    others = [_Name(name, place[axes], BESIDE) for name, place in shot.ends]
+    if UP in plane:
+        # From above wheels are lines, close together.
+        others += [_of_wheel(item, disc, shot.rope, plane) for item, disc in _fixed_discs(scene, shot)]
+    limits = np.array([plot.get_xlim(), plot.get_ylim()])
+    written: list[np.ndarray] = []
+    for k, one in enumerate([*bodies, *others]):
+        inside = bool(np.all((one.at >= limits[:, 0]) & (one.at <= limits[:, 1])))
+        close = any(bool(np.all(np.abs(one.at - at) < APART * np.ptp(limits, axis=1))) for at in written)
+        if not inside or (k >= len(bodies) and (close or len(written) >= MOST_NAMES)):
+            continue
+        written.append(one.at)
+        words = shortened(one.name, MOST_LETTERS)
+        edged(plot.annotate(words, tuple(one.at), textcoords="offset points", fontsize=9, **one.stands))
+
+
+def _of_wheel(
+    item: Drum | Sheave, disc: tuple[np.ndarray, np.ndarray, float, bool], rope: np.ndarray, plane: tuple[int, int]
+) -> _Name:
+    """The name of a wheel, above it or below, where the rope does not go: outside of its turn, or behind a drum."""
+    center, axis, radius, drum = disc
+    a, b = plane
+    touching = rope[np.linalg.norm(rope - center, axis=1) < 1.02 * radius]
+    on_top = bool(touching.size == 0 or touching[:, b].mean() >= center[b])
+    circle = _circle(center, axis, radius)[:, b]
+    above = on_top != drum
+    return _Name(item.name, np.array([center[a], circle.max() if above else circle.min()]), ABOVE if above else BELOW)
 
 
 def draw_scene_figure(layout: Layout, path: Path) -> Path:

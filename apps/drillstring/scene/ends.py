@@ -42,6 +42,8 @@ class Controller(Model):
 
 
 BLOCK = time_function("m", velocity="m/s", of="block position", velocity_of="block speed")
+SPEED_OF_BLOCK = {("block", "m"): ("m/s", "block: {velocity: ...}")}
+"""How it is written where the unit says that it is a speed."""
 ROTATION = time_function("rad/s", controller=Branch(Controller), of="rotary speed")
 
 
@@ -50,6 +52,8 @@ class Top(Model):
 
     `weight` (N) is that of block and drive: it moves nothing, and is added where hook loads are told with the block.
     """
+
+    by_unit = SPEED_OF_BLOCK
 
     block: Annotated[Position, BLOCK] = Field(Constant(value=0.0), examples=["{velocity: {ramp: {to: 0.5, over: 2}}}"])
     rotation: Annotated[FunctionOfTime | Controller, ROTATION] = Field(Constant(value=0.0), examples=["60 rpm"])

@@ -30,8 +30,14 @@ class Hold(Model):
     length: Distance
 
 
+OF_THE_WELL = {"diameter": ("", "a hole has one diameter: write it as well.diameter")}
+"""What people look for in a section, and where it stands."""
+
+
 class _Arc(Model):
     """A piece of the well of constant curvature: `radius`, or `rate` in rad/m (``3 deg/30m``)."""
+
+    elsewhere = OF_THE_WELL
 
     radius: BendRadius | None = Field(None, examples=["1000 m"])
     rate: Annotated[float, quantity("rad/m", positive=True, of="dogleg severity")] | None = None

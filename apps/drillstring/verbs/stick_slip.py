@@ -105,12 +105,14 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
     """
     from tautline.cli.options.lists import numbers, stepped, three_of
 
+    example = "write 40:160:20, or 60,90,120"
+
     def one(word: str) -> float:
-        return numbers(word, option, unit, bare)[0]
+        return numbers(word, option, unit, bare, example)[0]
 
     if ":" not in text:
         return [one(word) for word in text.split(",")]
-    first, last, step = (one(part) for part in three_of(text, option, "write 40:160:20, or 60,90,120"))
+    first, last, step = (one(part) for part in three_of(text, option, example))
     if last < first:
         raise option_error(option, text, "ends below where it begins", "write the smaller first, such as 40:160:20")
     return stepped((first, last, step), text, option, MOST_CELLS, "values")

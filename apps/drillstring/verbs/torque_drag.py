@@ -214,14 +214,15 @@ def parse_depths(text: str) -> list[float]:
     from tautline.cli.options.lists import number, numbers, stepped, three_of
 
     refuse = partial(option_error, "--depth", text)
+    example = "write 500:3500:250, or 500,1000,2000"
 
     if ":" not in text:
-        found = numbers(text, "--depth", "m")
+        found = numbers(text, "--depth", "m", example=example)
         if len(found) > MOST_DEPTHS:
             raise refuse(f"makes {len(found)} depths, more than {MOST_DEPTHS}", "give fewer")
         # A line over depths as they were typed would double back.
         return sorted(found)
-    parts = three_of(text, "--depth", "write 500:3500:250, or 500,1000,2000")
+    parts = three_of(text, "--depth", example)
     first, last = (number(part, "--depth", "m") for part in parts[:2])
     upwards = parts[2].strip().startswith("-")
     if last < first or upwards:

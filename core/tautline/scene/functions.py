@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NoReturn
 
@@ -142,6 +142,11 @@ class Harmonic(_OfUnit):
     """``mean + amplitude sin(2 pi t / period + phase)``, the sine under a quintic envelope over the first `ramp`."""
 
     amplitude: float
+    by_unit: ClassVar[Mapping[tuple[str, str], tuple[str, str]]] = {
+        ("period", "s"): ("Hz", "frequency"),
+        ("frequency", "Hz"): ("s", "period"),
+    }
+
     period: Period | None = None
     frequency: Annotated[float, quantity("Hz", positive=True, of="frequency")] | None = None
     phase: Angle = 0.0

@@ -17,9 +17,9 @@ from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
-from tautline.scene.refusal import KIND, must_be, nearest, one_of, refusal
+from tautline.scene.refusal import KIND, meant_key, must_be, nearest, one_of, refusal
 from tautline.scene.values.printed import in_words
-from tautline.scene.values.quantity import Quantity, suited
+from tautline.scene.values.quantity import Quantity, is_written_in, suited
 
 MARK = "|"
 """Begins the tag of a branch that is no key of the file; dropped from key paths."""
@@ -44,11 +44,8 @@ AFTER_COMMA = re.compile(r"[0-9]+([eE][+-]?[0-9]+)?(\s+\S.*|[^\W\d].*|\s*%)?", r
 """What stands behind a decimal comma: digits, and a unit."""
 WITHOUT_BLANK = re.compile(r"([^\W\d]\w*):(\S.*)")
 """A key and its value with no blank behind the colon: in braces YAML reads all of it as a key."""
-OTHER_WORDS = {
-    "wob": ("weight",), "weight_on_bit": ("weight",), "tob": ("torque",), "torque_on_bit": ("torque",),
-    "weight": ("mass", "mass_per_length"), "mbl": ("breaking_load",), "ea": ("axial_stiffness",),
-}  # fmt: skip
-"""Words that people write for a key, in small letters, and the keys that may be meant."""
+ENTRIES = "each entry of a list begins with `- `"
+"""Said where a mapping stands in place of a list: the dashes were forgotten."""
 
 Whole = Annotated[int, Strict()]
 """A whole number; true and 12.0 are none."""
@@ -88,6 +85,8 @@ class Model(pydantic.BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, defer_build=True)
     elsewhere: ClassVar[Mapping[str, tuple[str, str]]] = {}
     """Keys that are looked for here and are not: key -> a field in which it may be looked for, too, and where it is."""
+    by_unit: ClassVar[Mapping[tuple[str, str], tuple[str, str]]] = {}
+    """Keys of which the unit tells that another was meant: (key, its SI unit) -> the SI unit of the other, and that."""
 
     @pydantic.model_validator(mode="wrap")
     @classmethod
@@ -126,12 +125,6 @@ class Model(pydantic.BaseModel):
         return next((str(info.examples[0]) for info in fields if info.examples), "")
 
 
-def _meant(key: str, known: Sequence[str]) -> str:
-    """Which key was probably meant: by another word for the same, or by its letters."""
-    other = next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in known), None)
-    return nearest(key, known) if other is None else f"did you mean '{other}'?"
-
-
 def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any]:
     """Errors without those that follow from an unknown key.
 
@@ -139,7 +132,7 @@ def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any
     """
     unknown = [str(e["loc"][0]) for e in errors if len(e["loc"]) == 1 and e["type"] == "extra_forbidden"]
     cut = {before for key in unknown if (before := _decimal_comma(data, key)[1])}
-    meant = {_meant(key, model._keys()) for key in unknown if not _decimal_comma(data, key)[0]}
+    meant = {meant_key(key, model._keys()).partition("?")[0] for key in unknown if not _decimal_comma(data, key)[0]}
     run_in = {key for one in unknown if (key := _without_blank(model, one)[0])}
 
     def follows(error: Any) -> bool:
@@ -147,7 +140,7 @@ def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any
         if place and place[0] in cut:
             return True
         missing = len(place) == 1 and error["type"] == "missing"
-        return missing and (f"did you mean '{place[0]}'?" in meant or place[0] in run_in)
+        return missing and (f"did you mean '{place[0]}'" in meant or place[0] in run_in)
 
     return [error for error in errors if not follows(error)]
 
@@ -194,7 +187,7 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
     elif len(place) == 1 and kind == "extra_forbidden":
         cure, before = _decimal_comma(data, str(place[0]))
         cure = cure or _without_blank(model, str(place[0]))[1] or model.elsewhere.get(str(place[0]), ("", ""))[1]
-        words = {"cause": "unknown key", "cure": cure or _meant(str(place[0]), model._keys())}
+        words = {"cause": "unknown key", "cure": cure or meant_key(str(place[0]), model._keys())}
         known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
         known = PydanticCustomError(DOUBT, "doubtful", context)
@@ -204,14 +197,24 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
             words["cure"] = suited(words["cure"], error["input"], stated)
         within = error["input"] if len(place) == 1 and isinstance(error["input"], dict) else ()
         stands = (text for key, (field, text) in model.elsewhere.items() if key in within and place[0] == field)
-        words["cure"] = next(stands, words.get("cure", ""))
+        words["cure"] = next(stands, _by_unit(model, error, words.get("cure", "")))
         known = PydanticCustomError(KIND, "{cause}", words)
     elif len(place) == 1 and kind in ("tuple_type", "list_type") and (stated := model._stated(str(place[0]))):
         told = next(
             (f": {f.description}" for n, f in model.model_fields.items() if n == place[0] and f.description), ""
         )
-        known = refusal("must be a list", f"give a list such as {stated}{told}")
+        dashes = f"; {ENTRIES}" if isinstance(error["input"], dict) else ""
+        known = refusal("must be a list", f"give a list such as {stated}{told}{dashes}")
     return InitErrorDetails(type=known, loc=place, input=error["input"], ctx=context)
+
+
+def _by_unit(model: type[Model], error: Any, cure: str) -> str:
+    """The cure with the key that was probably meant, where what was written has that key's unit; else as it is."""
+    key, wanted = str(error["loc"][0]) if error["loc"] else "", (error.get("ctx") or {}).get("wanted", "")
+    unit, other = model.by_unit.get((key, wanted), ("", ""))
+    if not other or not is_written_in(error["input"], unit):
+        return cure
+    return f"did you mean '{other}'? '{key}' takes {cure.removeprefix('expected ')}"
 
 
 class Scene(Model):
@@ -498,6 +501,8 @@ def _plain(error: Any) -> tuple[str, str]:
         return "must be a whole number, written without a point or an exponent", f"write {given:.0f}"
     if kind.startswith("int_") and isinstance(given, str) and re.fullmatch(r"[+-]?[0-9]+", given.strip()):
         return "is text, not a number", f"remove the quotes: write {given.strip()}"
+    if kind in ("tuple_type", "list_type") and isinstance(given, dict):
+        return "must be a list", f"write a list: {ENTRIES}"
     for name, (what, example) in names.items():
         if kind.startswith(f"{name}_"):
             return f"must be {what}", f"give {what} such as {example}"
@@ -657,7 +662,7 @@ class OneOf:
         if not value:
             raise refusal("is an empty mapping", cure)
         odd = next(iter(value))
-        raise refusal(f"unknown key '{odd}'", nearest(str(odd), self.keyed))
+        raise refusal(f"unknown key '{odd}'", meant_key(str(odd), list(self.keyed)))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         choices: dict[Any, CoreSchema] = {}

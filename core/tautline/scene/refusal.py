@@ -14,10 +14,26 @@ from tautline.scene.errors import LONGEST
 
 KIND = "problem"
 """The pydantic error type that carries a cause and a cure."""
+OTHER_WORDS = {
+    "wob": ("weight",), "weight_on_bit": ("weight",), "tob": ("torque",), "torque_on_bit": ("torque",),
+    "weight": ("mass", "mass_per_length"), "mbl": ("breaking_load",), "ea": ("axial_stiffness",),
+    "hs": ("significant_height",), "h_s": ("significant_height",), "swh": ("significant_height",),
+    "tp": ("peak_period",), "t_p": ("peak_period",), "cd": ("drag", "rope_drag"),
+    "dt": ("step", "time_step"), "delta_t": ("step", "time_step"), "diameter": ("radius",),
+    "rpm": ("rotation", "speed"), "pulley": ("sheave",), "roller": ("sheave",), "winch": ("drum",), "hoist": ("drum",),
+    "line_type": ("rope",), "line": ("rope",), "cable": ("rope",), "wire": ("rope",), "wire_rope": ("rope",),
+}  # fmt: skip
+"""Words that people write for a key, in small letters, and the keys that may be meant."""
+DIFFERS = {
+    ("diameter", "radius"): "it is half of the diameter",
+    ("rpm", "rotation"): "write its unit: 60 rpm",
+    ("rpm", "speed"): "write its unit: 60 rpm",
+}
+"""What is to be written otherwise where a key has another word: (word, key)."""
 
 
 def refusal(
-    cause: str, cure: str = "", file: str | None = None, line: int | None = None, beside: str = ""
+    cause: str, cure: str = "", file: str | None = None, line: int | None = None, beside: str = "", wanted: str = ""
 ) -> PydanticCustomError:
     """Build the error by which a field's validator refuses its value.
 
@@ -29,6 +45,8 @@ def refusal(
         Where the fault lies if not in the scene itself: a row of a table that the scene names.
     beside : str
         As of `fault`.
+    wanted : str
+        SI unit of the quantity that is wanted, where one of another kind was given.
     """
     context: dict[str, str | int] = {"cause": cause, "cure": cure}
     if file is not None:
@@ -37,6 +55,8 @@ def refusal(
         context["line"] = line
     if beside:
         context["beside"] = beside
+    if wanted:
+        context["wanted"] = wanted
     return PydanticCustomError(KIND, "{cause}", context)
 
 
@@ -85,6 +105,15 @@ def meant(word: str, known: Iterable[str]) -> str:
     words = list(known)
     close = difflib.get_close_matches(word[:LONGEST].lower(), [w.lower() for w in words], n=1, cutoff=0.6)
     return f"did you mean '{next(w for w in words if w.lower() == close[0])}'?" if close else ""
+
+
+def meant_key(key: str, known: Sequence[str]) -> str:
+    """Say which key was probably meant, by another word for the same or by its letters; or list those there are."""
+    other = next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in known), None)
+    if other is None:
+        return nearest(key, known)
+    differs = DIFFERS.get((key.lower(), other), "")
+    return f"did you mean '{other}'?" + (f" Note: {differs}" if differs else "")
 
 
 def nearest(word: str, known: Iterable[str]) -> str:

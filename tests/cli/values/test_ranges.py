@@ -2,7 +2,7 @@
 
 import pytest
 
-from tautline.cli.options.lists import stepped, three_of
+from tautline.cli.options.lists import numbers, stepped, three_of
 from tautline.scene.errors import SceneError
 
 
@@ -23,3 +23,9 @@ def test_a_range_of_too_many_values_is_refused_by_its_option():
 def test_a_range_needs_three_numbers():
     with pytest.raises(SceneError, match="needs three numbers: from, to and step"):
         three_of("1:2", "--speed", "write 0:12:3")
+
+
+@pytest.mark.parametrize("text", ["0.5-4", "0.5 m - 4 m", "0.5..4", "0.5 to 4"])
+def test_a_range_with_a_dash_is_answered_with_how_ranges_are_written(text):
+    with pytest.raises(SceneError, match="a range is written with colons and a step; write 0"):
+        numbers(text, "--hs", "m", example="write 0.5:4:0.5, or values between commas")

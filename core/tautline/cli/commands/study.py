@@ -259,7 +259,8 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool, warnings: Seque
         say(_of_reference(found))
     if found.left_out:
         say(f"a quick look: {'; '.join(found.left_out)}")
-    say(f"position of {found.watched.point}, force of {found.watched.force or 'nothing'}; {machine(found.load)}")
+    compared = " and ".join(filter(None, (found.watched.point_said, found.watched.force_said)))
+    say(f"compared: {compared}; {machine(found.load)}")
     for sentence in dict.fromkeys(_reason(row) for row in found.rows if row.trial.status in NOT_RUN):
         say(sentence)
     for warning in found.warnings:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -14,6 +15,8 @@ EXAMPLES = {
 }  # fmt: skip
 """What an option of a unit takes, for the message about what it does not take."""
 AS_A_LIST = "give entries between commas, such as 1ms,0.5ms"
+DASHED = re.compile(r"[-+]?[\d.]+\s*[^\W\d]*\s*(-|–|to\b|\.\.)\s*[\d.]+.*", re.DOTALL)
+"""Two numbers with a dash, ``to`` or points between them, as ranges are written in a text."""
 
 
 def words(text: str | None, option: str, known: Callable[[str], str]) -> list[str]:
@@ -27,8 +30,10 @@ def words(text: str | None, option: str, known: Callable[[str], str]) -> list[st
     return _each(text, option, known)
 
 
-def numbers(text: str | None, option: str, unit: str, bare: float = 1.0) -> list[float]:
+def numbers(text: str | None, option: str, unit: str, bare: float = 1.0, example: str = "") -> list[float]:
     """Positive numbers between commas, with units, or bare numbers of `bare` SI units each; empty for None.
+
+    An option that takes ranges, too, gives an `example` of both, the cure of what is none: ``write 0.5:4:0.5, or 1,2``.
 
     Raises
     ------
@@ -45,10 +50,12 @@ def numbers(text: str | None, option: str, unit: str, bare: float = 1.0) -> list
         try:
             value = float(adapter.validate_python(as_in_a_file(word)))
         except ValidationError as error:
-            raise ValueError(str(error.errors()[0]["msg"])) from None
+            ranged = example and DASHED.fullmatch(word)
+            told = "a range is written with colons and a step" if ranged else str(error.errors()[0]["msg"])
+            raise ValueError(told) from None
         return value * bare if _is_bare(word) else value
 
-    return _each(text, option, read, f"give {EXAMPLES[unit]}" if unit in EXAMPLES else "see --help")
+    return _each(text, option, read, example or (f"give {EXAMPLES[unit]}" if unit in EXAMPLES else "see --help"))
 
 
 def seconds(text: str | None, option: str, known: Sequence[str] = ()) -> float | str | None:

@@ -187,7 +187,7 @@ class Quantity:
             expected = f"expected {self.meaning} such as {self.example}"
             if self.of in FROM_MODULUS and read.dimension == read_unit("Pa").dimension:
                 expected += f". {FROM_MODULUS[self.of]}"
-            raise refusal(f"'{unit}' is not the unit of {self.meaning}", expected)
+            raise refusal(f"'{unit}' is not the unit of {self.meaning}", expected, wanted=self.unit)
         try:
             value = converted(read, wanted).si(Decimal(number))
         except Uncounted as error:
@@ -316,6 +316,17 @@ def _may_stand_for(read: Unit, wanted: Unit) -> bool:
     """
     is_an_angle_alone = not any(wanted.dimension) and read.angle and not wanted.angle
     return read.dimension == wanted.dimension and not is_an_angle_alone
+
+
+def is_written_in(written: Any, unit: str) -> bool:
+    """Whether what was written is a number with a unit, and the unit is one of the quantity whose SI unit is given."""
+    match = NUMBER.fullmatch(written) if isinstance(written, str) else None
+    if match is None or not match["unit"]:
+        return False
+    try:
+        return _may_stand_for(read_unit(match["unit"]), read_unit(unit))
+    except UnknownUnit:
+        return False
 
 
 def suited(cure: str, written: Any, example: str | None = None) -> str:

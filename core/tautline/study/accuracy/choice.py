@@ -42,7 +42,6 @@ from tautline.study.trials.step_error import (
     StepError,
     at_common_times,
     from_longer,
-    name_of,
 )
 from tautline.study.trials.trial import Setting, Subject
 
@@ -186,7 +185,8 @@ class Choice:
         seen = None
         try:
             latest = watch(result)
-            self.watched = self.watched._replace(force=latest.force) if self.watched else latest
+            known = self.watched or latest
+            self.watched = known._replace(force=latest.force, force_said=latest.force_said)
             seen = look_at(result, self.watched)
         except ResultError as error:
             self.why = error.cause
@@ -626,7 +626,7 @@ def _attributes_and_warnings(choice: Choice, result: Result) -> tuple[dict[str, 
         size = motion(choice.made[-1].seen.history, watched.extent)  # type: ignore[union-attr]
         others = tuple(run.step for run in choice.made[-2::-1] if run.seen is not None)
         attributes["step_error"] = StepError(
-            min(others), name_of(result, watched.point), errors["position"] * size, errors["position"],
-            name_of(result, watched.force), errors.get("force"), others,
+            min(others), watched.point_said, errors["position"] * size, errors["position"],
+            watched.force_said, errors.get("force"), others,
         )._asdict()  # fmt: skip
     return attributes, [choice.warning] if choice.warning else []

@@ -279,7 +279,7 @@ def _elsewhere(rows: Sequence[Row], tolerance: float, unknown: float) -> list[tu
 
 def still(watched: Watched) -> str:
     """What there is to say of errors where the point that is looked at does not move."""
-    return f"{watched.point} does not move: no error can be seen there; name another with --point, if any does"
+    return f"{watched.point_said} does not move: no error can be seen there; name another with --point, if any does"
 
 
 def _row(trial: Trial, watched: Watched, reference: Reference | None) -> Row:

@@ -44,12 +44,17 @@ class History(NamedTuple):
 
 
 class Watched(NamedTuple):
-    """The point and the force that a study looks at, the size of the scene, m, and whether the point moves."""
+    """The point and the force that a study looks at, the size of the scene, m, and whether the point moves.
+
+    `point_said` and `force_said` are both as a sentence has them: ``position of payload``; empty where there is none.
+    """
 
     point: Place
     force: Place | None
     extent: float
     moves: bool
+    point_said: str
+    force_said: str
 
     def of(self, result: Result) -> History:
         """The history of a run of the scene, or of a variant of it."""
@@ -81,7 +86,24 @@ def watch(result: Result, point: str | None = None) -> Watched:
     extent = float(max(np.ptp(result[name].reshape(-1, 3), axis=0).max() for name in there))
     chosen = _named(result, point) if point is not None else _far_end(result, there)
     way = _ways(_at(result, chosen, 2)).max()
-    return Watched(chosen, _force(result), extent, bool(way > RESTING * extent))
+    force = _force(result)
+    said = _name_of(result, chosen), _name_of(result, force)
+    return Watched(chosen, force, extent, bool(way > RESTING * extent), *said)
+
+
+def _name_of(result: Result, place: Place | None) -> str:
+    """A place as a sentence has it: ``position of payload``, ``axial force of element 1``, or by the result's name."""
+    if place is None:
+        return ""
+    dims, what = result.variables[place.variable].dims, place.variable.replace("_", " ")
+    if len(dims) > 1 and f"{dims[1]}_name" in result:
+        return f"{what} of {result[f'{dims[1]}_name'][place.number]}"
+    if not place.label:
+        return what
+    kind = dims[1].replace("_", " ")
+    # A number tells nothing without what it counts; a name of the scene needs no more.
+    of = f"{kind} {place.label}" if place.label[0].isdigit() else place.label
+    return f"{what.removeprefix(f'{kind} ')} of {of}"
 
 
 def _ways(position: np.ndarray) -> np.ndarray:

@@ -33,7 +33,7 @@ from tautline.scene.methods import method_of
 from tautline.scene.solver import divided
 from tautline.scene.values.printed import in_percent, quantity
 from tautline.study.trials.errors import HARDLY, apart, ends_apart
-from tautline.study.trials.history import History, Place, Watched, watch
+from tautline.study.trials.history import History, Watched, watch
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
 from tautline.system.model import Model
 
@@ -339,7 +339,7 @@ def _stated(
         found = [from_longer(x, ratios, order) if x is not None else None for x, order in both]
     if not np.isfinite([x for x in found if x is not None]).all():
         return "the runs with other steps differ too much for an estimate"
-    place, force_place = name_of(result, watched.point), name_of(result, watched.force)
+    place, force_place = watched.point_said, watched.force_said
     distance, position, force = found
     assert distance is not None and position is not None
     seen = histories[0].force
@@ -395,21 +395,6 @@ def order_of(changes: Sequence[float], ratios: Sequence[float], highest: float, 
 
 def _listed(steps: Sequence[float]) -> str:
     return " and ".join(f"{step:.3g} s" for step in steps)
-
-
-def name_of(result: Result, place: Place | None) -> str:
-    """A place as a sentence has it: ``position of payload``, ``axial force of element 1``, or by the result's name."""
-    if place is None:
-        return ""
-    dims, what = result.variables[place.variable].dims, place.variable.replace("_", " ")
-    if len(dims) > 1 and f"{dims[1]}_name" in result:
-        return f"{what} of {result[f'{dims[1]}_name'][place.number]}"
-    if not place.label:
-        return what
-    kind = dims[1].replace("_", " ")
-    # A number tells nothing without what it counts; a name of the scene needs no more.
-    of = f"{kind} {place.label}" if place.label[0].isdigit() else place.label
-    return f"{what.removeprefix(f'{kind} ')} of {of}"
 
 
 def at_common_times(first: History, second: History) -> tuple[History, History] | None:
