@@ -76,6 +76,66 @@ def test_a_force_that_raises_or_is_no_number_is_named_in_place_of_a_motion_that_
     assert said in stop.value.sentence and "overflowed" not in stop.value.sentence
 
 
+def failing(calls, since=0.02):
+    """A force that raises from a time on, and notes when it is called."""
+
+    def force(t, q, v):
+        calls.append(t)
+        if t > since:
+            raise ValueError("the plant does not answer")
+        return [0.0, 0.0, 0.0]
+
+    return force
+
+
+def test_a_force_that_raised_is_not_called_again_before_it_is_told(standing):
+    # with each halving of the step it was: what it does beside its force was done twelve times
+    calls, sim = [], standing.copy()
+    sim.add_force(failing(calls), on="payload.position")
+    before = sim.save()
+    for times in (1, 2):
+        with pytest.raises(ValueError, match="the plant does not answer"):
+            sim.advance(0.1)
+        assert len([t for t in calls if t > 0.02]) == times and "a force raised ValueError" in sim.stopped
+        sim.restore(before)
+
+
+def test_a_force_that_raises_in_the_very_last_of_its_calls_stops_that_advance(standing):
+    def run(fails_at):
+        calls, sim = [], standing.copy()
+
+        def force(t, q, v):
+            calls.append(t)
+            if len(calls) == fails_at:
+                raise ValueError("the last")
+            return [0.0, 0.0, 0.0]
+
+        sim.add_force(force, on="payload.position")
+        try:
+            sim.advance(0.05)
+        finally:
+            stopped.append(sim.stopped)
+        return len(calls)
+
+    stopped = []
+    count = run(0)
+    with pytest.raises(ValueError, match="the last"):
+        run(count)
+    assert stopped[0] == "" and "a force raised ValueError" in stopped[1]
+
+
+def test_equations_raise_what_a_force_raises_and_go_on_with_the_next_evaluation(standing):
+    # they gave no number, and no word of it
+    calls, sim = [], standing.copy()
+    sim.add_force(failing(calls), on="payload.position")
+    equations = sim.equations
+    t, q, v = equations.state()
+    for ask in (equations.acceleration, lambda t, q, v: equations.tangent(t, q, v, 0.0 * q).toarray()):
+        with pytest.raises(ValueError, match="the plant does not answer"):
+            ask(0.03, q, v)
+        assert np.isfinite(ask(t, q, v)).all()
+
+
 @numba.njit
 def too_far(t, q, v, force):
     force[3] = 1.0e5

@@ -29,6 +29,32 @@ def test_what_is_no_time_is_refused(sim, duration):
     assert sim.time == pytest.approx(0.2)
 
 
+@pytest.mark.parametrize("number", [10**400, -(10**5000)], ids=["400 digits", "5000 digits"])
+def test_a_whole_number_beyond_a_float_is_refused_everywhere_and_nothing_changes(sim, number):
+    # Python raised an OverflowError, and writes no number of more than 4300 digits
+    one = sim.copy()
+    before = one.save().block
+    asks = {
+        "advance": lambda: one.advance(number),
+        "advance to": lambda: one.advance_to(number),
+        "rollout": lambda: tautline.rollout([one], until=number),
+        "input": lambda: one.inputs.__setitem__("winch.pay_out_speed", number),
+        "rate": lambda: one.inputs.__setitem__("winch.pay_out_speed", (0.0, number)),
+        "parameter": lambda: one.parameters.__setitem__("payload.mass", number),
+        "blow": lambda: one.displace("payload.velocity", [0.0, 0.0, number]),
+        "equations": lambda: one.equations.mass(one.equations.state()[1], number),
+        "keep": lambda: tautline.Simulation(one.scene, keep=number),
+        "initial": lambda: tautline.Simulation(one.scene, initial={"winch.pay_out_speed": number}),
+        "parameters": lambda: tautline.Simulation(one.scene, parameters={"payload.mass": number}),
+    }
+    for what, ask in asks.items():
+        with pytest.raises(SimulationError) as refused:
+            ask()
+            pytest.fail(what)
+        assert refused.value.cure and len(refused.value.cause) < 200
+    assert np.array_equal(one.save().block, before) and not one.inputs.driven
+
+
 @pytest.mark.parametrize("duration", [1e-300, 1e-17, 1e-12])
 def test_an_advance_that_is_rounding_is_told_by_its_own_length(sim, duration):
     with pytest.raises(SimulationError, match=f"{duration:.3g} s is too short to go on by.*at least"):

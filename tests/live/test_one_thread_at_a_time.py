@@ -120,6 +120,32 @@ def test_a_force_that_waits_for_a_thread_that_reads_is_told_so_and_does_not_hang
     assert "a force raised SimulationError" in sim.stopped
 
 
+@pytest.mark.parametrize("what", ["read", "read what is computed", "read an input", "input", "save"])
+def test_forces_of_two_simulations_on_two_threads_that_ask_for_one_another_are_refused_at_once(what):
+    # each waited 5 s for the other, twelve times, and did not hear Ctrl-C
+    sims, both, met = [tautline.Simulation(HOIST) for _ in range(2)], threading.Barrier(2), set()
+
+    def asks(other):
+        def force(t, q, v):
+            if other not in met:
+                met.add(other)
+                both.wait(60.0)
+            ACTS[what](other)
+            return [0.0, 0.0, 0.0]
+
+        return force
+
+    for one, other in zip(sims, reversed(sims), strict=True):
+        one.add_force(asks(other), on="payload.position")
+    before = clock.monotonic()
+    with ThreadPoolExecutor(2) as pool:
+        runs = [pool.submit(sim.advance, 0.05) for sim in sims]
+        errors = [run.exception(60.0) for run in runs]
+    told = [str(error) for error in errors if error is not None]
+    assert told and clock.monotonic() - before < turn.PATIENCE
+    assert all("a force asks for another simulation" in one and "in one thread, by turns" in one for one in told)
+
+
 def test_threads_that_read_a_simulation_at_rest_all_read_it(whole):
     sim = whole.copy()
 

@@ -32,6 +32,17 @@ def test_a_copy_has_scratch_of_its_own_for_each_force():
     assert sim._forces[0] is not other._forces[0]
 
 
+@pytest.mark.parametrize("of", [lambda sim: sim.copy(), lambda sim: with_force(), lambda sim: sim])
+def test_a_force_is_called_by_its_own_simulation_also_behind_a_state_of_another(of):
+    # the state held where the function of the other stood: it was called instead, also where there was none any more
+    sim = with_force()
+    other = of(sim)
+    calls, state = [force.calls for force in (sim._forces[0], other._forces[0])], sim.save()
+    other.restore(state)
+    other.advance(0.01)
+    assert other._forces[0].calls > calls[1] and (sim is other or sim._forces[0].calls == calls[0])
+
+
 def test_copies_with_a_force_run_on_threads_as_they_do_one_after_the_other():
     sims = [with_force() for _ in range(2)]
     sims[1].displace("payload.velocity", [0.1, 0.0, 0.0])

@@ -58,6 +58,15 @@ def test_doubled_rows_count_once_and_fill_what_was_empty():
     assert rows.counts["doubled"] == 1
 
 
+def test_columns_that_come_one_by_one_with_one_stamp_are_not_doubled_and_one_that_comes_twice_is():
+    rows = Rows(["a", "b", "c"], 0.15)
+    apart(rows, gap=0.0)
+    assert not rows.counts
+    rows.add(0.05 * 39, {"b": 391.0})
+    assert rows.counts == {"doubled": 1}
+    assert [list(row.values) for row in rows.waiting[-2:]] == [[10.0 * k, 10.0 * k + 1, 10.0 * k + 2] for k in (38, 39)]
+
+
 def test_a_stamp_from_the_future_is_left_out_and_the_next_rows_are_not():
     rows, came = given([*REGULAR[:20], 1000.0, *REGULAR[20:]])
     assert times(came) == REGULAR

@@ -10,7 +10,7 @@ import numpy as np
 
 from tautline.errors import ArgumentTypeError
 from tautline.kernels.dofs import TIED, Dofs
-from tautline.live.errors import SimulationError, real
+from tautline.live.errors import SimulationError, real, shown
 from tautline.system.handles import Output
 
 EXAMPLES = {"parameters": '{"payload.mass": 5200.0}', "initial": '{"winch.pay_out_speed": -0.2}'}
@@ -63,8 +63,8 @@ def displacement_of(name: str, by: Any, outputs: Mapping[str, Output], found: Ou
     """
     try:
         given = np.asarray(by, float)
-    except (TypeError, ValueError):
-        raise SimulationError(f"{by!r} is no displacement of {name}", "give finite numbers") from None
+    except (TypeError, ValueError, OverflowError):
+        raise SimulationError(f"{shown(by)} is no displacement of {name}", "give finite numbers") from None
     if found.places is None:
         free = [each for each, one in outputs.items() if one.places is not None and _is_free(one.places[1], dofs)]
         example = next((each for each in free if each.endswith("velocity")), next(iter(free), ""))

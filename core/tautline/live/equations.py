@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,7 @@ class Equations:
         self._h = INSTANT * model.solver.step
         self._q, self._v = state.q.copy(), state.v.copy()
         self.names, self.algebraic, self.scale = list(system.names), system.algebraic.copy(), system.scale.copy()
+        self._added = added
         self._residual = np.zeros(system.size)
         self._matrix = new_matrix(system.size, system.bandwidth, system.border)
         self._room = room_for_all(system, added)
@@ -82,6 +84,8 @@ class Equations:
         ------
         SimulationError
             For vectors of another size, and numbers that are not finite.
+        Exception
+            What a function that was added as a force raised.
         """
         self._evaluate(t, q, v, a, 0.0, 0.0, 0.0, self._matrix)
         return self._residual.copy()
@@ -109,7 +113,8 @@ class Equations:
             self._whole = (link(self._room.groups, *SUMS), *self._scene[1:]), matrix
         scene, matrix = self._whole
         q, v, a = self._checked(q, v, a)
-        evaluate_at(*scene, matrix, _time(t), self._h, q, v, a, *factors, self._residual)
+        with self._calls():
+            evaluate_at(*scene, matrix, _time(t), self._h, q, v, a, *factors, self._residual)
         return sparse(matrix)
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -157,7 +162,18 @@ class Equations:
     def _evaluate(self, t: float, q: Any, v: Any, a: Any, cm: float, cc: float, ck: float, matrix: Any) -> None:
         q, v, a = self._checked(q, v, a)
         more = _time(t), self._h, q, v, a, cm, cc, ck, self._residual
-        self._lasting.call(evaluate_at, (*self._scene, matrix), *more)
+        with self._calls():
+            self._lasting.call(evaluate_at, (*self._scene, matrix), *more)
+
+    @contextmanager
+    def _calls(self) -> Iterator[None]:
+        """While functions that were added as forces are called; raises what one of them raised."""
+        for force in self._added:
+            force.begin()
+        yield
+        for force in self._added:
+            if force.failed is not None:
+                raise force.failed
 
     def _halves(self, y: Any) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities of ``y``."""

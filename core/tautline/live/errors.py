@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from contextlib import suppress
 from typing import Any
@@ -12,6 +13,9 @@ from pydantic_core import PydanticCustomError
 from tautline.errors import TautlineError
 from tautline.scene.refusal import nearest
 from tautline.scene.values.quantity import Quantity
+
+LONGEST, BEGINNING = 100, 40
+"""Characters of what was given up to which all of it is told, and of its beginning where it is longer."""
 
 
 class SimulationError(TautlineError):
@@ -40,7 +44,7 @@ class Unpickled:
 
 
 def real(value: Any, what: str, cure: str) -> float:
-    """A number as a float.
+    """A number as a float: infinite where it is beyond the largest of these, as a whole number may be.
 
     Raises
     ------
@@ -51,8 +55,20 @@ def real(value: Any, what: str, cure: str) -> float:
         return value
     if not isinstance(value, (str, bytes, bool, np.bool_)) and np.ndim(value) == 0 and _is_countable(value):
         with suppress(TypeError, ValueError):
-            return float(value)
-    raise SimulationError(f"{value!r} is no {what}", cure)
+            try:
+                return float(value)
+            except OverflowError:
+                return math.inf if value > 0 else -math.inf
+    raise SimulationError(f"{shown(value)} is no {what}", cure)
+
+
+def shown(value: Any) -> str:
+    """What was given, as it is told: of what is long, such as a number of hundreds of digits, the beginning."""
+    try:
+        told = repr(value)
+    except ValueError:  # Python writes no whole number of more than 4300 digits
+        return "a number of thousands of digits"
+    return told if len(told) <= LONGEST else f"{told[:BEGINNING]}... ({len(told)} characters)"
 
 
 def _is_countable(value: Any) -> bool:

@@ -29,7 +29,7 @@ class Force:
     ----------
     group : NamedTuple
     failed : exception or None
-        What the Python function raised.
+        What the Python function raised since `begin`: it is not called again before the next one.
     calls : int
         Its calls that began and that ended: odd while it is called.
     """
@@ -62,6 +62,7 @@ class Force:
 
     def begin(self) -> None:
         """Forget what the function did before."""
+        self.failed = None
         self.group.f[-1] = self.group.g[-1] = 0.0
 
     def copy(self) -> Force:
@@ -73,8 +74,12 @@ class Force:
         """The function as C calls it; what it raises is kept, and the force is no number then."""
 
         def call(t: float, q: Any, v: Any, f: Any, k: int) -> None:
-            self.calls += 1
             force = np.ctypeslib.as_array(f, (n,))
+            if self.failed is not None:
+                # The loop halves its step and asks again: what the function does besides is not done once more.
+                force[:] = np.nan
+                return
+            self.calls += 1
             try:
                 x, rate = np.ctypeslib.as_array(q, (n,)).copy(), np.ctypeslib.as_array(v, (n,)).copy()
                 known = np.isfinite(x).all() and np.isfinite(rate).all()
@@ -82,7 +87,7 @@ class Force:
                 if known and not np.isfinite(force).all():
                     f[n] = NO_NUMBER
             except BaseException as error:  # there is no way for it through compiled code
-                self.failed = self.failed or error
+                self.failed = error
                 force[:] = np.nan
             self.calls += 1
 

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
-from tautline.live.errors import SimulationError, Unpickled, real, unknown
+from tautline.live.errors import SimulationError, Unpickled, real, shown, unknown
 from tautline.live.turn import Turn
 from tautline.system.handles import Input
 
@@ -225,7 +225,7 @@ class Inputs(Unpickled, Mapping[str, Any]):
             given = ()
         if not 1 <= len(given) <= 3 or not isfinite(sum(given)):
             unit = self._list[k].steering.unit
-            cause = f"{name} = {value!r} is neither a finite number nor two or three of them"
+            cause = f"{name} = {shown(value)} is neither a finite number nor two or three of them"
             raise SimulationError(cause, f"give a value in {unit or 'SI'}, or (value, rate) or (value, rate, second)")
         steering = self._list[k].steering
         if not steering.least <= given[0] <= steering.most:

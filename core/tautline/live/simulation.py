@@ -7,7 +7,6 @@ import time as clock
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
-from threading import get_ident
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -280,7 +279,7 @@ class Simulation:
         self._checked.allow(begin, time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) if ear is None else nullcontext(ear) as ear:
-            self._turn.advancing = get_ident()
+            self._turn.begin_advance()
             try:
                 self.inputs.write(begin, time)
                 self._observed = None
@@ -291,8 +290,8 @@ class Simulation:
                     self._go(begin, end, ear)
                     begin = end
             finally:
-                # A force may have read the outputs of the frame before.
-                self._turn.advancing, self._observed = 0, None
+                self._turn.end_advance()
+                self._observed = None  # a force may have read the outputs of the frame before
         if ear.heard:
             raise Interrupted(self._time, self._so_far("interrupted"))
 
@@ -312,7 +311,8 @@ class Simulation:
                 done = counters[STEPS] + counters[ITERATIONS] + counters[FACTORISATIONS]
                 self._pause[WORK_LIMIT] = done + LONG
                 status, filled, reached = self._call(begin)
-                if status != 0:
+                # What a force raised in the last of its calls comes too late for a step to fail by it.
+                if status != 0 or any(force.failed is not None for force in self._forces):
                     self._stop(reached, Status(status))
                 if ear.heard:
                     raise KeyboardInterrupt

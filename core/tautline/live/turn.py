@@ -14,6 +14,13 @@ PATIENCE = 5.0
 LOOK = 0.05
 """Wall time, s, after which whoever waits looks at what the other does."""
 
+_within = threading.local()
+"""How many advances this thread is in the middle of: a force may advance another simulation."""
+
+
+def _depth() -> int:
+    return getattr(_within, "depth", 0)
+
 
 class Turn:
     """Taken by the thread that works with a simulation; another waits, and cannot change it in another's advance.
@@ -60,6 +67,14 @@ class Turn:
         if self._waiting or not self.lock.acquire(False):
             self._wait(True)
 
+    def begin_advance(self) -> None:
+        """Take notice that this thread, which has the turn, is in the middle of an advance from here on."""
+        _within.depth, self.advancing = _depth() + 1, threading.get_ident()
+
+    def end_advance(self) -> None:
+        """Take notice that the advance is over."""
+        _within.depth, self.advancing = _depth() - 1, 0
+
     def take_whole(self) -> None:
         """Take the turn to read, not in the middle of an advance; raises SimulationError in that of its own thread."""
         self.read()
@@ -94,9 +109,13 @@ class Turn:
     def _acquire(self, lock: Any, changes: bool) -> None:
         """Acquire a lock; raises SimulationError where the other advances meanwhile, or would never come to its end."""
         before, since = None, 0.0
-        while not lock.acquire(True, LOOK):
-            if changes and self.advancing:
+        # Who waits in the middle of an advance keeps others waiting, perhaps the one that is waited for.
+        refused = changes or _depth() > 0
+        while True:
+            if refused and self.advancing:
                 raise of_another_thread()
+            if lock.acquire(True, LOOK):
+                return
             calls = [force.calls for force in self._forces]
             if calls != before or not any(number % 2 for number in calls):
                 before, since = calls, clock.monotonic()
@@ -145,7 +164,14 @@ def in_its_middle() -> SimulationError:
 
 
 def of_another_thread(more: str = "") -> SimulationError:
-    """The refusal of a second thread."""
+    """The refusal of a second thread; also of one that comes from a force of another simulation."""
+    if _depth() > 0:
+        return SimulationError(
+            "a force asks for another simulation, which is being advanced by another thread: what it would get is of "
+            "another time, and where each asks for the other both would wait without end",
+            "advance simulations whose forces ask for one another in one thread, by turns: a.advance(0.01), "
+            "b.advance(0.01)",
+        )
     return SimulationError(
         f"the simulation is being advanced by another thread{more}", "give each thread its own: sim.copy()"
     )

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.elements.outside import OutsideForces
 from tautline.kernels.dofs import Dofs
 from tautline.kernels.time_function import TimeFunctions
 
@@ -19,6 +20,8 @@ def arrays_of(thing: Any, name: str) -> Iterator[tuple[str, np.ndarray]]:
         yield name, thing
     elif isinstance(thing, tuple):
         for key in getattr(thing, "_fields", range(len(thing))):
+            if key == "address" and isinstance(thing, OutsideForces):
+                continue  # it is of one simulation in one process: another would call a function that is not its own
             part = getattr(thing, key) if isinstance(key, str) else thing[key]
             yield from arrays_of(part, f"{name}.{key}")
 

@@ -5,7 +5,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 
 | what comes | what becomes of it |
 |---|---|
-| a stamp that was there | its values fill what was empty; it is counted |
+| a stamp that was there | its values fill what was empty; it is counted where a column came twice |
 | a repeated reading, and the true one of that stamp after it | the true one counts |
 | out of order, within the delay | it is put in its place |
 | later than the delay | it is left out, and counted |
@@ -478,7 +478,8 @@ class Rows:
         k = bisect_left(self.waiting, row.time - 1e-9, key=lambda one: one.time)
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
             known = self.waiting[k]
-            self.counts["doubled"] += not (row.repeated.any() or (known.repeated & row.measured).any())
+            if (row.measured & known.measured).any():
+                self.counts["doubled"] += 1
             self._compare(np.where(known.repeated, np.nan, known.values), row)
             known.places += row.places
             known.fill(row)
