@@ -255,7 +255,7 @@ class Journal:
                     yield Row(**line)
 
     def close(self) -> None:
-        """Close the file, with all lines on the disk, and let others have the folder; none is left that holds nothing."""
+        """Close the file, with all lines on the disk, and let others have the folder; an empty one is not left."""
         if self._file is not None:
             self.force()
             self._file.close()

@@ -360,14 +360,14 @@ class _Sweep:
             interrupted, lost = True, str(error)
         except InputChanged as error:
             rows.close()
-            raise self._told(error, done) from None
+            raise self._with_resume_hint(error, done) from None
         finally:
             rows.close()
         outcome = self._finish(interrupted, len(finished))
         outcome.lost = lost
         return outcome
 
-    def _told(self, error: InputChanged, done: int) -> InputChanged:
+    def _with_resume_hint(self, error: InputChanged, done: int) -> InputChanged:
         """The same fault of the input, with what is kept and how to go on."""
         if self.journal is not None and not self.journal.begun and self.kept:
             self._begin()
