@@ -61,12 +61,12 @@ from tautline.results.result import Result
 from tautline.results.resumption import (
     MISSING_UNTIL,
     ROUNDING,
-    truncated_start_warning,
     frames_until,
     of_another_build,
     place_of,
     refuse_another,
     restart_time,
+    truncated_start_warning,
 )
 from tautline.results.store import FrameStore
 from tautline.scene.methods import method_of

@@ -137,7 +137,7 @@ _NUMBERS: dict[str, Form] = {"float": float, "int": int, "bool": bool, "none": t
 
 
 def _encode_form(returned: Form) -> Any:
-    """The form of what is given back, for JSON: the name of a number, a list for a tuple, None where it is not known."""
+    """The form of what is given back, for JSON: the name of a number, a list for a tuple, None where there is none."""
     if isinstance(returned, tuple):
         return [_encode_form(part) for part in returned[1:]]
     if returned is None:
