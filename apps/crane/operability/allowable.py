@@ -298,7 +298,7 @@ def _allowables(
 
 
 def _mark_slack_bounds(made: Allowable, heights: np.ndarray, slack: np.ndarray) -> Allowable:
-    """Replace `STOPPED` by `SLACK`, or by `BELOW` at a height of 0, where slack ropes are the bound, not failed runs."""
+    """Replace `STOPPED` by `SLACK`, or by `BELOW` at a height of 0, where slack ropes bound it, not failed runs."""
     ends = []
     for height, bound in ((made.height, made.bound), (made.low, made.low_bound), (made.high, made.high_bound)):
         after = heights > height
