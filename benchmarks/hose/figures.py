@@ -12,8 +12,8 @@ from gardenhose.cables import arc_lengths
 from gardenhose.flutter import stability
 from gardenhose.static import forms
 from gardenhose.view.figures import draw
-from gardenhose.view.stability_figures import boundary_figure, flutter_figure, static_figure
-from tautline.view.figures.figure import COLOURS, axes, label, save, styled
+from gardenhose.view.stability_figures import flutter_figure, static_figure
+from tautline.view.figures.figure import COLOURS, QUIET, Figure, axes, label, save, styled
 
 IMAGES = hoses.ROOT / "docs" / "images"
 
@@ -41,6 +41,43 @@ def precision(curves: Sequence[Curve]) -> None:
     plot.set_ylabel(label("distance of the tip from where it should be", "m"))
     figure.legend(*plot.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     save(figure, IMAGES / "hose_precision.png")
+
+
+@styled
+def boundary_figure(
+    beta: np.ndarray,
+    u: np.ndarray,
+    published: tuple[np.ndarray, np.ndarray] | None = None,
+    published_label: str = "published",
+    computed_label: str = "computed",
+    title: str = "Stability boundary",
+    xlabel: str = "mass ratio β = M/(M + m) [–]",
+    ylabel: str = "critical flow speed u = U L √(M/EJ) [–]",
+) -> Figure:
+    """Critical flow speed against the mass ratio, both without dimension, beside a published curve.
+
+    Parameters
+    ----------
+    beta, u : (k,) array
+        Ours, drawn as dots; several u at one beta are fine, as where the boundary is S-shaped.
+    published : ((n,) array, (n,) array), optional
+        beta and u along a curve, in the order in which to join them.
+    published_label, computed_label, title, xlabel, ylabel : str
+        Words in the figure.
+    """
+    figure, plots = axes(1, 1, 7.2, 5.0, title)
+    plot = plots[0, 0]
+    if published is not None:
+        plot.plot(*published, color=QUIET, lw=1.8, label=published_label)
+    plot.plot(beta, u, color=COLOURS[0], marker="o", ms=4.5, ls="", label=computed_label)
+    plot.set_xlim(0.0, 1.0 if np.max(beta) > 0.85 else 1.05 * float(np.max(beta)))
+    plot.set_ylim(0.0, 1.08 * max(float(np.max(u)), 0.0 if published is None else float(np.max(published[1]))))
+    plot.text(0.97, 0.06, "stable", transform=plot.transAxes, ha="right", color=QUIET)
+    plot.text(0.03, 0.93, "flutter", transform=plot.transAxes, ha="left", color=QUIET)
+    plot.set_xlabel(xlabel)
+    plot.set_ylabel(ylabel)
+    plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    return figure
 
 
 def boundary(dots: np.ndarray, curve: np.ndarray) -> None:

@@ -118,7 +118,7 @@ def _terminate(number: int, frame: object) -> None:
 
 @contextmanager
 def ended_by_signal() -> Iterator[None]:
-    """Take SIGTERM and SIGHUP, which a terminal sends that is closed, as Ctrl-C.
+    """Treat SIGTERM, and the SIGHUP of a terminal that is closed, as Ctrl-C.
 
     For a process that is a command of ours, and where nobody else handles them: `nohup` has SIGHUP ignored. Where
     Python lets this thread handle no signals, they stay as they are.

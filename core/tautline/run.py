@@ -61,12 +61,12 @@ from tautline.results.result import Result
 from tautline.results.resumption import (
     MISSING_UNTIL,
     ROUNDING,
-    begins_late,
     frames_until,
     of_another_build,
     place_of,
     refuse_another,
     restart_time,
+    truncated_start_warning,
 )
 from tautline.results.store import FrameStore
 from tautline.scene.methods import method_of
@@ -526,7 +526,7 @@ class Run:
     def _all_warnings(self, result: Result, step: float, further: Sequence[str]) -> list[str]:
         """Of the start, of the accuracy with a mean step, s, of what the application sees in the run, and further."""
         remarks = self.model.remarks(result) if self.model.remarks is not None else []
-        late = [] if self.missing_until is None else [begins_late(self.missing_until)]
+        late = [] if self.missing_until is None else [truncated_start_warning(self.missing_until)]
         return [*self.began.warnings, *self.warnings(step), *remarks, *further, *late]
 
     def _tells(self, name: str) -> bool:

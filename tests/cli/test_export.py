@@ -168,10 +168,23 @@ def test_tables_take_their_names_when_all_of_them_are_whole(span, monkeypatch):
     assert {file: (span.parent / file).read_bytes() for file in files_of(span.parent)} == earlier
 
 
-def test_many_files_are_told_before_they_are_written_with_the_option_that_makes_them_fewer(span, capsys, monkeypatch):
+def test_many_files_are_told_before_they_are_written_and_the_option_told_makes_as_few_as_it_says(
+    span, capsys, monkeypatch
+):
     from tautline.cli.commands import export as verb
 
-    monkeypatch.setattr(verb, "MANY", 2)
-    export(CATALOGUE, span, None, True, False, (), Look(), False)
-    told = capsys.readouterr()
-    assert "files will be written. --every 2 writes about 2" in " ".join((told.out + told.err).split())
+    # Of five frames every second one is three of them, and not a half of five.
+    moved_on = span.parent / "five.nc"
+    p = np.linspace(0.0, 1.0, 3)
+    items = chain(np.stack([p, 0 * p, 0 * p], axis=-1), p, {0: PINNED}, EA=1e3, EJ=0.1)
+    moved(scene(items), path=moved_on, frames=5)
+    monkeypatch.setattr(verb, "MANY", 5)
+    export(CATALOGUE, moved_on, None, True, False, (), Look(), False)
+    told = " ".join("".join(capsys.readouterr()).split())
+    said = re.search(r"up to (\d+) files will be written. --every (\d+) writes (\d+) at most", told)
+    assert said is not None
+    most, every, fewer = map(int, said.groups())
+    assert len(files_of(span.parent / "five")) <= most
+    export(CATALOGUE, moved_on, span.parent / "few", True, False, (), Look(), False, every=every)
+    written = len(files_of(span.parent / "few"))
+    assert (every, written) == (2, fewer)

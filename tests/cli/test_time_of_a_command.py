@@ -60,7 +60,7 @@ def test_for_a_shared_verb_no_other_is_made(arguments):
 
 
 @pytest.mark.parametrize("arguments", [[], ["--help"], ["torque-drag", "a.yaml"], ["simulat", "a.yaml"]])
-def test_else_all_verbs_are_there(arguments):
+def test_all_verbs_are_made_where_help_an_unknown_verb_or_one_of_the_application_is_asked_for(arguments):
     assert names(arguments) == names(()) > {verb.__name__ for verb in SHARED} - {"torque-drag"}
 
 

@@ -15,7 +15,7 @@ HELP = """
 import sys, time
 from collections import deque
 from tautline.kernels import parallel_compile
-waiting = deque([(parallel_compile.help_out, ())])
+waiting = deque([(parallel_compile.run_compile_worker, ())])
 parallel_compile._employ(waiting)
 print(len(waiting))
 """

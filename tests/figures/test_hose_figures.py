@@ -14,7 +14,7 @@ from PIL import Image
 
 from gardenhose.motion.curves import name_of, plane_of, shape_of, snapped, spread
 from gardenhose.motion.limit_cycle import limit_cycle
-from gardenhose.view.figures import FIGURES, boundary_figure, draw, figures, flutter_figure, static_figure
+from gardenhose.view.figures import FIGURES, draw, figures, flutter_figure, static_figure
 from tautline.results.errors import ResultError
 from tautline.view.figures.figure import save
 
@@ -410,6 +410,8 @@ def test_static_shapes_are_drawn_with_their_tips(tmp_path, count):
 
 
 def test_a_stability_boundary_stands_beside_the_published_one(tmp_path):
+    from benchmarks.hose.figures import boundary_figure
+
     beta, u = np.array([0.1, 0.2, 0.3]), np.array([4.9, 5.6, 8.6])
     figure = boundary_figure(beta, u, (np.linspace(0, 0.8, 9), np.linspace(4.2, 12, 9)), "Gregory & Païdoussis")
     assert list(lines(figure.axes[0])) == ["Gregory & Païdoussis", "computed"]

@@ -267,7 +267,7 @@ class TestRedundant:
         assert redundant(rows, fixed={0}, couplings={count + 1: [(3, 0.5), (count, 0.5)]}) == {}
         assert list(redundant(rows, fixed={0, count})) == [count - 1]
 
-    def test_so_are_rows_of_several_entries_in_no_order(self):
+    def test_ten_thousand_rows_of_several_entries_are_judged_in_no_order(self):
         rng = np.random.default_rng(2)
         rows = [[(int(j), float(rng.normal())) for j in rng.choice(40_000, 3, replace=False)] for _ in range(10_000)]
         assert redundant(rows) == {}

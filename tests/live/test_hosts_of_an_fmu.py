@@ -203,6 +203,16 @@ def test_a_log_message_of_fmi_3_is_the_message(of_percents):
     assert PERCENT in slave.log_queue[0].msg
 
 
+def test_a_time_that_a_host_sets_in_fmi_3_is_refused_with_its_cause_and_steps_go_on(of_percents):
+    slave = fmi3.Unit(instance_name="one", resources=str(of_percents))
+    number = next(key for key, one in slave.vars.items() if one.name == "time")
+    slave.set_float64([number], [7.0])
+    assert slave.log_queue[0].msg.startswith("time is what steps have come to: it cannot be set")
+    slave.exit_initialization_mode()
+    slave.do_step(0.0, 0.05)
+    assert slave.get_float64([number]) == pytest.approx([0.05])
+
+
 def module_in(path):
     """The name of the module that the host imports."""
     with zipfile.ZipFile(path) as file:

@@ -308,6 +308,14 @@ def cut_short(path):
     path.write_bytes(path.read_bytes()[:5000])
 
 
+def with_time(path, value):
+    """Five frames, of which the time of the fourth was changed, s."""
+    with Store(path, VARIABLES, {}, ATTRIBUTES) as store:
+        store.append(frames(0, 5))
+    with h5py.File(path, "r+") as file:
+        file["time"][:] = [0.0, 0.1, 0.2, value, 0.4]
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -317,6 +325,8 @@ def cut_short(path):
         (lambda path: path.write_text("title: a scene\n"), "is not a NetCDF-4 file"),
         (other_netcdf, "not a Tautline result"),
         (without_frames, "has no frame"),
+        (lambda path: with_time(path, 0.05), r"is damaged: its time goes from 0\.2 s to 0\.05 s at frame 3"),
+        (lambda path: with_time(path, np.nan), "is damaged: its time goes from 0.2 s to nan s at frame 3"),
         (cut_short, "is damaged"),
     ],
 )

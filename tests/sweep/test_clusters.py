@@ -131,6 +131,7 @@ def test_a_scheduler_that_is_lost_on_the_way_keeps_what_was_finished_and_is_told
     one = sweeps._Sweep(read, tautline._installed().of(scene), scene, execution)
     runner = one.runner
     one.check()
+    one.claim()
     outcome = one.run()
     assert outcome.lost == "the scheduler tcp://10.0.0.1:8786 answers no more" and outcome.interrupted
     assert outcome.done == 2 and outcome.table.exists()

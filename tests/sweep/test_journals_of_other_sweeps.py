@@ -26,7 +26,10 @@ ABOUT = {
 )  # fmt: skip
 def test_going_on_with_another_sweep_names_the_key_in_which_it_differs(tmp_path, change, words):
     folder = tmp_path / "out"
-    Journal(folder, "one", 2, False, about=ABOUT).begin(False)
+    first = Journal(folder, "one", 2, False, about=ABOUT)
+    first.claim()
+    first.begin()
+    first.close()
     with pytest.raises(ResultError) as told:
         Journal(folder, "other", 2, True, about=ABOUT | change)
     assert f"belongs to another sweep: {words}" in str(told.value)
@@ -37,7 +40,8 @@ def test_the_cure_of_a_resumed_sweep_that_is_another_one_is_not_refused_itself(t
     """Leaving out --resume is told only where no finished case of an unfinished sweep would be lost by it."""
     folder = tmp_path / "out"
     first = Journal(folder, "one", 2, False, about=ABOUT)
-    first.begin(False)
+    first.claim()
+    first.begin()
     for k in range(done):
         first.add(Row(k, "done", values={}))
     first.close()

@@ -59,6 +59,12 @@ REFUSED = {
     "vary: {}": ("limits.yaml:2", "varies nothing"),
     VARY + "  'bodies[0].mass': {linspac: [1, 2, 3]}": ("limits.yaml:3", "did you mean 'linspace'"),
     VARY + "  'bodies[0].mass': {linspace: [1 t, 2 t]}": ("limits.yaml:3", "needs three numbers"),
+    VARY + "  'bodies[0].mass': {linspace: [1, 5, 1000000000]}": (
+        "limits.yaml:3",
+        "makes 1000000000 values, more than 1000000",
+        "take fewer",
+    ),
+    VARY + "  'bodies[0].mass': {linspace: [1, 5, 2.5]}": ("limits.yaml:3", "must end with a whole number of values"),
     VARY + "  'bodies[0].mass': {normal: [5 t]}\nplan: {sobol: {samples: 4}}": ("limits.yaml:3", "takes 2 numbers"),
     VARY + "  'bodies[0].mass': {uniform: [5 t, 4 t]}\nplan: {sobol: {samples: 4}}": (
         "limits.yaml:3",

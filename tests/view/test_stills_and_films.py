@@ -9,7 +9,7 @@ import pytest
 from drawn import TIME, appearance
 from PIL import Image
 
-from tautline.results.errors import ResultError
+from tautline.results.errors import ResultError, WriteError
 from tautline.view.space.film import Cut, cut, film
 from tautline.view.space.stage import Stage
 from tautline.view.space.still import frame_of, places, still
@@ -151,9 +151,21 @@ def test_a_name_without_an_ending_is_taken_for_a_folder_that_is_not_there(tmp_pa
     assert places(wanted, Path("run.nc"), np.array([0.0, 1.0]), [1]) == [wanted / "run_1s.png"]
 
 
-def test_a_film_that_finds_no_room_is_told_by_its_own_name(tmp_path):
+@pytest.mark.parametrize(
+    "last", ["[out#0/gif @ 0x559f4f336600] Error closing file: No space left on device",
+             "[out#0/gif @ 0x559f4f336600] Error closing file"],
+)  # fmt: skip
+def test_a_film_that_finds_no_room_is_a_failed_write_told_in_plain_words(tmp_path, last):
+    """What ffmpeg 7 printed on a disk of 100 kB."""
     from tautline.view.space.film import _unwritten
 
-    said = f"Error writing trailer of {tmp_path}/.a.part.mp4: No space left on device"
-    told = str(_unwritten(tmp_path / "a.mp4", said))
-    assert ".part" not in told and "a.mp4: No space left on device" in told
+    said = f"[out#0/gif @ 0x559f4f336600] Error writing trailer: No space left on device\n{last}"
+    error = _unwritten(tmp_path / "a.gif", said)
+    assert isinstance(error, WriteError) and error.cause == "cannot be written: No space left on device"
+
+
+def test_what_ffmpeg_says_is_told_without_its_own_names_and_addresses(tmp_path):
+    from tautline.view.space.film import _unwritten
+
+    error = _unwritten(tmp_path / "a.mp4", f"[mp4 @ 0x56127baed780] {tmp_path}/.a.part.mp4: Invalid argument")
+    assert not isinstance(error, WriteError) and error.cause == "cannot be written: a.mp4: Invalid argument"

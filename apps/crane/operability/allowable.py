@@ -291,14 +291,14 @@ def _allowables(
         made = allowable(
             heights[run], bounds[0], low, high, way * criteria[k].limit, float(heights[-1]), criteria[k].strict
         )
-        found[k, i, j] = _told(made, heights[run], slack & ~failed)
+        found[k, i, j] = _mark_slack_bounds(made, heights[run], slack & ~failed)
         if not run.any():
             found[k, i, j] = Allowable(math.nan, math.nan, math.nan, UNKNOWN)
     return found
 
 
-def _told(made: Allowable, heights: np.ndarray, slack: np.ndarray) -> Allowable:
-    """The same; where it ends at storms that leave the rope slack it is that, and not that they failed."""
+def _mark_slack_bounds(made: Allowable, heights: np.ndarray, slack: np.ndarray) -> Allowable:
+    """Replace `STOPPED` by `SLACK`, or by `BELOW` at a height of 0, where slack ropes bound it, not failed runs."""
     ends = []
     for height, bound in ((made.height, made.bound), (made.low, made.low_bound), (made.high, made.high_bound)):
         after = heights > height

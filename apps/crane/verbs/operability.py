@@ -234,7 +234,7 @@ def _allowed(found: Found) -> list[dict[str, Any]]:
     for k, i, j in np.ndindex(*table.allowable.shape):
         told.append({
             "limit": found.criteria[k].text, "heading": table.headings[i], "peak_period": float(table.periods[j]),
-            **_told(table.allowable[k, i, j]),
+            **_allowable_json(table.allowable[k, i, j]),
         })  # fmt: skip
     return told
 
@@ -248,14 +248,14 @@ def _least(found: Found) -> list[dict[str, Any]]:
         return []
     return [
         {
-            "heading": table.headings[i], "peak_period": float(table.periods[j]), **_told(one),
+            "heading": table.headings[i], "peak_period": float(table.periods[j]), **_allowable_json(one),
             "governed_by": found.criteria[k].text if k >= 0 else None,
         }
         for i, j, k, one in least_of_all(table)
     ]  # fmt: skip
 
 
-def _told(one: Any) -> dict[str, Any]:
+def _allowable_json(one: Any) -> dict[str, Any]:
     """An allowable height and its interval, m, and how they are bounded; null where not known."""
     return {
         "allowable_height": _known(one.height), "low": _known(one.low), "high": _known(one.high),

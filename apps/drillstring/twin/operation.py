@@ -20,7 +20,7 @@ from drillstring.statics.soft_string import SoftString, soft_string
 from drillstring.statics.statics import weight_per_length
 from drillstring.string.factors import Factors, factors_of
 from drillstring.twin.at_bit import AtBit, AtSurface, Known
-from drillstring.twin.connections import Connection, Plateau, Sample
+from drillstring.twin.connections import Connection, Sample
 from drillstring.twin.row_rate import Needed, Remarks, RowInterval
 from drillstring.twin.severity import Settings as SeveritySettings
 from drillstring.twin.severity import Severity, StickSlip
@@ -75,7 +75,7 @@ SEVERITY_EVERY = 1.0
 """How often stick-slip is looked for, s."""
 
 
-RECORDS = (AtSurface, Connection, Factors, Motion, Plateau, RigState, Sample, StickSlip)
+RECORDS = (AtSurface, Connection, Factors, Motion, RigState, Sample, StickSlip)
 """Classes of records that are kept over a restart."""
 
 

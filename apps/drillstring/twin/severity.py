@@ -132,7 +132,7 @@ class Severity:
         omega = self._find(time, torque)
         fits = [_Fit.of(time, values, omega, count) for values in (torque, speed)]
         # The constant of the fit is the mean of whole periods; the bit turns as often as the drive.
-        return self._told(time, omega, fits[1].mean, *fits)
+        return self._stick_slip_estimate(time, omega, fits[1].mean, *fits)
 
     def _grid(self, time: np.ndarray) -> np.ndarray:
         """Angular frequencies, rad/s, at which the oscillation is looked for: four to a period more or less."""
@@ -157,7 +157,7 @@ class Severity:
         off = min(1.0, max(-1.0, 0.5 * (a - c) / bend)) if bend > 0.0 else 0.0
         return float(fine[best] + off * (fine[1] - fine[0]))
 
-    def _told(self, time: np.ndarray, omega: float, mean: float, torque: _Fit, speed: _Fit) -> StickSlip:
+    def _stick_slip_estimate(self, time: np.ndarray, omega: float, mean: float, torque: _Fit, speed: _Fit) -> StickSlip:
         deviations = self._by_noise(omega, torque, speed)
         clear = np.abs(self._at_bit(omega, torque.waves, speed.waves)) > CLEAR * deviations
         clear[0] = True

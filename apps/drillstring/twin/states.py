@@ -14,7 +14,7 @@ from enum import StrEnum
 from math import isfinite, nan
 from typing import Any
 
-from drillstring.twin.connections import Connection, Connections, Plateau, Plateaus, Sample
+from drillstring.twin.connections import Connection, Connections, Sample
 from drillstring.twin.signals import Noise, Trend
 
 
@@ -319,7 +319,7 @@ class RigStates:
         self.settings = settings or Settings()
         self.state, self.since = RigState.UNKNOWN, nan
         self.in_the_hole = nan
-        self._connections, self._plateaus = Connections(), Plateaus()
+        self._connections = Connections()
         self._hook = Hook(self.settings)
         self._turns = Level(self.settings.turning, self.settings.least_speed)
         self._pumps = Level(self.settings.pumping, self.settings.least_flow)
@@ -336,11 +336,6 @@ class RigStates:
     def connections(self) -> list[Connection]:
         """Times in slips that are over."""
         return self._connections.all
-
-    @property
-    def plateaus(self) -> list[Plateau]:
-        """Steady motions off bottom that are over."""
-        return self._plateaus.all
 
     def lost(self) -> list[str]:
         """What cannot be told, for each signal that has not come, and where hardly any weight is left to lower with."""
@@ -430,7 +425,7 @@ class RigStates:
         told = self._flags(time, turns, pumps, rate, block, *self._bottom.add(time, depth, hole_depth))
         self._take(time, told)
         self._time = time
-        self._collect(Sample(time, block, rate, hook_load, rotary_speed, torque, depth))
+        self._collect(Sample(time, block, depth))
         return self.state
 
     def _rate(self, time: float, place: float) -> float:
@@ -509,12 +504,3 @@ class RigStates:
     def _collect(self, sample: Sample) -> None:
         hangs = None if self.state is RigState.UNKNOWN else self.state in IN_THE_SLIPS
         self._connections.add(sample, hangs)
-        self._plateaus.add(sample, MOTION_OF.get(self.state), len(self.connections))
-
-
-MOTION_OF = {
-    RigState.TRIPPING_OUT: "pick_up",
-    RigState.TRIPPING_IN: "slack_off",
-    RigState.ROTATING: "rotating",
-}
-"""States in which the hook load is a point of a broomstick plot."""

@@ -179,14 +179,14 @@ def _solids(result: Result, drawn: Drawn, size: float) -> tuple[Solid, ...]:
     made = [
         Solid(
             "block", *block((0.6 if course.upright else 0.3) * height), held, colour=PAINT,
-            histories=_told(
+            histories=_stored_histories(
                 result, ("hook_load", "hook load", "N"), ("surface_torque", "surface torque", "N m"),
                 ("block_position", "block position, down", "m"),
             ),
         ),
         Solid(
             "bit", *bit(across, long), drilling, colour=LOAD,
-            histories=_told(
+            histories=_stored_histories(
                 result, ("weight_on_bit", "weight on bit", "N"), ("torque_on_bit", "torque on bit", "N m"),
                 ("rotation_rate", "rotary speed", "rad/s"), ("bit_depth", "measured depth", "m"),
                 ("bit_speed", "speed along the hole", "m/s"),
@@ -268,7 +268,7 @@ def _notes(course: Course, unrolled: bool) -> tuple[str, ...]:
     return (*along, *symbols, *course.notes)
 
 
-def _told(result: Result, *kinds: tuple[str, str, str]) -> tuple[History, ...]:
+def _stored_histories(result: Result, *kinds: tuple[str, str, str]) -> tuple[History, ...]:
     """Stored variables, where they are there; of several columns the last, which is the bit's."""
     found = []
     for name, text, unit in kinds:

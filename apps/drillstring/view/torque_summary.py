@@ -122,7 +122,7 @@ def _new_table(heads: list[str], gap: int = 2) -> Table:
 
 def _in_full(points: list[Point], system: str) -> Table:
     length, name = column_unit("m", max(point.depth for point in points), system)
-    named = _named(points)
+    named = _shows_model(points)
     heads = ["model"] * named + ["friction", f"depth [{name}]", "", "statics", "soft string", "differs by"]
     made = _new_table(heads, gap=1 if named else 2)
     for point in points:
@@ -134,7 +134,7 @@ def _in_full(points: list[Point], system: str) -> Table:
     return made
 
 
-def _named(points: list[Point]) -> bool:
+def _shows_model(points: list[Point]) -> bool:
     """Whether to say which model a number is of."""
     return any(point.model != LUMPED for point in points)
 
@@ -148,7 +148,7 @@ def _compact(cases: list[Case], system: str) -> Table:
     columns = [*points[0].soft, "torque"]
     # With more motions there is no room for the soft string beside them.
     beside = len(columns) == len(SHORT) - 2
-    named = _named(points)
+    named = _shows_model(points)
     heads = ["model"] * named + [
         "friction",
         f"depth [{name}]",

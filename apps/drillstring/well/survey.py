@@ -139,7 +139,7 @@ def _columns(table: Columns) -> dict[str, _Column]:
     """Where md, inc and azi stand, by the header."""
     columns: dict[str, _Column] = {}
     for place, title in enumerate(table.titles):
-        named = _named(title)
+        named = _survey_column(title)
         if named is None:
             continue
         key, unit = named
@@ -162,7 +162,7 @@ def _columns(table: Columns) -> dict[str, _Column]:
     return columns
 
 
-def _named(title: str) -> tuple[str, str | None] | None:
+def _survey_column(title: str) -> tuple[str, str | None] | None:
     """Column and unit of a header cell; None if it is another column."""
     plain = re.sub(r"[\s_.]+", " ", title.strip().lower()).strip()
     for key, names in NAMES.items():

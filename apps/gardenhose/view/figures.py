@@ -16,7 +16,6 @@ from gardenhose.motion.curves import directions, name_of, shape_of, snapped, spr
 from gardenhose.motion.cycles import swings
 from gardenhose.motion.limit_cycle import LimitCycle
 from gardenhose.motion.run import Run
-from gardenhose.view.stability_figures import boundary_figure as boundary_figure
 from gardenhose.view.stability_figures import flutter_figure as flutter_figure
 from gardenhose.view.stability_figures import show_in_plane
 from gardenhose.view.stability_figures import static_figure as static_figure

@@ -93,7 +93,7 @@ path, unsafe = (json.loads(given) for given in sys.argv[1:3])
 unsafe = set(unsafe) - {os.path.realpath(p) for p in sys.path}
 sys.path[:] = [p for p in path if os.path.isabs(p) and os.path.realpath(p) not in unsafe]
 from tautline.kernels import parallel_compile
-parallel_compile.help_out()
+parallel_compile.run_compile_worker()
 """
 """What a helper runs: it looks for modules where this process does, but not in the folders that are unsafe."""
 
@@ -114,7 +114,7 @@ def _send(stream: IO[bytes], job: Any) -> None:
     stream.flush()
 
 
-def help_out() -> None:
+def run_compile_worker() -> None:
     """Be a helper: say that there is nothing to do, read a job, compile it, until the other side is gone."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

@@ -89,6 +89,7 @@ class Result:
                 raise ResultError(path, f"has format '{mark}', and this version reads '{FORMAT}'", "update Tautline")
             if file["time"].shape[0] == 0:
                 raise ResultError(path, "has no frame", "run the scene again")
+            _check_order(path, file["time"][()])
         return result
 
     @functools.cached_property
@@ -270,6 +271,15 @@ class Result:
                     raise ResultError(self.path or "", f"is damaged: {error}", "run the scene again") from None
             time.sleep(PAUSE)
         raise AssertionError("unreachable")
+
+
+def _check_order(path: Path, time: np.ndarray) -> None:
+    """Raise ResultError where times go back or are no numbers: no run writes such frames."""
+    ordered = np.diff(time) >= 0.0
+    if not ordered.all():
+        frame = int(np.argmin(ordered)) + 1
+        cause = f"is damaged: its time goes from {time[frame - 1]:g} s to {time[frame]:g} s at frame {frame}"
+        raise ResultError(path, cause, "run the scene again")
 
 
 def _check_file(path: Path) -> None:

@@ -23,7 +23,7 @@ ROUNDING = 1e-12
 """Share of a time that is rounding."""
 
 
-def begins_late(time: float) -> str:
+def truncated_start_warning(time: float) -> str:
     """A warning for the reader of a result that holds no frames from its start to a time, s."""
     return (
         f"the run was gone on with at {time:.6g} s from a state that another run saved. The frames of that run are not "

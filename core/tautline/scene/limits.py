@@ -150,7 +150,7 @@ Limits = Annotated[tuple[Limit, ...], AfterValidator(_named_once), Field(example
 
 
 def extreme_of(name: str) -> str:
-    """Whether a figure or output is the ``largest`` or the ``smallest`` of a run by its name; nothing where neither."""
+    """Which extreme of a run a figure or output is by its name: ``largest``, ``smallest``, or nothing where neither."""
     # Names of figures, and the last part of an output's: what stands before it, a user has named.
     words = set(re.split(r"[^a-z]+", name.rpartition(".")[2].lower()))
     if not words & (LARGEST | SMALLEST) or words >= {"max", "min"}:

@@ -98,7 +98,7 @@ class Model(pydantic.BaseModel):
         try:
             return handler(data)
         except ValidationError as error:
-            found = _told_once(cls, error.errors(include_url=False), data)
+            found = _drop_consequential_errors(cls, error.errors(include_url=False), data)
             details = [_detail(cls, e, data) for e in found[:MOST_FAULTS]]
             raise ValidationError.from_exception_data(cls.__name__, details) from None
 
@@ -125,7 +125,7 @@ class Model(pydantic.BaseModel):
         return next((str(info.examples[0]) for info in fields if info.examples), "")
 
 
-def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any]:
+def _drop_consequential_errors(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any]:
     """Errors without those that follow from an unknown key.
 
     A missing key is there, and misspelt. What stands before a decimal comma is not the number that was meant.

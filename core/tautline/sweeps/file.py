@@ -312,7 +312,10 @@ class _Reader:
             self.fault(at, "needs three numbers", f"write {{{name}: [from, to, number]}}, such as [5, 15, 11]")
             return None
         count = given[2]
-        if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_CASES:
+        if isinstance(count, int) and count > MOST_CASES:
+            self.fault(at, f"makes {count} values, more than {MOST_CASES}", "take fewer")
+            return None
+        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
             self.fault(
                 at, "must end with a whole number of values", f"write {{{name}: [from, to, number]}}", str(count)
             )

@@ -12,6 +12,7 @@ import os
 import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, fields
 from itertools import count
 from pathlib import Path
@@ -37,7 +38,7 @@ class Journal:
     Parameters
     ----------
     folder : Path
-        Made when the first line is written.
+        Made when it is claimed.
     mark : str
         Hash of what the sweep is.
     cases : int
@@ -51,7 +52,7 @@ class Journal:
     Raises
     ------
     ResultError
-        For a journal that cannot be gone on with, one that would be lost, and a folder that another sweep writes to.
+        For a journal that cannot be gone on with, and one that would be lost.
     """
 
     def __init__(
@@ -61,19 +62,22 @@ class Journal:
         self.path, self.mark, self.cases, self.files = folder / NAME, mark, cases, dict(files or {})
         # As it is read again: of tuples lists.
         self.about = json.loads(json.dumps(dict(about or {}), default=str))
+        self._resume = resume
+        self._file: IO[bytes] | None = None
+        self._forced = 0.0
+        self._lock = Lock(self.path)
+        self._made = False
+        self._look()
+
+    def _look(self) -> None:
+        """Read what is in the folder, and refuse what this sweep cannot follow or go on with."""
+        folder = self.path.parent
         self.done: set[int] = set()
         self.columns: dict[str, Finding] | None = None
         self.figures: list[str] = []
         self.aside: Path | None = None
         """Folder into which the files of a finished sweep that this one follows were moved; None for no such."""
         self._moved: list[str] = []
-        self._file: IO[bytes] | None = None
-        self._forced = 0.0
-        self._lock = Lock(self.path)
-        self._made = not folder.exists()
-        self._check(folder, resume)
-
-    def _check(self, folder: Path, resume: bool) -> None:
         if folder.exists() and not folder.is_dir():
             raise ResultError(folder, "is a file, and the results of a sweep go into a folder", "name another with -o")
         check_folder(folder)
@@ -84,7 +88,7 @@ class Journal:
                 raise ResultError(folder, "exists and holds other files", "name another folder with -o")
             return
         head = self._read()
-        if not resume:
+        if not self._resume:
             if len(self.done) < int(head.get("cases", 0)):
                 cause = f"holds {len(self.done)} finished cases of {head.get('cases')}: they would be lost"
                 same = head.get("sweep") == self.mark
@@ -129,22 +133,36 @@ class Journal:
             raise ResultError(self.path, "is no journal of a sweep that this version reads", "name another with -o")
         return head
 
-    def begin(self, resume: bool) -> None:
-        """Open the journal; what is there is kept where it is gone on with.
+    def claim(self) -> None:
+        """Take the folder for this sweep alone, before its first case: hours may pass until that has ended.
+
+        Another sweep may have come to it since it was looked into, so it is looked into again.
 
         Raises
         ------
         ResultError
-            If another process writes this sweep.
+            If another process writes to the folder, or has left there what is not to be written over.
         WriteError
-            If the journal cannot be written.
+            If nothing can be written there.
         """
-        make_folder(self.path.parent)
-        writer = self._lock.take()
+        folder = self.path.parent
+        self._made = not folder.exists()
+        make_folder(folder)
+        writer = self._guarded(self._lock.take)
         if writer is not None:
             who = f"process {writer}" if writer else "another process"
             raise ResultError(self.path, f"{who} is writing this sweep", "wait until it has ended, or name another")
-        goes_on = resume and self.path.exists()
+        self._look()
+
+    def begin(self) -> None:
+        """Open the journal of a folder that was claimed; what is there is kept where it is gone on with.
+
+        Raises
+        ------
+        WriteError
+            If the journal cannot be written.
+        """
+        goes_on = self._resume and self.path.exists()
         if goes_on:
             _cut(self.path)
         else:
@@ -237,12 +255,17 @@ class Journal:
                     yield Row(**line)
 
     def close(self) -> None:
-        """Close the file, with all lines on the disk."""
+        """Close the file, with all lines on the disk, and let others have the folder; an empty one is not left."""
         if self._file is not None:
             self.force()
             self._file.close()
             self._file = None
         self._lock.give_back()
+        if self._made:
+            # One with anything in it, such as a sweep that has claimed it by now, is not removed.
+            with suppress(OSError):
+                self.path.parent.rmdir()
+            self._made = False
 
 
 def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:

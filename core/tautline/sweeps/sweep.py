@@ -210,8 +210,12 @@ def run_sweep(read: SweepFile, application: Any, scene: Any, execution: Executio
     """Run a sweep that was read; what is refused is refused before anything is written."""
     one = _Sweep(read, application, scene, execution or Execution())
     one.check()
-    one.execution.begin()
-    return one.run()
+    try:
+        one.claim()
+        one.execution.begin()
+        return one.run()
+    finally:
+        one.close()
 
 
 class _Sweep:
@@ -329,11 +333,17 @@ class _Sweep:
                 return replace(problem, cure=f"{problem.cure}; {bounded}" if problem.cure else bounded)
         return problem
 
+    def claim(self) -> None:
+        """Have the folder for this sweep alone; what an earlier run of it has finished by now is known then."""
+        if self.journal is not None:
+            self.journal.claim()
+            self.columns |= self.journal.columns or {}
+
     def run(self) -> Outcome:
         """Run what is not finished, and write the result."""
         finished = set(self.journal.done) if self.journal is not None else set()
         if self.journal is not None and self.journal.columns is not None:
-            self.journal.begin(self.execution.resume)
+            self.journal.begin()
         todo = ((case, self.cases.changes(case)) for case in range(len(self.cases)) if case not in finished)
         interrupted, lost, done = False, "", len(finished)
         rows, progress = self._rows(todo, len(self.cases) - done), self.execution.progress
@@ -350,21 +360,17 @@ class _Sweep:
             interrupted, lost = True, str(error)
         except InputChanged as error:
             rows.close()
-            raise self._told(error, done) from None
-        except BaseException:
-            self._close()
-            raise
+            raise self._with_resume_hint(error, done) from None
         finally:
             rows.close()
         outcome = self._finish(interrupted, len(finished))
         outcome.lost = lost
         return outcome
 
-    def _told(self, error: InputChanged, done: int) -> InputChanged:
+    def _with_resume_hint(self, error: InputChanged, done: int) -> InputChanged:
         """The same fault of the input, with what is kept and how to go on."""
         if self.journal is not None and not self.journal.begun and self.kept:
             self._begin()
-        self._close()
         every = f"the sweep has stopped, with {done} of {len(self.cases)} cases finished"
         if self.journal is None or not self.journal.done:
             cure = "run it again, and leave its files alone until it has ended"
@@ -432,7 +438,7 @@ class _Sweep:
 
     def _begin(self) -> None:
         assert self.journal is not None
-        self.journal.begin(self.execution.resume)
+        self.journal.begin()
         self.journal.describe(self.columns)
         for row in self.kept:
             self.journal.add(row)
@@ -471,13 +477,14 @@ class _Sweep:
             if outcome.done and not interrupted:
                 self.journal.replace()
             outcome.aside = self.journal.aside
-        self._close()
+        self.close()
         outcome.wall_time = time.perf_counter() - self.began
         outcome.cpu_time = time.process_time() - self.used + self.elsewhere
         outcome.loop_time = self.loop_time
         return outcome
 
-    def _close(self) -> None:
+    def close(self) -> None:
+        """Let others have the folder."""
         if self.journal is not None:
             self.journal.close()
 

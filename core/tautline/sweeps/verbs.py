@@ -237,12 +237,17 @@ def check_outputs(read: SweepFile, model: Any) -> None:
 
 
 def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) -> bool:
-    """Raise SceneError for figures that no run of a model has, before the first run.
+    """Check before the first run that a model has the figures, and say whether all could be looked up.
 
     Returns
     -------
     bool
         Whether the model knows all its figures: of another, names are looked up in the first run that ends.
+
+    Raises
+    ------
+    SceneError
+        For figures that no run of the model has.
     """
     from tautline.scene.errors import SceneError
     from tautline.scene.refusal import nearest

@@ -140,7 +140,7 @@ class Outlook:
         """For how long an answer holds good, s."""
         return FRESH * self.plan.forecast_every
 
-    def late(self, time: float) -> bool:
+    def is_overdue(self, time: float) -> bool:
         """Whether a run ahead was given time, and is not done for longer than its answer would hold good.
 
         Rows may be answered many at once, between which it is given none, and who never gives it any asks for nothing.

@@ -473,7 +473,7 @@ class Twin:
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
             ahead, row.time - horizon.changed, self.settling.since, self.settling.moved_at,
-            self.readings.blind, self.outlook.late(row.time), moved, self.unsure,
+            self.readings.blind, self.outlook.is_overdue(row.time), moved, self.unsure,
             self.operation is not None and self.operation.put_down(read),
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)

@@ -124,12 +124,20 @@ def test_a_gap_that_is_meant_is_bridged(more, tmp_path):
     assert len(CraneScene.read(given(tmp_path, GAP, scene)).vessel.motion.heave.time) == 12
 
 
-def test_a_table_of_few_rows_or_of_uneven_ones_is_no_record(tmp_path):
-    CraneScene.read(given(tmp_path, "time [s],value [m]\n0,0\n1,0\n20,5\n"))
-    by_hand = "time [s],value [m]\n" + "".join(f"{t},{t % 3}\n" for t in (0, 2, 5, 7, 10, 12, 15, 60, 62, 65))
-    CraneScene.read(given(tmp_path, by_hand))
-    uneven = "time [s],value [m]\n" + "".join(f"{t},0\n" for t in (0, 1, 3, 4, 8, 9, 15, 30, 31, 60))
-    CraneScene.read(given(tmp_path, uneven))
+@pytest.mark.parametrize(
+    "rows",
+    [
+        [(0, 0), (1, 0), (20, 5)],
+        [(t, t % 3) for t in (0, 2, 5, 7, 10, 12, 15, 60, 62, 65)],
+        [(t, 0) for t in (0, 1, 3, 4, 8, 9, 15, 30, 31, 60)],
+    ],
+    ids=["three rows", "written by hand", "uneven"],
+)
+def test_a_table_of_few_rows_or_of_uneven_ones_is_no_record_and_its_longest_stretch_no_gap(tmp_path, rows):
+    document = given(tmp_path, "time [s],value [m]\n" + "".join(f"{t},{value}\n" for t, value in rows))
+    heave = CraneScene.read(document).vessel.motion.heave
+    assert list(zip(heave.time, heave.value, strict=True)) == rows
+    assert gaps_of_records(document) == []
 
 
 def test_a_gap_is_of_a_file_only(tmp_path):

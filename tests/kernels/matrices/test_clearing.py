@@ -71,12 +71,12 @@ def test_a_tangent_is_the_same_where_columns_are_cleared_as_they_are_filled(name
 
 @pytest.mark.parametrize("held", [1, 0])
 @pytest.mark.parametrize("bending", [0.0, 10.0])
-def test_so_is_that_of_a_long_cable(tmp_path, held, bending):
+def test_the_tangent_of_a_long_cable_is_the_same_where_columns_are_cleared_as_they_are_filled(tmp_path, held, bending):
     (tmp_path / "long.yaml").write_text(LONG.format(held=held, bending=bending))
     _agree(tmp_path / "long.yaml")
 
 
-def test_so_is_that_of_a_long_string(tmp_path):
+def test_the_tangent_of_a_long_string_is_the_same_where_columns_are_cleared_as_they_are_filled(tmp_path):
     path = tmp_path / "string.yaml"
     path.write_text((DATA / "jwell.yaml").read_text().replace("elements: 12", "elements: 150"))
     assert "elements: 150" in path.read_text()

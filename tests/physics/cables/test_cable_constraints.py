@@ -698,7 +698,9 @@ def test_a_node_that_may_slide_along_its_rope_is_refused_by_its_name(items):
 
 
 def test_a_node_that_is_held_along_its_rope_may_have_a_free_p():
-    model_of(scene(loose((1, 0, 0, 0, 0, 0, 0))))
+    """It is one unknown more than where p is held."""
+    free, held = (model_of(scene(loose((1, 0, 0, 0, 0, 0, p)))).system.size for p in (0, 1))
+    assert free == held + 1
 
 
 # conditioning

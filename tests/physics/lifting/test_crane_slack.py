@@ -169,7 +169,7 @@ def test_a_crane_on_a_ship_goes_slack_and_snaps_every_period():
 
 
 @pytest.mark.study
-def test_its_peaks_are_those_of_steps_of_0_2_ms():
+def test_peaks_of_a_crane_that_snaps_on_a_ship_are_those_of_steps_of_0_2_ms():
     coarse, fine, finest = (ran(offshore(step))["tension"].max() for step in (5.0e-3, 1.0e-3, 2.0e-4))
     assert coarse == pytest.approx(finest, rel=5.0e-3)
     assert fine == pytest.approx(finest, rel=1.0e-3)

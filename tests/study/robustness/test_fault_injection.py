@@ -164,13 +164,14 @@ def test_a_variant_whose_end_was_not_reached_or_is_no_number_is_not_right(monkey
 
 
 def test_runs_that_only_seem_to_have_ended_are_no_reference(monkeypatch):
-    """Every run finer than 2 ms is cut short: a reference is made of the coarser ones or of none."""
-    monkeypatch.setattr(trial, "simulate", spoilt(cut, of=lambda model: model.solver.step < 2e-3))
-    found = study(subject(oscillator(time_end=1.0)), Grid(("rk4",), (0.01,)), 0.01, 1, budget=0.05)
-    if found.reference is not None:
-        assert found.reference.step >= 2e-3
-    else:
-        assert any("no reference" in warning for warning in found.warnings)
+    """Runs finer than 2 ms are cut short: a reference is made of the coarser ones; where all runs are, of none."""
+    found = {}
+    for finer_than in (2e-3, np.inf):
+        with monkeypatch.context() as spoiling:
+            spoiling.setattr(trial, "simulate", spoilt(cut, of=lambda model, h=finer_than: model.solver.step < h))
+            found[finer_than] = study(subject(oscillator(time_end=1.0)), Grid(("rk4",), (0.01,)), 0.01, 1, budget=0.05)
+    assert found[2e-3].reference is not None and found[2e-3].reference.setting.step >= 2e-3
+    assert found[np.inf].reference is None and any("no reference" in one for one in found[np.inf].warnings)
 
 
 def test_a_run_that_grows_after_its_last_stored_frame_has_not_ended():

@@ -98,10 +98,12 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, eve
         from tautline.view.files.paraview import write_paraview
         from tautline.view.files.parts import parts_of
 
-        count = sum(len(seen.time) if part.moves else 1 for part in parts_of(seen))
+        moving = [part.moves for part in parts_of(seen)]
+        count = _most_files(moving, len(seen.time))
         if count > MANY:
-            fewer = every * -(-count // MANY)
-            say(f"up to {count} files will be written. --every {fewer} writes about {MANY}", "yellow")
+            fewer = -(-count // MANY)
+            left = _most_files(moving, len(seen.thinned(fewer).time))
+            say(f"up to {count} files will be written. --every {every * fewer} writes {left} at most", "yellow")
         with _counted("frames") as progress:
             files = write_paraview(seen, result, base.with_name(f"{base.name}.pvd"), progress)
         return files, "; ".join(f"{text} {factor:.6g} times as large" for text, factor in seen.enlarged)
@@ -109,6 +111,11 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, eve
         if (error.name or "").partition(".")[0] not in ("vtk", "vtkmodules"):
             raise
         raise ResultError("--vtk", "needs VTK, which is not installed", "pip install pyvista") from None
+
+
+def _most_files(moving: Sequence[bool], frames: int) -> int:
+    """Files of parts, by whether each may move: those that do have one a frame."""
+    return sum(frames if moves else 1 for moves in moving)
 
 
 def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look: Look, every: int) -> None:

@@ -83,7 +83,8 @@ def sweep(
             execution = replace(execution, announce=compiling, say=say)
         outcome = run_sweep(read, application, scene, execution)
     figures, undrawn = _draw(outcome, folder)
-    _report(catalogue, file, outcome, figures, undrawn, warnings, as_json, quiet, changes)
+    following = typed(catalogue.name, "sweep", file, "-o", folder, "--resume") + as_given(changes)
+    _report(file, outcome, figures, undrawn, warnings, as_json, quiet, following)
 
 
 def _draw(outcome: Outcome, folder: Path) -> tuple[list[Path], list[str]]:
@@ -99,9 +100,10 @@ def _draw(outcome: Outcome, folder: Path) -> tuple[list[Path], list[str]]:
 
 
 def _report(
-    catalogue: Catalogue, file: Path, outcome: Outcome, figures: list[Path], undrawn: list[str],
-    warnings: Sequence[SceneWarning], as_json: bool, quiet: bool, changes: Sequence[str] | None,
+    file: Path, outcome: Outcome, figures: list[Path], undrawn: list[str], warnings: Sequence[SceneWarning],
+    as_json: bool, quiet: bool, following: str,
 ) -> None:  # fmt: skip
+    """Tell how the sweep ended; ``following`` is the command that goes on with it."""
     if not quiet:
         console().print(two_columns(_rows(outcome)))
         for text in [*failures(outcome), *_left_out(outcome)]:
@@ -114,10 +116,8 @@ def _report(
     if outcome.aside is not None:
         say(f"results of an earlier sweep are not those of this one: they are in {outcome.aside}", "yellow")
     if outcome.interrupted:
-        place = () if outcome.result is None else ("-o", outcome.result.parent)
         if outcome.lost:
             say(outcome.lost, "red")
-        following = typed(catalogue.name, "sweep", file, *place, "--resume") + as_given(changes)
         say(f"interrupted; go on: {following}", "yellow")
     if as_json:
         print_json(

@@ -119,7 +119,7 @@ def _room(function: Any) -> str:
 
 
 def _to_bytes(stored: Stored) -> bytes:
-    head = {"symbol": stored.symbol, "returned": _told(stored.returned), "needed": stored.needed}
+    head = {"symbol": stored.symbol, "returned": _encode_form(stored.returned), "needed": stored.needed}
     contents = json.dumps(head).encode() + b"\n" + stored.code
     return hashlib.sha256(contents).digest() + contents
 
@@ -130,27 +130,28 @@ def _from_bytes(data: bytes) -> Stored:
         raise ValueError("the file is damaged")
     end = data.index(b"\n", DIGEST)
     head = json.loads(data[DIGEST:end])
-    return Stored(head["symbol"], _form(head["returned"]), tuple(head["needed"]), data[end + 1 :])
+    return Stored(head["symbol"], _decode_form(head["returned"]), tuple(head["needed"]), data[end + 1 :])
 
 
 _NUMBERS: dict[str, Form] = {"float": float, "int": int, "bool": bool, "none": type(None)}
 
 
-def _told(returned: Form) -> Any:
-    """The form of what is given back: numbers and tuples of numbers alone, as text."""
+def _encode_form(returned: Form) -> Any:
+    """The form of what is given back, for JSON: the name of a number, a list for a tuple, None where there is none."""
     if isinstance(returned, tuple):
-        return [_told(part) for part in returned[1:]]
+        return [_encode_form(part) for part in returned[1:]]
     if returned is None:
         return None
     return next((name for name, form in _NUMBERS.items() if form is returned), str(returned))
 
 
-def _form(told: Any) -> Form:
-    if isinstance(told, list):
-        return tuple, *map(_form, told)
-    if told is None:
+def _decode_form(encoded: Any) -> Form:
+    """The form that `_encode_form` made this of."""
+    if isinstance(encoded, list):
+        return tuple, *map(_decode_form, encoded)
+    if encoded is None:
         return None
-    return _NUMBERS[told] if told in _NUMBERS else np.dtype(told)
+    return _NUMBERS[encoded] if encoded in _NUMBERS else np.dtype(encoded)
 
 
 # -- into a process ----------------------------------------------------------------------------------------------------

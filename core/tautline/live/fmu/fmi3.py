@@ -48,6 +48,7 @@ class Unit(Fmi3Slave):
         clock = Float64(
             "time", description="simulated time", unit="s", causality=Fmi3Causality.independent,
             variability=Fmi3Variability.continuous, getter=lambda: core.begin + core.sim.time,
+            setter=lambda value: self._guarded(core.refuse_time),
         )  # fmt: skip
         self.register_variable(clock, nested=False)
         for name, unit, text, kind in signals:

@@ -333,6 +333,10 @@ class Core:
         """Say that an output cannot be set; raises SimulationError. It stays what is computed, and steps go on."""
         raise SimulationError(f"{name} is an output: it is computed, and cannot be set", "set an input or a parameter")
 
+    def refuse_time(self) -> None:
+        """Say that the time cannot be set; raises SimulationError. It stays what it is, and steps go on."""
+        raise SimulationError("time is what steps have come to: it cannot be set", "take a step")
+
     def restore(self, saved: dict[str, Any]) -> None:
         """Stand where a state was saved.
 

@@ -86,10 +86,11 @@ def only_words_behind(cells: Sequence[str], place: int, width: int, status: bool
 
 
 def seems_two_lines(cells: Sequence[str], usual: Collection[int], second: bool) -> str:
-    """Whether a row with more cells than any before may be two lines that ran into one, with empty cells at its end.
+    """Which fault a row with more cells than any before may have: "two", "moved", or "" for none.
 
-    It is "two" where a number is in a column in which it is not `usual`. Else it is "moved" where numbers may have been
-    moved: behind the end of the first line there may be a `second` stamp.
+    It may be two lines that ran into one, with empty cells at its end: "two" where a number is in a column in which it
+    is not `usual`. Else it is "moved" where numbers may have been moved: behind the end of the first line there may be
+    a `second` stamp.
     """
     if any(is_number_or_date(cell) and i not in usual for i, cell in enumerate(cells)):
         return "two"

@@ -264,16 +264,16 @@ def _product(tokens: list[re.Match[str]]) -> tuple[Unit, list[re.Match[str]]]:
             if inner.factor == 0 or not (sign < 0 or (empty and tokens and tokens[0]["divide"])):
                 raise UnknownUnit(f"the number {token['number']} cannot be part of a unit there")
             if sign < 0 and tokens and tokens[0]["name"]:
-                inner, tokens = inner * _named(tokens[0]), tokens[1:]
+                inner, tokens = inner * _unit_factor(tokens[0]), tokens[1:]
         else:
-            inner = _named(token)
+            inner = _unit_factor(token)
         unit, sign, empty = unit * inner**sign, 1, False
     if empty or sign < 0:
         raise UnknownUnit("a unit is missing")
     return unit, tokens
 
 
-def _named(token: re.Match[str]) -> Unit:
+def _unit_factor(token: re.Match[str]) -> Unit:
     name = token["name"]
     if name not in TABLE and (why := unclear(name)):
         raise UnknownUnit(f"'{name}' {why}")

@@ -163,7 +163,7 @@ def _is_good_word(key: str, text: str) -> bool | None:
 
 
 def factor_told(column: str, units: Sequence[str], asked: str | None, where: str, remarks: Remarks) -> float:
-    """What readings are multiplied by to be in the map's unit; what that does is told.
+    """Find what readings are multiplied by to be in the map's unit, and tell it with `remarks`.
 
     Parameters
     ----------

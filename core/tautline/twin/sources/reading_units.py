@@ -174,8 +174,9 @@ class Marks:
     unsure: dict[str, str] = field(default_factory=dict)
 
     def take(self, cell: str, beside: Sequence[str] = (), asked: Sequence[str] = ()) -> tuple[bool, str]:
-        """Whether the mark of a number is taken as decimal, and what is to be said of it and of those before.
+        """Learn from a number what its mark means.
 
+        Gives whether the mark is taken as decimal, and what is to be said of it and of those before, empty for nothing.
         Numbers `beside` it in its row, also in columns that nobody asks for, may show which mark is decimal. Where they
         show both to be, such as a version `2.1` among decimal commas, only those that are `asked` for do.
         """

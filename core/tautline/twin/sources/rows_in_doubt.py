@@ -116,7 +116,7 @@ class RowsBefore:
         return self._kinds
 
     def seems_two(self, cells: Sequence[str], places: Set[int], seconds: Sequence[float]) -> str:
-        """Whether a row with more cells than usual may be two lines that ran into one: "two", "moved", or "".
+        """Which fault a row with more cells than usual may have, as `seems_two_lines` says it: "two", "moved", or "".
 
         `places` are the stamp's and those of the columns of the map, `seconds` what may be a second stamp.
         """

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.results.errors import ResultError, unwritten
+from tautline.results.errors import FULL, ResultError, WriteError, unwritten
 from tautline.results.output_path import check_drawn, check_folder
 from tautline.view.space.stage import Stage
 from tautline.whole_file import whole_file
@@ -107,7 +107,7 @@ def film(
     Raises
     ------
     ResultError
-        If the format is unknown, ffmpeg is missing, or the file cannot be written.
+        If the format is unknown, ffmpeg is missing, or the file cannot be written; WriteError where the disk is full.
     """
     ending = check_name(path)
     width, height = stage.plotter.window_size
@@ -173,6 +173,11 @@ def _ffmpeg(path: Path, part: Path, ending: str, given: tuple[int, int], size: t
 
 
 def _unwritten(path: Path, said: str) -> ResultError:
+    """What to raise for what ffmpeg said as it failed: WriteError where it names a disk that is full or fails."""
+    cure = "name another with -o or --movie, or make room"
+    if full := next((reason for reason in sorted(FULL) if reason in said), None):
+        return WriteError(path, f"cannot be written: {full}", cure)
     cause = said.splitlines()[-1] if said else "ffmpeg stopped"
     cause = re.sub(r"\S*\.part\.\w+", path.name, cause)  # the name under which it waits is nobody's business
-    return ResultError(path, f"cannot be written: {cause}", "name another with -o or --movie, or make room")
+    cause = re.sub(r"^\[\S+ @ 0x[0-9a-f]+\] ", "", cause)  # which of its parts says so is nobody's, either
+    return ResultError(path, f"cannot be written: {cause}", cure)
