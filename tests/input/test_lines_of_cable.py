@@ -450,5 +450,5 @@ def test_the_cures_of_a_folded_line_leave_nothing_to_be_said():
 
 def test_a_hanging_line_without_gravity_is_refused_with_the_word_that_its_load_is_not_looked_at():
     line = f"nodes7: [0, 1], elements: 4, length: 110, load: [0, 0, -10], {SECTION}"
-    with pytest.raises(SceneError, match="without gravity .* its `load` is not looked at"):
+    with pytest.raises(SceneError, match=r"without gravity .* its `load` is not looked at"):
         parse(text(line, gravity="[0, 0, 0]"))
