@@ -14,6 +14,7 @@ import numpy as np
 
 from tautline.explicit_watch import ExplicitWatch, explicit_step_of
 from tautline.integrators.corrector.newton import advice
+from tautline.integrators.emptied import status_of_failure
 from tautline.integrators.explicit_step import SAFE
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import method_for
@@ -335,8 +336,8 @@ class Run:
                 self.look(self.state, self.time, self.method)
             self._size_batch(made)
         if stopped:
-            worst = int(self.state.counters[WORST])
-            end, part, detail = self.model.end_of(self.state, Status(status), worst)
+            end = status_of_failure(system, self.state, Status(status), reached, self.step)
+            end, part, detail = self.model.end_of(self.state, end, int(self.state.counters[WORST]))
             raise self.blamed_for(StoppedEarly(end, reached, part, detail or advice(self.method, end)))
 
     def blamed_for(self, stop: StoppedEarly) -> StoppedEarly:

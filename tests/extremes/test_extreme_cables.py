@@ -122,14 +122,11 @@ def test_a_rope_that_its_weight_stretches_to_almost_three_times_its_length_hangs
     assert -result["position"][-1, :, 2] == pytest.approx(depth, abs=3e-4)
 
 
-def test_with_elements_10_000_times_longer_that_stretch_is_found_or_refused_by_name():
-    text = scene(line(SHORT_FIRST, DOWN, EA=1.0), GRAVITY, start="static", time_end=0.005)
-    try:
-        result = judged(text, energy=1e-2)
-    except StoppedEarly as stop:
-        assert stop.status is Status.NO_EQUILIBRIUM
-    else:
-        assert -result["position"][-1, -1, 2] == pytest.approx(cables.hanging_rope(1.0, 1.0, 1.0, GRAVITY)[0], rel=0.1)
+def test_with_elements_10_000_times_longer_that_stretch_is_found():
+    # next to all of it is one element: within 2e-3
+    result = judged(scene(line(SHORT_FIRST, DOWN, EA=1.0), GRAVITY, start="static", time_end=0.005), energy=1e-2)
+    depth, _ = cables.hanging_rope(1.0, 1.0, 1.0, GRAVITY, strain="green")
+    assert -result["position"][-1, -1, 2] == pytest.approx(depth, rel=3e-3)
 
 
 @pytest.mark.parametrize("EA", [1.0, 1e6, 1e12])
@@ -448,15 +445,13 @@ def reeled(rate, elements, last, **solver):
     return scene([*items, motion(1, float(elements), [0, 100], [rate, rate])], **({"plotpoints": 200} | solver))
 
 
-NOTHING_LEFT = (Status.NOT_CONVERGED, Status.NOT_FINITE, Status.UNSTABLE, Status.SINGULAR)
-
-
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("elements", [1, 2])
 def test_an_element_that_is_reeled_in_to_nothing_stops_by_name(method, elements):
-    # the length is zero to rounding at 1 s: neither method gets past it
+    # the length is zero to rounding at 1 s, where no implicit step gets past; before that RK4's step is too long
     step = 1e-4 if method == "RK4" else 1e-3
-    stop = stopped(reeled(-1.0, elements, HELD, method=method, time_step=step, time_end=2.0), *NOTHING_LEFT)
+    ends = (Status.UNSTABLE, Status.NO_LENGTH) if method == "RK4" else (Status.NO_LENGTH,)
+    stop = stopped(reeled(-1.0, elements, HELD, method=method, time_step=step, time_end=2.0), *ends)
     assert stop.time < 1.0
     assert np.diff(stop.result["material_coordinate"], axis=1).min() > 0.0
 

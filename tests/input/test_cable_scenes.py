@@ -230,6 +230,12 @@ EDITS = {
         "PointForce.timeInterval",
         "earlier time first",
     ),
+    "a force that ends as it begins": (
+        *added("PointForce: {id: 0, nodes7: [2], force: [0, 0, 1], timeInterval: [1, 1]}"),
+        22,
+        "PointForce.timeInterval",
+        "ends as it begins; give a later time to end",
+    ),
     "a force on a node that is not there": (
         *added("PointForce: {id: 0, nodes7: [7], force: [0, 0, 1]}"),
         22,

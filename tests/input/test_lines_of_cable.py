@@ -446,3 +446,9 @@ def test_the_cures_of_a_folded_line_leave_nothing_to_be_said():
     force = simulate(build(scene))["axial_force"][-1]
     # The lower end of each hangs free, and its upper end carries it all but half an element.
     assert np.isfinite(force).all() and force.max() < 12.0 * 5.0 * 9.81
+
+
+def test_a_hanging_line_without_gravity_is_refused_with_the_word_that_its_load_is_not_looked_at():
+    line = f"nodes7: [0, 1], elements: 4, length: 110, load: [0, 0, -10], {SECTION}"
+    with pytest.raises(SceneError, match=r"without gravity .* its `load` is not looked at"):
+        parse(text(line, gravity="[0, 0, 0]"))

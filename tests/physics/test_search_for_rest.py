@@ -42,25 +42,28 @@ def system():
 def search_of(system, shift=0.0):
     factors = new_factors(system.size, system.bandwidth, system.border)
     numbers = np.array([LIMIT, TOLERANCE, shift, np.inf, np.inf])
-    pairs, ways = np.zeros((0, 2), np.int64), np.ones(system.size)
-    return Search(factors, system.at_rest, system.scale, ways, pairs, numbers, np.zeros(4, np.int64))
+    pairs, room, ways = np.zeros((0, 2), np.int64), np.zeros(0), np.ones(system.size)
+    return Search(factors, system.at_rest, system.scale, ways, pairs, room, numbers, np.zeros(4, np.int64))
 
 
 def test_neighbours_of_a_node_whose_position_is_mixed_from_others_may_not_go_far():
     # Five nodes in a row, three numbers each: the first is held, the fourth lies between two others.
     number = np.array([HELD] * 3 + [0, 1, 2] + [3, 4, 5] + [TIED] * 3 + [6, 7, 8])
     beside = np.array([(3 * i + axis, 3 * i + 3 + axis) for i in range(4) for axis in range(3)])
-    pairs, far = neighbours(SimpleNamespace(size=9, dofs=SimpleNamespace(number=number), neighbours=beside))
+    room = np.repeat([1.0, 2.0, 3.0, 4.0], 3)
+    dofs = SimpleNamespace(number=number)
+    pairs, beyond, far = neighbours(SimpleNamespace(size=9, dofs=dofs, neighbours=beside, room_between=room))
     assert pairs.tolist() == [[HELD, 0], [HELD, 1], [HELD, 2], [0, 3], [1, 4], [2, 5]]
+    assert beyond.tolist() == [1.0, 1.0, 1.0, 2.0, 2.0, 2.0]
     assert far.tolist() == [0, 1, 2]
 
 
 def test_an_iteration_moves_no_two_ends_of_an_element_further_apart_than_the_limit_of_a_step():
     system = built("reeled_span")
-    pairs, _ = neighbours(system)
+    pairs, room, _ = neighbours(system)
     assert pairs.shape[0] > 5
     search, state = search_of(system, 1.0), new_state(system)
-    search = search._replace(lever=np.zeros(system.size), pairs=pairs)
+    search = search._replace(lever=np.zeros(system.size), pairs=pairs, room=room)
     search.numbers[STEP_LIMIT], search.counts[LEFT] = 1e-6, 1
     before = state.q.copy()
     assert search_on(system, state, search) == MORE

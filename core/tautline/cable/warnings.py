@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+import tautline.cable.drawn_out
 import tautline.cable.driven_material
 import tautline.cable.held_forces  # noqa: F401  (warns too)
 from tautline.cable.coarse_lines import PRESTRETCHED, Sentences, cure_of, turned

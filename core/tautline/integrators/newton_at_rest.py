@@ -31,6 +31,7 @@ class Search(NamedTuple):
     ``at_rest`` (k,) are rows that stay where they are, ``scale`` (n,) is what residuals are judged by; ``lever`` (n,)
     says what moves by how much when an unknown changes by one: zero for multipliers, which are no way gone. ``pairs``
     (m, 2) are unknowns whose difference may change by no more than the limit of a step; one that is held is negative.
+    ``room`` (m,) is by how many of these limits it may, of each.
     """
 
     factors: Factors
@@ -38,6 +39,7 @@ class Search(NamedTuple):
     scale: np.ndarray
     lever: np.ndarray
     pairs: np.ndarray
+    room: np.ndarray
     numbers: np.ndarray
     counts: np.ndarray
 
@@ -45,7 +47,8 @@ class Search(NamedTuple):
 def no_search() -> Search:
     """What stands for no search where a scene is evaluated only."""
     rows, numbers = np.zeros(0, np.int64), np.zeros(0)
-    return Search(new_factors(0, 0), rows, numbers, numbers, rows.reshape(0, 2), numbers, np.zeros(4, np.int64))
+    pairs, counts = rows.reshape(0, 2), np.zeros(4, np.int64)
+    return Search(new_factors(0, 0), rows, numbers, numbers, pairs, numbers, numbers, counts)
 
 
 @kernel
@@ -102,7 +105,7 @@ def iterate(s, q, x):
         lost += 0.0 * one  # no number or infinite: neither becomes zero
     for k in range(s.pairs.shape[0]):
         i, j = s.pairs[k, 0], s.pairs[k, 1]
-        largest = max(largest, abs((x[i] if i >= 0 else 0.0) - (x[j] if j >= 0 else 0.0)))
+        largest = max(largest, abs((x[i] if i >= 0 else 0.0) - (x[j] if j >= 0 else 0.0)) / s.room[k])
     if largest > 0.0 and lost == 0.0:
         share = min(1.0, numbers[STEP_LIMIT] / largest)
         # Rounded before it is taken away: what is one instruction on one processor is two on another.

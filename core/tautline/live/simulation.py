@@ -13,6 +13,7 @@ import numpy as np
 
 from tautline.application.installed import Installed
 from tautline.integrators.corrector.newton import advice
+from tautline.integrators.emptied import status_of_failure
 from tautline.integrators.method import method_for
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
@@ -378,6 +379,7 @@ class Simulation:
         self._judge_step()
         if status in (Status.UNSTABLE, Status.NOT_FINITE):
             self._checked.doubt(reached)
+        status = status_of_failure(self.model.system, self._state, status, reached, self._run.step)
         status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
         blamed = next((force for force in self._forces if force.fault), None)
         if blamed is not None and status in (Status.NOT_FINITE, Status.NOT_CONVERGED, Status.SINGULAR):

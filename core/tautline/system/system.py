@@ -139,6 +139,11 @@ class System:
         rest moves them: x and x, y and y, z and z, or the ways along a hole.
     reach : float
         How far such may move at once, their neighbours with them, m.
+    room : (n_full,) or (0,) array
+        By how many limits of a step each degree of freedom may change at once there: those of long elements by more
+        than those of short ones. Empty where all may alike.
+    room_between : (m,) or (0,) array
+        The same of the neighbours, of their difference.
     slopes : (m,) int array
         Full degrees of freedom where the slope r' of a rope's node begins, behind its place r.
     turns : (m,) int array
@@ -172,6 +177,8 @@ class System:
     force: float = 0.0
     neighbours: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     reach: float = 0.0
+    room: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    room_between: np.ndarray = field(default_factory=lambda: np.zeros(0))
     slopes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     turns: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     window: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))

@@ -270,3 +270,22 @@ def test_frequencies_in_the_header_of_a_table_are_turned_into_what_is_wanted(tmp
     assert columns.values(0, "Hz") == pytest.approx((0.2,))
     with pytest.raises(SceneError, match="turns or radians"):
         columns.values(1, "rad/s")
+
+
+@pytest.mark.parametrize("unit", ["kg/m^3", "kg m^-1", "N m^2", "1/s"])
+def test_negative_powers_above_the_line_are_read_as_those_behind_a_caret(unit):
+    raised = {"kg/m^3": "kg·m⁻³", "kg m^-1": "kg·m⁻¹", "N m^2": "N·m²", "1/s": "s⁻¹"}[unit]
+    assert si(f"2 {raised}", unit) == 2.0
+
+
+@pytest.mark.parametrize("written, meant", [("10 Nm^2", "N m^2"), ("10 Nm2", "N m2"), ("10 Nm²", "N m²")])
+def test_a_power_of_newton_metres_as_one_word_is_asked_about(written, meant):
+    with pytest.raises(PydanticCustomError, match="is not the unit of a bending stiffness") as told:
+        si(written, "N m^2")
+    assert told.value.context["cure"].startswith(f"did you mean '{meant}'?")
+
+
+def test_a_load_per_length_is_called_so():
+    with pytest.raises(PydanticCustomError) as told:
+        si("-1 kg/m", "N/m", of="load per length")
+    assert "'kg/m' is not the unit of a load per length" in str(told.value) and "stiffness" not in str(told.value)

@@ -91,7 +91,10 @@ def _lay(register: Register, line: Numbered, first: np.ndarray, last: np.ndarray
     width = float(np.linalg.norm(level))
     if weight == 0.0 or width <= UPRIGHT * length:
         cause = f"is longer than the {apart:.6g} m between its ends, "
-        cause += "which stand above one another" if weight > 0.0 else "and without gravity nothing tells how it lies"
+        if weight > 0.0:
+            cause += "which stand above one another"
+        else:
+            cause += "and without gravity a line is not drawn as it hangs: its `load` is not looked at"
         cure = "give `length` up to that distance, or draw the cable with nodes and elements of its own"
         register.refuse((*line.place, "length"), cause, cure)
         return None

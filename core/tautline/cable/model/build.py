@@ -13,12 +13,14 @@ from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.parts import BESIDES_MODEL, CableScene
 from tautline.cable.input.syntax.nodal import NODAL, item_of
 from tautline.cable.model.elements import element_groups, steady_flow, stencils
+from tautline.cable.model.emptied import empty_element
 from tautline.cable.model.eyelets import eyelets
 from tautline.cable.model.handles import handles
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
 from tautline.cable.model.magnitudes import largest_force, mass_of, rounding_error
 from tautline.cable.model.observe import Observer, figure_units, headline, variables
+from tautline.cable.model.room import rooms
 from tautline.cable.model.sections import Sections
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
 from tautline.constraints.multiplier import Multipliers
@@ -88,6 +90,7 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
     system.q[: layout.initial.size] = layout.initial
     system.force, system.reach = force, FAR * float(np.ptp(layout.initial))
     system.neighbours = (layout.starts[layout.ends][:, None, :] + np.arange(3)[:, None]).reshape(-1, 2)
+    system.room, system.room_between = rooms(layout, lengths)
     system.slopes = layout.slopes
     observer = Observer(layout, sections, groups, [e.name for e in made if e.tie.method != "penalty"])
     return Assembly(layout, system, observer, lengths, notes)
@@ -132,7 +135,7 @@ def build(scene: CableScene) -> Model:
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,
         handles=lambda: handles(layout, system.groups, model),
-        cause=lambda state, status: stiff_tie(layout, system, state, status),
+        cause=lambda state, status: empty_element(layout, state, status) or stiff_tie(layout, system, state, status),
     )  # fmt: skip
     return with_limits(within_rounding(model, "eps_energy", MANY, rounding_error(scene)), scene)
 

@@ -34,8 +34,9 @@ def handles(layout: Layout, groups: tuple[Any, ...], model: Any) -> Handles:
     }
     outputs = outputs_of(model.variables, model.coordinates, OF_NODES | OF_ELEMENTS, names)
     for name, start in zip(names["node"], layout.starts, strict=True):
-        position = f"{name}.position"
-        outputs[position] = replace(outputs[position], places=("q", start + np.arange(3)))
+        for what, vector in (("position", "q"), ("velocity", "v")):
+            output = f"{name}.{what}"
+            outputs[output] = replace(outputs[output], places=(vector, start + np.arange(3)))
     parameters = {one.name: one for one in stiffnesses(groups, "cables")}
     return Handles(inputs_of(layout.requests), outputs, parameters, prepared_of(layout.requests))
 

@@ -140,7 +140,7 @@ class Layout:
     def _follow(self) -> TimeFunctions:
         """Hold and prescribe as the nodes say; returns the scene's functions of time."""
         index = {motion.id: k for k, motion in enumerate(self.scene.motions)}
-        self.requests = [_request(motion, self.scene.solver.end) for motion in self.scene.motions]
+        self.requests = [request_of(motion, self.scene.solver.end) for motion in self.scene.motions]
         functions = compile_functions(self.requests)
         held = {held: [k for k, flag in enumerate(held) if flag] for held in {node.held for node in self.scene.nodes}}
         for node, start in zip(self.scene.nodes, self.starts.tolist(), strict=True):
@@ -175,7 +175,8 @@ class Layout:
             self.initial[place] = self.degrees.value[place]
 
 
-def _request(motion: Any, end: float) -> FunctionRequest:
+def request_of(motion: Any, end: float) -> FunctionRequest:
+    """The function of time of a motion, good up to a time, s: its value, or what it has moved since the start."""
     name = f"function {motion.id}"
     place = Steering(name, "m", f"what follows {name}, since the start"), Steering(f"{name}.rate", "m/s", "its rate", 1)
     if motion.function is not None:

@@ -83,7 +83,8 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
         Where the search starts, and where the equilibrium is left.
     step_limit : float
         Largest change of an unknown in one iteration, m or rad; of a system's neighbours, of their difference: a long
-        cable of short elements may sink by many of their lengths at once.
+        cable of short elements may sink by many of their lengths at once. Where a system has room, it is so many times
+        as large: one short element then does not make all others change by no more than it may.
     tolerance : float
         Largest residual over its scale that counts as balance.
 
@@ -168,14 +169,16 @@ def _search(
     """One search, of ``most`` iterations."""
     n, in_parts = system.size, system.window.size > 0 and system.size > 4 * AHEAD
     lever, origin = levers(system), state.q.copy()
+    if system.room.size:
+        lever /= system.room[system.free]
     lever[system.turns] = np.maximum(lever[system.turns], step_limit / TURN)
     lever[system.algebraic] = 0.0  # a multiplier is no way gone: it may change as it must
     extent = max(float(np.ptp(origin)) if n else 0.0, step_limit)
-    pairs, far = neighbours(system)
+    pairs, room, far = neighbours(system)
     lever[far] = step_limit / max(step_limit, system.reach)
     numbers, counts = np.array([step_limit, tolerance, first_shift, np.inf, np.inf]), np.zeros(4, np.int64)
     factors = system.spare_factors()
-    search = Search(factors, system.at_rest, system.scale, lever, pairs, numbers, counts)
+    search = Search(factors, system.at_rest, system.scale, lever, pairs, room, numbers, counts)
     stands = MORE
     while stands == MORE and counts[ITERATION] < most:
         # Between two iterations over all rows a part may be brought into balance.
@@ -200,19 +203,22 @@ def levers(system: System) -> np.ndarray:
     return np.minimum(1.0, system.scale / system.force)
 
 
-def neighbours(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """Unknowns of a system's neighbours (m, 2), negative where one is held; and those that may go far.
+def neighbours(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Unknowns of a system's neighbours (m, 2), negative where one is held; the room of each (m,), in limits of a step;
+    and those that may go far.
 
     Of what is mixed from several unknowns the difference is not known: its neighbours may not go far.
     """
     number = system.dofs.number[system.neighbours]
     mixed = (number == TIED).any(axis=1)
-    pairs = np.ascontiguousarray(number[~mixed & (number >= 0).any(axis=1)])
+    counts = ~mixed & (number >= 0).any(axis=1)
+    pairs = np.ascontiguousarray(number[counts])
+    room = system.room_between[counts] if system.room_between.size else np.ones(len(pairs))
     far = np.zeros(system.size, dtype=bool)
     far[pairs[pairs >= 0]] = True
     near = number[mixed]
     far[near[near >= 0]] = False
-    return pairs, np.flatnonzero(far)
+    return pairs, room, np.flatnonzero(far)
 
 
 def _balance_part(

@@ -143,7 +143,7 @@ def _nothing(system: System, state: State, matrix: Matrix) -> np.ndarray:
     is_slope[system.turns] = True
     extent = max(float(np.ptp(np.delete(state.q, system.algebraic))), 1e-300)
     none = UNBALANCED * system.scale * np.where(is_slope, 1.0, 1.0 / extent)
-    pairs, _ = neighbours(system)
+    pairs, _, _ = neighbours(system)
     pairs = pairs[(pairs >= 0).all(axis=1)]
     if pairs.size:
         # Of lines in all directions: the mean distance along the three axes.

@@ -60,6 +60,7 @@ MEANINGS = {
 }
 """What a quantity of each unit is called, and an example of how to write one."""
 MEANINGS_OF = {
+    ("N/m", "load per length"): ("a load per length", "10 N/m"),
     ("m/m", "response to waves"): ("a displacement per metre of wave", "0.6 m/m"),
     ("rad/m", "response to waves"): ("a rotation per metre of wave", "2 deg/m, or rad/m as a bare number"),
     ("N/m", "response to waves"): ("a force per metre of wave", "20 kN/m"),
@@ -75,6 +76,20 @@ FROM_MODULUS = {
     "bending stiffness": "EJ is the modulus times the second moment of area",
 }
 """Rows of that table for which a modulus is given by mistake, and how they follow from it."""
+
+
+NEWTON_METRE = re.compile(r"\bNm(?![A-Za-z])")
+"""Newton and metre written as one word: a power behind it is that of both."""
+
+
+def _meant_apart(unit: str, wanted: Unit) -> str:
+    """The question whether a power of `Nm` was meant for the metre alone, where that is what is wanted; else empty."""
+    apart = NEWTON_METRE.sub("N m", unit)
+    try:
+        fits = apart != unit and _may_stand_for(read_unit(apart), wanted)
+    except UnknownUnit:
+        return ""
+    return f"did you mean '{apart}'? " if fits else ""
 
 
 @dataclass(frozen=True)
@@ -187,7 +202,8 @@ class Quantity:
             expected = f"expected {self.meaning} such as {self.example}"
             if self.of in FROM_MODULUS and read.dimension == read_unit("Pa").dimension:
                 expected += f". {FROM_MODULUS[self.of]}"
-            raise refusal(f"'{unit}' is not the unit of {self.meaning}", expected, wanted=self.unit)
+            cure = _meant_apart(unit, wanted) + expected
+            raise refusal(f"'{unit}' is not the unit of {self.meaning}", cure, wanted=self.unit)
         try:
             value = converted(read, wanted).si(Decimal(number))
         except Uncounted as error:

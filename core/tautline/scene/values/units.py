@@ -130,9 +130,11 @@ thousandth of a psi and `pin` as a picoinch, which nobody means."""
 TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+(?:\.\d+)?)"
     r"|(?P<name>[A-Za-zµμ]+|°|%)"
-    r"(?:\s*(?:\^|\*\*)\s*(?P<power>-?\d{1,2}|\(-?\d{1,2}\))|(?P<bare>-?\d)(?![\d.])|(?P<raised>[²³⁴]))?"
+    r"(?:\s*(?:\^|\*\*)\s*(?P<power>-?\d{1,2}|\(-?\d{1,2}\))|(?P<bare>-?\d)(?![\d.])|(?P<raised>⁻[¹²³⁴]|[²³⁴]))?"
     r"|(?P<divide>/)|(?P<times>\*|·|⋅|-(?=[A-Za-z]))|(?P<open>\()|(?P<close>\)))"
 )
+RAISED = str.maketrans("⁻¹²³⁴", "-1234")
+"""Powers that are written above the line."""
 JOINED = re.compile("[A-Za-z]+(?:_[A-Za-z]+)+")
 """Names of two words or more, joined by lines below."""
 PREFIX = re.compile("da|[numcdhkgtµμ]")
@@ -277,7 +279,7 @@ def _unit_factor(token: re.Match[str]) -> Unit:
     name = token["name"]
     if name not in TABLE and (why := unclear(name)):
         raise UnknownUnit(f"'{name}' {why}")
-    raised = {"²": "2", "³": "3", "⁴": "4"}.get(token["raised"] or "", "")
+    raised = (token["raised"] or "").translate(RAISED)
     power = int((token["power"] or token["bare"] or raised or "1").strip("()"))
     return (TABLE.get(name) or ask_pint(name)) ** power
 

@@ -62,7 +62,10 @@ class PointForce(OnNodes):
     @model_validator(mode="after")
     def _forwards(self) -> PointForce:
         if self.timeInterval is not None and not self.timeInterval[1] > self.timeInterval[0]:
-            raise fault("timeInterval", "ends before it has begun", "give the earlier time first, such as [0, 1.0]")
+            begins, ends = self.timeInterval
+            cause = "ends as it begins" if begins == ends else "ends before it has begun"
+            cure = "give a later time to end" if begins == ends else "give the earlier time first"
+            raise fault("timeInterval", cause, f"{cure}, such as [0, 1.0]")
         return self
 
     @property
