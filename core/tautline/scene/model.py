@@ -17,7 +17,7 @@ from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
-from tautline.scene.refusal import KIND, must_be, nearest, one_of, refusal
+from tautline.scene.refusal import KIND, must_be, nearest, nearest_key, one_of, refusal
 from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import Quantity, suited
 
@@ -44,12 +44,6 @@ AFTER_COMMA = re.compile(r"[0-9]+([eE][+-]?[0-9]+)?(\s+\S.*|[^\W\d].*|\s*%)?", r
 """What stands behind a decimal comma: digits, and a unit."""
 WITHOUT_BLANK = re.compile(r"([^\W\d]\w*):(\S.*)")
 """A key and its value with no blank behind the colon: in braces YAML reads all of it as a key."""
-OTHER_WORDS = {
-    "wob": ("weight",), "weight_on_bit": ("weight",), "tob": ("torque",), "torque_on_bit": ("torque",),
-    "weight": ("mass", "mass_per_length"), "mbl": ("breaking_load",), "ea": ("axial_stiffness",),
-}  # fmt: skip
-"""Words that people write for a key, in small letters, and the keys that may be meant."""
-
 Whole = Annotated[int, Strict()]
 """A whole number; true and 12.0 are none."""
 Switch = Annotated[bool, Strict()]
@@ -126,12 +120,6 @@ class Model(pydantic.BaseModel):
         return next((str(info.examples[0]) for info in fields if info.examples), "")
 
 
-def _meant(key: str, known: Sequence[str]) -> str:
-    """Which key was probably meant: by another word for the same, or by its letters."""
-    other = next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in known), None)
-    return nearest(key, known) if other is None else f"did you mean '{other}'?"
-
-
 def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any]:
     """Errors without those that follow from an unknown key.
 
@@ -139,7 +127,7 @@ def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any
     """
     unknown = [str(e["loc"][0]) for e in errors if len(e["loc"]) == 1 and e["type"] == "extra_forbidden"]
     cut = {before for key in unknown if (before := _decimal_comma(data, key)[1])}
-    meant = {_meant(key, model._keys()) for key in unknown if not _decimal_comma(data, key)[0]}
+    meant = {nearest_key(key, model._keys()) for key in unknown if not _decimal_comma(data, key)[0]}
     run_in = {key for one in unknown if (key := _without_blank(model, one)[0])}
 
     def follows(error: Any) -> bool:
@@ -147,7 +135,7 @@ def _told_once(model: type[Model], errors: Sequence[Any], data: Any) -> list[Any
         if place and place[0] in cut:
             return True
         missing = len(place) == 1 and error["type"] == "missing"
-        return missing and (f"did you mean '{place[0]}'?" in meant or place[0] in run_in)
+        return missing and (any(one.startswith(f"did you mean '{place[0]}'?") for one in meant) or place[0] in run_in)
 
     return [error for error in errors if not follows(error)]
 
@@ -194,7 +182,7 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
     elif len(place) == 1 and kind == "extra_forbidden":
         cure, before = _decimal_comma(data, str(place[0]))
         cure = cure or _without_blank(model, str(place[0]))[1] or model.elsewhere.get(str(place[0]), ("", ""))[1]
-        words = {"cause": "unknown key", "cure": cure or _meant(str(place[0]), model._keys())}
+        words = {"cause": "unknown key", "cure": cure or nearest_key(str(place[0]), model._keys())}
         known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
         known = PydanticCustomError(DOUBT, "doubtful", context)
@@ -657,7 +645,7 @@ class OneOf:
         if not value:
             raise refusal("is an empty mapping", cure)
         odd = next(iter(value))
-        raise refusal(f"unknown key '{odd}'", nearest(str(odd), self.keyed))
+        raise refusal(f"unknown key '{odd}'", nearest_key(str(odd), self.keyed))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         choices: dict[Any, CoreSchema] = {}

@@ -95,3 +95,30 @@ def nearest(word: str, known: Iterable[str]) -> str:
     if len(words) == 1:
         return f"known: {words[0]}"
     return f"known: {', '.join(words)}" if words else "remove it"
+
+
+OTHER_WORDS = {
+    "wob": ("weight",), "weight_on_bit": ("weight",), "tob": ("torque",), "torque_on_bit": ("torque",),
+    "weight": ("mass", "mass_per_length"), "mbl": ("breaking_load",), "ea": ("axial_stiffness",),
+    "rpm": ("rotation", "speed"), "rop": ("penetration", "rate"), "dls": ("rate",), "bha": ("string",),
+    "md": ("hold", "length"), "od": ("diameter",), "ff": ("friction",), "friction_factor": ("friction",),
+}  # fmt: skip
+"""Words that people write for a key, in small letters, and the keys that may be meant."""
+IN_UNITS = {"rpm": "60 rpm", "rop": "15 m/h", "dls": "3 deg/30m"}
+"""Those that say the unit as well: a bare number of them would be another one under the key; with an example."""
+
+
+def other_word(key: str, known: Iterable[str]) -> str:
+    """The key for which a word of the trade stands; nothing where it stands for none of those there are."""
+    words = set(known)
+    return next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in words), "")
+
+
+def nearest_key(key: str, known: Iterable[str]) -> str:
+    """Say which key was probably meant, by another word for the same or by its letters, or list those there are."""
+    words = list(known)
+    if not (word := other_word(key, words)):
+        return nearest(key, words)
+    said, example = f"did you mean '{word}'?", IN_UNITS.get(key.lower(), "")
+    # A rate of penetration has keys of its own.
+    return f"{said} Write its unit too, such as {word}: {example}" if example and word != "penetration" else said
