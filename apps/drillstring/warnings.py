@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from math import ceil, degrees, pi, sqrt
 from typing import Any
 
@@ -10,17 +9,20 @@ import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, rate_at, torque_at, weight_at
 from drillstring.drilling.end_groups import BLOCK, ROTATION
+from drillstring.hole_warnings import OF_THE_HOLE, STATIONS, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
 from drillstring.model.build import requests
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared
 from drillstring.results.limits import SNUG
+from drillstring.scene.hole import DRILLED
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics.buckled import buckled_at_rest
 from drillstring.string.buoyancy import CURE, buoyed_mass
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import tension_at_rest
+from drillstring.well.sections import dogleg_severity
 from drillstring.well.wellbore import Wellbore
 from tautline.kernels.time_function import sample, value_at
 from tautline.results.assessment.rounding import unrounded
@@ -29,7 +31,7 @@ from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step, step_taken
 from tautline.scene.unit_slips import meant, units_that_fit
 from tautline.scene.values.printed import as_typed, shown
-from tautline.scene.values.ranges import RANGES, in_range, sized
+from tautline.scene.values.ranges import RANGES
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIP_FOR_NEWTON = 1.0e-3
@@ -45,12 +47,6 @@ LARGEST_SHARE = 0.8
 """Share of the yield load above which a string at rest is warned of: what is left is the margin of overpull."""
 DEEP = 0.5
 """Depth in the wall over the clearance that is warned of; a stabiliser's clearance is taken as `SNUG` at least."""
-RISING = 0.05
-"""Height above the table over the length of a hole that is warned of; a crossing below a river may end higher up."""
-SHARP = np.radians(10.0) / 30.0
-"""Dogleg severity, rad/m, above which a hole is warned of: medium-radius wells; most others stay below 5 deg/30 m."""
-DRILLED = 0.07
-"""Diameter of a hole, m, below which it is one of the laboratory."""
 LEANING = 0.01
 """Sine of the inclination that a vertical hole is taken to have: none is straight."""
 OFF = 0.05
@@ -74,15 +70,11 @@ UNDAMPED = 0.95
 MORE_THAN_THE_STRING = "is more than the string weighs along the hole"
 OF_THE_BOTTOM = ("weight", "torque", "penetration", "cutting", "rock", "slip_speed")
 """Keys of a bit that count on bottom only."""
-STATIONS = 200
-"""Places along the hole at which its direction is looked at."""
 TO_A_HALF_WAVE = {LUMPED: 4, BEAM: 2}
 """Elements that a half wave of buckling wants. A column of n links to a half wave buckles at a compression that is
 (pi / 2 n)^2 / 3 too low, 5 % with four; a cubic element bends by itself."""
 FLAT = 1.0e-6
 """Size of the hole's directions out of a plane, over that within it, below which the hole lies in the plane."""
-Sentences = Iterator[tuple[str, str]]
-Check = Callable[[DrillstringScene, Prepared], Sentences]
 
 
 def too_heavy(scene: DrillstringScene) -> str:
@@ -158,68 +150,6 @@ def _fastest_contact(scene: DrillstringScene, lumps: Lumps) -> float:
     od = lumps.largest(lambda tube: tube.od)
     stiffness = wall.stiffness * od / od.max() * lumps.tributary / (lumps.total / wall.lumps)
     return float(np.sqrt((stiffness / mass)[1:].max()))
-
-
-# hole
-def _survey(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """Stations deeper than any hole: the column of depths has another unit."""
-    row, length = RANGES["depth"], ready.well.length
-    if scene.well.survey is not None and not row.holds(length):
-        text = (
-            f"{scene.well.survey.file}: the last station stands at {sized(length, 'm')}, and {in_range(row)} is "
-            "plausible for a depth; check the unit of the column md, or give it as `md:`"
-        )
-        yield "well.survey", text
-
-
-def _above_the_table(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """A hole that goes up above the rotary table: inclinations counted from another direction."""
-    md = np.concatenate((ready.well.md, np.linspace(0.0, ready.well.length, STATIONS)))
-    heights = -ready.well.tvd(md)
-    if heights.max() <= RISING * ready.well.length:
-        return
-    height, where = (shown(float(x), "m", scene.units) for x in (heights.max(), md[heights.argmax()]))
-    text = (
-        f"the hole goes up to {height} above the rotary table, at {where} along it. An inclination is counted from "
-        "straight down: 0 deg is down, 90 deg level, 180 deg up; check the inclinations"
-    )
-    yield "well.survey" if scene.well.survey is not None else "well.sections", text
-
-
-def _dogleg(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """A hole that bends more than drill pipe is used to; models of the laboratory are left out."""
-    severity, begin, end = sharpest(ready.well)
-    if severity <= SHARP or scene.well.diameter < DRILLED:
-        return
-    text = (
-        f"the hole bends by {dogleg_severity(severity, scene.units)} at {begin:.6g} to {end:.6g} m, and more than "
-        f"{dogleg_severity(SHARP, scene.units)} is seldom drilled with pipe: it wears and tires there; check the "
-        f"{'stations' if scene.well.survey is not None else 'radius'}"
-    )
-    yield "well.survey" if scene.well.survey is not None else "well.sections", text
-
-
-SAME_BEND = 1.0e-3
-"""Share by which the curvature of two arcs may differ that bend alike."""
-
-
-def sharpest(well: Wellbore) -> tuple[float, float, float]:
-    """Largest curvature of the hole, rad/m, and measured depths of the arcs that have it, m.
-
-    Arcs one behind the other that bend alike count as one; of several such the first.
-    """
-    curvature = np.hypot(well.k1, well.k2)
-    alike = curvature >= curvature.max() * (1.0 - SAME_BEND)
-    first = int(np.argmax(alike))
-    behind = np.flatnonzero(~alike[first:])
-    end = first + int(behind[0]) if behind.size else alike.size
-    return float(curvature.max()), float(well.md[first]), float(well.md[end])
-
-
-def dogleg_severity(curvature: float, system: str) -> str:
-    """A curvature, rad/m, as the field states it: in deg/30 m, or deg/100 ft in field units."""
-    length, name = (30.48, "100 ft") if system == "field" else (30.0, "30 m")
-    return f"{degrees(curvature) * length:.3g} deg/{name}"
 
 
 # pipe
@@ -439,6 +369,23 @@ def _weight_on_bit(scene: DrillstringScene, ready: Prepared) -> Sentences:
         yield "bit.weight", text
 
 
+def _relaxed(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A start at rest with friction, of a string whose top is in motion then."""
+    wall = scene.well.wall
+    if scene.start != "relaxed" or wall is None or wall.friction.static <= 0.0:
+        return
+    functions = compile_functions(requests(scene))
+    moving = {"turns": ROTATION, "moves": BLOCK}
+    how = [word for word, one in moving.items() if value_at(functions, one, 0.0)[1] != 0.0]
+    if how:
+        text = (
+            f"relaxed is a state of a string at rest, held by friction, and its top {' and '.join(how)} at t = 0: hook "
+            "load and torque of the first seconds are those of a state that is over at once. Let the motion begin with "
+            "a ramp, or write start: static"
+        )
+        yield "start", text
+
+
 def _torque_on_bit(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A bit that is turned and has no law of torque."""
     if not scene.bit.on_bottom or scene.bit.torque is not None or scene.bit.cutting is not None:
@@ -582,13 +529,13 @@ def _mesh(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 
 CHECKS: tuple[Check, ...] = (
-    _steps, _survey, _above_the_table, _dogleg, _upside_down, _floating, soft_wall, _friction, _block, _shoe,
-    _past_the_shoe, _yielding, _off_bottom, _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter,
+    _steps, *OF_THE_HOLE, _upside_down, _floating, soft_wall, _friction, _block, _shoe,
+    _past_the_shoe, _yielding, _relaxed, _off_bottom, _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter,
     _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
 OF_A_RUN = frozenset(
-    {_steps, _friction, _block, _past_the_shoe, _torque_on_bit, _penetration, _sticking, _chatter, _buckling}
+    {_relaxed, _steps, _friction, _block, _past_the_shoe, _torque_on_bit, _penetration, _sticking, _chatter, _buckling}
 )
 """Those of what the run of a scene does or does not show: its steps, its motions, and how the bit answers them."""
 

@@ -211,3 +211,26 @@ def test_a_time_in_a_drum_s_speed_is_not_taken_for_the_unit_of_another_key(tmp_p
 def test_a_list_whose_dash_was_forgotten_is_answered_with_an_entry_of_its_own_and_the_dash(tmp_path, key, old, new):
     (line,) = refusals(Crane(), changed(tmp_path, HOIST, (old, new)))
     assert f"{key}: must be a list; give a list such as [{{name: " in line and "begins with `- `" in line
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "meant"),
+    [
+        ("friction: {", "ff: {", "did you mean 'friction'?"),
+        ("diameter: 0.2032", "od: 0.2032", "did you mean 'diameter'?"),
+        ("string:", "bha:", "did you mean 'string'?"),
+        ("{hold: 2200 m}", "{md: 2200 m}", "did you mean 'hold'?"),
+        ("length: 240 m", "md: 240 m", "did you mean 'length'?"),
+        ("radius: 1000 m", "dls: 3", "did you mean 'rate'? Write its unit too, such as rate: 3 deg/30m"),
+        (
+            "rotation: {constant: 0 rpm}",
+            "rpm: 60",
+            "did you mean 'rotation'? Write its unit too, such as rotation: 60 rpm",
+        ),
+    ],
+)
+def test_words_of_drilling_are_answered_with_the_key_that_is_meant(tmp_path, old, new, meant):
+    path = changed(tmp_path, JWELL, (old, new))
+    # Nothing follows from it, such as a key that is missing: one fault, one message.
+    (told,) = refusals(Drillstring(), path)
+    assert f":{line_of(path, new)}: " in told and told.endswith(meant)

@@ -9,6 +9,7 @@ import pytest
 from drillstring.scene.scene import DrillstringScene
 from drillstring.warnings import describe, figures, sharpest, warnings
 from drillstring.well import wellbore
+from tautline.scene.errors import SceneError
 
 JWELL = (Path(__file__).parents[2] / "data" / "jwell.yaml").read_text(encoding="utf8")
 OD, ID, STEEL, MUD, GRAVITY = 0.127, 0.1086, 7850.0, 1200.0, 9.81
@@ -109,3 +110,70 @@ def test_the_hook_load_at_rest_of_a_deviated_string_is_its_weight_over_the_verti
     depth = 2200.0 + 1000.0 * math.sin((found["well"]["length"] - 240.0 - 2200.0) / 1000.0)
     weight = (pipe * depth + collar * (3200.0 - depth)) * GRAVITY * (7850.0 - 1840.0)
     assert found["string"]["hook_load_at_rest"] == pytest.approx(weight, rel=1e-6)
+
+
+@pytest.mark.parametrize(("written", "key"), [("rate: 12 deg/30m", "rate"), ("radius: 143 m", "radius")])
+def test_the_warning_of_a_sharp_bend_names_the_key_that_stands_in_its_section(written, key):
+    gentle = "{build: {KEY, to: 60 deg}}".replace("KEY", "radius: 800 m" if key == "rate" else "rate: 2 deg/30m")
+    arcs = f"{{hold: 1000 m}}, {gentle}, {{build: {{{written}, to: 90 deg}}}}"
+    (text,) = [one.text for one in warnings(scene_of(("{hold: 1000 m}", arcs))) if one.where == "well.sections"]
+    assert text.endswith(f"check the {key}")
+
+
+@pytest.mark.parametrize(
+    ("written", "bend"),
+    [("rate: 3", "5.16e+03 deg/30 m"), ("radius: 28 m", "61.4 deg/30 m"), ("rate: 61 deg/30m", "61 ")],
+)
+@pytest.mark.parametrize("kind", ["build", "turn"])
+def test_a_section_that_bends_as_no_survey_may_is_refused_by_its_key(written, bend, kind):
+    arcs = f"{{hold: 1000 m}}, {{build: {{radius: 500 m, to: 20 deg}}}}, {{{kind}: {{{written}, to: 60 deg}}}}"
+    with pytest.raises(SceneError) as caught:
+        warnings(scene_of(("{hold: 1000 m}", arcs)))
+    (problem,) = caught.value.problems
+    assert problem.key == f"well.sections[2].{kind}.{written.split(':')[0]}"
+    assert bend in problem.cause and "60 deg/30 m" in problem.cause and problem.line
+
+
+def test_a_rod_of_the_laboratory_may_bend_more():
+    arcs = "{hold: 3 m}, {build: {radius: 2 m, to: 60 deg}}"
+    small = scene_of(("{hold: 1000 m}", arcs), ("0.2, wall", "0.03, wall"), (str(OD), "0.01"), (str(ID), "0.008"))
+    assert [one for one in warnings(small) if one.where.startswith("well.sections")] == []
+
+
+@pytest.mark.parametrize(
+    ("stations", "warned"),
+    [
+        ("500,20,10\\n900,30,350\\n1200,40,300", True),
+        ("0,0,10\\n500,20,10\\n900,30,350\\n1200,40,300", False),
+        ("0,20,10\\n500,20,10\\n900,30,350", False),
+        ("500,0.5,10\\n900,30,350", False),
+        ("20,20,10\\n420,30,350", False),
+    ],
+    ids=["deep and inclined", "with its tie-in", "a slant rig", "deep and vertical", "near the table"],
+)
+def test_a_survey_that_begins_deep_and_inclined_is_told_how_the_hole_above_is_taken(tmp_path, stations, warned):
+    rows = stations.replace("\\n", "\n")
+    (tmp_path / "s.csv").write_text(f"md [m],inc [deg],azi [deg]\n{rows}\n", encoding="utf8")
+    path = tmp_path / "scene.yaml"
+    path.write_text(PLAIN.replace("sections: [{hold: 1000 m}]", "survey: s.csv"), encoding="utf8")
+    texts = [one.text for one in warnings(DrillstringScene.read(path)) if "first station" in one.text]
+    assert len(texts) == warned
+    assert all("500 m" in text and "straight at 20 deg" in text and "0, 0, 0" in text for text in texts)
+
+
+@pytest.mark.parametrize(
+    ("top", "how"),
+    [
+        ("rotation: 60 rpm", "turns"),
+        ("rotation: {ramp: {to: 60 rpm, over: 5 s}}", ""),
+        ("block: {velocity: 0.1}", "moves"),
+        ("rotation: 0", ""),
+    ],
+)
+def test_a_relaxed_start_of_a_string_that_is_in_motion_is_warned_of(top, how):
+    edits = (
+        ("{stiffness: 1.0e7}", "{stiffness: 1.0e7, friction: 0.3}"),
+        ("\nmodel", f"\nstart: relaxed\ntop: {{{top}}}\nmodel"),
+    )
+    texts = [one.text for one in warnings(scene_of(*edits)) if one.where == "start"]
+    assert [f"its top {how} at t = 0" in text for text in texts] == [True] * bool(how)

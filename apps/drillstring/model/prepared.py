@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.scene.hole import Build, Hold
+from drillstring.scene.hole import DRILLED, Build, Hold
 from drillstring.scene.scene import DrillstringScene, check_lengths
 from drillstring.string.buoyancy import check_weight
 from drillstring.string.lumps import Lumps, Tube, cut
 from drillstring.well import wellbore
-from drillstring.well.survey import read_survey
+from drillstring.well.sections import dogleg_severity
+from drillstring.well.survey import MAX_DOGLEG_SEVERITY, Survey, read_survey
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.files import stamps
 
@@ -52,7 +53,7 @@ def prepared(scene: DrillstringScene) -> Prepared:
 def _hole(scene: DrillstringScene) -> tuple[Any, ...]:
     """What the curve of the hole depends on."""
     well = scene.well
-    return well.sections, well.survey, well.inclination, well.azimuth, stamps(well, scene.folder)
+    return well.sections, well.survey, well.diameter, well.inclination, well.azimuth, stamps(well, scene.folder)
 
 
 def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
@@ -66,19 +67,36 @@ def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
     return scene.once("hole", _hole(scene), lambda: _drilled(scene))
 
 
+def survey_of(scene: DrillstringScene) -> Survey:
+    """The stations of a hole that is given by a survey, read once.
+
+    Raises
+    ------
+    SceneError
+        Where there is no such file, and by row for what it may not hold.
+    """
+    return scene.once("survey", _hole(scene), lambda: _surveyed(scene))
+
+
+def _surveyed(scene: DrillstringScene) -> Survey:
+    given = scene.well.survey
+    assert scene.document is not None and given is not None
+    path = Path(scene.document.folder) / given.file
+    if not path.is_file():
+        cause = "is a folder, not a file" if path.is_dir() else f"there is no file {path}"
+        raise SceneError([scene.problem("well.survey", cause, "give its path relative to the scene's folder")])
+    return read_survey(path, given.units, max_gap=given.max_gap)
+
+
 def _drilled(scene: DrillstringScene) -> wellbore.Wellbore:
     well = scene.well
     if well.survey is not None:
-        assert scene.document is not None
-        path = Path(scene.document.folder) / well.survey.file
-        if not path.is_file():
-            cause = "is a folder, not a file" if path.is_dir() else f"there is no file {path}"
-            raise SceneError([scene.problem("well.survey", cause, "give its path relative to the scene's folder")])
-        survey = read_survey(path, well.survey.units, max_gap=well.survey.max_gap)
+        survey = survey_of(scene)
         try:
             return wellbore.from_survey(survey.md, survey.inc, survey.azi)
         except wellbore.WellboreError as error:
             raise SceneError([scene.problem("well.survey", error.message, error.cure)]) from None
+    _check_bends(scene)
     pieces: list[wellbore.Section] = []
     for piece in well.sections or ():
         if isinstance(piece, Hold):
@@ -92,6 +110,21 @@ def _drilled(scene: DrillstringScene) -> wellbore.Wellbore:
     except wellbore.WellboreError as error:
         key = "well.sections" if error.index is None else f"well.sections[{error.index}]"
         raise SceneError([scene.problem(key, error.message, error.cure)]) from None
+
+
+def _check_bends(scene: DrillstringScene) -> None:
+    """Refuse bends that no hole has, as those of a survey are; holes of the laboratory may have any."""
+    problems = []
+    for i, piece in enumerate(scene.well.sections or ()):
+        if isinstance(piece, Hold) or piece.curvature <= MAX_DOGLEG_SEVERITY or scene.well.diameter < DRILLED:
+            continue
+        kind = "build" if isinstance(piece, Build) else "turn"
+        bend, most = (dogleg_severity(one, scene.units) for one in (piece.curvature, MAX_DOGLEG_SEVERITY))
+        cure = "write it with its unit, such as 3 deg/30m" if piece.key == "rate" else "give one such as 570 m"
+        cause = f"the hole bends by {bend}, more than {most}: short-radius wells bend by half of that"
+        problems.append(scene.problem(f"well.sections[{i}].{kind}.{piece.key}", cause, cure))
+    if problems:
+        raise SceneError(problems)
 
 
 def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:

@@ -292,7 +292,7 @@ def _largest_contact(result: Any, contact: np.ndarray, lumps: Lumps) -> dict[str
     most = int(contact.max(axis=0).argmax())
     one, per_length = "largest contact force", "largest side force per length"
     if touches:
-        one += f", of {lumps.tributary[most]:.3g} m of string{where(most)}"
+        one += f" on one node, of {lumps.tributary[most]:.3g} m of string{where(most)}"
         per_length += f", over {found.length:.3g} m{where(found.lump)}"
     return {
         "contact_force_max": (contact[:, most].max(), "N", one),

@@ -12,6 +12,8 @@ from tautline.scene.refusal import fault, refusal
 from tautline.scene.values.quantity import quantity
 
 MOST_ELEMENTS = 100_000
+DRILLED = 0.07
+"""Diameter of a hole, m, below which it is one of the laboratory."""
 
 Length = Annotated[float, quantity("m", positive=True, of="length")]
 HoleDiameter = Annotated[float, quantity("m", positive=True, of="hole diameter")]
@@ -54,6 +56,11 @@ class _Arc(Model):
     def curvature(self) -> float:
         """Curvature, 1/m."""
         return self.rate if self.rate is not None else 1.0 / self.radius if self.radius else 0.0
+
+    @property
+    def key(self) -> str:
+        """Which of the two was given."""
+        return "rate" if self.rate is not None else "radius"
 
     @property
     def bend_radius(self) -> float:

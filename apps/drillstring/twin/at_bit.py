@@ -48,6 +48,7 @@ TOO_FEW = (
 )
 LOCKED_ROTARY = "bit.torque: the string does not turn, and the wall may hold any torque of the bit"
 NO_WEIGHT = "bit.torque: the weight on the bit is not known, and the friction torque depends on it"
+NO_HOOK_LOAD = "bit.weight: the hook load is not measured now, or its readings are not believed"
 LOCKED_UP = (
     "bit.weight: the string nearly locks up with so much weight, and hardly any more of it would be seen at the hook"
 )
@@ -161,6 +162,8 @@ class AtBit:
         if torque is not None and not motion.rotary:
             self.lost.append(LOCKED_ROTARY)
         factors, apart = self._friction(friction)
+        if hook_load is not None and lacking is None:
+            self.lost.append(NO_HOOK_LOAD)
         tables = self._string.tables(factors, apart, motion, lacking.value if lacking else 0.0)
         locks = tables is None or (lacking is not None and tables.middle.locks and lacking.value > tables.middle.most)
         if locks and lacking is not None:

@@ -7,7 +7,8 @@ follow from what hook and drive show beside a string that is computed off bottom
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from math import hypot, isfinite, nan
 from typing import Any
 
@@ -24,6 +25,7 @@ from drillstring.twin.connections import Connection, Sample
 from drillstring.twin.row_rate import Needed, Remarks, RowInterval
 from drillstring.twin.severity import Settings as SeveritySettings
 from drillstring.twin.severity import Severity, StickSlip
+from drillstring.twin.slips import Expected, Slips, expected
 from drillstring.twin.stands import with_stand
 from drillstring.twin.states import IN_THE_SLIPS, RigState, RigStates, Settings
 from drillstring.twin.sticking_limit import sticking_limit
@@ -75,6 +77,33 @@ SEVERITY_EVERY = 1.0
 """How often stick-slip is looked for, s."""
 
 
+@dataclass(frozen=True)
+class _Gauge:
+    """The sensor of the hook load: output, column, reading of the empty hook and deviations of noise and offset, N."""
+
+    name: str = ""
+    column: str = ""
+    zero: float = 0.0
+    noise: float = 0.0
+    offset: float = 0.0
+    tell: Callable[[float], str] = str
+
+
+_NO_GAUGE = _Gauge()
+
+
+def _gauge_of(plan: Plan) -> _Gauge:
+    """The sensor of the hook load in a map; one without a name where there is none."""
+    shown = (one for one in plan.channels if not one.is_input)
+    one = next((one for one in shown if KNOWN_AS.get(one.name, one.name) == "hook_load"), None)
+    if one is None:
+        return _NO_GAUGE
+    zero = 0.0 if one.zero_first else one.scale * one.zero
+    noise = 0.0 if one.relative else one.sd
+    offset = max((off.sd for off in plan.unknowns if off.is_offset and off.target == one.name), default=0.0)
+    return _Gauge(one.name, one.column, zero, noise, offset, one.told)
+
+
 RECORDS = (AtSurface, Connection, Factors, Motion, RigState, Sample, StickSlip)
 """Classes of records that are kept over a restart."""
 
@@ -108,7 +137,8 @@ class RigOperation(Operation):
     def __init__(self, scene: DrillstringScene) -> None:
         self.scene, self._first = scene, scene
         self.weight = float(scene.top.weight or 0.0)
-        self.rig = RigStates(Settings(block_weight=self.weight))
+        self.rig, self._slips = RigStates(Settings(block_weight=self.weight)), Slips()
+        self._string, self._turning, self._gauge = 0.0, 0.0, _NO_GAUGE
         self.added = 0.0
         self._stands: list[float] = []
         self._connections, self._before = 0, 0
@@ -151,21 +181,27 @@ class RigOperation(Operation):
             raise SceneError([self.scene.problem("bit.on_bottom", cause, cure)])
         weight = float(sim["top.hook_load"])
         self.rig.string_weighs(weight, self._lowered())
+        self._string, self._turning = weight, self._turned().get("torque", 0.0)
 
     def sizes(self) -> dict[str, float]:
         """What the string weighs at the hook and takes to turn off bottom, with the friction of the scene, N and N m.
 
         A string that is lowered shows no torque at all. A share of that is no noise of the sensor.
         """
+        sizes = self._turned()
+        return {name: sizes[kind] for name, kind in KNOWN_AS.items() if kind in sizes}
+
+    def _turned(self) -> dict[str, float]:
+        """The same by kind of signal."""
         turning = self._moved_as("rotating")
         if turning is None or turning.locked is not None:
             return {}
-        sizes = {"hook_load": abs(turning.hook_load), "torque": abs(turning.surface_torque)}
-        return {name: sizes[kind] for name, kind in KNOWN_AS.items() if kind in sizes}
+        return {"hook_load": abs(turning.hook_load), "torque": abs(turning.surface_torque)}
 
     def doubts(self, plan: Plan) -> list[str]:
         """A hook load that has the block's weight in it, where the scene states that weight and the map no zero."""
         self._estimates = any(not one.is_offset for one in plan.unknowns)
+        self._gauge = _gauge_of(plan)
         weight = quantity(self.weight, "N")
         return [
             f"{one.column}: top.weight says that block and top drive weigh {weight}, and the sensor's zero is 0. The "
@@ -208,6 +244,9 @@ class RigOperation(Operation):
             self._of_drive, self._severity = of_drive, None
             self._lay_out()
         state = self.rig.add(time, **asked)
+        turns = abs(asked["rotary_speed"]) > SLOWEST_TURN
+        torque = asked["torque"] if turns else 0.0
+        self._slips.add(time, state in IN_THE_SLIPS, asked["hook_load"], torque, self._expected())
         if state in IN_THE_SLIPS:
             self._at_bit.clear()
             self._stick_slip = None
@@ -215,6 +254,32 @@ class RigOperation(Operation):
         self._look(time, asked)
         use = state in OFF_BOTTOM and time - self.rig.since >= STARTING
         return Guidance(use=use, scene=self._longer(), rests=state in RESTING)
+
+    def _expected(self) -> Expected:
+        """What a gauge that is right shows while the string stands in slips."""
+        gauge = self._gauge
+        block = max(self.weight, abs(gauge.zero))
+        return expected(block, self._string, self._turning, gauge.noise, gauge.offset, self.weight)
+
+    def contradicted(self) -> dict[str, str]:
+        """A hook gauge by which the string stands in slips, where it cannot."""
+        slips, gauge = self._slips, self._gauge
+        wrong = "Unit or zero of the sensor is wrong, or it is dead"
+        if isfinite(slips.below):
+            why = f"{gauge.column} shows {gauge.tell(slips.below)} less than the empty hook would"
+            return {gauge.name: f"{why}. {wrong}; or top.weight is not right, or the block was set down"}
+        if isfinite(slips.turning):
+            why = f"by {gauge.column} the string stands in slips, and it turns with {quantity(slips.turning, 'N m')}"
+            return {gauge.name: f"{why}. {wrong}; or top.weight is not right"}
+        return {}
+
+    def summary(self) -> list[tuple[str, str]]:
+        """For how long the string stood in slips, which no estimate comes from, and what the last rows do not tell."""
+        rows = [("cannot be told", one) for one in self._at_bit.lost]
+        if self._slips.in_them > 0.0:
+            long = f"{self._slips.in_them:.0f} s of {self._slips.watched:.0f} s"
+            rows.append(("in slips or connection", f"{long}; nothing is compared there"))
+        return rows
 
     def remarks(self) -> list[str]:
         """What rows that come slowly do not tell, once of each subject, however often the twin is begun again."""
@@ -338,7 +403,7 @@ class RigOperation(Operation):
 
     # -- to be kept over a restart -------------------------------------------------------------------------------------
 
-    MADE_ANEW = ("scene", "_first", "weight", "_needed")
+    MADE_ANEW = ("scene", "_first", "weight", "_needed", "_gauge")
 
     def kept(self) -> dict[str, Any]:
         """Itself, with all that rows have shown."""
@@ -349,7 +414,7 @@ class RigOperation(Operation):
         return {
             "added": self.added, "stands": self._stands, "of_drive": self._of_drive,
             "connections": self._before + self._connections, "rig": self.rig.memory(),
-            "interval": self._interval.memory(), "said": self._remarks.memory(),
+            "interval": self._interval.memory(), "said": self._remarks.memory(), "slips": self._slips.memory(),
         }  # fmt: skip
 
     def recall(self, memory: Mapping[str, Any]) -> DrillstringScene | None:
@@ -360,6 +425,8 @@ class RigOperation(Operation):
         if "interval" in memory:
             self._interval.recall(memory["interval"])
             self._remarks.recall(memory["said"])
+        if "slips" in memory:
+            self._slips.recall(memory["slips"])
         if memory.get("of_drive", True) is not self._of_drive:
             self._of_drive, self._severity = not self._of_drive, None
             self._lay_out()

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 MOST_DEPTHS, MOST_FACTORS, MOST_ELEMENTS = 1000, 20, 5000
 LARGEST_FACTOR = 2.0
+DECIMAL_COMMA = re.compile(r"\s*0,([0-9]+)\s*")
+"""A list of two numbers that is more likely one with a decimal comma."""
 
 Frictions = Annotated[
     str | None,
@@ -112,9 +114,10 @@ def torque_drag(
     reamed = parse_reaming(reaming, rotary)
     depths, unit = (parse_depths(depth), unit_of_depths(depth)) if depth is not None else (None, None)
     _check_elements(drillstring, elements)
+    unlikely = unlikely_frictions(friction, factors or [])
     # The mesh is not the scene's, and there may be several: warnings are of those that are computed.
     warnings = [one for one in warnings_without_a_run(drillstring) if one.where != ELEMENTS]
-    warnings += mesh_warnings(meshes(drillstring, depths, elements, kinds, unit))
+    warnings += mesh_warnings(meshes(drillstring, depths, elements, kinds, unit)) + unlikely
     print_warnings(warnings)
     loads, fitted = _fitted(drillstring, measured, elements, as_json)
     if fitted is not None:
@@ -165,7 +168,8 @@ def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
         except ValueError:
             raise ValueError("is no friction factor: write 0.1,0.2,0.3, or a share such as 25 %") from None
         if not math.isfinite(value) or not 0.0 <= value <= LARGEST_FACTOR:
-            raise ValueError(f"is no friction factor: one lies between 0 and {LARGEST_FACTOR:g}")
+            comma = f". {_decimal_meant(text)}" if DECIMAL_COMMA.fullmatch(text) else ""
+            raise ValueError(f"is no friction factor: one lies between 0 and {LARGEST_FACTOR:g}{comma}")
         return value
 
     def read(word: str) -> Any:
@@ -182,6 +186,27 @@ def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
         cause = f"makes {len(found)} friction factors, more than {MOST_FACTORS}"
         raise option_error("--friction", text, cause, "give fewer")
     return found
+
+
+def unlikely_frictions(text: str | None, factors: list[Factors]) -> list[SceneWarning]:
+    """Warnings of friction factors of ``--friction`` that are likely not meant: a decimal comma, and large ones."""
+    from tautline.scene.values.ranges import RANGES, in_range
+
+    if text is None:
+        return []
+    if DECIMAL_COMMA.fullmatch(text):
+        first, second = (one.strip() for one in text.split(","))
+        cause = f"{text.strip()} are two friction factors, {first} and {second}"
+        return [SceneWarning("--friction", f"{cause}. {_decimal_meant(text)}")]
+    row, largest = RANGES["friction factor"], max(factor for one in factors for factor in (one.open, one.cased))
+    if row.holds(largest):
+        return []
+    return [SceneWarning("--friction", f"{largest:g} is unusual for a friction factor: {in_range(row)} is plausible")]
+
+
+def _decimal_meant(text: str) -> str:
+    meant = text.strip().replace(",", ".")
+    return f"Was {meant} meant? Then write it with a point: --friction {meant}"
 
 
 def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | None:

@@ -236,3 +236,9 @@ def check_inclination(value: float, name: str, index: int | None) -> None:
             "give an angle from the downward vertical, 0 to 180 deg",
             index,
         )
+
+
+def dogleg_severity(curvature: float, system: str) -> str:
+    """A curvature, rad/m, as the field states it: in deg/30 m, or deg/100 ft in field units."""
+    length, name = (30.48, "100 ft") if system == "field" else (30.0, "30 m")
+    return f"{math.degrees(curvature) * length:.3g} deg/{name}"

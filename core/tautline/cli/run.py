@@ -165,8 +165,18 @@ def _problems(error: Exception, name: str) -> list[Problem] | None:
         # A usage error of click, which some versions of typer carry within them under another name.
         verb = getattr(getattr(error, "ctx", None), "command_path", None) or name
         cause = error.format_message().rstrip(".")
-        return [Problem(verb, None, "", None, cause, f"see `{verb} --help`")]
+        return [Problem(verb, None, "", None, cause, f"{_option_meant(error)}see `{verb} --help`")]
     return None
+
+
+def _option_meant(error: Any) -> str:
+    """The option for which a word of the trade stands, as in ``--ff 0.2``, with what parts it from what follows."""
+    from tautline.scene.refusal import other_word
+
+    parameters = getattr(getattr(getattr(error, "ctx", None), "command", None), "params", ())
+    known = {name.lstrip("-") for one in parameters for name in one.opts if name.startswith("--")}
+    word = other_word(str(getattr(error, "option_name", None) or "").lstrip("-").replace("-", "_"), known)
+    return f"did you mean --{word}? Else " if word else ""
 
 
 def _unexpected(error: Exception) -> Problem:

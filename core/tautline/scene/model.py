@@ -17,7 +17,7 @@ from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
-from tautline.scene.refusal import KIND, meant_key, must_be, nearest, one_of, refusal
+from tautline.scene.refusal import KIND, must_be, nearest, nearest_key, one_of, refusal
 from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import Quantity, is_written_in, suited
 
@@ -132,7 +132,7 @@ def _drop_consequential_errors(model: type[Model], errors: Sequence[Any], data: 
     """
     unknown = [str(e["loc"][0]) for e in errors if len(e["loc"]) == 1 and e["type"] == "extra_forbidden"]
     cut = {before for key in unknown if (before := _decimal_comma(data, key)[1])}
-    meant = {meant_key(key, model._keys()).partition("?")[0] for key in unknown if not _decimal_comma(data, key)[0]}
+    meant = {nearest_key(key, model._keys()) for key in unknown if not _decimal_comma(data, key)[0]}
     run_in = {key for one in unknown if (key := _without_blank(model, one)[0])}
 
     def follows(error: Any) -> bool:
@@ -140,7 +140,7 @@ def _drop_consequential_errors(model: type[Model], errors: Sequence[Any], data: 
         if place and place[0] in cut:
             return True
         missing = len(place) == 1 and error["type"] == "missing"
-        return missing and (f"did you mean '{place[0]}'" in meant or place[0] in run_in)
+        return missing and (any(one.startswith(f"did you mean '{place[0]}'?") for one in meant) or place[0] in run_in)
 
     return [error for error in errors if not follows(error)]
 
@@ -187,7 +187,7 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
     elif len(place) == 1 and kind == "extra_forbidden":
         cure, before = _decimal_comma(data, str(place[0]))
         cure = cure or _without_blank(model, str(place[0]))[1] or model.elsewhere.get(str(place[0]), ("", ""))[1]
-        words = {"cause": "unknown key", "cure": cure or meant_key(str(place[0]), model._keys())}
+        words = {"cause": "unknown key", "cure": cure or nearest_key(str(place[0]), model._keys())}
         known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
         known = PydanticCustomError(DOUBT, "doubtful", context)
@@ -662,7 +662,7 @@ class OneOf:
         if not value:
             raise refusal("is an empty mapping", cure)
         odd = next(iter(value))
-        raise refusal(f"unknown key '{odd}'", meant_key(str(odd), list(self.keyed)))
+        raise refusal(f"unknown key '{odd}'", nearest_key(str(odd), self.keyed))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         choices: dict[Any, CoreSchema] = {}

@@ -17,18 +17,18 @@ KIND = "problem"
 OTHER_WORDS = {
     "wob": ("weight",), "weight_on_bit": ("weight",), "tob": ("torque",), "torque_on_bit": ("torque",),
     "weight": ("mass", "mass_per_length"), "mbl": ("breaking_load",), "ea": ("axial_stiffness",),
+    "rpm": ("rotation", "speed"), "rop": ("penetration", "rate"), "dls": ("rate",), "bha": ("string",),
+    "md": ("hold", "length"), "od": ("diameter",), "ff": ("friction",), "friction_factor": ("friction",),
     "hs": ("significant_height",), "h_s": ("significant_height",), "swh": ("significant_height",),
     "tp": ("peak_period",), "t_p": ("peak_period",), "cd": ("drag", "rope_drag"),
     "dt": ("step", "time_step"), "delta_t": ("step", "time_step"), "diameter": ("radius",),
-    "rpm": ("rotation", "speed"), "pulley": ("sheave",), "roller": ("sheave",), "winch": ("drum",), "hoist": ("drum",),
-    "line_type": ("rope",), "line": ("rope",), "cable": ("rope",), "wire": ("rope",), "wire_rope": ("rope",),
+    "pulley": ("sheave",), "roller": ("sheave",), "winch": ("drum",), "hoist": ("drum",), "line_type": ("rope",),
+    "line": ("rope",), "cable": ("rope",), "wire": ("rope",), "wire_rope": ("rope",),
 }  # fmt: skip
 """Words that people write for a key, in small letters, and the keys that may be meant."""
-DIFFERS = {
-    ("diameter", "radius"): "it is half of the diameter",
-    ("rpm", "rotation"): "write its unit: 60 rpm",
-    ("rpm", "speed"): "write its unit: 60 rpm",
-}
+IN_UNITS = {"rpm": "60 rpm", "rop": "15 m/h", "dls": "3 deg/30m"}
+"""Those that say the unit as well: a bare number of them would be another one under the key; with an example."""
+DIFFERS = {("diameter", "radius"): "it is half of the diameter"}
 """What is to be written otherwise where a key has another word: (word, key)."""
 
 
@@ -107,15 +107,6 @@ def meant(word: str, known: Iterable[str]) -> str:
     return f"did you mean '{next(w for w in words if w.lower() == close[0])}'?" if close else ""
 
 
-def meant_key(key: str, known: Sequence[str]) -> str:
-    """Say which key was probably meant, by another word for the same or by its letters; or list those there are."""
-    other = next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in known), None)
-    if other is None:
-        return nearest(key, known)
-    differs = DIFFERS.get((key.lower(), other), "")
-    return f"did you mean '{other}'?" + (f" Note: {differs}" if differs else "")
-
-
 def nearest(word: str, known: Iterable[str]) -> str:
     """Say which known word was probably meant, or list those there are."""
     words = list(known)
@@ -124,3 +115,21 @@ def nearest(word: str, known: Iterable[str]) -> str:
     if len(words) == 1:
         return f"known: {words[0]}"
     return f"known: {', '.join(words)}" if words else "remove it"
+
+
+def other_word(key: str, known: Iterable[str]) -> str:
+    """The key for which a word of the trade stands; nothing where it stands for none of those there are."""
+    words = set(known)
+    return next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in words), "")
+
+
+def nearest_key(key: str, known: Iterable[str]) -> str:
+    """Say which key was probably meant, by another word for the same or by its letters, or list those there are."""
+    words = list(known)
+    if not (word := other_word(key, words)):
+        return nearest(key, words)
+    said, example = f"did you mean '{word}'?", IN_UNITS.get(key.lower(), "")
+    if differs := DIFFERS.get((key.lower(), word)):
+        return f"{said} Note: {differs}"
+    # A rate of penetration has keys of its own.
+    return f"{said} Write its unit too, such as {word}: {example}" if example and word != "penetration" else said

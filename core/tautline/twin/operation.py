@@ -120,9 +120,17 @@ class Operation(Protocol):
         """Signals that a simulation knows, for a record of it."""
         return {}
 
+    def contradicted(self) -> Mapping[str, str]:
+        """Sensors that cannot be right by what the machine does, while nothing is compared: output -> why."""
+        return {}
+
     def told(self) -> dict[str, Any]:
         """Further keys of a line."""
         return {}
+
+    def summary(self) -> list[tuple[str, str]]:
+        """What the summary says at the end of the rows, beside the last estimates: a name and words of each."""
+        return []
 
     def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
         """Further alarms: name, whether it holds, text, and how long it has to hold, s."""

@@ -628,6 +628,7 @@ class Twin:
         """Good, degraded or lost."""
         followed = self.now >= self.unsettled and not self.settling.catching_up
         followed &= self.backlog is None or not self.backlog.behind
+        followed &= self.operation is None or not self.operation.contradicted()
         return self.readings.state_of_health(settled=followed and not self.unsure)
 
 

@@ -361,6 +361,7 @@ class Watch:
     def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
         """Judge what is wrong with sensors."""
         numbers = [i for i, one in enumerate(self.plan.channels) if one.is_output]
+        contradicted = self._contradicted()
         for i, health in enumerate(self.health):
             column = health.channel.column
             for kind in ("lost", "stuck", "clipped", "out of range", "unit"):
@@ -373,7 +374,19 @@ class Watch:
                 self.alarms.judge(f"{column} drifting", health.drifting(alike) and converged, time, text)
                 side = "above" if health.off > 0.0 else "below"
                 text = f"{column} stays dozens of standard deviations {side} what is expected: {WHY_OFF}"
-                self.alarms.judge(f"{column} far off", health.contradicts, time, text)
+                self._judge_far(health, contradicted.get(health.channel.name), text, time)
+            elif not health.channel.is_input:
+                self._judge_far(health, contradicted.get(health.channel.name), "", time)
+
+    def _judge_far(self, health: Health, against: str | None, text: str, time: float) -> None:
+        """Judge whether a sensor stays far off what is expected, or the application finds what speaks against it."""
+        holds = against is not None or health.contradicts
+        self.alarms.judge(f"{health.channel.column} far off", holds, time, against or text)
+
+    def _contradicted(self) -> dict[str, str]:
+        """Outputs whose sensors the application finds to be wrong, and why."""
+        found = self.operation.contradicted() if self.operation is not None else {}
+        return {name: in_words(text, self.system) for name, text in found.items()}
 
     def judge_backlog(self, time: float, seconds: float, behind: bool, held_up: bool = False) -> None:
         """Judge whether rows wait so long for their answers that these are of a time gone by."""

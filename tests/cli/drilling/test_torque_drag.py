@@ -14,7 +14,7 @@ from drillstring.scene.scene import read
 from drillstring.statics.back_calculation import COLUMNS, fit, read_measured
 from drillstring.statics.torque_drag import torque_drag
 from drillstring.string.factors import same
-from drillstring.verbs.torque_drag import parse_frictions
+from drillstring.verbs.torque_drag import parse_frictions, unlikely_frictions
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 
@@ -626,3 +626,22 @@ def test_empty_cells_and_a_missing_column_are_loads_that_were_not_measured(folde
     assert found.pick_up == pytest.approx([640e3, np.nan], nan_ok=True)
     assert found.slack_off == pytest.approx([np.nan, 600e3], nan_ok=True)
     assert set(COLUMNS) == {"depth", "pick_up", "slack_off"}
+
+
+@pytest.mark.parametrize(("written", "meant"), [("0,2", "0.2"), ("0,1", "0.1"), (" 0,15", "0.15")])
+def test_a_decimal_comma_in_a_friction_factor_is_asked_about(written, meant):
+    try:
+        told = unlikely_frictions(written, parse_frictions(written))[0].text
+    except SceneError as error:  # beyond the largest factor
+        told = str(error)
+    assert f"Was {meant} meant?" in told and f"--friction {meant}" in told
+
+
+@pytest.mark.parametrize(("written", "warned"), [("0.2,0.3", 0), ("0,0.2", 0), ("1.5", 0), ("1.6", 1), ("0.2,1.9", 1)])
+def test_friction_factors_are_warned_of_where_those_of_a_scene_are(written, warned):
+    assert len(unlikely_frictions(written, parse_frictions(written))) == warned
+
+
+def test_a_word_of_the_trade_for_an_option_is_answered_with_the_option(drillstring_):
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--ff", "0.2")
+    assert code == 2 and "did you mean --friction? Else see" in " ".join(err.split())

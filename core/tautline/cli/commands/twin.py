@@ -479,6 +479,7 @@ class _Loop:
                 for name, one in self.last["estimates"].items()
             ]
             rows += [("not observable", text) for text in self.last["not_observable"]]
+            rows += self.twin.operation.summary() if self.twin.operation is not None else []
         counts = sorted(self.twin.readings.rows.counts.items())
         rows += [(f"rows {kind}", str(count)) for kind, count in counts if count]
         if self.source.refused:
