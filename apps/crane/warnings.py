@@ -33,6 +33,7 @@ from crane.sea.record_doubts import doubts, doubts_of_table
 from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea, doubts_of_turns
 from crane.sea.vessel import read_response
 from crane.sudden_starts import growth, start_warnings
+from crane.tension_control import control_warnings
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
 from tautline.scene.functions import Ramp, Spectrum, Sum, Table
@@ -76,7 +77,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
         *_sheaves(scene), *_steps(found), *_mesh(found), *foreseen(found), *_undamped(scene), *_compression(scene),
-        *_winches(found, actuator), *_let_go(found), *start_warnings(found, actuator),
+        *_winches(found, actuator), *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
         *doubts_of_motion(scene), *idle(scene), *drawn_askew(found),

@@ -1,0 +1,90 @@
+"""A winch that holds a tension by an integral swings up where the rope damps too little: told, and by how much.
+
+The reference is the run itself, which knows nothing of the formula: two tensions half a period apart from what is held,
+many periods later, have grown as is told.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from physics.lifting.crane_scenes import anchor, body, crane, drum, end, parsed, ran, sheave
+
+from crane.assembly.estimates import estimate
+from crane.tension_control import _largest_integral, _least_proportional, growth_of
+from crane.warnings import warnings
+
+MASS, STIFFNESS, LENGTH, DAMPING = 2000.0, 1.0e6, 20.0, 2.0e-3
+ROPE = {"mass_per_length": 1.0e-3, "axial_stiffness": STIFFNESS, "damping": DAMPING, "strain": "engineering"}
+G = 9.81
+
+
+def held(fixed, gains, load=800.0, falls=1, damping=DAMPING):
+    """A winch that hauls at an anchor, at a load that rises along z, or at one on two falls; with its tension, N."""
+    tension = 8.0e3 if fixed else load * G / falls
+    asked = {"table": {"time": [0.0, 0.1, 200.0], "value": [0.999 * tension, tension, tension]}}
+    winch = drum((0.0, 0.0, LENGTH), 0.2, tension=asked, inertia=0.04 * MASS, gains=gains)
+    bodies = []
+    if fixed:
+        path = [winch, anchor((0.2, 0.0, 0.0), "wall")]
+    elif falls == 1:
+        bodies = [body("load", load, (0.2, 0.0, 0.0), guide=["x", "y"])]
+        path = [winch, end("load")]
+    else:
+        bodies = [body("load", load, (0.3, 0.0, 0.0), guide=["x", "y"])]
+        path = [winch, sheave(radius=0.1, wrap="under", body="load", law="frictionless")]
+        path += [anchor((0.4, 0.0, LENGTH), "beam")]
+    rope = ROPE | {"damping": damping} | ({"length": LENGTH / (1.0 + tension / STIFFNESS)} if fixed else {})
+    solver = {"step": 4.0e-3, "rho_inf": 1.0, "end": 9.0, "control": "fixed"}
+    scene = crane(path, bodies, rope=rope, solver=solver, mesh={"elements_per_span": 1}, interval=4.0e-3)
+    return scene, tension
+
+
+CASES = {
+    "an anchor": (True, {"integral": 1.0}, {}),
+    "an anchor, and a proportional gain": (True, {"integral": 2.0, "proportional": 0.3}, {}),
+    "a load": (False, {"integral": 2.0}, {}),
+    "a load on two falls": (False, {"integral": 8.0}, {"falls": 2}),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_tension_grows_as_the_warning_says(case):
+    fixed, gains, more = CASES[case]
+    scene, tension = held(fixed, gains, **more)
+    made = parsed(scene)
+    told = growth_of(estimate(made), made.drums[0], gains.get("proportional", 0.0), gains["integral"])
+    assert told > 0.05
+    result = ran(scene)
+    off = np.abs(result["drum_tension"][:, 0] - tension)
+    time = np.asarray(result["time"])
+    early, late = (off[(time > at) & (time < at + 1.0)].max() for at in (2.0, 8.0))
+    assert math.log(late / early) / 6.0 == pytest.approx(told, rel=0.04)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_beyond_the_gains_that_the_warning_gives_nothing_grows(case):
+    fixed, gains, more = CASES[case]
+    made = parsed(held(fixed, gains, **more)[0])
+    found, winch = estimate(made), made.drums[0]
+    least, most = _least_proportional(found, winch), _largest_integral(found, winch)
+    for part, grows in ((0.99, True), (1.01, False)):
+        proportional = (1.0 + least) * part - 1.0
+        assert (growth_of(found, winch, proportional, gains["integral"]) > 0.0) == grows
+        assert (growth_of(found, winch, gains.get("proportional", 0.0), most / part) > 0.0) == grows
+
+
+def test_what_swings_up_is_told_with_its_key_and_what_does_not_is_not():
+    def told(gains, **more):
+        return [
+            str(one) for one in warnings(parsed(held(True, gains, **more)[0])) if "swings more and more" in str(one)
+        ]
+
+    (line,) = told({"integral": 1.0})
+    assert "path[0].drum.gains.integral" in line
+    assert "give `proportional: 3.5` or more, or `integral: 0.05` or less" in line
+    assert not told({"integral": 1.0, "proportional": 3.6})
+    assert not told({"integral": 0.049})
+    assert not told({"proportional": 2.0})
+    (line,) = told({"integral": 1.0}, damping=0.0)
+    assert "give the rope a `damping:`" in line
