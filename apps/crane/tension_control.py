@@ -1,7 +1,7 @@
 """Whether a winch that holds a tension swings up by itself: its integral against what damps the rope.
 
 The rope is one spring k = EA/L with the damping c of eq. 2.49, the drum a mass m = I/R^2 at its rim, and whatever ends
-or bends the rope elsewhere a mobility b = 1/M: bodies, and drums that are driven by a torque. With e = T0 - T and the
+or bends the rope elsewhere a mobility b, 1/kg: bodies, and drums that are driven by a torque. With e = T0 - T and the
 torque R (T0 + P e + J times the integral of e) the stretch of the rope goes by exp(s t), with
 
     s^3 + (k + c k s) (a s + J/m) = 0,   a = (1 + P)/m + b.
@@ -17,7 +17,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from crane.assembly.estimates import Estimate
-from crane.assembly.loads import pull
+from crane.assembly.mesh_damping import damping_of, mobility_of
 from crane.scene.keys import where
 from crane.scene.scene import Drum
 
@@ -56,25 +56,16 @@ def growth_of(found: Estimate, drum: Drum, proportional: float, integral: float)
 
 def _loop(found: Estimate, drum: Drum) -> tuple[float, float, float, float]:
     """m kg, b 1/kg, k N/m and c k N s/m."""
-    scene, length = found.scene, found.path.length
-    k = scene.rope.axial_stiffness / length
-    return _rim_mass(drum), _mobility(found, drum), k, scene.rope.damping * k
+    scene, path = found.scene, found.path
+    k = scene.rope.axial_stiffness / path.length
+    damping = float(np.average(damping_of(scene, path), weights=path.chords))
+    others = sum(1.0 / _rim_mass(one) for one in scene.drums if one is not drum and not one.prescribed)
+    return _rim_mass(drum), mobility_of(scene, path) + others, k, damping * k
 
 
 def _rim_mass(drum: Drum) -> float:
     """Inertia of a drum at its rim, kg."""
-    return float(drum.inertia or 0.0) / drum.radius**2
-
-
-def _mobility(found: Estimate, drum: Drum) -> float:
-    """Acceleration, m/s^2, with which a tension of 1 N shortens the rope but for the drum itself."""
-    scene = found.scene
-    others = sum(1.0 / _rim_mass(one) for one in scene.drums if one is not drum and not one.prescribed)
-    for name, force in pull(scene, found.path).items():
-        body = scene.body(name)
-        free = [axis not in body.guide for axis in "xyz"]
-        others += float(np.square(force[free]).sum()) / body.mass
-    return others
+    return float(drum.inertia or 0.0) / float(drum.radius) ** 2
 
 
 def _largest_integral(found: Estimate, drum: Drum) -> float:

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,8 @@ GeneralizedAlpha: {type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 0.5}
 @pytest.fixture
 def warned(tmp_path, monkeypatch):
     """The warnings of a scene, without what a test adds behind it."""
+    # What is first loaded within a test would be forgotten with what the test registers.
+    import_module("tautline.cable.warnings")
     monkeypatch.setattr(warnings, "REGISTERED", {name: dict(known) for name, known in warnings.REGISTERED.items()})
     (tmp_path / "rope.yaml").write_text(ROPE)
 

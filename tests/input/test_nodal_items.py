@@ -1,6 +1,7 @@
 """Items on cable nodes and warnings are registered, ours as a user's are."""
 
 import re
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -37,6 +38,8 @@ def level(layout, part):
 @pytest.fixture(autouse=True)
 def as_before(monkeypatch):
     """What a test registers is known for that test only."""
+    # What is first loaded within a test would be forgotten with what the test registers.
+    import_module("tautline.cable.warnings")
     monkeypatch.setattr(warnings, "REGISTERED", {name: dict(some) for name, some in warnings.REGISTERED.items()})
     yield
     for key in set(nodal.NODAL) - {"PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring"}:

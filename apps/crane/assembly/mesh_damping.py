@@ -61,10 +61,18 @@ def _driven(scene: CraneScene) -> list[Drum]:
 
 
 def _frequency(scene: CraneScene, path: Path, drums: list[float]) -> float | None:
-    """Frequency, Hz, with the whole rope as one spring EA / L: omega^2 = EA / L times the sum of pull^2 / mass.
+    """Frequency, Hz, with the whole rope as one spring EA / L: omega^2 = EA / L times what shortens it.
 
-    ``drums`` 1/kg is what each drum that turns adds to that sum.
+    ``drums`` 1/kg is what each drum that turns adds to `mobility_of` the bodies.
     """
+    mobility = mobility_of(scene, path) + sum(drums)
+    if mobility == 0.0:
+        return None
+    return math.sqrt(scene.rope.axial_stiffness / path.length * mobility) / (2.0 * math.pi)
+
+
+def mobility_of(scene: CraneScene, path: Path) -> float:
+    """Acceleration, m/s^2, at which bodies let a tension of 1 N shorten the rope, 1/kg: the sum of pull^2 / mass."""
     rope, mobility = scene.rope, 0.0
     for name, force in pull(scene, path).items():
         body = scene.body(name)
@@ -74,11 +82,7 @@ def _frequency(scene: CraneScene, path: Path, drums: list[float]) -> float | Non
             # A pull of less is that of a fall a little off plumb: there the load swings, and does not bounce.
             if axis not in body.guide and mass > 0.0 and abs(force[c]) > 0.3:
                 mobility += float(force[c]) ** 2 / mass
-    for turning in drums:
-        mobility += turning
-    if mobility == 0.0:
-        return None
-    return math.sqrt(rope.axial_stiffness / path.length * mobility) / (2.0 * math.pi)
+    return mobility
 
 
 def _hanging(scene: CraneScene, path: Path, name: str) -> float:
