@@ -314,7 +314,9 @@ class Core:
             value, *rates = (self.given.get(name, self.sent.get(name)) for name in names)
             if value is None:
                 continue
-            known = tuple(rate for rate in rates if rate is not None)
+            # A second rate without the rate says nothing.
+            given = rates[: rates.index(None)] if None in rates else rates
+            known = tuple(rate for rate in given if rate is not None)
             if any(known) or any(name in self.given and self.given[name] != self.sent.get(name) for name in names):
                 ways[part] = (value, *known) if known else value
         return ways
