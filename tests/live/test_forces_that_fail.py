@@ -208,3 +208,33 @@ def test_a_group_that_is_added_with_a_place_that_is_not_there_is_refused(standin
     group = PointMasses(np.array([size + beyond]), np.array([1.0]), 0.0, np.zeros(3))
     with pytest.raises(KernelError, match=rf"of kind PointMasses.*place \d+ of an array of {size}"):
         standing.copy().add_force(group)
+
+
+def test_a_force_that_raises_while_a_model_is_linearised_is_told(standing):
+    # matrices full of nan came back
+    sim, calls = standing.copy(), []
+
+    def third(t, q, v):
+        calls.append(t)
+        if len(calls) == 3:
+            raise ValueError("the table ends")
+        return [0.0, 0.0, 0.0]
+
+    sim.add_force(third, on="payload.position")
+    with pytest.raises(ValueError, match="the table ends"):
+        sim.linearise(["winch.pay_out_speed"], ["payload.position"])
+
+
+def test_a_keyboard_interrupt_that_a_force_raises_is_no_ctrl_c_and_the_time_is_that_of_the_outputs(standing):
+    sim, times = standing.copy(), []
+
+    def interrupts(t, q, v):
+        times.append(t)
+        if t > 0.02:
+            raise KeyboardInterrupt
+        return [0.0, 0.0, 0.0]
+
+    sim.add_force(interrupts, on="payload.position")
+    with pytest.raises(KeyboardInterrupt):
+        sim.advance(0.1)
+    assert sim.time == pytest.approx(0.02) and f"{sim.time:.6g} s" in sim.stopped

@@ -325,8 +325,7 @@ def with_time(path, value):
         (lambda path: path.write_text("title: a scene\n"), "is not a NetCDF-4 file"),
         (other_netcdf, "not a Tautline result"),
         (without_frames, "has no frame"),
-        (lambda path: with_time(path, 0.05), r"is damaged: its time goes from 0\.2 s to 0\.05 s at frame 3"),
-        (lambda path: with_time(path, np.nan), "is damaged: its time goes from 0.2 s to nan s at frame 3"),
+        (lambda path: with_time(path, 0.05), r"is damaged: its time goes from 0\.2 s to 0\.05 s at frame 4"),
         (cut_short, "is damaged"),
     ],
 )

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from tautline.kernels.bound import Lasting
 from tautline.kernels.groups import hold_laws, link
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
 from tautline.live.errors import SimulationError, plain_numbers, real
-from tautline.live.forces import Force, Group, room_for_all
+from tautline.live.forces import Force, Group, calls_of, room_for_all
 from tautline.system.model import Model
 
 INSTANT = 1.0e-6
@@ -113,7 +112,7 @@ class Equations:
             self._whole = (link(self._room.groups, *SUMS), *self._scene[1:]), matrix
         scene, matrix = self._whole
         q, v, a = self._checked(q, v, a)
-        with self._calls():
+        with calls_of(self._added):
             evaluate_at(*scene, matrix, _time(t), self._h, q, v, a, *factors, self._residual)
         return sparse(matrix)
 
@@ -162,18 +161,8 @@ class Equations:
     def _evaluate(self, t: float, q: Any, v: Any, a: Any, cm: float, cc: float, ck: float, matrix: Any) -> None:
         q, v, a = self._checked(q, v, a)
         more = _time(t), self._h, q, v, a, cm, cc, ck, self._residual
-        with self._calls():
+        with calls_of(self._added):
             self._lasting.call(evaluate_at, (*self._scene, matrix), *more)
-
-    @contextmanager
-    def _calls(self) -> Iterator[None]:
-        """While functions that were added as forces are called; raises what one of them raised."""
-        for force in self._added:
-            force.begin()
-        yield
-        for force in self._added:
-            if force.failed is not None:
-                raise force.failed
 
     def _halves(self, y: Any) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities of ``y``."""

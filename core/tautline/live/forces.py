@@ -6,7 +6,8 @@ import ctypes
 import inspect
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -92,6 +93,19 @@ class Force:
             self.calls += 1
 
         return call
+
+
+@contextmanager
+def calls_of(forces: Sequence[Force | Group]) -> Iterator[None]:
+    """While functions that were added as forces are called outside of an advance; raises what one of them raised."""
+    for force in forces:
+        force.begin()
+    try:
+        yield
+    finally:
+        for force in forces:
+            if force.failed is not None:
+                raise force.failed
 
 
 def _numbers(given: Any, n: int) -> np.ndarray:

@@ -30,7 +30,7 @@ from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
 from tautline.live.errors import SimulationError, plain_numbers
-from tautline.live.forces import room_for_all
+from tautline.live.forces import calls_of, room_for_all
 from tautline.system.handles import Input, Output
 
 COMPLEX_STEP = 1.0e-30
@@ -146,7 +146,9 @@ class _Drive(NamedTuple):
 def linearise(sim: Any, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
     """Linearise a simulation about where it stands; see `tautline.Simulation.linearise`."""
     both = [_names(names, what) for names, what in ((inputs, "inputs"), (outputs, "outputs"))]
-    return _Linearisation(sim, *both).plant()
+    work = _Linearisation(sim, *both)
+    with calls_of(work.sim.parts.forces):
+        return work.plant()
 
 
 def _names(given: Any, what: str) -> list[str]:

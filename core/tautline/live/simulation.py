@@ -320,6 +320,8 @@ class Simulation:
                 if filled:
                     break
         except KeyboardInterrupt:
+            if self._stopped:  # a force raised it
+                raise
             if self._loop.found[1]:
                 self._arrive(end)
             else:

@@ -274,11 +274,12 @@ class Result:
 
 
 def _check_order(path: Path, time: np.ndarray) -> None:
-    """Raise ResultError where times go back or are no numbers: no run writes such frames."""
-    ordered = np.diff(time) >= 0.0
-    if not ordered.all():
-        frame = int(np.argmin(ordered)) + 1
-        cause = f"is damaged: its time goes from {time[frame - 1]:g} s to {time[frame]:g} s at frame {frame}"
+    """Raise ResultError where times go back: no run writes such frames. Of those that are no number see the verbs."""
+    known = np.flatnonzero(np.isfinite(time))
+    back = np.flatnonzero(np.diff(time[known]) < 0.0)
+    if back.size:
+        before, frame = known[back[0] : back[0] + 2]
+        cause = f"is damaged: its time goes from {time[before]:g} s to {time[frame]:g} s at frame {frame + 1}"
         raise ResultError(path, cause, "run the scene again")
 
 

@@ -257,9 +257,17 @@ class Journal:
     def close(self) -> None:
         """Close the file, with all lines on the disk, and let others have the folder; an empty one is not left."""
         if self._file is not None:
-            self.force()
-            self._file.close()
-            self._file = None
+            try:
+                self.force()
+            finally:
+                self._file.close()
+                self._file = None
+                self._leave()
+        else:
+            self._leave()
+
+    def _leave(self) -> None:
+        """Let others have the folder; one that was made for the sweep and is empty goes again."""
         self._lock.give_back()
         if self._made:
             # One with anything in it, such as a sweep that has claimed it by now, is not removed.
