@@ -38,11 +38,12 @@ from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.time_function import TimeFunctions, copy_of, sample_all
+from tautline.results.resumption import FRAMES_TOLD
 from tautline.scene.solver import unused_alphas
 from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
-from tautline.system.time_functions import FunctionRequest, Steering, compile_functions
+from tautline.system.time_functions import FrameEntry, FunctionRequest, Steering, compile_functions
 
 STEP_ERROR = 3.0e-5
 """Error of a step, m, where the scene gives none."""
@@ -79,7 +80,7 @@ def build(scene: CraneScene) -> Model:
         solver=settings_of(solver, scene.output.interval, TOLERANCE, "force", error),
         variables=stored,
         coordinates=places,
-        attributes=_attributes(scene, made.compensation),
+        attributes=_attributes(scene, layout, made.compensation),
         observe=observer.observe,
         on_demand=observer.on_demand,
         headline=told,
@@ -112,9 +113,11 @@ def build(scene: CraneScene) -> Model:
     return with_limits(within_rounding(model), scene)
 
 
-def _attributes(scene: CraneScene, compensation: Compensation | None) -> Mapping[str, Any]:
+def _attributes(scene: CraneScene, layout: Layout, compensation: Compensation | None) -> Mapping[str, Any]:
     """What a result says of its scene, and of what was computed ahead of the run: another may not go on with that."""
     found = attributes_of(scene, "crane", COORDINATE_UNITS)
+    if any(isinstance(request.model, FrameEntry) for request in layout.requests.of):
+        found = {**found, FRAMES_TOLD: "at their pivots"}
     if compensation is None or not compensation.made_with:
         return found
     return {**found, "prepared": f"heave compensation: {compensation.made_with}"}

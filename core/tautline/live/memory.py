@@ -203,12 +203,14 @@ class Memory:
         Names, which are those of another simulation of the same scene too, and arrays.
     forces : sequence of str
         Names of forces that were added, in their order.
+    told : str
+        By which numbers places of frames are told, which names and sizes of arrays do not tell.
     """
 
-    def __init__(self, arrays: Iterable[tuple[str, np.ndarray]], forces: Sequence[str] = ()) -> None:
+    def __init__(self, arrays: Iterable[tuple[str, np.ndarray]], forces: Sequence[str] = (), told: str = "") -> None:
         self._views, seen, numbers = [], set(), []
         # Arrays of two forces are alike: by their names alone one is told from another.
-        described = [f"force {name}" for name in forces]
+        described = [f"force {name}" for name in forces] + ([f"frames {told}"] if told else [])
         for name, array in arrays:
             place = (array.ctypes.data, array.nbytes)
             if array.nbytes == 0 or place in seen:  # an array that two groups share is kept once

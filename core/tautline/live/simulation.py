@@ -45,7 +45,7 @@ from tautline.live.turn import Turn
 from tautline.results.assessment.balance import Balance
 from tautline.results.assessment.start import Start
 from tautline.results.result import Result
-from tautline.results.resumption import moved_by
+from tautline.results.resumption import FRAMES_TOLD, moved_by
 from tautline.results.store import Store
 from tautline.run import Run
 from tautline.system.memory import arrays_of, recall, remember
@@ -184,7 +184,8 @@ class Simulation:
             ("frame", self._frames.rows), ("clock", self._clock),
             *self._checked.arrays(),
         ]  # fmt: skip
-        self._memory = Memory(arrays, [force.name for force in self._forces])
+        told = str(self.model.attributes.get(FRAMES_TOLD, ""))
+        self._memory = Memory(arrays, [force.name for force in self._forces], told)
         # Functions of the user's are called by steps alone: what looks at a state between two of them goes without.
         own = system.groups[: len(system.groups) - len(self._forces)]
         self._scene_alone = replace(system, groups=own, linked={}) if self._forces else system

@@ -31,6 +31,10 @@ def truncated_start_warning(time: float) -> str:
     )
 
 
+FRAMES_TOLD = "frames_told"
+"""Attribute of models with moving frames: by which numbers their places are told, in results and states as in runs."""
+
+
 def place_of(earlier: Result) -> Any:
     """Where a result stands, for messages."""
     return earlier.path or "result"
@@ -66,6 +70,9 @@ def refuse_another(earlier: Result, method: str, attributes: Mapping[str, Any]) 
     ):
         if one != now:
             raise ResultError(place, f"belongs to another {word}", cure)
+    if made.get(FRAMES_TOLD) != attributes.get(FRAMES_TOLD):
+        cause = "was made by a version of Tautline that tells the places of moving frames otherwise"
+        raise ResultError(place, cause, "run the scene from its start")
     if made.get("prepared") != attributes.get("prepared"):
         cause = "was made with motions that were prepared otherwise, as those of a shorter or a longer run are"
         raise ResultError(place, cause, "run the scene from its start to the new end")
