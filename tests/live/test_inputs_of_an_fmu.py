@@ -94,6 +94,18 @@ def test_a_value_that_stays_with_a_rate_is_gone_through_and_one_without_is_reste
         assert core.sim.inputs.motion(HEAVE) == pytest.approx((0.2, rate, 0.0), abs=1e-9)
     core.step(3 * H, 1.0)
     assert core.sim.inputs.motion(HEAVE) == pytest.approx((0.2, 0.0, 0.0), abs=1e-9)
+    assert core.get(f"{HEAVE}.rate") == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_rate_that_is_read_is_that_of_the_input_where_nothing_was_set_for_a_step(heaving):
+    core = Core(heaving)
+    core.set(HEAVE, 0.05)
+    core.set(f"{HEAVE}.rate", 0.5)
+    assert core.get(f"{HEAVE}.rate") == 0.5
+    core.step(0.0, H)
+    assert core.get(f"{HEAVE}.rate") == pytest.approx(0.5)
+    core.step(H, H)
+    assert core.get(f"{HEAVE}.rate") == pytest.approx(0.0, abs=1e-9)
 
 
 def test_rates_that_a_host_never_sets_are_found_from_its_values(heaving, folder):

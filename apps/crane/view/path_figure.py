@@ -23,7 +23,7 @@ FAR = 4.0
 """Size of a path over that of the crane's fixed wheels from which these get a picture of their own."""
 MOST_NAMES, MOST_LETTERS = 12, 24
 """Names in a picture, and letters of one: a longer one would leave the picture no room."""
-APART = (0.25, 0.05)
+APART = (0.2, 0.05)
 """Share of a picture's size across and up within which two names would be written over each other."""
 BEYOND = 0.3
 """Share of a path's height by which water or ground may lie below or above it and is shown with it."""

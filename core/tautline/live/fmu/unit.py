@@ -214,12 +214,15 @@ class Core:
 
     def get(self, name: str) -> float:
         """An input, an output or a parameter. Of a start that is not found it is what the start before has."""
+        if name in self.rates and name not in self.given:
+            # In a step for which nothing was set an input comes to rest, whatever rate it had.
+            part, order = self.rates[name]
+            return self.sim.inputs.motion(part)[order] + 0.0
         if name in self.inputs or name in self.rates:
             for known in (self.given, self.held if self.stale else self.sent):
                 if name in known:
                     return known[name]
-            part, order = self.rates.get(name, (name, 0))
-            return self.sim.inputs.motion(part)[order] + 0.0  # minus zero, of a winch at rest, becomes zero
+            return float(self.sim.inputs[name]) + 0.0  # minus zero, of a winch at rest, becomes zero
         if name in self.outputs:
             output, at = self.outputs[name]
             with suppress(SimulationError):

@@ -78,13 +78,13 @@ FROM_MODULUS = {
 """Rows of that table for which a modulus is given by mistake, and how they follow from it."""
 
 
-NEWTON_METRE = re.compile(r"\bNm(?![A-Za-z])")
+NEWTON_METRE = re.compile(r"\b([kM]?N)m(?![A-Za-z])")
 """Newton and metre written as one word: a power behind it is that of both."""
 
 
 def _meant_apart(unit: str, wanted: Unit) -> str:
     """The question whether a power of `Nm` was meant for the metre alone, where that is what is wanted; else empty."""
-    apart = NEWTON_METRE.sub("N m", unit)
+    apart = NEWTON_METRE.sub(r"\1 m", unit)
     try:
         fits = apart != unit and _may_stand_for(read_unit(apart), wanted)
     except UnknownUnit:
@@ -193,6 +193,8 @@ class Quantity:
         try:
             read = read_unit(unit)
         except UnknownUnit as error:
+            if apart := _meant_apart(unit, wanted):
+                raise refusal(f"'{unit}' is not a unit", apart + self.cure) from error
             raise refusal(error.told(unit, wanted), self.cure) from error
         if not _may_stand_for(read, wanted):
             if told := flow_for_speed(unit, read, self.unit):
