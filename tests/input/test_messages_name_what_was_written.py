@@ -8,12 +8,15 @@ from cli.in_process import commands_of, only_object
 import tautline
 from crane.application import Crane
 from drillstring.application import Drillstring
+from gardenhose.application import Gardenhose
 from tautline.cli.output.summary import _along
 from tautline.scene.errors import SceneError
 
 DATA = Path(__file__).parents[2] / "data"
 JWELL = (DATA / "jwell.yaml").read_text(encoding="utf8")
 HOIST = (DATA / "hoist.yaml").read_text(encoding="utf8")
+LANDING = (DATA / "landing.yaml").read_text(encoding="utf8")
+HOSE = (DATA / "hose.yaml").read_text(encoding="utf8")
 
 
 def changed(folder, text, *edits):
@@ -234,3 +237,23 @@ def test_words_of_drilling_are_answered_with_the_key_that_is_meant(tmp_path, old
     # Nothing follows from it, such as a key that is missing: one fault, one message.
     (told,) = refusals(Drillstring(), path)
     assert f":{line_of(path, new)}: " in told and told.endswith(meant)
+
+
+@pytest.mark.parametrize(
+    ("application", "text", "old", "new"),
+    [
+        (Drillstring, JWELL, "radius: 1000 m", "rop: 15"),
+        (Drillstring, JWELL, "radius: 1000 m", "rpm: 15"),
+        (Drillstring, JWELL, "rotation: {constant: 0 rpm}", "rotation: {ramp: {to: 60 rpm, dls: 3}}"),
+        (Drillstring, JWELL, "rotation: {constant: 0 rpm}", "rotation: {ramp: {to: 60 rpm, rop: 3}}"),
+        (Drillstring, JWELL, "{rotation: 20,", "{rpm: 20,"),
+        (Crane, LANDING, "limits: {", "limits: {rpm: 60, "),
+        (Gardenhose, HOSE, "speed:", "rpm: 60\n  speed:"),
+    ],
+)
+def test_a_word_with_a_unit_is_not_answered_with_a_key_that_does_not_take_the_unit(
+    tmp_path, application, text, old, new
+):
+    path = changed(tmp_path, text, (old, new))
+    (told, *_) = [line for line in refusals(application(), path) if "unknown key" in line]
+    assert "; known: " in told and "did you mean" not in told

@@ -120,24 +120,70 @@ def test_the_warning_of_a_sharp_bend_names_the_key_that_stands_in_its_section(wr
     assert text.endswith(f"check the {key}")
 
 
-@pytest.mark.parametrize(
-    ("written", "bend"),
-    [("rate: 3", "5.16e+03 deg/30 m"), ("radius: 28 m", "61.4 deg/30 m"), ("rate: 61 deg/30m", "61 ")],
-)
+REFUSED = [
+    ("rate: 3", "si", "5.16e+03 deg/30 m, a radius of 0.3333 m", "859 deg/30 m", "3 deg/30m"),
+    ("rate: 3", "field", "deg/100 ft, a radius of 1.094 ft", "873 deg/100 ft", "3 deg/100ft"),
+    ("radius: 1.9 m", "si", "905 deg/30 m, a radius of 1.9 m", "859 deg/30 m", "570 m"),
+    ("radius: 1.9 m", "field", "deg/100 ft, a radius of 6.234 ft", "873 deg/100 ft", "1870 ft"),
+]
+
+
+@pytest.mark.parametrize(("written", "units", "bend", "most", "usual"), REFUSED)
 @pytest.mark.parametrize("kind", ["build", "turn"])
-def test_a_section_that_bends_as_no_survey_may_is_refused_by_its_key(written, bend, kind):
+def test_a_section_that_bends_as_no_well_does_is_refused_by_its_key_in_the_units_of_the_scene(
+    written, units, bend, most, usual, kind
+):
     arcs = f"{{hold: 1000 m}}, {{build: {{radius: 500 m, to: 20 deg}}}}, {{{kind}: {{{written}, to: 60 deg}}}}"
     with pytest.raises(SceneError) as caught:
-        warnings(scene_of(("{hold: 1000 m}", arcs)))
+        warnings(scene_of(("{hold: 1000 m}", arcs), ("\nwell", f"\nunits: {units}\nwell")))
     (problem,) = caught.value.problems
-    assert problem.key == f"well.sections[2].{kind}.{written.split(':')[0]}"
-    assert bend in problem.cause and "60 deg/30 m" in problem.cause and problem.line
+    assert problem.key == f"well.sections[2].{kind}.{written.split(':')[0]}" and problem.line
+    assert bend in problem.cause and most in problem.cause and problem.cure.endswith(f"such as {usual}")
 
 
-def test_a_rod_of_the_laboratory_may_bend_more():
-    arcs = "{hold: 3 m}, {build: {radius: 2 m, to: 60 deg}}"
-    small = scene_of(("{hold: 1000 m}", arcs), ("0.2, wall", "0.03, wall"), (str(OD), "0.01"), (str(ID), "0.008"))
-    assert [one for one in warnings(small) if one.where.startswith("well.sections")] == []
+def short_radius(folder, written):
+    """A scene of a 4.75 in hole, 1000 m down and then level along an arc of 12 m, and its file."""
+    (folder / "s.csv").write_text(SHORT_RADIUS, encoding="utf8")
+    pipe = (PLAIN.replace(str(OD), "2.875 in").replace(str(ID), "2.323 in")).replace(
+        "diameter: 0.2", "diameter: 4.75 in"
+    )
+    path = folder / "scene.yaml"
+    path.write_text(pipe.replace("sections: [{hold: 1000 m}]", written), encoding="utf8")
+    return DrillstringScene.read(path)
+
+
+# A third of the arc has a length of 12 m * 30 deg = 6.2832 m.
+SHORT_RADIUS = "md [m],inc [deg],azi [deg]\n0,0,0\n1000,0,0\n1006.2832,30,0\n1012.5664,60,0\n1018.8496,90,0\n"
+
+
+@pytest.mark.parametrize(
+    ("written", "key"),
+    [
+        ("sections: [{hold: 1000 m}, {build: {radius: 12 m, to: 90 deg}}]", "well.sections"),
+        ("sections: [{hold: 1000 m}, {build: {rate: 143 deg/30m, to: 90 deg}}]", "well.sections"),
+        ("survey: {file: s.csv, max_gap: 1000 m}", "well.survey"),
+    ],
+    ids=["radius", "rate", "survey"],
+)
+def test_a_short_radius_well_is_warned_of_and_not_refused(tmp_path, written, key):
+    # Wells of short radius bend by 1.5 to 3 deg/ft, 148 to 295 deg/30 m.
+    (text,) = [one.text for one in warnings(short_radius(tmp_path, written)) if "the hole bends" in one.text]
+    assert "143 deg/30 m at 1000 to 1018.8" in text
+
+
+@pytest.mark.parametrize(("diameter", "refused"), [("71 mm", True), ("69 mm", False)])
+@pytest.mark.parametrize("course", ["sections: [{build: {radius: 1.9 m, to: 60 deg}}, {hold: 8 m}]", "survey: s.csv"])
+def test_holes_below_70_mm_may_bend_by_any_whatever_they_are_given_by(tmp_path, diameter, refused, course):
+    (tmp_path / "s.csv").write_text("md [m],inc [deg],azi [deg]\n0,0,0\n0.9,30,0\n10,30,0\n", encoding="utf8")
+    path = tmp_path / "scene.yaml"
+    text = PLAIN.replace("sections: [{hold: 1000 m}]", course).replace("diameter: 0.2", f"diameter: {diameter}")
+    path.write_text(text.replace(str(OD), "0.02").replace(str(ID), "0.01"), encoding="utf8")
+    scene = DrillstringScene.read(path)
+    if not refused:
+        assert figures(scene)["well"]["length"] == pytest.approx(10.0, abs=0.1)
+        return
+    with pytest.raises(SceneError, match="859"):
+        figures(scene)
 
 
 @pytest.mark.parametrize(

@@ -127,7 +127,7 @@ BROKEN = {
     "negative depth": (lines(HEAD, "-5,0,0", "30,1,0"), 2, "md", "negative"),
     "a gap": (lines(HEAD, "0,0,0", "30,1,0", "630,2,0"), 4, "md", "raise max_gap"),
     "a gap above the first station": (lines(HEAD, "900,2,0", "930,2,0"), 2, "md", "no station in the 900 m above"),
-    "an absurd dogleg": (lines(HEAD, "0,0,0", "30,1,0", "31,9,0"), 4, "inc, azi", "8 deg in 1 m below line 3"),
+    "an absurd dogleg": (lines(HEAD, "0,0,0", "30,1,0", "30.2,9,0"), 4, "inc, azi", "8 deg in 0.2 m below line 3"),
     "a hole that turns back": (lines(HEAD, "0,90,0", "400,90,180"), 3, "inc, azi", "its plane is not known"),
     "one station": (lines(HEAD, "0,0,0"), None, "", "two stations at least"),
     "no stations": (lines(HEAD), 1, "", "a header and no rows"),
@@ -205,10 +205,10 @@ def test_a_long_interval_in_which_the_hole_does_not_turn_is_no_gap(tmp_path, row
 def test_a_gap_and_a_sharp_dogleg_pass_when_the_scene_allows_them(tmp_path):
     gap = write(tmp_path, lines(HEAD, "0,0,0", "2200,1,0", "2230,1,0"))
     assert len(read_survey(gap, max_gap=2200.0).md) == 3
-    sharp = write(tmp_path, lines(HEAD, "0,0,0", "10,30,0"), "sharp.csv")
+    sharp = write(tmp_path, lines(HEAD, "0,0,0", "1,30,0"), "sharp.csv")
     with pytest.raises(SceneError):
         read_survey(sharp)
-    assert len(read_survey(sharp, max_dogleg_severity=math.radians(91) / 30).md) == 2
+    assert len(read_survey(sharp, max_dogleg_severity=math.radians(31)).md) == 2
 
 
 def test_a_file_that_is_not_there_or_a_folder_is_refused(tmp_path):
@@ -250,9 +250,9 @@ def test_azimuths_from_true_north_are_read_beside_magnetic_ones(tmp_path):
 
 
 def test_faults_of_a_survey_in_feet_quote_its_cells_as_they_stand(tmp_path):
-    rows = ["0,0,0", "3000,0,0", "6000,30,10", "6010,45,10", "7000,50,10"]
+    rows = ["0,0,0", "3000,0,0", "6000,30,10", "6001,45,10", "7000,50,10"]
     with pytest.raises(SceneError) as caught:
         read_survey(write(tmp_path, lines("MD (ft),Inc (deg),Azi (deg)", *rows)))
     gap, turn = caught.value.problems[:2]
     assert (gap.line, gap.value) == (4, "6000 ft") and "no station in the 3000 ft above it" in gap.cause
-    assert (turn.line, turn.value) == (5, "45 deg, 10 deg") and "15 deg in 10 ft below line 4" in turn.cause
+    assert (turn.line, turn.value) == (5, "45 deg, 10 deg") and "15 deg in 1 ft below line 4" in turn.cause

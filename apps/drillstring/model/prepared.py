@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from drillstring.well.sections import dogleg_severity
 from drillstring.well.survey import MAX_DOGLEG_SEVERITY, Survey, read_survey
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.files import stamps
+from tautline.scene.values.printed import shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +87,7 @@ def _surveyed(scene: DrillstringScene) -> Survey:
     if not path.is_file():
         cause = "is a folder, not a file" if path.is_dir() else f"there is no file {path}"
         raise SceneError([scene.problem("well.survey", cause, "give its path relative to the scene's folder")])
-    return read_survey(path, given.units, max_gap=given.max_gap)
+    return read_survey(path, given.units, max_gap=given.max_gap, max_dogleg_severity=_sharpest_bend(scene))
 
 
 def _drilled(scene: DrillstringScene) -> wellbore.Wellbore:
@@ -112,19 +114,31 @@ def _drilled(scene: DrillstringScene) -> wellbore.Wellbore:
         raise SceneError([scene.problem(key, error.message, error.cure)]) from None
 
 
+def _sharpest_bend(scene: DrillstringScene) -> float:
+    """Curvature, rad/m, beyond which a bend is taken for a slip of the pen; holes of the laboratory may have any."""
+    return MAX_DOGLEG_SEVERITY if scene.well.diameter >= DRILLED else math.inf
+
+
 def _check_bends(scene: DrillstringScene) -> None:
-    """Refuse bends that no hole has, as those of a survey are; holes of the laboratory may have any."""
-    problems = []
+    """Refuse bends that no hole has, as those of a survey are."""
+    problems, limit = [], _sharpest_bend(scene)
     for i, piece in enumerate(scene.well.sections or ()):
-        if isinstance(piece, Hold) or piece.curvature <= MAX_DOGLEG_SEVERITY or scene.well.diameter < DRILLED:
+        if isinstance(piece, Hold) or piece.curvature <= limit:
             continue
         kind = "build" if isinstance(piece, Build) else "turn"
-        bend, most = (dogleg_severity(one, scene.units) for one in (piece.curvature, MAX_DOGLEG_SEVERITY))
-        cure = "write it with its unit, such as 3 deg/30m" if piece.key == "rate" else "give one such as 570 m"
-        cause = f"the hole bends by {bend}, more than {most}: short-radius wells bend by half of that"
-        problems.append(scene.problem(f"well.sections[{i}].{kind}.{piece.key}", cause, cure))
+        bend, most = (dogleg_severity(one, scene.units) for one in (piece.curvature, limit))
+        radius = shown(piece.bend_radius, "m", scene.units)
+        cause = f"the hole bends by {bend}, a radius of {radius}; no well bends by more than {most}"
+        problems.append(scene.problem(f"well.sections[{i}].{kind}.{piece.key}", cause, _usual(piece.key, scene.units)))
     if problems:
         raise SceneError(problems)
+
+
+def _usual(key: str, system: str) -> str:
+    """What to write for a bend that no hole has: a usual one, in the units of the scene."""
+    if key == "radius":
+        return f"give one such as {shown(570.0, 'm', system)}"
+    return f"write it with its unit, such as {'3 deg/100ft' if system == 'field' else '3 deg/30m'}"
 
 
 def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:

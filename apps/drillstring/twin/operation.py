@@ -267,10 +267,13 @@ class RigOperation(Operation):
         wrong = "Unit or zero of the sensor is wrong, or it is dead"
         if isfinite(slips.below):
             why = f"{gauge.column} shows {gauge.tell(slips.below)} less than the empty hook would"
-            return {gauge.name: f"{why}. {wrong}; or top.weight is not right, or the block was set down"}
+            return {
+                gauge.name: f"{why}. {wrong}; or top.weight is not right, or the block is set down or pushes the string"
+            }
         if isfinite(slips.turning):
             why = f"by {gauge.column} the string stands in slips, and it turns with {quantity(slips.turning, 'N m')}"
-            return {gauge.name: f"{why}. {wrong}; or top.weight is not right"}
+            others = "or a joint is made up, or the rotary table turns the string in slips"
+            return {gauge.name: f"{why}. {wrong}; or top.weight is not right, {others}"}
         return {}
 
     def summary(self) -> list[tuple[str, str]]:

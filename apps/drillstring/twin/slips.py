@@ -21,8 +21,12 @@ OF_TORQUE, LEAST_TORQUE = 0.5, 1.0e3
 """Torque of a string that turns in the hole: share of what is computed off bottom, and N m: an idle one has less."""
 TURNS_FOR = 60.0
 """For how long it has to turn so, s: a joint is made up within seconds."""
+TURNS_LONG = 300.0
+"""The same of a gauge that has shown the string, s: casing is made up slowly, and a rotary table may turn in slips."""
 OVER = 3.0
 """Time over which loads and torques are averaged, s."""
+FEWEST = 3
+"""Rows in succession that have to show it: of rows that come slowly one may fall into a block that is set down."""
 LONGEST = 120.0
 """Longest time between two rows, s, of which something is said."""
 
@@ -58,10 +62,10 @@ class _Lasting:
     """The mean of a signal over some seconds, and for how long it has been above a bound."""
 
     def __init__(self) -> None:
-        self.mean, self.lasts = nan, 0.0
+        self.mean, self.lasts, self.rows = nan, 0.0, 0
 
     def clear(self) -> None:
-        self.mean, self.lasts = nan, 0.0
+        self.mean, self.lasts, self.rows = nan, 0.0, 0
 
     def add(self, value: float, bound: float, passed: float) -> None:
         """One more value; one that is not there changes nothing."""
@@ -69,7 +73,14 @@ class _Lasting:
             return
         keep = exp(-passed / OVER) if isfinite(self.mean) else 0.0
         self.mean = keep * self.mean + (1.0 - keep) * value if keep > 0.0 else value
-        self.lasts = self.lasts + passed if self.mean > bound else 0.0
+        beyond = self.mean > bound
+        # What passed before the first of them was none of it.
+        self.lasts = self.lasts + passed * (self.rows > 0) if beyond else 0.0
+        self.rows = self.rows + 1 if beyond else 0
+
+    def lasted(self, time: float) -> bool:
+        """Whether it has been above its bound for that long, s, in rows enough."""
+        return self.lasts >= time and self.rows >= FEWEST
 
 
 class Slips:
@@ -79,10 +90,13 @@ class Slips:
     ----------
     watched, in_them : float
         Time of all rows, and of those in slips or in a connection, s.
+    carried : bool
+        Whether the gauge has shown more than the empty hook: it was not dead from the beginning.
     """
 
     def __init__(self) -> None:
         self.watched = self.in_them = 0.0
+        self.carried = False
         self.empty = nan
         self._time = nan
         self._below, self._turning = _Lasting(), _Lasting()
@@ -95,6 +109,7 @@ class Slips:
         if not in_slips:
             self._below.clear()
             self._turning.clear()
+            self.carried = self.carried or bool(load - by.empty > by.below)
             return
         self.in_them += passed
         if isfinite(load):  # a gauge that shows nothing is told by itself
@@ -104,17 +119,18 @@ class Slips:
     @property
     def below(self) -> float:
         """How far the hook load is below that of the empty hook, N, where that has lasted; else NaN."""
-        return self._below.mean if self._below.lasts >= BELOW_FOR else nan
+        return self._below.mean if self._below.lasted(BELOW_FOR) else nan
 
     @property
     def turning(self) -> float:
         """Torque of a string that turns in slips, N m, where that has lasted; else NaN."""
-        return self._turning.mean if self._turning.lasts >= TURNS_FOR else nan
+        return self._turning.mean if self._turning.lasted(TURNS_LONG if self.carried else TURNS_FOR) else nan
 
     def memory(self) -> list[float]:
         """What a later process needs to go on."""
-        return [self.watched, self.in_them]
+        return [self.watched, self.in_them, float(self.carried)]
 
     def recall(self, memory: list[float]) -> None:
-        """Go on from what an earlier process kept."""
-        self.watched, self.in_them = map(float, memory)
+        """Go on from what an earlier process kept; an earlier program kept no more than the times."""
+        self.watched, self.in_them, *carried = map(float, memory)
+        self.carried = any(carried)

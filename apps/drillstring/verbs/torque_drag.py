@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 MOST_DEPTHS, MOST_FACTORS, MOST_ELEMENTS = 1000, 20, 5000
 LARGEST_FACTOR = 2.0
-DECIMAL_COMMA = re.compile(r"\s*0,([0-9]+)\s*")
+DECIMAL_COMMA = re.compile(r"\s*0+,\s*([0-9]+)\s*")
 """A list of two numbers that is more likely one with a decimal comma."""
 
 Frictions = Annotated[
@@ -205,7 +205,7 @@ def unlikely_frictions(text: str | None, factors: list[Factors]) -> list[SceneWa
 
 
 def _decimal_meant(text: str) -> str:
-    meant = text.strip().replace(",", ".")
+    meant = DECIMAL_COMMA.sub(r"0.\1", text)
     return f"Was {meant} meant? Then write it with a point: --friction {meant}"
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from drillstring.well.sections import direction, dogleg
 from drillstring.well.wellbore import LARGEST_DOGLEG
 from tautline.scene.reading.columns import Columns, is_unit, thousand, unit_named
+from tautline.scene.values.ranges import RANGES
 
 MAX_GAP = 500.0
 """Longest hole [m] without a station, unless the scene says otherwise: a stand is 30 m, a forgotten page 1000 m."""
@@ -27,8 +28,9 @@ MAX_GAP = 500.0
 SAME_DIRECTION = math.radians(0.1)
 """Angle [rad] between two stations below which the hole between them is straight: what survey tools resolve."""
 
-MAX_DOGLEG_SEVERITY = math.radians(60.0) / 30.0
-"""Sharpest turn [rad/m] taken for a hole rather than a slip of the pen; short-radius wells reach about half."""
+MAX_DOGLEG_SEVERITY = RANGES["dogleg severity"].high or math.inf
+"""Sharpest turn [rad/m] taken for a hole rather than a slip of the pen, a radius of 2 m: short-radius wells have 6 to
+12 m."""
 
 LARGEST_FILE = 10_000_000
 """Bytes; a survey of ten thousand stations has half a million."""

@@ -132,7 +132,7 @@ def _drop_consequential_errors(model: type[Model], errors: Sequence[Any], data: 
     """
     unknown = [str(e["loc"][0]) for e in errors if len(e["loc"]) == 1 and e["type"] == "extra_forbidden"]
     cut = {before for key in unknown if (before := _decimal_comma(data, key)[1])}
-    meant = {nearest_key(key, model._keys()) for key in unknown if not _decimal_comma(data, key)[0]}
+    meant = {nearest_key(key, model._keys(), model.model_fields) for key in unknown if not _decimal_comma(data, key)[0]}
     run_in = {key for one in unknown if (key := _without_blank(model, one)[0])}
 
     def follows(error: Any) -> bool:
@@ -187,7 +187,7 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
     elif len(place) == 1 and kind == "extra_forbidden":
         cure, before = _decimal_comma(data, str(place[0]))
         cure = cure or _without_blank(model, str(place[0]))[1] or model.elsewhere.get(str(place[0]), ("", ""))[1]
-        words = {"cause": "unknown key", "cure": cure or nearest_key(str(place[0]), model._keys())}
+        words = {"cause": "unknown key", "cure": cure or nearest_key(str(place[0]), model._keys(), model.model_fields)}
         known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
         known = PydanticCustomError(DOUBT, "doubtful", context)

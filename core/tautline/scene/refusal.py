@@ -6,8 +6,11 @@ pydantic collects these; `tautline.scene.model.validate` turns them into `Proble
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Annotated, Any
 
+from pydantic import TypeAdapter
+from pydantic.fields import FieldInfo
 from pydantic_core import InitErrorDetails, PydanticCustomError, ValidationError
 
 from tautline.scene.errors import LONGEST
@@ -123,13 +126,32 @@ def other_word(key: str, known: Iterable[str]) -> str:
     return next((word for word in OTHER_WORDS.get(key.lower(), ()) if word in words), "")
 
 
-def nearest_key(key: str, known: Iterable[str]) -> str:
-    """Say which key was probably meant, by another word for the same or by its letters, or list those there are."""
-    words = list(known)
-    if not (word := other_word(key, words)):
+def nearest_key(key: str, known: Iterable[str], fields: Mapping[str, FieldInfo] | None = None) -> str:
+    """Say which key was probably meant, by another word for the same or by its letters, or list those there are.
+
+    A word that says its unit, too, stands for no key of another quantity: of a pipe's `rate` in m/s `dls` is none.
+    That is asked of the `fields` of a model, where they are given.
+    """
+    words, example = list(known), IN_UNITS.get(key.lower(), "")
+    kinds = {word: _takes((fields or {}).get(word), example) for word in words} if example else {}
+    if not (word := other_word(key, [word for word in words if kinds.get(word) is not False])):
         return nearest(key, words)
-    said, example = f"did you mean '{word}'?", IN_UNITS.get(key.lower(), "")
+    said = f"did you mean '{word}'?"
     if differs := DIFFERS.get((key.lower(), word)):
         return f"{said} Note: {differs}"
-    # A rate of penetration has keys of its own.
-    return f"{said} Write its unit too, such as {word}: {example}" if example and word != "penetration" else said
+    return f"{said} Write its unit too, such as {word}: {example}" if kinds.get(word) else said
+
+
+def _takes(field: FieldInfo | None, example: str) -> bool | None:
+    """Whether a field takes a number with a unit; False where it takes another quantity, None where that is not known.
+
+    None is also what takes no number, such as a mapping of keys.
+    """
+    if field is None:
+        return None
+    kind: Any = Annotated[field.annotation, *field.metadata, None]
+    try:
+        TypeAdapter(kind).validate_python(example)
+    except ValidationError as error:
+        return False if any((one.get("ctx") or {}).get("wanted") for one in error.errors()) else None
+    return True

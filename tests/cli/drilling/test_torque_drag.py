@@ -628,7 +628,7 @@ def test_empty_cells_and_a_missing_column_are_loads_that_were_not_measured(folde
     assert set(COLUMNS) == {"depth", "pick_up", "slack_off"}
 
 
-@pytest.mark.parametrize(("written", "meant"), [("0,2", "0.2"), ("0,1", "0.1"), (" 0,15", "0.15")])
+@pytest.mark.parametrize(("written", "meant"), [("0,2", "0.2"), ("0, 2", "0.2"), ("00,2", "0.2"), (" 0,15", "0.15")])
 def test_a_decimal_comma_in_a_friction_factor_is_asked_about(written, meant):
     try:
         told = unlikely_frictions(written, parse_frictions(written))[0].text

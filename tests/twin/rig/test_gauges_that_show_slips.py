@@ -6,6 +6,7 @@ import math
 import pytest
 from well_of_a_rig import VERTICAL, well
 
+from drillstring.twin.slips import Slips
 from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
@@ -29,9 +30,9 @@ def twin(zero="300", weight="300 kN"):
     return Twin(scene, MAP.replace("ZERO", zero))
 
 
-def rows(count, hook, rpm=0.0, torque=0.0, begin=0):
-    """Rows a second apart, with some noise of the gauge; the block goes up and down by two metres."""
-    for t in range(begin, begin + count):
+def rows(count, hook, rpm=0.0, torque=0.0, begin=0, apart=1):
+    """Rows a second or more apart, with some noise of the gauge; the block goes up and down by two metres."""
+    for t in range(begin, begin + count * apart, apart):
         load = hook(t) if callable(hook) else hook
         noise = 1.5 * math.sin(7.0 * t) + 1.0 * math.sin(31.0 * t)
         block = 1.0 - math.cos(0.1 * t)
@@ -82,6 +83,42 @@ def test_an_idle_drive_that_turns_in_slips_is_no_fault():
     assert alarms_of(lines) == set()
 
 
+@pytest.mark.parametrize("apart", [20, 31, 60])
+@pytest.mark.parametrize(
+    ("hook", "rpm", "torque"), [(0.4 * EMPTY, 0.0, 0.0), (EMPTY, 20.0, 30.0)], ids=["set down", "made up"]
+)
+def test_one_row_of_those_that_come_slowly_is_no_sign_of_a_wrong_gauge(apart, hook, rpm, torque):
+    before, after = (rows(8, EMPTY, begin=begin, apart=apart) for begin in (0, 9 * apart))
+    lines = lines_of(twin(), before, rows(1, hook, rpm, torque, begin=8 * apart, apart=apart), after)
+    assert alarms_of(lines) == set()
+
+
+@pytest.mark.parametrize("apart", [5, 20, 60])
+def test_a_dead_gauge_is_found_also_by_rows_that_come_slowly(apart):
+    assert FAR_OFF in alarms_of(lines_of(twin(), rows(8, 0.0, apart=apart)))
+
+
+@pytest.mark.parametrize(("lasts", "raised"), [(100, False), (280, False), (340, True)])
+def test_a_gauge_that_has_shown_the_string_is_not_accused_while_a_rotary_table_turns_it_in_slips(
+    tmp_path, lasts, raised
+):
+    drilled, turned = rows(30, EMPTY + STRING, begin=15), rows(lasts, EMPTY, 20.0, 5.0, begin=60)
+    one, again = twin(), twin()
+    lines_of(one, rows(15, EMPTY), drilled, rows(15, EMPTY, begin=45))
+    save(one, tmp_path / "a.state")
+    load(again, tmp_path / "a.state")
+    lines = lines_of(again, turned)
+    assert (FAR_OFF in alarms_of(lines)) == raised
+    texts = [alarm["text"] for line in lines for alarm in line["alarms"]]
+    assert all("or the rotary table turns the string in slips" in text for text in texts)
+
+
+def test_the_alarm_names_a_block_that_pushes_the_string():
+    # A liner is pushed by 100 kN of the block's weight.
+    (alarm,) = lines_of(twin(), rows(60, EMPTY - 100.0))[-1]["alarms"]
+    assert alarm["name"] == FAR_OFF and "or the block is set down or pushes the string" in alarm["text"]
+
+
 def test_the_alarm_ends_once_the_gauge_shows_the_string():
     lines = lines_of(twin(), rows(60, 0.0), rows(30, EMPTY, begin=60))
     assert FAR_OFF in alarms_of(lines) and lines[-1]["alarms"] == []
@@ -101,3 +138,9 @@ def test_a_twin_that_goes_on_has_the_alarm_and_the_time_in_slips_still(tmp_path)
     (line, *_) = lines_of(again, rows(1, 0.0, begin=61))
     assert [alarm["name"] for alarm in line["alarms"]] == [FAR_OFF] and line["health"] == "degraded"
     assert again.operation.summary()[0][1].startswith("61 s of 61 s")
+
+
+def test_times_in_slips_of_an_earlier_program_are_taken_over():
+    slips = Slips()
+    slips.recall([61.0, 60.0])
+    assert slips.memory() == [61.0, 60.0, 0.0]
