@@ -253,6 +253,9 @@ class Watch:
             forgotten_after = max(CLEAR, sensor.patience, row.time - self._before) * (1.0 + EDGE)
         # A doubt of all that is computed, or of where the estimate is, is none that the next row may end.
         flutters = ahead is None or bool(np.isfinite(ahead[3]) and not row.unsure)
+        # Nor is that of a sensor which has shown it, and shows nothing now or is not believed.
+        shows = sensor is not None and sensor.fault == "" and bool(np.isfinite(measured))
+        flutters &= one.name not in self._seen or shows
         self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1], read, forgotten_after, flutters)
 
     def _judge_unseen(self, one: Alarm, row: Compared, sensor: Health | None) -> None:
