@@ -32,7 +32,7 @@ OF_ESTIMATE = (
     "from_rest", "_plain", "_passage", "_pending", "_gathered", "_slopes", "_bounce", "_steep", "_steep_at", "_begin",
 )  # fmt: skip
 OF_FAMILY = ("at", "apart", "mixed", "trust", "steady", "rough", "blows_due")
-OF_WATCH = ("_told_ahead", "_before", "_seen", "_seen_before_rest", "_irregular")
+OF_WATCH = ("_told_ahead", "_before", "_seen", "_seen_before_rest", "_irregular", "_down_from")
 OF_OUTLOOK = (
     "found", "restricted", "_under_way", "_due", "_shown", "_next_forecast", "_next_restrict", "_waiting", "_begun",
 )  # fmt: skip

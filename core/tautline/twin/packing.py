@@ -158,7 +158,7 @@ class Unpacking:
         values = self._fields(packed, made._fields)  # type: ignore[attr-defined]
         return self._keep(packed, Gone() if holds_gone(values) else made(**values))
 
-    def _dataclass(self, packed: dict[str, Any], made: Any) -> Any:
+    def _dataclass(self, packed: dict[str, Any], made: type[Any]) -> Any:
         if not is_dataclass(made):
             raise TypeError(f"{packed['record']} has no fields")
         known = [one.name for one in fields(made)]

@@ -152,6 +152,7 @@ class Watch:
         self._seen: dict[str, tuple[str, bool]] = {}
         # Alarms of which what is computed was beyond the bound before it began again from rest.
         self._seen_before_rest: set[str] = set()
+        self._down_from = np.inf
         self._irregular: dict[str, str] = {}
         self._before = -np.inf
 
@@ -160,8 +161,7 @@ class Watch:
         measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
         sensors = {one.channel.name: one for one in self.health if one.channel.is_output}
         order = [one.name for one in self.plan.measured]
-        if row.put_down and row.converged and row.time >= row.judged_from and not row.unsure:
-            self._follow_again()
+        self._follow_again(row)
         for one in self.plan.alarms:
             sensor = sensors.get(one.target)
             if one.is_residual and sensor is not None:
@@ -186,13 +186,21 @@ class Watch:
         """Take notice that what is computed begins again from rest: it has followed nothing of what sensors showed."""
         self._seen_before_rest |= {name for name, (_, followed) in self._seen.items() if followed}
         self._seen = {name: (text, False) for name, (text, _) in self._seen.items()}
+        self._down_from = np.inf  # of simulations that are no more
 
-    def _follow_again(self) -> None:
-        """Take notice that what is computed is as the machine is again, whatever it has missed since it was at rest.
+    def _follow_again(self, row: Compared) -> None:
+        """Follow whether what is computed is as the machine is again, whatever it has missed since it was at rest.
 
-        What it misses is how the load bounced then. A load that stands on the ground, on a slack rope, has no more of
-        that. The load itself is in the estimate where what is computed was beyond the bound before.
+        What it misses is how the load bounced then. A load that has stood on the ground, on a slack rope, for `CLEAR`
+        has no more of that; one that touches it in the trough of a wave still has. The load itself is in the estimate
+        where what is computed was beyond the bound before.
         """
+        if not (row.put_down and row.converged and row.time >= row.judged_from and not row.unsure):
+            self._down_from = np.inf
+            return
+        self._down_from = min(self._down_from, row.time)
+        if row.time - self._down_from < CLEAR * (1.0 - EDGE):
+            return
         for name in self._seen_before_rest & self._seen.keys():
             self._seen[name] = self._seen[name][0], True
         self._seen_before_rest.clear()
