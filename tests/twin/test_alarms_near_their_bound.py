@@ -20,7 +20,7 @@ from tautline.twin.watch import Compared, Watch
 
 MAP = """
 sensors:
-  - {column: rope, unit: kN, output: winch.tension, sd: 0.5 kN}
+  - {column: rope, unit: kN, output: winch.tension, sd: 0.5 kN, range: [0, 60]}
 watch:
   - {output: winch.tension, above: 48 kN, name: overload}
 ahead: 0 s
@@ -80,6 +80,18 @@ def test_an_overload_begins_and_ends_in_the_same_rows_whether_it_is_certain_or_n
     assert ends[0][0] == pytest.approx(1.0) and ends[0][-1] == pytest.approx(2.9 + CLEAR - 0.1)
 
 
+@pytest.mark.parametrize(
+    ("shown", "silent"), [(-5.0, 0.0), (np.nan, 1.0)], ids=["its wire is broken", "it is unplugged"]
+)
+def test_an_overload_whose_sensor_fails_is_in_doubt_at_once_where_what_is_computed_is_near_the_bound(
+    shown, silent, judged
+):
+    """By docs/twin.md the last reading of a sensor that is silent counts for a second; one of -5 kN is out of range."""
+    found = judged([MORE] * 20 + [shown] * 40)
+    assert all(alarm.known == (time < 2.0 + silent - 0.05) for time, alarm in found)
+    assert all("That is not certain" in alarm.text for time, alarm in found if time > 2.0 + silent)
+
+
 def test_a_danger_ahead_that_was_certain_is_in_doubt_at_once_where_all_that_is_computed_is():
     twin = weight_twin(start="5 t", map=WEIGHT)
 
@@ -116,7 +128,7 @@ class Readings:
         pass
 
 
-def test_the_command_tells_an_overload_once_that_it_is_in_doubt_once_and_that_it_is_certain_in_sentences(
+def test_the_command_tells_an_overload_once_then_that_it_is_in_doubt_and_that_it_is_certain_in_sentences(
     capsys, tmp_path, monkeypatch
 ):
     (tmp_path / "scene.yaml").write_text(STILL)
@@ -132,6 +144,7 @@ def test_the_command_tells_an_overload_once_that_it_is_in_doubt_once_and_that_it
         "0.0 s: ALARM overload: winch.tension measured: 48.5",
         "2.8 s: overload is in doubt now: winch.tension computed: ",
         "4.0 s: overload is certain now: winch.tension measured: 48.5",
+        "5.2 s: overload is in doubt now: winch.tension computed: ",  # the last reading came at 4.1 s
     ]
     assert code == 0 and len(said) == len(begins), said
     assert all(one.startswith(begin) for one, begin in zip(said, begins, strict=True)), said

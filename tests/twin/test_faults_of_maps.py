@@ -53,6 +53,28 @@ def test_a_range_that_cannot_be_read_is_told_and_nothing_else_fails():
     assert "estimate[0].range[0]" in [key for key, _, _ in problems(start="start: 38,", span="[20 m, 30]")]
 
 
+@pytest.mark.parametrize("start", ["start: 8,", "start: 9 t,", ""])
+def test_a_range_that_ends_before_it_begins_is_told_and_not_where_the_start_would_have_to_be(start):
+    ((key, cause, _),) = problems(start=start, span="[10 t, 5 t]")
+    assert key == "estimate[0].range" and cause == "ends before it begins"
+
+
+@pytest.mark.parametrize(
+    ("instead", "where"),
+    [
+        ({"start": "start: true,"}, "estimate[0].start"),
+        ({"sd": ("sd: 4 t", "sd: true")}, "estimate[0].sd"),
+        ({"span": "[false, 20 t]"}, "estimate[0].range[0]"),
+        ({"sd": ("sd: 4 t", "sd: 4 t, drift: true")}, "estimate[0].drift"),
+        ({"sensor": ("output: winch.tension", "output: winch.tension, sd: true")}, "sensors[1].sd"),
+        ({"more": ("\nestimate", "\nwatch: [{output: winch.tension, above: true}]\nestimate")}, "watch[0].above"),
+    ],
+)
+def test_true_and_false_are_told_to_be_no_numbers_where_they_stand(instead, where):
+    found = [(key, cause) for key, cause, _ in problems(**instead)]
+    assert [one for one in found if one[0] == where and "true and false are not numbers" in one[1]], found
+
+
 @pytest.mark.parametrize(
     ("unit", "force"), [("t", "tf"), ("kg", "kgf"), ("tonne", "tf"), ("lb", "lbf"), ("klb", "klbf")]
 )

@@ -2,6 +2,8 @@
 
 import copy
 import json
+from dataclasses import make_dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from of_the_suite import studies
 from twin.rehearsal import STILL, WEIGHT, calm_rows, weight_twin
 
 from tautline.results.errors import ResultError
+from tautline.twin.memory import RECORDS
 from tautline.twin.packing import Held, Packing, Unpacking
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.rows import Rows
@@ -172,7 +175,7 @@ EDITS = {
     "no states": lambda held: dict(held["families"]["pairs"])["family"]["pairs"].pop(0),
     "a part that is none": lambda held: held["whole"]["pairs"].append(["rows", 3]),
     "a record with less": lambda held: record_of(held, ":Row")["of"].pop("raw"),
-    "a record with more": lambda held: record_of(held, ":Row")["of"].update(torque=1.0),
+    "a record of an unknown class": lambda held: record_of(held, ":Row").update(record="tautline.twin.rows:Line"),
 }  # fmt: skip
 
 
@@ -308,8 +311,71 @@ def test_packed_values_are_the_same_to_the_bit_and_what_was_one_is_one_again():
     assert found["a"][0] is found["b"] and found["a"][1] is found["b"].values
     assert found["b"].values.tobytes() == row.values.tobytes() and vars(found["b"]).keys() == vars(row).keys()
     assert found["c"] == held["c"] and type(found["c"][0]) is np.float64 and found["d"] == held["d"]
-    with pytest.raises(KeyError):
-        Unpacking([], packing.data).value(json.loads(words))
+
+
+class Outmoded(NamedTuple):
+    """A record of an earlier program, with what another part holds as well."""
+
+    time: float
+    shown: np.ndarray
+
+
+Earlier = make_dataclass("Earlier", [*Row.__dataclass_fields__, "no_more"])
+Earlier.__module__, Earlier.__qualname__ = Row.__module__, Row.__qualname__
+
+
+def unpacked(value, of_then, of_now):
+    """A value that a program with other records has written, as this one reads it."""
+    packing = Packing(of_then)
+    words = json.dumps(packing.packed(value))
+    return Unpacking(of_now, packing.data).value(json.loads(words))
+
+
+def test_a_field_that_a_record_has_no_more_is_left_out_and_what_others_share_with_it_is_there():
+    shared = np.array([1.5, np.nan])
+    found = unpacked([Earlier(*range(len(Row.__dataclass_fields__)), shared), shared], [Earlier], [Row])
+    assert type(found[0]) is Row and vars(found[0]) == {one: k for k, one in enumerate(Row.__dataclass_fields__)}
+    assert found[1].tobytes() == shared.tobytes()
+
+
+def test_a_record_that_lacks_a_field_is_refused():
+    less = make_dataclass("Less", ["time"])
+    less.__module__, less.__qualname__ = Row.__module__, Row.__qualname__
+    with pytest.raises(ValueError, match="lacks fields"):
+        unpacked(less(1.0), [less], [Row])
+
+
+@pytest.mark.parametrize(
+    "within", [lambda one: one, lambda one: [{"a": (one,)}], lambda one: Row(1.5, np.zeros(1), places=[one])]
+)
+def test_a_record_of_a_class_that_is_no_more_is_a_fault_only_where_a_thing_needs_it(within):
+    old, rows = Outmoded(1.0, np.array([2.0])), Rows(("x",))
+    found = unpacked({"then": within(old), "shared": old.shown}, [Outmoded, Row], [Row])
+    assert found["shared"][0] == 2.0
+    assert not Held({"no_more": found["then"], "reached": 3.0}).lacks(rows)
+    assert Held({"reached": found["then"]}).lacks(rows)
+
+
+@pytest.mark.parametrize(("name", "needed"), [("no_more", False), ("since", True)])
+def test_a_twin_goes_on_from_a_state_with_records_of_an_earlier_program_where_it_does_not_need_them(
+    name, needed, tmp_path, monkeypatch
+):
+    first, second = Twin(STILL, WATCHED), Twin(STILL, WATCHED)
+    for k in range(10):
+        first.add(0.1 * k, [84.0 + 1e-3 * (k % 7)])
+    assert hasattr(first.settling, name) == needed
+    setattr(first.settling, name, [Outmoded(0.5, first.estimate.horizon.mean)])
+    with monkeypatch.context() as then:
+        then.setattr("tautline.twin.memory.RECORDS", (*RECORDS, Outmoded))
+        then.setattr(first.settling, "memory", Twin(STILL, WATCHED).settling.memory)
+        save(first, tmp_path / "state.npz")
+    if needed:
+        with pytest.raises(ResultError, match="was written by another version"):
+            load(second, tmp_path / "state.npz")
+        assert np.isnan(second.now) and not second.watch.alarms.active
+    else:
+        load(second, tmp_path / "state.npz")
+        assert second.now == first.now and second.watch.alarms.active == first.watch.alarms.active != {}
 
 
 def test_what_a_part_of_another_version_has_held_is_left_out():

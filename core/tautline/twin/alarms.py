@@ -96,6 +96,10 @@ class Alarms:
             for name, one in self.active.items()
         ]
 
+    def by_name(self) -> tuple[dict[str, Any], ...]:
+        """All that is held of alarms, each by their names."""
+        return self.active, self._begun, self._held
+
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
         return {name: [one.since, one.seen, one.text, one.known, one.certain] for name, one in self.active.items()}

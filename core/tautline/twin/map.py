@@ -25,8 +25,8 @@ from tautline.twin.map_faults import other_quantity, outside
 
 Seconds = Annotated[float, quantity("s", positive=True)]
 Wait = Annotated[float, quantity("s", nonnegative=True)]
-Written = float | str
-"""A number, or a text with a unit; it is read when the quantity that it belongs to is known."""
+Written = pydantic.StrictBool | float | str
+"""A number, or a text with a unit; it is read when the quantity that it belongs to is known. True is told as none."""
 TIMES_SD = re.compile(r"\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*sd\s*")
 PER_CENT = re.compile(r"\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*%\s*")
 WINDOW = 3.0
@@ -536,7 +536,7 @@ class _Reader:
         low, high = self.bounds((*key, "range"), one.range, unit)
         if not sd > 0.0:
             self.fault((*key, "sd"), "must be greater than zero", "say how far off the start may be")
-        if one.range is not None and not low <= start <= high:
+        if one.range is not None and low < high and not low <= start <= high:
             self.fault((*key, "start"), *outside(one.start, default, one.range, (low, high), unit))
         drift = self.drift((*key, "drift"), one.drift, unit)
         return Unknown(

@@ -17,7 +17,7 @@ from tautline.twin.estimation.horizon import Sample
 from tautline.twin.estimation.log import Checkpoint, Logged
 from tautline.twin.estimation.passage import Passage
 from tautline.twin.forecast import Found
-from tautline.twin.packing import Packing, Unpacking
+from tautline.twin.packing import Packing, Unpacking, holds_gone
 from tautline.twin.restrictions import Departure
 from tautline.twin.signals.row import Row
 
@@ -32,7 +32,7 @@ OF_ESTIMATE = (
     "from_rest", "_plain", "_passage", "_pending", "_gathered", "_slopes", "_bounce", "_steep", "_steep_at", "_begin",
 )  # fmt: skip
 OF_FAMILY = ("at", "apart", "mixed", "trust", "steady", "rough", "blows_due")
-OF_WATCH = ("_told_ahead", "_before", "_seen", "_seen_before_rest", "_irregular")
+OF_WATCH = ("_told_ahead", "_before", "_seen", "_seen_before_rest", "_irregular", "_down_from")
 OF_OUTLOOK = (
     "found", "restricted", "_under_way", "_due", "_shown", "_next_forecast", "_next_restrict", "_waiting", "_begun",
 )  # fmt: skip
@@ -79,6 +79,14 @@ class Memory:
             held.keys()
         for name in self._whole.keys() & (whole := _whole(twin)).keys() - later.keys():
             self._whole[name].check(whole[name])
+        if self._lacks(twin):
+            raise ValueError("it needs records of a class that is no more")
+
+    def _lacks(self, twin: Twin) -> bool:
+        """Whether something of it that this program needs was a record of another version, whose class is no more."""
+        whole = {name: part for name, part in _whole(twin).items() if name in self._whole}
+        some = [self._named(name, names) for name, (_, names) in _some(twin).items()]
+        return holds_gone([self._families, some]) or any(self._whole[name].lacks(part) for name, part in whole.items())
 
     def put_watch(self, twin: Twin) -> None:
         """Let a twin go on with what sensors and alarms have shown, whatever its simulations hold.

@@ -102,6 +102,9 @@ class Packing:
 class Unpacking:
     """Reads what `Packing` has written; raises ValueError, TypeError, KeyError or IndexError for anything else.
 
+    Fields that a record does not have any more are left out. For a record of a class that is none of `records` stands
+    `Gone`: it is a fault only where something needs it.
+
     Parameters
     ----------
     records : collection of type
@@ -145,21 +148,39 @@ class Unpacking:
         return value
 
     def _record(self, packed: dict[str, Any]) -> Any:
-        made = self._records[packed["record"]]
+        made = self._records.get(packed["record"])
+        if made is None:
+            return self._gone(packed)
         if issubclass(made, Enum):
             return self._keep(packed, made(self.value(packed["value"])))
-        if issubclass(made, tuple):
-            return self._keep(packed, made(**{key: self.value(one) for key, one in packed["of"].items()}))
+        if not issubclass(made, tuple):
+            return self._dataclass(packed, made)
+        values = self._fields(packed, made._fields)  # type: ignore[attr-defined]
+        return self._keep(packed, Gone() if holds_gone(values) else made(**values))
+
+    def _dataclass(self, packed: dict[str, Any], made: type[Any]) -> Any:
         if not is_dataclass(made):
             raise TypeError(f"{packed['record']} has no fields")
-        known = {one.name for one in fields(made)}
+        known = [one.name for one in fields(made)]
         needed = {name for name in known if not hasattr(made, name)}  # what has a plain default may be missing
-        if not needed <= packed["of"].keys() <= known:
-            raise ValueError(f"{packed['record']} has other fields")  # it is one of another version of the program
+        if not needed <= packed["of"].keys():
+            raise ValueError(f"{packed['record']} lacks fields")  # it is one of another version of the program
         record = self._keep(packed, made.__new__(made))
-        for key, one in packed["of"].items():
-            object.__setattr__(record, key, self.value(one))
-        return record
+        values = self._fields(packed, known)
+        for key, one in values.items():
+            object.__setattr__(record, key, one)
+        return self._keep(packed, Gone()) if holds_gone(values) else record
+
+    def _fields(self, packed: dict[str, Any], known: Collection[str]) -> dict[str, Any]:
+        """Values of the fields that a record of this version has; the others are read, too: others may name them."""
+        values = {key: self.value(one) for key, one in packed["of"].items()}
+        return {key: one for key, one in values.items() if key in known}
+
+    def _gone(self, packed: dict[str, Any]) -> Any:
+        """Stands for a record of another version of the program, whose class is none of this one's."""
+        for one in packed["of"].values() if "of" in packed else [packed["value"]]:
+            self.value(one)
+        return self._keep(packed, Gone())
 
     def _array(self, packed: dict[str, Any]) -> np.ndarray:
         kind, shape, begin = packed["array"], [int(n) for n in packed["shape"]], int(packed["at"])
@@ -171,8 +192,32 @@ class Unpacking:
         return np.frombuffer(self._data, kind, count, begin).reshape(shape).copy()
 
 
+class Gone:
+    """What stands for a record of a class that is no more."""
+
+
+def holds_gone(value: Any) -> bool:
+    """Whether a value is, or holds, a record of a class that is no more; a record that needs one is none itself."""
+    if isinstance(value, Mapping):
+        return any(holds_gone(one) for pair in value.items() for one in pair)
+    if isinstance(value, (list, tuple, deque, set)):
+        return any(holds_gone(one) for one in value)
+    return isinstance(value, Gone)
+
+
 class Held(dict[str, Any]):
     """What a thing held, by name."""
+
+    def lacks(self, thing: Any) -> bool:
+        """Whether a thing needs what is no more. What a thing that is not laid out yet will need is not known: all."""
+        if not hasattr(thing, "__dict__"):
+            return holds_gone(self)
+        own = vars(thing)
+        return any(
+            value.lacks(own[name]) if isinstance(value, Held) else holds_gone(value)
+            for name, value in self.items()
+            if name in own
+        )
 
     def check(self, thing: Any) -> None:
         """Raise TypeError where a thing cannot hold it."""

@@ -19,6 +19,7 @@ from tautline.results.disk import cure_of
 from tautline.results.errors import ResultError
 from tautline.twin.estimation.horizon import Sample
 from tautline.twin.memory import Memory, memory_of
+from tautline.twin.watch import Watched
 from tautline.whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def save(twin: Twin, path: Path) -> None:
         "alarms": twin.watch.alarms.memory(), "blows_due": estimate.family.blows_due,
         "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
         "settling": twin.settling.memory(), "far": readings.far, "heard": twin.heard,
-        "stepped": sorted(readings.stepped),
+        "stepped": sorted(readings.stepped), "watch": twin.watch.watched(),
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
@@ -100,6 +101,8 @@ def load(twin: Twin, path: Path) -> float:
         raise foreign
     try:
         memory = Memory(twin, arrays["held"], arrays["held_data"]) if "held" in arrays else None
+        # States of earlier versions do not say what they watched: all goes on then.
+        watched = {name: Watched(*one) for name, one in words.get("watch", {}).items()}
     except (ValueError, TypeError, KeyError, IndexError, AttributeError):
         why = "is no state of a twin, or was written by another version of the program"
         raise ResultError(path, why, "begin the twin anew, without --resume") from None
@@ -116,6 +119,7 @@ def load(twin: Twin, path: Path) -> float:
         _recall(twin, words, arrays)
         if memory is not None:
             memory.put_watch(twin)
+        twin.notes += twin.watch.go_on_from(watched)
         twin.go_on_from_rest()
         return float(words["now"])
     twin.estimate.family.restore([
@@ -125,6 +129,7 @@ def load(twin: Twin, path: Path) -> float:
     _recall(twin, words, arrays)
     if memory is not None:
         memory.put(twin)
+    twin.notes += twin.watch.go_on_from(watched)
     return float(words["now"])
 
 

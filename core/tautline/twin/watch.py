@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,6 +39,25 @@ WHY_OFF = "zero and unit of the sensor, or the scene's weights, are not right, a
 """Cause of a residual of dozens of standard deviations that stays."""
 CHANGED, SHOWN = "changed", 30.0
 """Name of the alarm that the machine is no longer what it was, and for how long it is shown, s."""
+
+
+class Watched(NamedTuple):
+    """What an alarm is about, whatever its name and how far its bounds: an output or its residual, and the sides."""
+
+    target: str
+    is_residual: bool
+    above: bool
+    below: bool
+
+    @classmethod
+    def by(cls, one: Alarm) -> Watched:
+        """What an alarm of a plan is about."""
+        return cls(one.target, one.is_residual, bool(np.isfinite(one.above)), bool(np.isfinite(one.below)))
+
+    def is_as(self, other: Watched) -> bool:
+        """Whether two are about one thing: what is beyond the bound of one may be beyond that of the other."""
+        same = (self.target, self.is_residual) == (other.target, other.is_residual)
+        return same and ((self.above and other.above) or (self.below and other.below))
 
 
 @dataclass(frozen=True)
@@ -152,6 +171,7 @@ class Watch:
         self._seen: dict[str, tuple[str, bool]] = {}
         # Alarms of which what is computed was beyond the bound before it began again from rest.
         self._seen_before_rest: set[str] = set()
+        self._down_from = np.inf
         self._irregular: dict[str, str] = {}
         self._before = -np.inf
 
@@ -160,8 +180,7 @@ class Watch:
         measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
         sensors = {one.channel.name: one for one in self.health if one.channel.is_output}
         order = [one.name for one in self.plan.measured]
-        if row.put_down and row.converged and row.time >= row.judged_from and not row.unsure:
-            self._follow_again()
+        self._follow_again(row)
         for one in self.plan.alarms:
             sensor = sensors.get(one.target)
             if one.is_residual and sensor is not None:
@@ -178,6 +197,57 @@ class Watch:
         self.alarms.judge(CATCHING_UP, row.time < row.judged_from, row.time, text)
         self._before = row.time
 
+    def watched(self) -> dict[str, Watched]:
+        """What each alarm of the plan is about, by name."""
+        return {one.name: Watched.by(one) for one in self.plan.alarms}
+
+    def go_on_from(self, before: Mapping[str, Watched]) -> list[str]:
+        """Put what was recalled of the alarms of another plan to those of this one; gives what is said of the others.
+
+        An alarm under another name goes on: a new name shows nothing of whether it is over. One that this plan does not
+        watch any more ends: nothing would ever judge it.
+
+        Parameters
+        ----------
+        before : mapping
+            `watched` of the other plan.
+        """
+        now = self.watched()
+        gone = [name for name, one in before.items() if name not in now or not one.is_as(now[name])]
+        ended = {name: active.text for name in gone if (active := self.alarms.active.get(name)) is not None}
+        since = {name: self.alarms.active[name].since for name in ended}
+        held = {name: self._taken(name) for name in gone}
+        for name in (one for one in now if one in gone or one not in before):
+            likely = [one for one in gone if before[one].is_as(now[name])]
+            if likely:
+                # Of several the one that is active.
+                source = next((one for one in likely if one in since), likely[0])
+                self._given(name, *held[source])
+                ended.pop(source, None)
+        why = "is not watched any more by this map; it was active since"
+        return [f"{name} {why} {since[name]:.10g} s: {text}" for name, text in ended.items()]
+
+    def _taken(self, name: str) -> tuple[list[Any], list[bool]]:
+        """All that is held of an alarm, which is forgotten."""
+        told = [name in one for one in self._told_of()]
+        for one in self._told_of():
+            one.discard(name)
+        return [one.pop(name, None) for one in self._by_name()], told
+
+    def _given(self, name: str, values: Sequence[Any], told: Sequence[bool]) -> None:
+        """Hold of an alarm what `_taken` gave of another."""
+        for one, value in zip(self._by_name(), values, strict=True):
+            if value is not None:
+                one[name] = value
+        for names, holds in zip(self._told_of(), told, strict=True):
+            names |= {name} if holds else set()
+
+    def _by_name(self) -> tuple[dict[str, Any], ...]:
+        return *self.alarms.by_name(), self._seen, self._irregular
+
+    def _told_of(self) -> tuple[set[str], set[str]]:
+        return self._told_ahead, self._seen_before_rest
+
     def stopped(self, time: float, text: str) -> None:
         """Take notice that the simulation was begun again."""
         self.alarms.judge(STOPPED, True, time, text)
@@ -186,13 +256,21 @@ class Watch:
         """Take notice that what is computed begins again from rest: it has followed nothing of what sensors showed."""
         self._seen_before_rest |= {name for name, (_, followed) in self._seen.items() if followed}
         self._seen = {name: (text, False) for name, (text, _) in self._seen.items()}
+        self._down_from = np.inf  # of simulations that are no more
 
-    def _follow_again(self) -> None:
-        """Take notice that what is computed is as the machine is again, whatever it has missed since it was at rest.
+    def _follow_again(self, row: Compared) -> None:
+        """Follow whether what is computed is as the machine is again, whatever it has missed since it was at rest.
 
-        What it misses is how the load bounced then. A load that stands on the ground, on a slack rope, has no more of
-        that. The load itself is in the estimate where what is computed was beyond the bound before.
+        What it misses is how the load bounced then. A load that has stood on the ground, on a slack rope, for `CLEAR`
+        has no more of that; one that touches it in the trough of a wave still has. The load itself is in the estimate
+        where what is computed was beyond the bound before.
         """
+        if not (row.put_down and row.converged and row.time >= row.judged_from and not row.unsure):
+            self._down_from = np.inf
+            return
+        self._down_from = min(self._down_from, row.time)
+        if row.time - self._down_from < CLEAR * (1.0 - EDGE):
+            return
         for name in self._seen_before_rest & self._seen.keys():
             self._seen[name] = self._seen[name][0], True
         self._seen_before_rest.clear()
@@ -253,6 +331,9 @@ class Watch:
             forgotten_after = max(CLEAR, sensor.patience, row.time - self._before) * (1.0 + EDGE)
         # A doubt of all that is computed, or of where the estimate is, is none that the next row may end.
         flutters = ahead is None or bool(np.isfinite(ahead[3]) and not row.unsure)
+        # Nor is that of a sensor which has shown it, and shows nothing now or is not believed.
+        shows = sensor is not None and sensor.fault == "" and bool(np.isfinite(measured))
+        flutters &= one.name not in self._seen or shows
         self.alarms.judge(one.name, True, row.time, said[0], one.lasting, said[1], read, forgotten_after, flutters)
 
     def _judge_unseen(self, one: Alarm, row: Compared, sensor: Health | None) -> None:
