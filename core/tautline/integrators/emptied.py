@@ -2,7 +2,7 @@
 
 The loop asks the groups' alarms of states that it has accepted. Next to no length left, an element's forces grow beyond
 all numbers, and no step to zero or past it has a solution that could be accepted. So the alarm is asked again where the
-last attempt at a step was to end. The whole step tells nothing: its halves, quarters, ... failed as well.
+last attempt at a step was to end, or little later. The whole step tells nothing: its halves, quarters, ... failed, too.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from tautline.system.system import System
 
 FAILURES = Status.NOT_CONVERGED, Status.NOT_FINITE, Status.SINGULAR, Status.UNSTABLE, Status.INACCURATE
 """Ends of a run behind which an element without length may stand."""
-FINEST = 10
-"""Halvings of a step, at most, to where the alarm is asked. Forces grow next to no length left: a step that may be
-halved more often is given up several of its finest parts before that."""
+NEXT_TO_EMPTY = 1e-3
+"""Share of the time since the start within which what is next to empty is empty. Forces grow there, and a step may be
+given up many of its finest parts before the end: drawn out evenly, an element has a thousandth of its material left."""
 
 
 @entry
@@ -56,16 +56,18 @@ def status_of_failure(method: Any, system: System, state: State, status: Status,
     """
     if status not in FAILURES:
         return status
-    place = _emptied(system, state, time, _last_attempt(method, step))
+    place = _emptied(system, state, time, _ahead(method, time, step))
     if place is None:
         return status
     state.counters[WORST] = -1 - place
     return Status.NO_LENGTH
 
 
-def _last_attempt(method: Any, step: float) -> float:
-    """Length, s, of about the shortest part of a step that was tried: explicit methods try the whole alone."""
-    return step if stepping_with(method).explicit else float(step / 2 ** min(method.max_halvings, FINEST))
+def _ahead(method: Any, time: float, step: float) -> float:
+    """How far beyond a time, s, a step that failed was to go, s: at least as far as its shortest part."""
+    if stepping_with(method).explicit:
+        return step
+    return max(step / 2.0**method.max_halvings, min(step, NEXT_TO_EMPTY * time))
 
 
 def _emptied(system: System, state: State, time: float, step: float) -> int | None:
