@@ -336,7 +336,7 @@ class Run:
                 self.look(self.state, self.time, self.method)
             self._size_batch(made)
         if stopped:
-            end = status_of_failure(system, self.state, Status(status), reached, self.step)
+            end = status_of_failure(self.method, system, self.state, Status(status), reached, self.step)
             end, part, detail = self.model.end_of(self.state, end, int(self.state.counters[WORST]))
             raise self.blamed_for(StoppedEarly(end, reached, part, detail or advice(self.method, end)))
 

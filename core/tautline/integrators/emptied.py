@@ -2,7 +2,7 @@
 
 The loop asks the groups' alarms of states that it has accepted. Next to no length left, an element's forces grow beyond
 all numbers, and no step to zero or past it has a solution that could be accepted. So the alarm is asked again where the
-step that failed was to end.
+last attempt at a step was to end, or little later. The whole step tells nothing: its halves, quarters, ... failed, too.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 
 from tautline.integrators.state import WORST, State, stand_at
 from tautline.integrators.status import Status
+from tautline.integrators.stepping import stepping_with
 from tautline.kernels import groups as over
 from tautline.kernels.groups import EMPTY, KINDS, link
 from tautline.kernels.jit import entry
@@ -21,6 +22,9 @@ from tautline.system.system import System
 
 FAILURES = Status.NOT_CONVERGED, Status.NOT_FINITE, Status.SINGULAR, Status.UNSTABLE, Status.INACCURATE
 """Ends of a run behind which an element without length may stand."""
+NEXT_TO_EMPTY = 1e-3
+"""Share of the time since the start within which what is next to empty is empty. Forces grow there, and a step may be
+given up many of its finest parts before the end: drawn out evenly, an element has a thousandth of its material left."""
 
 
 @entry
@@ -29,8 +33,8 @@ def _ask(groups, dofs, functions, state, t, alarm):
     over.alarm(groups, t, state.full_q, alarm)
 
 
-def status_of_failure(system: System, state: State, status: Status, time: float, step: float) -> Status:
-    """The status of a run that stopped; NO_LENGTH where its next step was to leave an element without material.
+def status_of_failure(method: Any, system: System, state: State, status: Status, time: float, step: float) -> Status:
+    """The status of a run that stopped; NO_LENGTH where its last attempt was to leave an element without material.
 
     The place of the element is then written where the loop writes the place of an alarm. What moves freely is looked at
     where it stands and where its velocity carries it: an element is only said to be empty where both say so. An element
@@ -38,6 +42,8 @@ def status_of_failure(system: System, state: State, status: Status, time: float,
 
     Parameters
     ----------
+    method : NamedTuple
+        Scratch of the method.
     system : System
     state : State
         As it was accepted last.
@@ -46,25 +52,33 @@ def status_of_failure(system: System, state: State, status: Status, time: float,
     time : float
         Of the state, s.
     step : float
-        Length of a step, s.
+        Length of a step before it is halved, s.
     """
     if status not in FAILURES:
         return status
-    place = _emptied(system, state, time, step)
+    place = _emptied(system, state, time, _ahead(method, time, step))
     if place is None:
         return status
     state.counters[WORST] = -1 - place
     return Status.NO_LENGTH
 
 
+def _ahead(method: Any, time: float, step: float) -> float:
+    """How far beyond a time, s, a step that failed was to go, s: at least as far as its shortest part."""
+    if stepping_with(method).explicit:
+        return step
+    return max(step / 2.0**method.max_halvings, min(step, NEXT_TO_EMPTY * time))
+
+
 def _emptied(system: System, state: State, time: float, step: float) -> int | None:
-    """Full place of an element that is left without material at the end of a step, if there is one."""
+    """Full place of an element that is left without material at the end of a step, s, if there is one."""
     there = [copy.deepcopy(state) for _ in range(2)]
     there[1].q[:] += step * state.v
     try:
         for group in system.groups:
             if "alarm" in KINDS.get(type(group), {}):
-                linked = link((copy.deepcopy(group),), "alarm")
+                own = copy.deepcopy(group)  # what is linked is referred to, and has to live on
+                linked = link((own,), "alarm")
                 places = {_place_of_alarm(linked, system, one, time + step) for one in there}
                 if len(places) == 1 and (place := places.pop()) is not None:
                     return place

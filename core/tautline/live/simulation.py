@@ -378,11 +378,12 @@ class Simulation:
                 self._stopped, self._status = f"a force raised {type(error).__name__} at {reached:.6g} s", "stopped"
                 self._stand_at(reached)
                 raise error
+        step = float((self._ends[0] - self._time) / self._steps[0])
         self._stand_at(reached)
         self._judge_step()
         if status in (Status.UNSTABLE, Status.NOT_FINITE):
             self._checked.doubt(reached)
-        status = status_of_failure(self.model.system, self._state, status, reached, self._run.step)
+        status = status_of_failure(self._run.method, self.model.system, self._state, status, reached, step)
         status, part, detail = self.model.end_of(self._state, status, int(self._state.counters[WORST]))
         blamed = next((force for force in self._forces if force.fault), None)
         if blamed is not None and status in (Status.NOT_FINITE, Status.NOT_CONVERGED, Status.SINGULAR):

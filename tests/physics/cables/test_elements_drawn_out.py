@@ -1,13 +1,16 @@
 """Elements out of which functions of time draw all material: how `check` foresees them, and how a run tells of them."""
 
 import math
+import weakref
 
+import numpy as np
 import pytest
 
 import tautline
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
 from tautline.cable.model.build import build
+from tautline.integrators import emptied
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.simulation import simulate
 
@@ -61,6 +64,62 @@ def test_a_step_that_fails_before_an_element_is_empty_is_not_blamed_on_it():
     with pytest.raises(StoppedEarly) as stop:
         simulate(build(parse(text)))
     assert stop.value.status is Status.NOT_CONVERGED
+
+
+SLOW = "Function_VelocityDefined: {id: 1, pos0: 3, timeList: [0, 0.01], velocityList: [0, -2]}"
+"""Draws 1 m in by 0.505 s."""
+
+
+@pytest.mark.parametrize(("step", "frames"), [(0.6, 0), ("auto", 1)])
+def test_a_failure_is_not_blamed_on_an_element_that_one_whole_step_would_have_emptied(step, frames):
+    """The step failed in all of its parts: 0.99 m of cable are left where the run stops, by 0.01 s at the latest."""
+    text = reel(function=SLOW, step=step, end=0.6).replace("plotpoints: 0", f"plotpoints: {frames}, maxIter: 1")
+    with pytest.raises(StoppedEarly) as stop:
+        simulate(build(parse(text)))
+    assert stop.value.time < 0.011
+    assert stop.value.status is Status.NOT_CONVERGED
+
+
+def test_a_simulation_that_fails_is_not_blamed_on_an_element_that_one_whole_step_would_have_emptied():
+    text = reel(function=SLOW, step=0.6, end=0.6).replace("plotpoints: 0", "plotpoints: 0, maxIter: 1")
+    with pytest.raises(StoppedEarly) as stop:
+        tautline.Simulation(parse(text)).advance(0.6)
+    assert stop.value.status is Status.NOT_CONVERGED
+
+
+def test_an_advance_that_fails_is_not_blamed_on_an_element_that_a_step_of_the_scene_would_have_emptied():
+    """An advance of 0.01 s leaves 0.99 m; a thousandth of the scene's step of 600 s would leave nothing."""
+    text = reel(function=SLOW, step=600, end=600).replace("plotpoints: 0", "plotpoints: 0, maxIter: 1")
+    with pytest.raises(StoppedEarly) as stop:
+        tautline.Simulation(parse(text)).advance(0.01)
+    assert stop.value.status is Status.NOT_CONVERGED
+
+
+def test_a_group_lives_while_its_alarm_is_asked_at_the_end_of_a_run(monkeypatch):
+    """Linked groups are addresses: of one that is gone, compiled code would read what lies there by now."""
+    copies, asked = [], []
+
+    def linked(groups, *sums):
+        copies[:] = [weakref.ref(part) for group in groups for part in group if isinstance(part, np.ndarray)]
+        return link(groups, *sums)
+
+    def ask(*given):
+        asked.append(all(part() is not None for part in copies))
+        return _ask(*given)
+
+    link, _ask = emptied.link, emptied._ask
+    monkeypatch.setattr(emptied, "link", linked)
+    monkeypatch.setattr(emptied, "_ask", ask)
+    with pytest.raises(StoppedEarly):
+        simulate(build(parse(reel())))
+    assert copies and asked and all(asked)
+
+
+def test_a_run_with_a_chosen_step_still_stops_by_the_name_of_an_element_that_is_drawn_empty():
+    with pytest.raises(StoppedEarly, match="element 2 of line 6") as stop:
+        simulate(build(parse(reel(step="auto").replace("plotpoints: 0", "plotpoints: 1"))))
+    assert stop.value.status is Status.NO_LENGTH
+    assert stop.value.time == pytest.approx(GONE, abs=1e-4)
 
 
 def test_check_foresees_when_an_element_has_no_cable_left():

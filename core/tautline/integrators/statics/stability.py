@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.integrators.statics.equilibrium import find_equilibrium, levers, neighbours, search_from
+from tautline.integrators.status import StoppedEarly
 from tautline.kernels.matrix import (
     Factors,
     Matrix,
@@ -39,6 +41,8 @@ SMALL = 600
 
 ALIKE = 1e-4
 """Share by which stiffnesses of two motions may differ that gain alike."""
+ALL_ALIKE = 1.0 + 1e-6
+"""Room up to which equal elements differ by rounding alone."""
 SPRING = 1e-4
 """Softness of a constraint where pivots are counted, over that of the stiffest unknown. What is left of a stiffness
 beside a spring is rounded as the spring is."""
@@ -75,7 +79,8 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
 
     What :func:`~tautline.integrators.statics.equilibrium.find_equilibrium` finds may be a maximum or a saddle of the
     energy. It is left then along the motion that lowers the energy most, and searched on by pseudo-transient
-    continuation, an overdamped motion downhill.
+    continuation, an overdamped motion downhill. Where that leads nowhere, and the system has room, all of it is done
+    again without.
 
     Returns
     -------
@@ -87,12 +92,25 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
     StoppedEarly
         NO_EQUILIBRIUM, where none was found at all.
     """
+    drawn = state.q.copy()
     find_equilibrium(system, state, step_limit)
     first = count_negative(system, state)
     if first.negative <= 0:
         return first
-    found, growth = state.q.copy(), _growth(system, state, first.mode)
-    mode = first.mode / max(float(np.abs(first.mode * levers(system)).max()), 1e-300)
+    found = state.q.copy()
+    stable = _leave(system, state, step_limit, first) or _on_another_path(system, state, step_limit, drawn)
+    if stable is not None:
+        return stable
+    state.q[:] = found
+    again = new_factors(system.size, system.bandwidth, system.border).matrix
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, again, np.zeros(system.size))
+    return first
+
+
+def _leave(system: System, state: State, step_limit: float, unstable: Stability) -> Stability | None:
+    """Leave an unstable equilibrium downhill, to a stable one; None, with the state anywhere, if none was found."""
+    found, growth = state.q.copy(), _growth(system, state, unstable.mode)
+    mode = unstable.mode / max(float(np.abs(unstable.mode * levers(system)).max()), 1e-300)
     tries = [(share * growth, push) for share, push in LEAVING if growth > 0.0]
     for shift, push in (*tries, *((shift, ASIDE) for shift in SHIFTS)):
         state.q[:] = found + push * step_limit * mode
@@ -100,10 +118,27 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
             now = count_negative(system, state)
             if now.negative == 0:
                 return now
-    state.q[:] = found
-    again = new_factors(system.size, system.bandwidth, system.border).matrix
-    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, again, np.zeros(system.size))
-    return first
+    return None
+
+
+def _on_another_path(system: System, state: State, step_limit: float, drawn: np.ndarray) -> Stability | None:
+    """Search again from where the first search began (n,), where there is another path: with as little room for all.
+
+    Room lets long elements change by more at once than short ones. From a drawing far from rest both paths are a matter
+    of luck, and the slower one may end at a stable equilibrium where the other did not.
+    """
+    if max(system.room.max(initial=0.0), system.room_between.max(initial=0.0)) <= ALL_ALIKE:
+        return None
+    alike = replace(system, room=np.zeros(0), room_between=np.zeros(0))
+    state.q[:] = drawn
+    try:
+        find_equilibrium(alike, state, step_limit)
+    except StoppedEarly:
+        return None
+    there = count_negative(alike, state)
+    if there.negative > 0:
+        return _leave(alike, state, step_limit, there)
+    return there if there.negative == 0 else None
 
 
 def _growth(system: System, state: State, mode: np.ndarray) -> float:
