@@ -238,3 +238,15 @@ def test_a_keyboard_interrupt_that_a_force_raises_is_no_ctrl_c_and_the_time_is_t
     with pytest.raises(KeyboardInterrupt):
         sim.advance(0.1)
     assert sim.time == pytest.approx(0.02) and f"{sim.time:.6g} s" in sim.stopped
+
+
+@compiled
+@pytest.mark.parametrize(
+    "function", [raising, no_number, lambda t, q, v: [0.0, np.nan, 0.0]], ids=["raises", "nan", "Python"]
+)
+def test_a_force_that_fails_without_an_error_is_told_by_name_while_a_model_is_linearised(standing, function):
+    sim = standing.copy()
+    sim.advance(0.05)
+    sim.add_force(function, on="payload.position")
+    with pytest.raises(SimulationError, match=r"force .*: it (raised|gave)"):
+        sim.linearise(["winch.pay_out_speed"], ["payload.position"])

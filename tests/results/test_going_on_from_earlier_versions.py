@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 import tautline
@@ -56,3 +57,21 @@ def test_a_state_whose_frames_are_told_otherwise_is_refused(scene, monkeypatch):
 def test_a_crane_without_moving_frames_has_nothing_to_say_of_them():
     still = tautline.read(HOIST).replace({"vessel.motion": {"heave": {"constant": 0.0}}, "solver.end": "0.05 s"})
     assert FRAMES_TOLD not in tautline.simulate(still).attributes
+
+
+def test_a_result_of_a_simulation_that_only_named_a_still_frame_is_gone_on_with(scene):
+    still = scene.replace({"vessel.motion": {"heave": {"constant": 0.0}}})
+    sim = tautline.Simulation(still, inputs=["vessel.heave"])
+    sim.advance(0.1)
+    assert tautline.simulate(still, resume=sim.result)["time"][-1] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("frames", [[3], range(11)], ids=["one", "all"])
+def test_a_result_with_times_that_are_no_numbers_is_refused_and_nothing_goes_on_from_it(scene, kept, frames, tmp_path):
+    damaged = tmp_path / "damaged.nc"
+    shutil.copyfile(kept, damaged)
+    with h5py.File(damaged, "r+") as file:
+        for frame in frames:
+            file["time"][frame] = np.nan
+    with pytest.raises(ResultError, match="is damaged"):
+        tautline.simulate(scene.replace({"solver.end": "0.6 s"}), resume=tautline.Result.read(damaged))

@@ -109,3 +109,27 @@ def test_alarms_of_a_state_that_does_not_say_what_it_watched_go_on(state, tmp_pa
         np.savez(tmp_path / "a.npz", **{**file, "words": np.frombuffer(json.dumps(words).encode(), np.uint8)})
     alarms, notes = gone_on(tmp_path / "a.npz")
     assert "overload" in alarms and not notes
+
+
+def between(bound, name=""):
+    return f"{{output: winch.tension, above: {bound} kN{', name: ' + name if name else ''}}}"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "active"),
+    [
+        ([(60, "warn"), (80, "overload")], [(60, "high"), (80, "critical")], {"high"}),
+        ([(60, ""), (80, "")], [(65, ""), (85, "")], {"winch.tension above 65 kN"}),
+        ([(60, "warn")], [(60, "high"), (500, "critical")], {"high"}),
+    ],
+    ids=["both renamed", "both bounds moved", "one renamed and one added"],
+)
+def test_an_alarm_goes_on_as_one_alone_and_as_that_whose_bound_is_nearest(before, after, active, tmp_path):
+    """70 kN was shown: none of the bounds of 80 kN and more was ever passed, and the cell is dead since."""
+    first, path = watching(*(between(*one) for one in before)), tmp_path / "own.npz"
+    lines(first, [49.0] * 5 + [70.0] * 10 + [np.nan] * 15, 0, SAVED)
+    save(first, path)
+    alarms, notes = gone_on(path, *(between(*one) for one in after))
+    names = {name for _, name in after}
+    watched = {name for name in alarms if name in names or " above " in name}
+    assert watched == active and not notes

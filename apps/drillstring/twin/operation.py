@@ -246,7 +246,8 @@ class RigOperation(Operation):
         state = self.rig.add(time, **asked)
         turns = abs(asked["rotary_speed"]) > SLOWEST_TURN
         torque = asked["torque"] if turns else 0.0
-        self._slips.add(time, state in IN_THE_SLIPS, asked["hook_load"], torque, self._expected())
+        known = state is not RigState.UNKNOWN
+        self._slips.add(time, state in IN_THE_SLIPS, asked["hook_load"], torque, self._expected(), known)
         if state in IN_THE_SLIPS:
             self._at_bit.clear()
             self._stick_slip = None

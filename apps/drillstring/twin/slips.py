@@ -101,15 +101,18 @@ class Slips:
         self._time = nan
         self._below, self._turning = _Lasting(), _Lasting()
 
-    def add(self, time: float, in_slips: bool, load: float, torque: float, by: Expected) -> None:
-        """One more row: hook load with the block, N, and the torque, N m, with which the string turns; 0 at rest."""
+    def add(self, time: float, in_slips: bool, load: float, torque: float, by: Expected, known: bool = True) -> None:
+        """One more row: hook load with the block, N, and the torque, N m, with which the string turns; 0 at rest.
+
+        ``known`` is False while the rig's state is not: in its first rows the gauge is none that has shown the string.
+        """
         passed = time - self._time if isfinite(self._time) else 0.0
         passed = passed if 0.0 < passed <= LONGEST else 0.0
         self._time, self.watched, self.empty = time, self.watched + passed, by.empty
         if not in_slips:
             self._below.clear()
             self._turning.clear()
-            self.carried = self.carried or bool(load - by.empty > by.below)
+            self.carried = self.carried or (known and bool(load - by.empty > by.below))
             return
         self.in_them += passed
         if isfinite(load):  # a gauge that shows nothing is told by itself

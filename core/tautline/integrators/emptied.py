@@ -27,6 +27,10 @@ NEXT_TO_EMPTY = 1e-3
 given up many of its finest parts before the end: drawn out evenly, an element has a thousandth of its material left."""
 
 
+PARTS = 16.0
+"""Of a step, no more than one of them: late in a run that share of the time would be all of it."""
+
+
 @entry
 def _ask(groups, dofs, functions, state, t, alarm):
     stand_at(dofs, functions, state, t)
@@ -67,7 +71,7 @@ def _ahead(method: Any, time: float, step: float) -> float:
     """How far beyond a time, s, a step that failed was to go, s: at least as far as its shortest part."""
     if stepping_with(method).explicit:
         return step
-    return max(step / 2.0**method.max_halvings, min(step, NEXT_TO_EMPTY * time))
+    return max(step / 2.0**method.max_halvings, min(step / PARTS, NEXT_TO_EMPTY * time))
 
 
 def _emptied(system: System, state: State, time: float, step: float) -> int | None:

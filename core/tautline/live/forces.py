@@ -106,6 +106,9 @@ def calls_of(forces: Sequence[Force | Group]) -> Iterator[None]:
         for force in forces:
             if force.failed is not None:
                 raise force.failed
+    for force in forces:
+        if force.fault:
+            raise SimulationError(f"force {force.name}: {force.fault}", "correct the function")
 
 
 def _numbers(given: Any, n: int) -> np.ndarray:

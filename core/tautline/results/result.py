@@ -276,6 +276,8 @@ class Result:
 def _check_order(path: Path, time: np.ndarray) -> None:
     """Raise ResultError where times go back: no run writes such frames. Of those that are no number see the verbs."""
     known = np.flatnonzero(np.isfinite(time))
+    if not known.size:
+        raise ResultError(path, "is damaged: none of its times is a number", "run the scene again")
     back = np.flatnonzero(np.diff(time[known]) < 0.0)
     if back.size:
         before, frame = known[back[0] : back[0] + 2]

@@ -62,6 +62,8 @@ def refuse_another(earlier: Result, method: str, attributes: Mapping[str, Any]) 
             cure = "name the result of a simulation, or go on with `twin --resume`"
             raise ResultError(place, "is what a twin has found, and no simulation", cure)
         raise ResultError(place, "holds no state to go on from", "run the scene from its start")
+    if not np.isfinite(earlier["time"]).all():
+        raise ResultError(place, "is damaged: some of its times are no numbers", "run the scene from its start")
     _refuse_what_was_moved(place, made)
     cure = "only solver.end, the step and the output may differ from what it was made with"
     for one, now, word in (
@@ -70,7 +72,8 @@ def refuse_another(earlier: Result, method: str, attributes: Mapping[str, Any]) 
     ):
         if one != now:
             raise ResultError(place, f"belongs to another {word}", cure)
-    if made.get(FRAMES_TOLD) != attributes.get(FRAMES_TOLD):
+    # An input that was named makes a frame one that may move, though the scene holds it still.
+    if FRAMES_TOLD in attributes and made.get(FRAMES_TOLD) != attributes[FRAMES_TOLD]:
         cause = "was made by a version of Tautline that tells the places of moving frames otherwise"
         raise ResultError(place, cause, "run the scene from its start")
     if made.get("prepared") != attributes.get("prepared"):

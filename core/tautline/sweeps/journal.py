@@ -260,9 +260,11 @@ class Journal:
             try:
                 self.force()
             finally:
-                self._file.close()
-                self._file = None
-                self._leave()
+                file, self._file = self._file, None
+                try:
+                    file.close()
+                finally:
+                    self._leave()
         else:
             self._leave()
 

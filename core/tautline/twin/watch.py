@@ -42,22 +42,29 @@ CHANGED, SHOWN = "changed", 30.0
 
 
 class Watched(NamedTuple):
-    """What an alarm is about, whatever its name and how far its bounds: an output or its residual, and the sides."""
+    """What an alarm is about, whatever its name: an output or its residual, and its bounds; None for a side of none."""
 
     target: str
     is_residual: bool
-    above: bool
-    below: bool
+    above: float | None
+    below: float | None
 
     @classmethod
     def by(cls, one: Alarm) -> Watched:
         """What an alarm of a plan is about."""
-        return cls(one.target, one.is_residual, bool(np.isfinite(one.above)), bool(np.isfinite(one.below)))
+        above, below = (float(bound) if np.isfinite(bound) else None for bound in (one.above, one.below))
+        return cls(one.target, one.is_residual, above, below)
 
     def is_as(self, other: Watched) -> bool:
         """Whether two are about one thing: what is beyond the bound of one may be beyond that of the other."""
-        same = (self.target, self.is_residual) == (other.target, other.is_residual)
-        return same and ((self.above and other.above) or (self.below and other.below))
+        return self.off(other) < np.inf
+
+    def off(self, other: Watched) -> float:
+        """How far the bounds of two are from one another; infinite where they are about two things."""
+        if (self.target, self.is_residual) != (other.target, other.is_residual):
+            return np.inf
+        sides = ((self.above, other.above), (self.below, other.below))
+        return min((abs(a - b) for a, b in sides if a is not None and b is not None), default=np.inf)
 
 
 @dataclass(frozen=True)
@@ -217,12 +224,13 @@ class Watch:
         ended = {name: active.text for name in gone if (active := self.alarms.active.get(name)) is not None}
         since = {name: self.alarms.active[name].since for name in ended}
         held = {name: self._taken(name) for name in gone}
-        for name in (one for one in now if one in gone or one not in before):
-            likely = [one for one in gone if before[one].is_as(now[name])]
-            if likely:
-                # Of several the one that is active.
-                source = next((one for one in likely if one in since), likely[0])
-                self._given(name, *held[source])
+        free = [name for name in now if name in gone or name not in before]
+        pairs = [(before[one].off(now[name]), one, name) for one in gone for name in free]
+        # One goes on as one: what is active first, and with the bound that is nearest.
+        for off, source, name in sorted(pairs, key=lambda pair: (pair[1] not in since, pair[0])):
+            if off < np.inf and source in held and name in free:
+                self._given(name, *held.pop(source))
+                free.remove(name)
                 ended.pop(source, None)
         why = "is not watched any more by this map; it was active since"
         return [f"{name} {why} {since[name]:.10g} s: {text}" for name, text in ended.items()]

@@ -95,6 +95,15 @@ def test_an_advance_that_fails_is_not_blamed_on_an_element_that_a_step_of_the_sc
     assert stop.value.status is Status.NOT_CONVERGED
 
 
+def test_a_failure_late_in_a_run_is_not_blamed_on_an_element_that_is_full_as_yet():
+    """A thousandth of 1000 s is more than a step: in that all would be drawn out, and nothing is when the run stops."""
+    late = "Function_VelocityDefined: {id: 1, pos0: 3, timeList: [0, 1000, 1000.01], velocityList: [0, 0, -2]}"
+    text = reel(function=late, step=0.6, end=1001.2).replace("plotpoints: 0", "plotpoints: 0, maxIter: 1")
+    with pytest.raises(StoppedEarly) as stop:
+        simulate(build(parse(text)))
+    assert stop.value.status is Status.NOT_CONVERGED
+
+
 def test_a_group_lives_while_its_alarm_is_asked_at_the_end_of_a_run(monkeypatch):
     """Linked groups are addresses: of one that is gone, compiled code would read what lies there by now."""
     copies, asked = [], []

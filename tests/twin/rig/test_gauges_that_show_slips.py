@@ -6,7 +6,7 @@ import math
 import pytest
 from well_of_a_rig import VERTICAL, well
 
-from drillstring.twin.slips import Slips
+from drillstring.twin.slips import Expected, Slips
 from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
@@ -144,3 +144,12 @@ def test_times_in_slips_of_an_earlier_program_are_taken_over():
     slips = Slips()
     slips.recall([61.0, 60.0])
     assert slips.memory() == [61.0, 60.0, 0.0]
+
+
+def test_a_first_row_in_which_nothing_is_known_of_the_rig_is_no_sign_that_the_gauge_has_shown_the_string():
+    by = Expected(empty=0.0, below=1.0e5, torque=1.0e3)
+    slips = Slips()
+    slips.add(0.0, False, 2.0e5, 5.0e3, by, known=False)
+    assert not slips.carried
+    slips.add(1.0, False, 2.0e5, 5.0e3, by)
+    assert slips.carried
