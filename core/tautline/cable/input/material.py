@@ -116,13 +116,14 @@ class _Chains:
         self.arms: dict[int, list[tuple[int, float]]] = {node: [] for node in self.nodes}
         self.joined: dict[int, list[int]] = {node: [] for node in self.nodes}
         self.ends = {element.nodes[1] for element in scene.elements}
+        joined, arms = self.joined, self.arms
         for element in scene.elements:
             first, second = element.nodes
-            self.joined[first].append(second)
-            self.joined[second].append(first)
+            joined[first].append(second)
+            joined[second].append(first)
             if (length := lengths.get(element.id)) is not None:
-                self.arms[first].append((second, length))
-                self.arms[second].append((first, -length))
+                arms[first].append((second, length))
+                arms[second].append((first, -length))
 
     def all(self) -> Iterator[list[int]]:
         """Connected chains, each as its nodes in the scene's order."""

@@ -51,7 +51,9 @@ class Layout:
         self.starts, self.lasts = ends[:-1], ends[1:] - 1
         self.start = dict(zip(ids, self.starts.tolist(), strict=True))
         self.last = dict(zip(ids, self.lasts.tolist(), strict=True))
-        names = [f"node {node.id}: {name}" for node in scene.nodes for name in DIRECTIONS[node.kind]]
+        # Of a hundred thousand nodes the head of a name is made once.
+        heads = [f"node {node}: " for node in ids]
+        names = [head + name for head, kind in zip(heads, kinds, strict=True) for name in DIRECTIONS[kind]]
         value, scale = np.empty(ends[-1]), np.full(ends[-1], force)
         self.slopes = self.starts[np.array(kinds) == 7] + 3
         slopes = self.slopes[:, None] + np.arange(3)
