@@ -14,7 +14,6 @@ import numpy as np
 
 from tautline.explicit_watch import ExplicitWatch, explicit_step_of
 from tautline.integrators.corrector.newton import advice
-from tautline.integrators.emptied import status_of_failure
 from tautline.integrators.explicit_step import SAFE
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import method_for
@@ -39,7 +38,8 @@ from tautline.integrators.statics.relaxation import relax, relax_to_stable
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
-from tautline.integrators.suspects import Instant, blamed_for, hook_of_energy
+from tautline.integrators.stops.emptied import status_of_failure
+from tautline.integrators.stops.suspects import Instant, blamed_for, hook_of_energy
 from tautline.integrators.time_loop import (
     PART,
     STEP,

@@ -13,10 +13,10 @@ import numpy as np
 
 from tautline.application.installed import Installed
 from tautline.integrators.corrector.newton import advice
-from tautline.integrators.emptied import status_of_failure
 from tautline.integrators.method import method_for
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.integrators.stops.emptied import status_of_failure
 from tautline.integrators.time_loop import (
     PART,
     STEP,

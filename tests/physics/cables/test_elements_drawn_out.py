@@ -10,8 +10,8 @@ import tautline
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
 from tautline.cable.model.build import build
-from tautline.integrators import emptied
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.integrators.stops import emptied
 from tautline.simulation import simulate
 
 REEL = """
