@@ -79,6 +79,28 @@ ahead: 0 s
     assert at(lines, 11.0)["not_observable"] == []
 
 
+def test_a_guess_of_the_weight_that_is_far_off_leaves_no_swing_of_the_rope_in_what_tells_the_weight_from_the_tare():
+    """The derivative by the weight is gravity and the load's acceleration, slow in waves: its rest is a rope's swing.
+
+    The rope from winch to boom tip, 32 m long and 6.5 kg/m, swings with 1.4 Hz under 52 kN (taut string).
+    """
+    scene = hoist({"time": [0, 60], "value": [0, 0]}, mass=5300.0)
+    tare = "estimate:\n  - {parameter: payload.mass, start: 9 t, sd: 4 t, range: [0.5 t, 20 t]}\n"
+    tare += "  - {offset: winch.tension, start: 0 kN, sd: 5 kN}\nahead: 0 s\nwindow: 3 s\n"
+    twin = Twin(scene, SENSORS + tare)
+    lines = lines_of(
+        twin, [(t, {**r, "rope_tension": r["rope_tension"] + 2.0}) for t, r in rows_of(scene, 0, 8.0, rate=10.0)]
+    )
+    samples = twin.estimate.horizon.samples
+    weight = np.array([one.J[0, 0] for one in samples])
+    slow = np.vander(np.linspace(-1.0, 1.0, len(weight)), 4)
+    swing = weight - slow @ np.linalg.lstsq(slow, weight, rcond=None)[0]
+    # It was 0.74 m/s2, where the ship's acceleration is 0.3.
+    assert np.std(swing) < 0.25
+    found = lines[-1]["estimates"]["payload.mass"]
+    assert abs(found["value"] - 5300.0) <= 2.0 * found["sd"]
+
+
 @pytest.mark.study
 def test_the_efficiency_of_a_sheave_is_found_when_the_rope_has_run_both_ways():
     motion = {"time": [0, 1, 6, 7, 8, 13, 14, 60], "value": [0, -1, -1, 0, 1, 1, 0, 0]}

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from tautline.integrators.status import StoppedEarly
+from tautline.live.errors import SimulationError
 from tautline.live.simulation import Simulation
 from tautline.twin.estimation.family import Blow, Family, steps_to
 from tautline.twin.estimation.horizon import BENT, Horizon, Sample, mean_of
@@ -157,7 +158,7 @@ class Estimate:
 
     def build(self, plan: Plan, machine: Machine) -> None:
         """Make a family of a machine, and a spare one; the estimate stays as it is."""
-        self.plan, self._first, self.blows = plan, machine.first, list(machine.blows)
+        self.plan, self._machine, self._first, self.blows = plan, machine, machine.first, list(machine.blows)
         self._parameters = [i for i, one in enumerate(plan.unknowns) if not one.is_offset]
         self._offsets = [i for i, one in enumerate(plan.unknowns) if one.is_offset]
         names = [plan.unknowns[i].target for i in self._parameters]
@@ -216,15 +217,40 @@ class Estimate:
         """Put the simulations back to rest, with the parameters of the estimate."""
         h = self.horizon
         at = np.clip(h.mean, h.low, h.high)[self._parameters]
-        self.family.stand(
-            self._begin, self.begin, np.append(at - self.begin.at, np.zeros(len(self.blows))),
-            self.begin.apart[: len(at)], self._quarter, np.zeros(len(at), bool),
-        )  # fmt: skip
+        self._stand_at_rest(self.family, at, self.begin.apart[: len(at)])
         self._passage = None
         self._pending, self._plain, self.from_rest = [], False, False
         self.log.clear()
         h.drop_before(np.inf)
         h.theta0[self._parameters] = self.family.at
+
+    def _stand_at_rest(self, family: Family, at: np.ndarray, apart: np.ndarray) -> None:
+        """Let a family stand where the scene begins, with parameters (p,) and neighbours that far off in them (p,)."""
+        moved = np.abs(at - self.begin.at) / self.horizon.first_sd[self._parameters]
+        if self.blows and np.any(moved > MOVED_FROM_START):
+            self._find_rest(at, apart)
+        still = np.zeros(len(self.blows))
+        shift, fresh = np.append(at - self.begin.at, still), np.zeros(len(at), bool)
+        family.stand(self._begin, self.begin, shift, apart, self._quarter, fresh)
+
+    def _find_rest(self, at: np.ndarray, apart: np.ndarray) -> None:
+        """Find the start of the scene anew with parameters (p,), and for neighbours that are that far off in them (p,).
+
+        The sag of a rope is not in proportion to the load: put there by differences from a load of another weight, the
+        rope swings, hardly damped, in the first simulation and in what its neighbours tell of the weight. Where there
+        is no start with such parameters, what there was before stays.
+        """
+        begin = Family([], self.family.names, self.blows)
+        begin.at, begin.apart = at.copy(), np.append(apart, np.ones(len(self.blows)))
+        states = []
+        try:
+            for i in range(len(at) + 1):
+                given = dict(zip(begin.names, begin.parameters_of(i).tolist(), strict=True))
+                machine = self._machine
+                states.append(Simulation(machine.scene, machine.inputs, keep=False, parameters=given).save())
+        except (StoppedEarly, SimulationError):
+            return
+        self._begin, self.begin = [*states, *([states[0]] * len(self.blows))], begin
 
     def state(self) -> tuple[State, dict[str, float]]:
         """The state and the parameters of the estimate."""
@@ -489,8 +515,14 @@ class Estimate:
         self.log.forget(self.log.rows[-1].time)
         first = self.log.checkpoints[0]
         late = self._quarter if self.blows else 0.0
-        shift, fresh = (h.mean - h.theta0)[self._seen], self._wild()
-        spare.stand(first.states, self.family, shift, apart, late, fresh | self._plain, self._plain)
+        if self.blows and self.log.reaches_begin:
+            self._stand_at_rest(spare, h.mean[p], apart)
+            begin = first.time - self.log.origin
+            if begin > spare.time:
+                spare.advance(begin, self.log.rows[0].inputs)
+        else:
+            shift, fresh = (h.mean - h.theta0)[self._seen], self._wild()
+            spare.stand(first.states, self.family, shift, apart, late, fresh | self._plain, self._plain)
         return Passage(first.time, first.time, late, deque([Checkpoint(first.time, spare.save())]))
 
     def _go_through(self, passage: Passage) -> bool:

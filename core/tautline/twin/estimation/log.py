@@ -76,6 +76,11 @@ class Log:
         """Whether the simulations stand where the data are."""
         return bool(np.isfinite(self.origin))
 
+    @property
+    def reaches_begin(self) -> bool:
+        """Whether rows go back to where the simulations began: later on they are kept longer than states."""
+        return bool(self.rows and self.checkpoints) and self.rows[0].time == self.checkpoints[0].time
+
     def is_due(self, time: float) -> bool:
         """Whether states should be kept at a time."""
         return not self.checkpoints or time - self.checkpoints[-1].time >= self.every - 1e-9
