@@ -344,6 +344,25 @@ def test_commands_in_notches_are_overshot_no_more_than_by_slopes_alone(name, ord
     assert max(beyond) <= max(by_slopes) + 1e-9
 
 
+@pytest.mark.parametrize(("name", "share"), [(HEAVE, 16 / 81), (SPEED, 4 / 27)])
+@pytest.mark.parametrize("long", [0.1, 0.2, 1.0, 5.0])
+@pytest.mark.parametrize("given", [1.0, None])
+def test_what_is_held_behind_a_steady_rise_is_overshot_by_as_much_in_an_advance_of_any_length(name, share, long, given):
+    """By 16/81 of the last move: the top of the quintic that leaves with its rate; of a speed by 4/27, of the cubic."""
+    times = np.append(0.1 * np.arange(1, 11), [1.0 + long, 1.1 + long])
+    t, found = ways(simulation(name), name, times, [*(0.1 * np.arange(1, 11)), given, given], points=2000)
+    assert found[:, 0].max() == pytest.approx(1.0 + 0.1 * share, abs=2e-5)
+    assert found[t > 1.1 + 1e-9, 0] == pytest.approx(1.0, abs=1e-12)
+    assert not found[t > 1.1 + 1e-9, 1:].any()
+
+
+def test_what_stops_in_an_advance_of_a_microsecond_stands_still_for_an_hour_after_it():
+    """The rounding of 1000 m over the square of a microsecond is 0.1 m/s2."""
+    times = np.append(1e-6 * np.arange(1, 51), 3600.0)
+    _, found = ways(simulation_of_all(), HEAVE, times, [*(1000.0 + 0.3 * times[:-1]), None], points=50)
+    assert np.abs(found[-49:, 0] - 1000.0 - 0.3 * 5e-5).max() < 1e-9
+
+
 def test_values_that_differ_by_rounding_from_a_ramp_have_no_second_rate():
     """Every microsecond: 0.09 m/s2 came out of the last bits of 1000 m."""
     times = 1e-6 * np.arange(1, 51)

@@ -11,6 +11,7 @@ beside the value. Else they are chosen by what was given before:
 - Else the rate is the harmonic mean of the slopes of this advance and of the last, and zero where these differ in sign
   (F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984), and the second rate is zero: a value that is given
   once is come to rest at, and a jump from rest is not overshot.
+- A value that is held is come to rest at within the length of the last advance, however long this one is.
 
 A value that is not given again counts as given again: the slope of an advance in which nothing moves is zero, and what
 was before it is forgotten. A way of which an advance was left in the middle, on Ctrl-C, is gone on with; by an advance
@@ -373,12 +374,17 @@ class Inputs(Unpickled, Mapping[str, Any]):
         before = last if isfinite(last) else now[steering.order + 1] / steering.factor
         carried = _carried(h, past[0]) if was_chosen else 1.0
         taken_over = was_chosen == TAKEN_OVER
+        length = past[0]
         if taken_over:
             past = [nan] * 4
         row[CHOSEN] = not isfinite(second)
         smooth, past = _gone_on(h, slope, last, past, ROUNDING * abs(target))
         rate, second = _chosen(rate, second, _between(before, slope), smooth)
         at_end = target, rate, second
+        stops = slope == rate == second == 0.0 and length < h
+        if stops:
+            # What is held stops as soon as it went: in all of a longer advance it would go far beyond.
+            h, end, carried = length, begin + length, 1.0
         for i, (steering, function) in enumerate(members):
             f = self._now(function) if i else now
             g = [steering.factor * x for x in at_end]
@@ -387,15 +393,19 @@ class Inputs(Unpickled, Mapping[str, Any]):
                 way = _quintic(h, (f[0], f[1], carried * f[2]), g)
             else:
                 way = _integrated_cubic(h, (f[0], f[1], carried * f[2] if taken_over else f[2]), g)
-            self._lay(function, begin, end, way)
+            # The rates of what has stopped are exact: those of a polynomial's end have a rounding, which would go on.
+            rates = (g[1:] if steering.order == 0 else g[:2]) if stops else None
+            self._lay(function, begin, end, way, rates)
         row[SLOPE], row[PAST] = slope, past
         moving = rate != 0.0 or second != 0.0
         row[STATE] = MOVING if moving else AT_REST
         if not moving and slope == 0.0:
             self._active.discard(k)
 
-    def _lay(self, function: int, begin: float, end: float, way: np.ndarray) -> None:
-        """Write a polynomial into the function's own track, and what it goes on with after its end."""
+    def _lay(
+        self, function: int, begin: float, end: float, way: np.ndarray, rates: Sequence[float] | None = None
+    ) -> None:
+        """Write a polynomial into the function's own track, and what it goes on with after its end: the rates there."""
         f = self._functions
         track = int(f.live[function])
         first = int(f.break_from[track])
@@ -408,8 +418,9 @@ class Inputs(Unpickled, Mapping[str, Any]):
         # The rate at the end goes on, so that what looks beyond it by rounding sees no jump.
         powers = (end - begin) ** POWERS
         rows[2, 0] = way @ powers
-        rows[2, 1] = way[1:] @ (POWERS[1:] * powers[:-1])
-        rows[2, 2] = 0.5 * (way[2:] @ (SECOND_POWERS * powers[:-2]))
+        of_way = way[1:] @ (POWERS[1:] * powers[:-1]), way[2:] @ (SECOND_POWERS * powers[:-2])
+        rate, second = of_way if rates is None else rates
+        rows[2, 1], rows[2, 2] = rate, 0.5 * second
         f.track_from[function], f.track_to[function] = track, track + 1
         f.wave_to[function] = f.wave_from[function]
 
