@@ -25,6 +25,8 @@ MOST_NAMES, MOST_LETTERS = 12, 24
 """Names in a picture, and letters of one: a longer one would leave the picture no room."""
 APART = (0.2, 0.05)
 """Share of a picture's size across and up within which two names would be written over each other."""
+NEAR_AXIS = 0.15
+"""Share of the width of a picture within which a name that is centred there would stand over the axis."""
 BEYOND = 0.3
 """Share of a path's height by which water or ground may lie below or above it and is shown with it."""
 NAMES, UP = "xyz", 2
@@ -255,7 +257,10 @@ def _names(plot: Axes, scene: CraneScene, shot: Snapshot, plane: tuple[int, int]
             continue
         written.append(one.at)
         words = shortened(one.name, MOST_LETTERS)
-        edged(plot.annotate(words, tuple(one.at), textcoords="offset points", fontsize=9, **one.stands))
+        # Centred near the axis a name would be written over it.
+        near_axis = "ha" in one.stands and one.at[0] - limits[0, 0] < NEAR_AXIS * np.ptp(limits[0])
+        stands = one.stands | ({"ha": "left"} if near_axis else {})
+        edged(plot.annotate(words, tuple(one.at), textcoords="offset points", fontsize=9, **stands))
 
 
 def _of_wheel(
