@@ -144,6 +144,8 @@ class Run:
         self.step = float(self.ends[0] / self.steps[0])
         self.time, self.wall, self.cpu, self.done, self.batch = 0.0, 0.0, 0.0, 0, 1
         self.reached, self.waiting, self.spent, self.began_at = 0.0, 0, 0.0, 0.0
+        self.complete = False
+        """Whether all frames are made, and hold."""
         self.pause, self.work, self.at_first, self.since = new_pause(), FIRST_WORK, 0, 0.0
         if brief is not None:
             self.batch, self.work = brief.batch, brief.work
@@ -293,6 +295,7 @@ class Run:
         """
         with undisturbed() if self.brief is None else nullcontext():
             self._advance(store)
+            self.complete = self.done == self.ends.size
 
     def _advance(self, store: FrameStore) -> None:
         under_way, first = self._under_way(), self.done + self.waiting

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.time_loop import (
@@ -24,7 +24,24 @@ from tautline.run import INTERRUPTED, Brief, Look, Run
 from tautline.system.model import Model
 from tautline.version import __version__
 
-Afterwards = Callable[[Result], tuple[dict[str, Any], list[str]]]
+Further = tuple[dict[str, Any], list[str]]
+"""Attributes of a result, and warnings, that a run itself does not know."""
+
+
+class Afterwards(NamedTuple):
+    """What is found out behind a run that came to its end.
+
+    Attributes
+    ----------
+    look : callable
+        Called with the result.
+    unless : Further or None
+        What is known instead where Ctrl-C ends the look, or came with the last frames: the run is done all the same,
+        for nothing of it is missing. None where the look belongs to the run, which is then interrupted.
+    """
+
+    look: Callable[[Result], Further]
+    unless: Further | None = None
 
 
 def simulate(
@@ -56,8 +73,8 @@ def simulate(
     look : callable or None
         Called with the state, its time, s, and the method, at the start and after every so many frames, some two
         hundred times in all; it changes nothing.
-    afterwards : callable or None
-        Called with the result of a run that came to its end, for further attributes of it and further warnings.
+    afterwards : Afterwards or None
+        What finds further attributes of a run that came to its end, and further warnings.
     brief : Brief or None
         For one of many runs.
     begin : callable or None
@@ -74,7 +91,7 @@ def simulate(
         the run came to its end with a twentieth of its energy created numerically, NO_BALANCE where it came there with
         an energy that is no number.
     Interrupted
-        On Ctrl-C, with what was stored until then.
+        On Ctrl-C, with what was stored until then; not behind the last frame where ``afterwards`` says what holds then.
     ResultError
         Where ``resume`` holds no state to go on from, or that of another scene, or has come to the end already.
     """
@@ -125,10 +142,12 @@ def _run(
                 if progress is not None:
                     _tell(progress, run, store)
             stored = store.result if afterwards is not None else None
-            further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
+            further = afterwards.look(stored) if afterwards is not None and stored is not None else ({}, [])
         except KeyboardInterrupt:
-            result = run.finish(store, INTERRUPTED)
-            raise Interrupted(run.reached, result) from None
+            if not run.complete or afterwards is None or afterwards.unless is None:
+                result = run.finish(store, INTERRUPTED)
+                raise Interrupted(run.reached, result) from None
+            further = afterwards.unless
         except StoppedEarly as stop:
             stop.result = run.finish(store, stop.status.word)
             raise

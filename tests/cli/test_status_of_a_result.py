@@ -14,10 +14,11 @@ from physics.lifting.crane_scenes import fall, hoist
 import tautline
 from crane.application import Crane
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.results import store
+from tautline.interruption import ended_by_signal
 from tautline.results.naming import shortfall
 from tautline.results.result import Result
 from tautline.results.variable import Variable
+from tautline.run import Run
 from tautline.study.trials import step_error
 from tautline.twin.twin import Twin
 
@@ -38,7 +39,6 @@ RUNS = {
     ),
     "two blocked": (hoist(drive={"pay_out": {"ramp": {"to": -48.0, "over": 4.0}}}, solver={"end": 4.0}), 3),
     "interrupted": (fall(), 130),
-    "interrupted afterwards": (fall(), 130),
 }
 """What a run ends as, the scene, and the exit code."""
 
@@ -50,25 +50,81 @@ def press_ctrl_c(*_, **__):
 @pytest.mark.parametrize("ending", RUNS)
 def test_the_file_says_of_its_run_what_the_command_said(ending, tmp_path, capsys, monkeypatch):
     scene, expected = RUNS[ending]
-    status, verify = ending.split(" afterwards")[0], "--no-verify"
     if ending == "imbalance":
         # No share of energy is small enough any more.
         monkeypatch.setattr("tautline.run.GAINED", -1.0)
     if ending == "interrupted":
-        publish = store._Copies.publish
-        monkeypatch.setattr(store._Copies, "publish", lambda self: (publish(self), press_ctrl_c()))
-    if ending == "interrupted afterwards":
-        verify = "--verify"
-        monkeypatch.setattr(step_error, "watch", press_ctrl_c)
+        steps = Run._advance  # its first batch is of one frame
+        monkeypatch.setattr(Run, "_advance", lambda self, store: (steps(self, store), press_ctrl_c()))
     (tmp_path / "scene.yaml").write_text(yaml.safe_dump(scene))
     command = commands_of(Crane(), capsys)
-    code, out, _ = command("simulate", tmp_path / "scene.yaml", "-o", tmp_path / "r.nc", "--json", verify)
+    code, out, _ = command("simulate", tmp_path / "scene.yaml", "-o", tmp_path / "r.nc", "--json", "--no-verify")
     report = only_object(out)
-    assert (code, report["status"]) == (expected, status)
+    assert (code, report["status"]) == (expected, ending)
     result = tautline.Result.read(tmp_path / "r.nc")
-    assert result.attributes["status"] == status
-    if status != "interrupted":
-        assert result.attributes["steps"] > 0 or status == "unstable"
+    assert result.attributes["status"] == ending
+    if ending != "interrupted":
+        assert result.attributes["steps"] > 0 or ending == "unstable"
+
+
+SWINGING = fall(load={"velocity": [1.0, 0.0, 0.0]})
+
+
+def in_the_last_frames(monkeypatch, send):
+    steps = Run._advance
+
+    def advance(self, store):
+        steps(self, store)
+        if self.done == self.ends.size:
+            send()
+
+    monkeypatch.setattr(Run, "_advance", advance)
+
+
+def before_the_look(monkeypatch, send):
+    monkeypatch.setattr(step_error, "watch", send)
+
+
+def in_the_first_run_of_the_look(monkeypatch, send):
+    runs, begin = [], Run.start
+    monkeypatch.setattr(Run, "start", lambda self: (begin(self), runs.append(self), len(runs) == 2 and send()))
+
+
+@pytest.mark.parametrize("phase", [in_the_last_frames, before_the_look, in_the_first_run_of_the_look])
+@pytest.mark.parametrize("name", ["SIGINT", "SIGHUP", "SIGTERM"])
+def test_a_run_whose_frames_are_all_there_is_done_whichever_signal_ends_the_look_at_its_error(
+    name, phase, tmp_path, capsys, monkeypatch
+):
+    if not hasattr(signal, name):
+        pytest.skip(f"there is no {name} here")
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(SWINGING))
+    phase(monkeypatch, lambda *_, **__: os.kill(os.getpid(), getattr(signal, name)))
+    with ended_by_signal():
+        code, out, _ = commands_of(Crane(), capsys)(
+            "simulate", tmp_path / "scene.yaml", "-o", tmp_path / "r.nc", "--json", "--verify"
+        )
+    report, end = only_object(out), SWINGING["solver"]["end"]
+    assert (code, report["status"], report["simulated_time"], report["step_error"]) == (0, "done", end, None)
+    told = "the error due to the time step is not known: the run that was to show it was interrupted"
+    result = tautline.Result.read(tmp_path / "r.nc")
+    assert told in report["warnings"] and told in result.warnings
+    assert result.attributes["status"] == "done" and result.time[-1] == end
+
+
+def test_a_run_without_a_look_that_is_interrupted_in_its_last_frames_is_done(tmp_path, capsys, monkeypatch):
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(fall()))
+    in_the_last_frames(monkeypatch, press_ctrl_c)
+    command = commands_of(Crane(), capsys)
+    code, out, _ = command("simulate", tmp_path / "scene.yaml", "-o", tmp_path / "r.nc", "--json", "--no-verify")
+    assert (code, only_object(out)["status"]) == (0, "done")
+
+
+def test_a_run_for_an_accuracy_that_is_interrupted_behind_its_last_frame_is_interrupted(tmp_path, capsys, monkeypatch):
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(fall()))
+    in_the_last_frames(monkeypatch, press_ctrl_c)
+    command = commands_of(Crane(), capsys)
+    code, out, _ = command("simulate", tmp_path / "scene.yaml", "-o", tmp_path / "r.nc", "--json", "--accuracy", "1 %")
+    assert (code, only_object(out)["status"]) == (130, "interrupted")
 
 
 def test_a_twin_that_cannot_go_on_leaves_its_status_in_its_file(tmp_path, capsys, monkeypatch):

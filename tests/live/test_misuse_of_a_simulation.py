@@ -116,6 +116,15 @@ def test_a_rollout_without_a_time_or_without_threads_is_refused(sim, until, work
     assert sim.time == pytest.approx(0.2)
 
 
+def test_a_simulation_that_is_given_twice_to_a_rollout_is_refused_and_stays_and_its_copy_is_not(sim):
+    other = sim.copy()
+    with pytest.raises(SimulationError, match=r"simulations\[2\] is the same simulation as simulations\[0\].*copy"):
+        tautline.rollout([sim, other, sim], until=0.4)
+    assert sim.time == other.time == pytest.approx(0.2)
+    tautline.rollout([other, other.copy()], until=0.4)
+    assert other.time == pytest.approx(0.4)
+
+
 def test_a_simulation_is_copied_by_whatever_copies_and_says_how_it_is_pickled(sim):
     for other in (copy.copy(sim), copy.deepcopy(sim)):
         other.advance(0.1)

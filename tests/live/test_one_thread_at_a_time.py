@@ -1,6 +1,7 @@
 """Any thread reads a simulation; what two made of it that changed it were positions of neither."""
 
 import copy
+import faulthandler
 import os
 import signal
 import sys
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from results.forked import Forked
 
 import tautline
 from tautline.live import turn
@@ -247,6 +249,78 @@ def test_a_force_may_read_the_simulation_and_what_it_reads_is_not_told_after_the
         and sim["winch.tension"] == pytest.approx(whole["winch.tension"], rel=1e-9)
         and sim["winch.tension"] != read[-1]
     )
+
+
+def in_child_of_a_fork(ask):
+    """What ``ask`` gives there, as text."""
+
+    def tell():
+        faulthandler.dump_traceback_later(20.0, exit=True)
+        print(ask())
+
+    child = Forked(tell)
+    out, errors = child.communicate()
+    assert child.returncode == 0, errors
+    return out.strip()
+
+
+def refusal_of(act):
+    try:
+        return repr(act())
+    except tautline.SimulationError as error:
+        return str(error)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks here")
+def test_a_child_forked_in_the_middle_of_another_threads_advance_is_refused_the_simulation_in_true_words(halted, whole):
+    sim, finish = halted
+    told = in_child_of_a_fork(lambda: "\n".join(refusal_of(lambda act=act: act(sim)) for act in ACTS.values()))
+    told = told.splitlines()
+    assert len(told) == len(ACTS) and len(set(told)) == 1
+    assert "was forked while another thread advanced or changed the simulation" in told[0]
+    assert "restore the state in the child in a new simulation" in told[0] and "being advanced" not in told[0]
+
+    def restored():
+        new = tautline.Simulation(HOIST)
+        new.restore(whole.before)
+        new.advance(1.0)
+        return new["winch.tension"]
+
+    assert float(in_child_of_a_fork(restored)) == whole["winch.tension"]
+    finish()
+    assert sim.time == 1.0 and np.isfinite(sim["winch.tension"])
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks here")
+def test_a_child_forked_while_another_thread_only_reads_goes_on_as_the_parent_does(whole):
+    sim, reading, go = tautline.Simulation(HOIST), threading.Event(), threading.Event()
+    sim.advance(0.5)
+
+    def reads():
+        with sim._turn.look:
+            reading.set()
+            assert go.wait(60.0)
+
+    def waits():
+        assert reading.wait(60.0)
+        sim.save()  # waits, and lets others wait behind it
+
+    threads = [threading.Thread(target=one) for one in (reads, waits)]
+    for thread in threads:
+        thread.start()
+    assert reading.wait(60.0)
+    while not sim._turn._waiting:
+        clock.sleep(0.001)
+
+    def goes_on():
+        sim.advance(0.5)
+        return sim["winch.tension"]
+
+    assert float(in_child_of_a_fork(goes_on)) == pytest.approx(whole["winch.tension"], rel=1e-9)
+    go.set()
+    for thread in threads:
+        thread.join()
+    assert sim.time == 0.5
 
 
 def test_threads_that_advance_one_simulation_after_one_another_make_no_difference(whole):

@@ -36,7 +36,8 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
     ArgumentTypeError
         For what is no list of simulations.
     SimulationError
-        For a time that is no finite number or before those of all simulations, and a number of threads that is none.
+        For a simulation that is given twice, a time that is no finite number or before those of all simulations, and a
+        number of threads that is none.
     StoppedEarly
         That of the first simulation which failed; the others have come to their end.
     Interrupted
@@ -51,16 +52,27 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
         raise SimulationError(f"cannot advance to {until:g} s", "give a finite time")
     if workers is not None and not (isinstance(workers, int) and workers > 0):
         raise SimulationError(f"{workers!r} is no number of threads", "give 1 or more, or None for all processors")
-    different = list({id(one): one for one in simulations}.values())
-    if different and until < min(one.time for one in different):
-        first = min(one.time for one in different)
+    _check_each_once(simulations)
+    if len(simulations) and until < (first := min(one.time for one in simulations)):
         raise SimulationError(
             f"cannot advance to {until:g} s from {first:g} s", "give a later time; restore() goes back"
         )
-    for one in different:
+    for one in simulations:
         one.parameters.check()
     with listening(patient=True) as ear:
-        _advance(different, until, workers, ear)
+        _advance(simulations, until, workers, ear)
+
+
+def _check_each_once(simulations: Sequence[Simulation]) -> None:
+    """Refuse one that is given twice: a copy was meant, or another one, and both would show one motion."""
+    places: dict[int, int] = {}
+    for place, one in enumerate(simulations):
+        before = places.setdefault(id(one), place)
+        if before != place:
+            raise SimulationError(
+                f"simulations[{place}] is the same simulation as simulations[{before}]: it moves once",
+                "give each once; sim.copy() gives another one that goes on by itself",
+            )
 
 
 def _advance(simulations: Sequence[Simulation], until: float, workers: int | None, ear: Ear) -> None:

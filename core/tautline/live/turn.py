@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time as clock
 from collections.abc import Sequence
 from typing import Any
+from weakref import WeakSet
 
 from tautline.live.errors import SimulationError
 
@@ -54,6 +56,8 @@ class Turn:
         self.version, self.advancing = 0, 0
         self.change, self.look = _Change(self), _Look(self)
         self._forces, self._gate, self._waiting = forces, threading.RLock(), set[object]()
+        self._abandoned = False  # whether who has the turn is no thread of this process, and left its work half done
+        _turns.add(self)
 
     def read(self) -> None:
         """Take the turn to read: at the end of another thread's advance, and within that of its own."""
@@ -82,8 +86,34 @@ class Turn:
             self.lock.release()
             raise in_its_middle()
 
+    def forked(self) -> None:
+        """In the child of a fork only the thread that forked goes on: whoever else has the turn never gives it back.
+
+        What only reads leaves a whole state behind. What changes it leaves one that is neither of before nor of after:
+        whoever asks for the turn then is refused.
+        """
+        self._waiting.clear()
+        if not _is_free(self._gate):
+            self._gate = threading.RLock()
+        if _is_free(self.lock):
+            return
+        self.advancing, self._abandoned = 0, bool(self.version & 1)
+        if self._abandoned:
+            self._waiting.add(self)  # nobody passes by `_wait`
+            return
+        self.lock = threading.RLock()
+        self._condition, self.change = threading.Condition(self.lock), _Change(self)
+
     def _wait(self, changes: bool) -> None:
-        """Wait until the turn is free: one after another, or who asks again and again would keep all others out."""
+        """Wait until the turn is free: one after another, or who asks again and again would keep all others out.
+
+        Raises
+        ------
+        SimulationError
+            As `_acquire`, and in the child of a fork where nobody can give the turn back.
+        """
+        if self._abandoned:
+            raise of_a_fork()
         if self._is_own():
             self.lock.acquire()
             return
@@ -155,6 +185,36 @@ class _Look:
 
     def __exit__(self, *_: object) -> None:
         self._turn.lock.release()
+
+
+_turns: WeakSet[Turn] = WeakSet()
+"""Those of all simulations."""
+
+
+def _is_free(lock: Any) -> bool:
+    """Whether this thread can have a lock, or has it."""
+    if not lock.acquire(False):
+        return False
+    lock.release()
+    return True
+
+
+def _after_fork() -> None:
+    for turn in list(_turns):
+        turn.forked()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
+def of_a_fork() -> SimulationError:
+    """The refusal of a simulation that a fork has torn."""
+    return SimulationError(
+        "this process was forked while another thread advanced or changed the simulation. That thread is not in this "
+        "process, and its work is left half done here",
+        "fork between two advances; or save() before the fork, and restore the state in the child in a new simulation",
+    )
 
 
 def in_its_middle() -> SimulationError:

@@ -316,22 +316,27 @@ def _as_it_stands(
 def _other_runs(
     application: Application, scene: Any, model: Any, verify: bool | None, earlier: Result | None, bar: Bar, quiet: bool
 ) -> Afterwards | None:
-    """What estimates a run's error from runs with other steps; None where that is not to be done."""
-    if verify is False or (verify is None and earlier is not None) or getattr(model, "system", None) is None:
+    """What estimates a run's error from runs with other steps, or leaves that out where it is not to be done."""
+    if getattr(model, "system", None) is None:
         return None
+    from tautline.simulation import Afterwards
+
+    nothing = Afterwards(lambda result: ({}, []), ({}, []))
+    if verify is False or (verify is None and earlier is not None):
+        return nothing
     if getattr(model, "keep", None) is not None:
         # Runs with other steps are compared frame by frame.
         if verify:
             cure = "leave --verify out, or run a shorter stretch of the scene with output.keep: frames"
             raise option_error("--verify", "", "needs every frame, and the scene keeps statistics", cure)
-        return None
+        return nothing
     from tautline.application.installed import key_of_setting
-    from tautline.study.trials.step_error import estimate, runs_for
+    from tautline.study.trials.step_error import CUT_SHORT, NOT_KNOWN, estimate, runs_for
     from tautline.study.trials.trial import Subject
 
     parts = runs_for(model, verify)
     if not parts:
-        return None
+        return nothing
 
     def begin() -> None:
         if not quiet:
@@ -342,12 +347,12 @@ def _other_runs(
     def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
         found = estimate(Subject(application, scene), result, progress=bar, parts=parts, begin=begin)
         if isinstance(found, str):
-            return {}, [f"the error due to the time step is not known: {found}"] if found else []
+            return {}, [NOT_KNOWN.format(found)] if found else []
         keys = {name: key for name in ("step", "step_error") if (key := key_of_setting(application, name))}
         warning = found.warned(**keys)
         return {"step_error": found._asdict()}, [warning] if warning else []
 
-    return compared
+    return Afterwards(compared, ({}, [NOT_KNOWN.format(CUT_SHORT)]))
 
 
 def _earlier(resume: Path | None) -> Result | None:

@@ -32,7 +32,7 @@ from tautline.scene.content import frequencies
 from tautline.scene.errors import option_error
 from tautline.scene.limits import without_limits
 from tautline.scene.methods import explicit_like, implicit_like, method_of
-from tautline.simulation import simulate
+from tautline.simulation import Afterwards, simulate
 from tautline.study.accuracy.grid import critical_at_start
 from tautline.study.accuracy.shape import order_of_one_shape
 from tautline.study.trials.errors import apart, ends_apart, motion
@@ -546,7 +546,7 @@ def run_to_accuracy(
         arranged = search.arranged(method, step)
         if begin is not None:
             begin(method, step, choice.end)
-        judge = partial(search.judge, method, divisor)
+        judge = Afterwards(partial(search.judge, method, divisor))
         try:
             made = application.build(without_limits(arranged) if rehearsed else arranged)
             result = simulate(made, None if rehearsed else path, progress, announce=announce, afterwards=judge)

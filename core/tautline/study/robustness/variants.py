@@ -17,7 +17,7 @@ from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
 from tautline.study.trials.errors import compare
 from tautline.study.trials.history import History, Watched, watch
-from tautline.study.trials.step_error import estimate, runs_for
+from tautline.study.trials.step_error import NOT_KNOWN, estimate, runs_for
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
 
 STIFFNESSES = (1e-3, 1e-2, 1e-1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
@@ -195,7 +195,7 @@ def _stated(subject: Subject, setting: Setting, result: Result) -> tuple[float, 
         return 0.0, ()
     found = estimate(subject, result, setting, parts=parts)
     if isinstance(found, str):
-        return 0.0, (f"the error due to the time step is not known: {found}",) if found else ()
+        return 0.0, (NOT_KNOWN.format(found),) if found else ()
     return found.position, ()
 
 

@@ -55,6 +55,11 @@ SAME_TIME = 1.0e-9
 ALLOWED, AT_LEAST = 3.0, 2.0
 """Times its share of the first run's processor time that another may take, and a time, s, that each may take."""
 
+NOT_KNOWN = "the error due to the time step is not known: {}"
+"""The warning of a run whose error is not known, with the reason."""
+CUT_SHORT = "the run that was to show it was interrupted"
+"""That reason, on Ctrl-C."""
+
 
 class StepError(NamedTuple):
     """Estimated error of a run due to the length of its steps.
@@ -291,7 +296,7 @@ def _other(
     try:
         return subject.run(replace(given, step=step, step_error=error), seconds=seconds, progress=progress)
     except Interrupted:
-        return "the run that was to show it was interrupted"
+        return CUT_SHORT
     except SceneError as refused:
         return refused.problems[0].cause
 

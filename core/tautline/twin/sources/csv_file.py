@@ -13,6 +13,7 @@ from tautline.scene.reading.columns import SEPARATOR_LINE
 from tautline.scene.reading.text import LEGACY
 from tautline.twin.sources.lines import Lines, Row
 from tautline.twin.sources.record import Record, SourceStopped
+from tautline.twin.sources.strays import Strays
 from tautline.twin.sources.table import Header, has_end
 
 PATIENT = 0.5
@@ -58,7 +59,7 @@ class CsvFile:
                 "there is no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
             )
             raise SceneError([Problem(str(path), None, "", None, cause, "check the name of --source")]) from None
-        self._headed = False
+        self._headed, self._strays = False, Strays(self.name, self.notes)
         self._ready: deque[Record] = deque()
         line = self._line()
         if line is not None and SEPARATOR_LINE.fullmatch(line):  # of a spreadsheet
@@ -92,11 +93,13 @@ class CsvFile:
         for line in self._file:
             self._number += 1
             line, self._whole = line.rstrip("\r\n"), has_end(line)
-            if line.strip() and not (line.lstrip().startswith("#") and self._is_remark(line)):
+            if line.strip() and not self._is_remark(line):
                 return line
         return None
 
     def _is_remark(self, line: str) -> bool:
+        if not line.lstrip().startswith("#"):
+            return self._strays.is_heading(line, self._number)
         return not self._headed or self._lines.is_remark(line)
 
     def _read(self) -> Record | None:

@@ -44,7 +44,8 @@ def open_source(
         from tautline.twin.sources.stream import Stream
 
         if isinstance(sys.stdin, io.TextIOWrapper):
-            sys.stdin.reconfigure(errors=LEGACY)  # a byte that is no UTF-8 spoils no stream
+            # A byte that is no UTF-8 spoils no stream; and lines may end with CR alone, as those of a file may.
+            sys.stdin.reconfigure(errors=LEGACY, newline="")
         return Stream(sys.stdin, columns, time, units=units)
     if address.startswith(("mqtt://", "mqtts://")):
         from tautline.twin.sources.mqtt import Mqtt

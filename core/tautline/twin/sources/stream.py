@@ -15,6 +15,7 @@ from tautline.twin.sources.lines import Lines, Row
 from tautline.twin.sources.objects import ObjectReadings
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps
+from tautline.twin.sources.strays import Strays
 from tautline.twin.sources.table import Header, has_end
 
 MOST = 100_000
@@ -46,7 +47,7 @@ class Stream:
         self._queue: queue.Queue[Record | Header | SceneError | SourceStopped | None] = queue.Queue(MOST)
         self._header: Header | None = None
         self._lines: Lines | None = None
-        self._objects = False
+        self._objects, self._strays = False, Strays(name, self.notes)
         self._stamps = Stamps(time, self.notes, columns)
         self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors)
         threading.Thread(target=self._listen, daemon=True, name="tautline source").start()
@@ -57,7 +58,7 @@ class Stream:
                 self._number += 1
                 if self._number == 1:
                     line = text_of(line, self.name)
-                if line.strip() and not (line.lstrip().startswith("#") and self._is_remark(line)):
+                if line.strip() and not self._is_remark(line):
                     self._take(line.rstrip("\r\n"), has_end(line))  # tabs at the end are cells
             self._rest(whole=False)
         except (SceneError, SourceStopped) as error:
@@ -71,6 +72,8 @@ class Stream:
             self._queue.put(None)
 
     def _is_remark(self, line: str) -> bool:
+        if not line.lstrip().startswith("#"):
+            return self._strays.is_heading(line, self._number)
         return self._lines is None or self._lines.is_remark(line.rstrip("\r\n"))
 
     def _rest(self, whole: bool) -> None:
