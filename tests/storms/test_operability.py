@@ -645,7 +645,7 @@ def test_a_heading_that_the_responses_lack_is_refused_before_any_storm_is_run(ap
     sea = application.read(tmp_path / "sea.yaml")
     conditions = [Condition(0.5, PERIOD, math.radians(angle)) for angle in (0.0, 90.0, 200.0)]
     wanted = Asked(conditions, range(1, 4), 10.0, 10.0, ("max_tension < 60 kN",), lead=5.0)
-    with pytest.raises(SceneError, match=r"Tp 8 s, heading 200 deg.*not in the file"):
+    with pytest.raises(SceneError, match=r"Tp 8 s, heading 200 deg.*not in the file; give --heading, one of 0, 90"):
         operability(application, sea, wanted, replace(ALONE, folder=tmp_path / "storms"))
     assert not (tmp_path / "storms").exists()
 

@@ -48,7 +48,9 @@ def test_a_life_is_told_where_all_of_the_time_was_run_and_else_what_it_is_at_mos
     said = told(part)
     assert said["life_years"] is None and said["life_years_at_most"] == part.life > whole.life
     for found, words in ((whole, f"{whole.life:.4g} years"), (part, f"not known, at most {part.life:.4g} years")):
-        shown = SimpleNamespace(table=None, fatigue=found, criteria=[], outcome=SimpleNamespace(done=4, wall_time=1.0))
+        shown = SimpleNamespace(
+            table=None, fatigue=found, criteria=[], failed=[], outcome=SimpleNamespace(done=4, wall_time=1.0)
+        )
         rows = dict(_rows(shown, asked()))
         assert rows["fatigue life"] == words
         assert ("cycles in a year, of the time that was run" in rows) == (found is part)
@@ -59,7 +61,9 @@ def test_a_rope_that_no_cycle_wears_has_a_life_without_end_and_where_part_was_ru
     for found, words in ((still, "without end: no damage"), (part, "not known: no damage, of the time that was run")):
         said = told(found)
         assert said["no_damage"] is True and said["life_years"] is said["life_years_at_most"] is None
-        shown = SimpleNamespace(table=None, fatigue=found, criteria=[], outcome=SimpleNamespace(done=4, wall_time=1.0))
+        shown = SimpleNamespace(
+            table=None, fatigue=found, criteria=[], failed=[], outcome=SimpleNamespace(done=4, wall_time=1.0)
+        )
         assert dict(_rows(shown, asked()))["fatigue life"] == words
     assert told(a_year_of([[10.0], [20.0]]))["no_damage"] is False
 
@@ -72,7 +76,9 @@ def test_nothing_is_told_of_a_rope_of_which_no_storm_was_run(constant):
         "equivalent_tension_range": None, "cycles_per_year": None, "slope": 5.0, "share_of_time": 0.0,
         "life_years": None, "life_years_at_most": None, "no_damage": False,
     }  # fmt: skip
-    shown = SimpleNamespace(table=None, fatigue=found, criteria=[], outcome=SimpleNamespace(done=0, wall_time=1.0))
+    shown = SimpleNamespace(
+        table=None, fatigue=found, criteria=[], failed=[], outcome=SimpleNamespace(done=0, wall_time=1.0)
+    )
     rows = dict(_rows(shown, asked()))
     assert "fatigue life" not in rows and rows["cycles in a year, of the time that was run"] == "not known"
     (warning,) = not_covered(found)

@@ -10,6 +10,7 @@ from sweep.short_hoist import HOIST, MASS, PERIOD, hoist, write_sweep
 
 import tautline
 from tautline.results.tables.finding import Finding
+from tautline.scene.errors import SceneError
 from tautline.sweeps.cases import Row, Runner, job_of
 from tautline.sweeps.execution import Execution
 from tautline.sweeps.file import Collected
@@ -86,6 +87,20 @@ def test_the_limits_of_the_scene_are_counted():
     data = tautline.sweep(hoist(0.1), {"rope.breaking_load": ["1.1 MN", "10 kN"]}, collect=["limits_failed"], jobs=1)
     ratio = data["limits_failed"].values
     assert ratio[1] == ratio[0] + 1
+
+
+def test_limits_that_every_run_is_judged_by_are_columns_where_they_are_asked_for():
+    words = ("failed", "value", "margin")
+    collect = ["max_tension", *(f"run_limit.breaking_load.{word}" for word in words)]
+    data = tautline.sweep(hoist(0.1), {"rope.breaking_load": ["1.1 MN", "10 kN"]}, collect=collect, jobs=1)
+    failed, value, margin = (data[f"run_limit.breaking_load.{word}"].values for word in words)
+    tension = data["max_tension"].values
+    assert failed.tolist() == [0, 1] and value.tolist() == tension.tolist()
+    assert margin == pytest.approx(np.array([1.1e6, 10e3]) - tension)
+    every = tautline.sweep(hoist(0.1), {"rope.breaking_load": ["1.1 MN"]}, jobs=1)
+    assert not [name for name in every.data_vars if name.startswith("run_limit")]
+    with pytest.raises(SceneError, match=r"run_limit\.breaking\.failed"):
+        tautline.sweep(hoist(0.1), {"rope.breaking_load": ["1.1 MN"]}, collect=["run_limit.breaking.failed"], jobs=1)
 
 
 @pytest.mark.parametrize(

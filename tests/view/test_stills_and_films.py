@@ -55,6 +55,9 @@ def test_pictures_are_named_by_their_times_where_there_are_several(tmp_path):
 def test_a_picture_of_another_format_or_in_no_folder_is_refused(stage, tmp_path):
     with pytest.raises(ResultError, match="use png or jpg"):
         still(stage, 0, tmp_path / "a.tga")
+    for name, option in (("a.html", "--html"), ("a.mp4", "--movie"), ("a.gif", "--movie")):
+        with pytest.raises(ResultError, match=f"use png or jpg, or give {option} .*{name} in place of -o"):
+            still(stage, 0, tmp_path / name)
     with pytest.raises(ResultError, match="there is no folder"):
         places(tmp_path / "none" / "a.png", tmp_path / "run.nc", TIME, [0])
 

@@ -19,6 +19,8 @@ from tautline.sweeps.verbs import no_number, no_part, output_of
 from tautline.system.handles import word_of
 
 WRITTEN = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=?|>=?)\s*(?P<value>[^<>=]+?)\s*")
+SAME = 1.0e-12
+"""Share by which one limit in two units differs: rounding."""
 SI, METRIC = "si", "metric"
 OPTION, EXAMPLE = "--limit", 'write such as --limit "max_tension < 60 kN"'
 
@@ -59,6 +61,12 @@ class Criterion(NamedTuple):
     def strict(self) -> bool:
         """Whether what is equal to the limit is beyond it: ``<`` and ``>``, not ``<=`` and ``>=``."""
         return "=" not in self.text
+
+    def same_as(self, other: Criterion) -> bool:
+        """Whether it is the same limit, however each is written."""
+        one, two = ((each.name, each.sense, each.strict, each.output) for each in (self, other))
+        # Conversion of units rounds: 60 kN and 60000 N are one.
+        return one == two and math.isclose(self.limit, other.limit, rel_tol=SAME)
 
     def broken_by(self, value: float) -> bool:
         """Whether a value is beyond the limit."""
@@ -118,7 +126,7 @@ def read_criteria(
         except SceneError as error:
             problems += error.problems
             continue
-        if one.text not in [other.text for other in found]:
+        if not any(one.same_as(other) for other in found):
             found.append(one)
     if problems:
         raise SceneError(problems)

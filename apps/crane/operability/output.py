@@ -13,6 +13,7 @@ import numpy as np
 
 from crane.operability.allowable import FITTED, UPWARDS, Allowable, Table, governing, of_all, steepest
 from crane.operability.criteria import Criterion
+from crane.operability.run_limits import Failed, failed_from, words_of
 from crane.operability.scatter import Fatigue
 from tautline.results.errors import WriteError
 from tautline.results.tables.rows import heads_of, write_rows
@@ -33,8 +34,13 @@ def degrees(heading: float | None) -> str:
     return OWN if heading is None else f"{math.degrees(heading):.6g} deg"
 
 
-def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any]) -> Variables:
-    """All that was found as named arrays: dimensions limit, heading, peak_period, significant_height, seed."""
+def dataset(
+    table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any], failed: Sequence[Failed] = ()
+) -> Variables:
+    """All that was found as named arrays: dimensions limit, heading, peak_period, significant_height, seed.
+
+    And run_limit, the limits of every run that storms failed, where any did.
+    """
     state = ("heading", "peak_period", "significant_height")
     of_limit = ("limit", *state)
     entries: dict[str, Any] = {
@@ -61,6 +67,12 @@ def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str
     limit = steepest(table.periods, table.gravity)
     entries["steepest"] = (("peak_period",), limit, {"units": "m", "long_name": "limit of steepness"})
     headings = [math.nan if one is None else one for one in table.headings]
+    of_run: dict[str, Any] = {}
+    if failed:
+        counts = np.array([one.storms for one in failed])
+        about = {"units": "1", "long_name": "storms that fail a limit of every run"}
+        entries["run_limit_failed"] = (("run_limit", *state), counts, about)
+        of_run = {"run_limit": ("run_limit", np.array([one.limit.name for one in failed], object))}
     coordinates = {
         "limit": ("limit", np.array([one.text for one in criteria], object)),
         "limit_value": ("limit", np.array([one.limit for one in criteria])),
@@ -69,67 +81,78 @@ def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str
         "peak_period": ("peak_period", table.periods, {"units": "s"}),
         "significant_height": ("significant_height", table.heights, {"units": "m"}),
         "seed": ("seed", table.seeds),
+        **of_run,
     }
     return Variables.of(entries, coordinates, attributes)
 
 
 def write_all(
     table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any], folder: Path,
-    fatigue: Fatigue | None = None,
+    fatigue: Fatigue | None = None, failed: Sequence[Failed] = (),
 ) -> dict[str, Path]:  # fmt: skip
-    """Write dataset and tables into a folder; raises WriteError."""
+    """Write dataset and tables into a folder, of heights only where there is a limit; raises WriteError."""
     written = {
-        "result": write_netcdf(dataset(table, criteria, attributes), folder / DATASET),
-        "table": _write_states(table, criteria, folder / STATES),
-        "allowable": _write_heights(table, criteria, folder / HEIGHTS),
+        "result": write_netcdf(dataset(table, criteria, attributes, failed), folder / DATASET),
+        "table": _write_states(table, criteria, folder / STATES, failed),
     }
+    if criteria:
+        written["allowable"] = _write_heights(table, criteria, folder / HEIGHTS, failed)
+    else:
+        # Of a run before, gone on with without its limits: they are not those of this one.
+        (folder / HEIGHTS).unlink(missing_ok=True)
     if fatigue is not None:
-        written["damage"] = _write_damage(table, fatigue, folder / DAMAGE)
+        written["damage"] = _write_damage(table, fatigue, folder / DAMAGE, failed)
     return written
 
 
-def _write_damage(table: Table, fatigue: Fatigue, path: Path) -> Path:
+def _write_damage(table: Table, fatigue: Fatigue, path: Path, failed: Sequence[Failed]) -> Path:
     """A row for each sea state: its share of time, how much of it was run, and the part of that in a year's damage."""
     heads = [
         "heading [deg]", "peak_period [s]", "significant_height [m]", "share of time", "share of it that was run",
-        "damage in a year [N^5]", "share of damage",
+        "limits of a run that storms fail", "damage in a year [N^5]", "share of damage",
     ]  # fmt: skip
     whole = float(np.nansum(fatigue.damage)) or 1.0
     rows = [
         [
             *_place(table, *at[:2]), float(table.heights[at[2]]), float(fatigue.share[at]), float(fatigue.run[at]),
-            float(damage), float(damage) / whole,
+            words_of(failed, at), float(damage), float(damage) / whole,
         ]
         for at, damage in np.ndenumerate(fatigue.damage)
     ]  # fmt: skip
     return write_rows(heads, rows, path, error_type=WriteError)
 
 
-def _write_states(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
+def _write_states(table: Table, criteria: Sequence[Criterion], path: Path, failed: Sequence[Failed]) -> Path:
+    """A row for each limit and sea state; without limits one for each sea state."""
     heads = heads_of(["limit", "unit", "heading", "peak_period", "significant_height"], {
         "heading": "deg", "peak_period": "s", "significant_height": "m",
     })  # fmt: skip
     rows = []
-    for k, i, j, n in np.ndindex(*table.values.shape[:4]):
-        heading = table.headings[i]
-        fits = [float(table.extremes[name][k, i, j, n]) for name in FITTED]
-        place = [math.nan if heading is None else math.degrees(heading), table.periods[j], table.heights[n]]
+    for k, *at in np.ndindex(max(1, len(criteria)), *table.status.shape):
+        i, j, n = at
+        limit = [criteria[k].text, criteria[k].unit] if criteria else ["", ""]
+        fits = [float(table.extremes[name][k, i, j, n]) for name in FITTED] if criteria else [math.nan] * len(FITTED)
         state = [table.status[i, j, n], int(table.done[i, j, n])]
-        rows.append([criteria[k].text, criteria[k].unit, *place, *state, *fits])
-    return write_rows([*heads, "status", "storms_done", *FITTED], rows, path, error_type=WriteError)
+        place = [*_place(table, i, j), float(table.heights[n])]
+        rows.append([*limit, *place, *state, *fits, words_of(failed, (i, j, n))])
+    heads = [*heads, "status", "storms_done", *FITTED, "run_limits_failed"]
+    return write_rows(heads, rows, path, error_type=WriteError)
 
 
-def _write_heights(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
+def _write_heights(
+    table: Table, criteria: Sequence[Criterion], path: Path, failed: Sequence[Failed] = ()
+) -> Path:  # fmt: skip
     """A row for each limit, heading and period; of several limits what all allow last, and which of them governs."""
     rows = []
     heads = [
         "limit", "heading [deg]", "peak_period [s]", "allowable_height [m]", "low [m]", "high [m]", "bound",
-        "low bound", "high bound", "governed by",
+        "low bound", "high bound", "limits of a run fail from [m]", "governed by",
     ]  # fmt: skip
+    lowest = failed_from(failed, table)
     for k, i, j in np.ndindex(*table.allowable.shape):
-        rows.append([criteria[k].text, *_place(table, i, j), *table.allowable[k, i, j], ""])
+        rows.append([criteria[k].text, *_place(table, i, j), *table.allowable[k, i, j], lowest[i, j], ""])
     for i, j, k, one in least_of_all(table):
-        rows.append([ALL, *_place(table, i, j), *one, criteria[k].text if k >= 0 else ""])
+        rows.append([ALL, *_place(table, i, j), *one, lowest[i, j], criteria[k].text if k >= 0 else ""])
     return write_rows(heads, rows, path, error_type=WriteError)
 
 
@@ -150,34 +173,47 @@ def _place(table: Table, heading: int, period: int) -> list[float]:
     return [math.nan if angle is None else math.degrees(angle), float(table.periods[period])]
 
 
-def draw(table: Table, criteria: Sequence[Criterion], title: str, compared: Sequence[str], folder: Path) -> list[Path]:
+def draw(
+    table: Table, criteria: Sequence[Criterion], title: str, compared: Sequence[str], folder: Path,
+    failed: Sequence[Failed] = (),
+) -> list[Path]:  # fmt: skip
     """Draw allowable significant height against peak period, a curve for each heading.
 
     A figure for each limit, and of several limits one of the smallest of all. `compared` are the words for what is
-    compared with each limit.
+    compared with each limit. A cross marks the lowest height of which storms fail limits of every run.
     """
     made: list[Path] = []
+    lowest = failed_from(failed, table)
     for k, (one, said) in enumerate(zip(criteria, compared, strict=True)):
         name = re.sub(r"[^A-Za-z0-9]+", "_", one.text).strip("_")
         if folder / f"{NAMED}{name}.png" in made:
             # Limits that differ in their signs only.
             name = f"{name}_{k + 1}"
-        made.append(save(_figure(table, table.allowable[k], one.text, title, said), folder / f"{NAMED}{name}.png"))
+        made.append(
+            save(_figure(table, table.allowable[k], one.text, title, said, lowest), folder / f"{NAMED}{name}.png")
+        )
     if len(table.allowable) > 1:
         said = ", ".join(dict.fromkeys(compared))
-        made.append(save(_figure(table, of_all(table), ALL, title, said), folder / f"{NAMED}all_limits.png"))
+        made.append(save(_figure(table, of_all(table), ALL, title, said, lowest), folder / f"{NAMED}all_limits.png"))
     return made
 
 
 @styled
-def _figure(table: Table, allowable: np.ndarray, text: str, title: str, compared: str) -> Any:
-    """Heights (headings, periods) of `Allowable`."""
+def _figure(
+    table: Table, allowable: np.ndarray, text: str, title: str, compared: str, lowest: np.ndarray | None = None
+) -> Any:
+    """Heights (headings, periods) of `Allowable`; `lowest` of which storms fail limits of every run, NaN for none."""
     figure, plots = axes(1, 1, 6.8, 4.4, f"{title}: {text}" if title else text)
     plot, periods = plots[0, 0], table.periods
     top = 1.15 * float(table.heights[-1])
     in_view = any(each.height > 0.0 or each.high > 0.0 for each in allowable.ravel())
     for i, heading in enumerate(table.headings if in_view else ()):
         _curve(plot, periods, allowable[i], colour(i, len(table.headings)), degrees(heading))
+    lowest = np.full(allowable.shape, math.nan) if lowest is None else lowest
+    crossed = bool(np.isfinite(lowest).any())
+    for i in range(len(table.headings) if crossed else 0):
+        shade = colour(i, len(table.headings))
+        plot.plot(periods, lowest[i], "x", ms=8, mew=2, color=shade, clip_on=False, zorder=4)
     fine = np.linspace(periods[0], periods[-1], 100)
     if (steep := steepest(fine, table.gravity)).min() < top:
         plot.plot(fine, steep, "--", lw=1, color=QUIET, label="steepest waves")
@@ -192,7 +228,8 @@ def _figure(table: Table, allowable: np.ndarray, text: str, title: str, compared
         plot.text(0.5, 0.5, said, transform=plot.transAxes, ha="center", va="center")
     within = "shaded" if len(periods) > 1 else "bar"
     of_curves = f"; {within}: its confidence interval; open: bounded, see allowable.csv" if in_view else ""
-    plot.set_title(textwrap.fill(f"{compared}{of_curves}", LINE), fontsize=8, loc="left")
+    of_crosses = "; crosses: from here on storms fail limits of a run" if crossed else ""
+    plot.set_title(textwrap.fill(f"{compared}{of_curves}{of_crosses}", LINE), fontsize=8, loc="left")
     return figure
 
 

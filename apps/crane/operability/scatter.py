@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -242,8 +243,8 @@ class Fatigue(NamedTuple):
 
     @property
     def unharmed(self) -> bool:
-        """Whether the time that was run does no damage: no cycle is counted."""
-        return self.any and not self.damage.any()
+        """Whether the time that was run does no damage: no cycle counts, or the life is more than a number can be."""
+        return self.any and (not self.damage.any() or self.life == math.inf)
 
     @property
     def whole(self) -> bool:
@@ -287,8 +288,15 @@ def fatigue_over(
     found = (total / count) ** (1.0 / SLOPE) if count > 0.0 else 0.0
     life = None
     if constant is not None and breaking_load is not None and total > 0.0:
-        life = constant * breaking_load**SLOPE / total
+        # In this order: a large constant times a large load is more than a number can be, where the life is not.
+        life = constant * (breaking_load**SLOPE / total)
     return Fatigue(each * damage, found, count, float((of_each * run).sum()), life, of_each, run)
+
+
+def share_outside(scatter: Scatter, states: Iterable[tuple[float, float]]) -> float:
+    """Share of time of a diagram that sea states, each a height, m, and a period, s, leave out; 0 of rounding."""
+    inside = sum(scatter.of(*state) for state in set(states))
+    return 1.0 - inside if inside < 1.0 - WHOLE else 0.0
 
 
 def not_covered(found: Fatigue) -> list[str]:
@@ -306,9 +314,10 @@ def not_covered(found: Fatigue) -> list[str]:
 
 def told(found: Fatigue) -> dict[str, Any]:
     """Keys of ``--json``."""
+    life = found.life if found.life != math.inf else None
     return {
         "equivalent_tension_range": found.range if found.any else None,
         "cycles_per_year": found.cycles if found.any else None, "slope": SLOPE,
-        "share_of_time": found.covered, "life_years": found.life if found.whole else None,
-        "life_years_at_most": None if found.whole else found.life, "no_damage": found.unharmed,
+        "share_of_time": found.covered, "life_years": life if found.whole else None,
+        "life_years_at_most": None if found.whole else life, "no_damage": found.unharmed,
     }  # fmt: skip

@@ -30,8 +30,19 @@ from crane.operability.criteria import (
     read_criteria,
     reversed_notes,
 )
-from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
+from crane.operability.run_limits import (
+    MOST_SHOWN,
+    Failed,
+    RunLimit,
+    above_strength,
+    failures,
+    of_run,
+    state_said,
+    warnings_of,
+)
+from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered, share_outside
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
+from crane.sea.vessel import BY_KEY
 from tautline.scene.errors import SceneError, SceneWarning, option_error
 from tautline.statistics.gumbel import FEWEST
 from tautline.sweeps.execution import Execution
@@ -42,8 +53,6 @@ PROBE = 3.0
 TENSION = "tension"
 SHORTEST, LONGEST = 60.0, 30.0 * 86400.0
 """Durations, s, of operations at sea: a lift off a deck, and a month of work."""
-MOST_SHOWN = 5
-"""Sea states that a warning names."""
 MOST_SCALED, FEW_PERIODS = 10.0, 100.0
 """Ratio of durations up to which extremes are scaled without a note, and waves that a scaled storm should have."""
 
@@ -89,13 +98,15 @@ class Asked:
 class Found:
     """What came of it; ``table`` is None where the sweep was interrupted, or no case came to its end.
 
-    ``warnings`` are what makes a result less safe than it reads, and is told whoever asks for quiet.
+    ``warnings`` are what makes a result less safe than it reads, and is told whoever asks for quiet. ``failed`` are the
+    limits of every run that storms failed.
     """
 
     outcome: Any
     criteria: list[Criterion]
     table: Table | None = None
     fatigue: Fatigue | None = None
+    failed: list[Failed] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
@@ -120,7 +131,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     vary = cases_of(asked.conditions, asked.seeds, keys)
     first = {key: values[0] for key, values in vary.items()}
     any_storm = scene.replace(first, origin="--hs, --tp, --heading, --seeds")
-    figures, handles = _found_by(application, any_storm, execution.announce)
+    _check_seas(application, scene, keys, asked)
+    figures, handles, of_every_run = _found_by(application, any_storm, execution.announce)
     if asked.constant is not None and scene.rope.breaking_load is None:
         cause = "needs the breaking load of the rope, which the scene does not give"
         raise option_error("--sn-constant", f"{asked.constant:g}", cause, "give rope.breaking_load")
@@ -133,13 +145,14 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
     collect = list({str(one): one for one in collect}.values())
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
-    _check_seas(application, storm, keys, asked)
-    notes = sea_notes(storm.replace(first), keys) + scale_notes(asked)
+    # Frames and statistics both tell them.
+    collect += [column for one in of_every_run for column in one.columns]
+    notes = sea_notes(storm.replace(first), keys) + (scale_notes(asked) if criteria else [])
     # Those of the scene are told with its other numbers without a unit.
     doubts = duration_notes(asked) + bare_notes(of_command, scene.units) + reversed_notes(of_command)
-    doubts += share_notes(asked, criteria)
+    doubts += share_notes(asked, criteria) + above_strength(criteria, scene)
     notes += notes_on(criteria, not storm.output.statistics)
-    notes += lasting_notes(scene)
+    notes += lasting_notes(scene) + outside_notes(asked)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
 
     def begun() -> None:
@@ -157,7 +170,9 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
         outcome.data, asked.conditions, criteria, asked.seeds, ratio, asked.share, asked.confidence, asked.compared,
         NOTHING,
     )  # fmt: skip
-    found.warnings += failed_notes(found.table, len(asked.seeds))
+    found.failed = failures(outcome.data, found.table, asked.conditions, of_every_run)
+    found.warnings += failed_notes(found.table, len(asked.seeds), scene.units)
+    found.warnings += warnings_of(found.failed, found.table, asked.scatter is not None, scene.units)
     if asked.scatter is not None:
         counted = asked.simulated if storm.output.statistics else asked.lead + asked.simulated
         found.fatigue = _fatigue(outcome.data, asked, counted, scene, found.table)
@@ -166,11 +181,35 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
 
 
 def occurring(asked: Asked, scene: Any) -> Asked:
-    """The same, without sea states that never occur where nothing but fatigue is asked for: they do no damage."""
+    """The same, without sea states that never occur where nothing but fatigue is asked for: they do no damage.
+
+    Raises
+    ------
+    SceneError
+        Where none of them occurs: there is nothing to run.
+    """
     if asked.scatter is None or asked.limits or limits_of_scene(scene):
         return asked
     found = [one for one in asked.conditions if asked.scatter.of(one.height, one.period) > 0.0]
-    return replace(asked, conditions=found) if found else asked
+    if not found:
+        heights, periods = (", ".join(f"{x:g}" for x in of) for of in (asked.scatter.heights, asked.scatter.periods))
+        cause = "none of the sea states of --hs and --tp occurs in the diagram: there is no fatigue to count"
+        cure = f"leave --hs and --tp out, or give some of its heights, {heights} m, and of its periods, {periods} s"
+        raise option_error("--scatter", "", cause, cure)
+    return replace(asked, conditions=found)
+
+
+def outside_notes(asked: Asked) -> list[str]:
+    """How much of a scatter diagram is not among the sea states that run: storms of hours tell it late."""
+    if asked.scatter is None:
+        return []
+    share = share_outside(asked.scatter, [(one.height, one.period) for one in asked.conditions if one.physical])
+    if not share:
+        return []
+    return [
+        f"{100.0 * share:.3g} % of the time of the scatter diagram will not be run (too steep, or not among --hs and "
+        "--tp): its damage will not be counted"
+    ]
 
 
 def _check_seas(application: Any, scene: Any, keys: SeaKeys, asked: Asked) -> None:
@@ -191,8 +230,14 @@ def _check_seas(application: Any, scene: Any, keys: SeaKeys, asked: Asked) -> No
         except SceneError as error:
             heading = "" if one.heading is None else f", heading {math.degrees(one.heading):g} deg"
             where = f"sea of Tp {one.period:g} s{heading}"
-            problems = [replace(problem, cause=f"{where}: {problem.cause}") for problem in error.problems]
-            raise SceneError(problems) from None
+            # With headings it is the option that asks for a direction, and not the scene's key.
+            asks = BY_KEY if one.heading is None else "give --heading"
+            raise SceneError(
+                [
+                    replace(problem, cause=f"{where}: {problem.cause}", cure=problem.cure.replace(BY_KEY, asks))
+                    for problem in error.problems
+                ]
+            ) from None
 
 
 def warnings_of_storms(of_scene: Sequence[SceneWarning], scene: Any, asked: Asked) -> list[SceneWarning]:
@@ -233,16 +278,13 @@ def share_notes(asked: Asked, criteria: Sequence[Criterion]) -> list[str]:
     ]
 
 
-def failed_notes(table: Table, storms: int) -> list[str]:
+def failed_notes(table: Table, storms: int, system: str = "si") -> list[str]:
     """Which sea states have storms that failed, and what is not told of them."""
     if not table.failed:
         return []
 
     def said(at: tuple[int, ...]) -> str:
-        heading = table.headings[at[0]]
-        of = "" if heading is None else f", heading {math.degrees(heading):.6g} deg"
-        where = f"Hs {table.heights[at[2]]:g} m, Tp {table.periods[at[1]]:g} s{of}"
-        return f"{where} ({storms - table.done[at]} of {storms})"
+        return f"{state_said(table, at, system)} ({storms - table.done[at]} of {storms})"
 
     shown = "; ".join(said(at) for at in table.failed[:MOST_SHOWN])
     more = len(table.failed) - MOST_SHOWN
@@ -302,8 +344,10 @@ def _check(asked: Asked, limits: Sequence[str]) -> None:
         raise option_error("--simulate", f"{asked.simulated:g} s", f"is longer than {asked.duration:g} s", cure)
 
 
-def _found_by(application: Any, scene: Any, announce: Callable[[int], Any] | None) -> tuple[dict[str, str], Handles]:
-    """Figures that a run of the scene finds, with their units, and its handles; by a run of a moment."""
+def _found_by(
+    application: Any, scene: Any, announce: Callable[[int], Any] | None
+) -> tuple[dict[str, str], Handles, list[RunLimit]]:
+    """Figures that a run of the scene finds, with their units, its handles and its limits; by a run of a moment."""
     from tautline.live.readings import handles_of
     from tautline.simulation import simulate
 
@@ -313,7 +357,7 @@ def _found_by(application: Any, scene: Any, announce: Callable[[int], Any] | Non
     result = simulate(model, announce=announce)
     figures = {name: str(one.get("unit") or "") for name, one in result.headline.items()}
     sometimes = {name: unit for name, unit in model.figure_units.items() if name in NOTHING}
-    return {**sometimes, **figures}, handles_of(model)
+    return {**sometimes, **figures}, handles_of(model), of_run(result.limits)
 
 
 def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:

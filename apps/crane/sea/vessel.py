@@ -24,6 +24,8 @@ from tautline.scene.reading.columns import Columns
 from tautline.system.time_functions import jonswap
 
 VESSEL, BELOW = "vessel", "ground"
+BY_KEY = "give `direction:` beside `rao:`"
+"""How a scene asks for a direction of its file of responses; a command that has an option for it names that."""
 OUTSIDE = 0.05
 """Share of a sea's energy that may lie at frequencies of which the table says nothing."""
 LARGEST_RESPONSE = {True: 1.0, False: 30.0}
@@ -348,7 +350,7 @@ def _rows_of_direction(
     if direction is None or not rows.size:
         listed = ", ".join(f"{math.degrees(x):.5g}" for x in directions[:12])
         cause = "none is asked for" if direction is None else f"{math.degrees(direction):.5g} deg is not in the file"
-        cure = f"give `direction:` beside `rao:`, one of {listed} deg"
+        cure = f"{BY_KEY}, one of {listed} deg"
         sheet.problems.append(sheet.problem(sheet.header_line, "direction", None, cause, cure))
     return rows
 

@@ -14,6 +14,7 @@ from tautline.cli.verbs import Changes, GoOn, Json, Quiet, Scene, Scheduler, Wor
 
 if TYPE_CHECKING:
     from crane.operability.criteria import Criterion
+    from crane.operability.scatter import Fatigue
     from crane.operability.storms import Asked, Found
     from tautline.scene.errors import SceneWarning
 
@@ -119,7 +120,7 @@ def operability(
         told[:] = warnings_of_storms(told, read, asked)
         print_warnings(told)
         if not quiet:
-            _introduce(asked, len(whole.conditions) - len(asked.conditions))
+            _introduce(read, asked, len(whole.conditions) - len(asked.conditions))
 
     with Counter("storms", shown=not quiet) as bar:
         execution = Execution(jobs, dask, folder, resume, progress=bar, announce=compiling, begin=begin)
@@ -127,24 +128,28 @@ def operability(
     _report(scene, read, asked, found, folder, told, as_json, quiet, output is not None)
 
 
-def _introduce(asked: Asked, absent: int) -> None:
+def _introduce(read: Any, asked: Asked, absent: int) -> None:
+    from crane.operability.criteria import limits_of_scene
     from tautline.cli.output.console import say
+    from tautline.scene.values.printed import in_words
 
     steep = [one for one in asked.conditions if not one.physical]
     count = len(asked.conditions) - len(steep)
     storms = f"{len(asked.seeds)} storm{'s' if len(asked.seeds) > 1 else ''}"
     if asked.scatter is not None:
         heights, periods = (f"{x[0]:.4g} to {x[-1]:.4g}" for x in (asked.scatter.heights, asked.scatter.periods))
-        say(f"scatter diagram: significant heights of {heights} m down, peak periods of {periods} s across")
+        heights = in_words(f"{heights} m", read.units)
+        say(f"scatter diagram: significant heights of {heights} down, peak periods of {periods} s across")
     say(f"{count} sea state{'s' if count != 1 else ''}, {storms} of {_lasting(asked.simulated)} each")
     if absent:
         say(f"{absent} more of the scatter diagram never occur, and are not run")
     if steep:
         say(f"{len(steep)} more are not run: waves of these periods cannot be so steep (DNV-RP-C205, 3.5.4)")
-    if asked.simulated < asked.duration:
+    if asked.simulated < asked.duration and (asked.limits or limits_of_scene(read)):
         say(
             f"extremes are scaled from {_lasting(asked.simulated)} to {_lasting(asked.duration)}: Gumbel's location "
-            "grows by its scale times ln(duration / length of a run); this holds for a steady state"
+            "grows by its scale times ln(duration / length of a run); this holds for a steady state. Limits of every "
+            "run, such as the breaking load, are judged in the time that is simulated alone"
         )
 
 
@@ -169,13 +174,13 @@ def _report(
             **outcome.data.attrs, "duration": asked.duration, "simulated": asked.simulated, "lead_in": asked.lead,
             "percentile": asked.share, "confidence": asked.confidence, "compared": asked.compared,
         }  # fmt: skip
-        written = write_all(table, found.criteria, attributes, folder, found.fatigue)
+        written = write_all(table, found.criteria, attributes, folder, found.fatigue, found.failed)
         said = [_compared_said(asked, one) for one in found.criteria]
-        figures = draw(table, found.criteria, read.title or "", said, folder)
+        figures = draw(table, found.criteria, read.title or "", said, folder, found.failed)
         # A run before, gone on with for other limits, has figures whose rows the tables no longer have.
         list_figures(folder, figures)
         if not quiet:
-            console().print(two_columns(_rows(found, asked)))
+            console().print(two_columns(_rows(found, asked, read.units)))
             for path in (*written.values(), *figures):
                 say(f"wrote {path}", "green")
     for text in found.warnings:
@@ -196,7 +201,7 @@ def _report(
             "scene": str(scene), "status": outcome.ended, "cases": len(outcome.cases), "done": outcome.done,
             "failed": outcome.failed, "earlier": outcome.earlier,
             **{name: str(path) for name, path in written.items()}, "figures": [str(path) for path in figures],
-            "limits": _allowed(found), "all_limits": _least(found),
+            "limits": _allowed(found), "all_limits": _least(found), "run_limits": _run_limits(found),
             "fatigue": None if found.fatigue is None else told(found.fatigue), "notes": found.notes,
             "warnings": found.warnings, "scene_warnings": warning_records(of_scene),
             "wall_time": outcome.wall_time, "cpu_time": outcome.cpu_time,
@@ -228,13 +233,16 @@ def _allowed(found: Found) -> list[dict[str, Any]]:
     """Allowable heights, m, heading by heading and period by period; null where not known."""
     import numpy as np
 
+    from crane.operability.run_limits import failed_from
+
     table, told = found.table, []
     if table is None:
         return []
+    lowest = failed_from(found.failed, table)
     for k, i, j in np.ndindex(*table.allowable.shape):
         told.append({
             "limit": found.criteria[k].text, "heading": table.headings[i], "peak_period": float(table.periods[j]),
-            **_allowable_json(table.allowable[k, i, j]),
+            **_allowable_json(table.allowable[k, i, j]), "run_limits_failed_from": _known(lowest[i, j]),
         })  # fmt: skip
     return told
 
@@ -242,17 +250,40 @@ def _allowed(found: Found) -> list[dict[str, Any]]:
 def _least(found: Found) -> list[dict[str, Any]]:
     """What all limits allow, heading by heading and period by period; nothing where there is but one limit."""
     from crane.operability.output import least_of_all
+    from crane.operability.run_limits import failed_from
 
     table = found.table
     if table is None:
         return []
+    lowest = failed_from(found.failed, table)
     return [
         {
             "heading": table.headings[i], "peak_period": float(table.periods[j]), **_allowable_json(one),
-            "governed_by": found.criteria[k].text if k >= 0 else None,
+            "governed_by": found.criteria[k].text if k >= 0 else None, "run_limits_failed_from": _known(lowest[i, j]),
         }
         for i, j, k, one in least_of_all(table)
     ]  # fmt: skip
+
+
+def _run_limits(found: Found) -> list[dict[str, Any]]:
+    """Limits of every run that storms failed: the worst value and the bound in SI, and the sea states with storms."""
+    import numpy as np
+
+    table, told = found.table, []
+    for one in found.failed if table is not None else ():
+        assert table is not None
+        states = [
+            {
+                "heading": table.headings[i], "peak_period": float(table.periods[j]),
+                "significant_height": float(table.heights[n]), "storms": int(one.storms[i, j, n]),
+            }
+            for i, j, n in np.argwhere(one.storms)
+        ]  # fmt: skip
+        told.append({
+            "limit": one.limit.name, "text": one.limit.text, "unit": one.limit.unit, "sense": one.limit.sense,
+            "bound": one.bound, "worst": one.worst, "sea_states": states,
+        })  # fmt: skip
+    return told
 
 
 def _allowable_json(one: Any) -> dict[str, Any]:
@@ -273,55 +304,74 @@ def _where(one: dict[str, Any]) -> str:
     return f"Tp {one['peak_period']:g} s, heading {degrees(one['heading'])}"
 
 
-def _said(one: dict[str, Any]) -> str:
+def _said(one: dict[str, Any], system: str) -> str:
     """An allowable height in words, with its interval as far as it is one."""
-    from tautline.scene.values.printed import significant
+    from tautline.scene.values.printed import shown
 
     height, low, high = one["allowable_height"], one["low"], one["high"]
     if height is None:
         return "not known"
-    said = f"{significant(height)} m" if height > 0.0 or not one["bound"] else "none"
+    said = shown(height, "m", system) if height > 0.0 or not one["bound"] else "none"
     said += f", {one['bound']}" if one["bound"] else ""
     # An end that is bounded by the grid, and not by the fit, is said to be so.
     ends = [
-        f"from {one['low_bound'] if low == 0.0 else f'{significant(low)} m'}" if low < height else "",
-        f"to {one['high_bound'] or f'{significant(high)} m'}" if high > height else "",
+        f"from {one['low_bound'] if low == 0.0 else shown(low, 'm', system)}" if low < height else "",
+        f"to {one['high_bound'] or shown(high, 'm', system)}" if high > height else "",
     ]
     interval = " ".join(end for end in ends if end)
     return f"{said} ({interval})" if interval else said
 
 
-def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
+def _also_failed(one: dict[str, Any], system: str) -> str:
+    """What is said beside an allowable height that reaches into seas whose storms fail limits of every run."""
+    from crane.operability.run_limits import within
+    from tautline.scene.values.printed import shown
+
+    height, lowest = one["allowable_height"], one["run_limits_failed_from"]
+    if height is None or lowest is None or not within(height, lowest):
+        return ""
+    return f"; from {shown(lowest, 'm', system)} on storms fail limits of a run, see the warnings below"
+
+
+def _rows(found: Found, asked: Asked, system: str = "si") -> list[tuple[str, str]]:
     """Rows of the summary: allowable heights, and what it took."""
-    from tautline.scene.values.printed import quantity, significant
+    from tautline.scene.values.printed import quantity
 
     rows: list[tuple[str, str]] = []
     for one in _allowed(found):
-        rows.append((f"Hs for {one['limit']}, {_where(one)}", _said(one)))
+        rows.append((f"Hs for {one['limit']}, {_where(one)}", _said(one, system) + _also_failed(one, system)))
     for one in _least(found):
         height = one["allowable_height"]
         # Of limits that the grid bounds none governs.
         by = "" if height is None or (height and one["bound"]) else f", by {one['governed_by']}"
-        rows.append((f"Hs for all limits, {_where(one)}", f"{_said(one)}{by}"))
+        rows.append((f"Hs for all limits, {_where(one)}", f"{_said(one, system)}{by}{_also_failed(one, system)}"))
     if found.fatigue is not None:
-        one_year = found.fatigue
-        # What failed, or was too steep to run, does not stand in the sum: its share is said with each number.
-        part = "" if one_year.whole else ", of the time that was run"
-        ranged, cycles = "not known", "not known"
-        if one_year.any:
-            ranged, cycles = quantity(one_year.range, "N"), significant(one_year.cycles)
-        rows += [
-            (f"equivalent tension range over the scatter diagram{part}", ranged),
-            (f"cycles in a year{part}", cycles),
-            ("share of time that was run", f"{significant(100.0 * one_year.covered)} %"),
-        ]
-        if one_year.life is not None:
-            most = "" if one_year.whole else "not known, at most "
-            rows.append(("fatigue life", f"{most}{significant(one_year.life)} years"))
-        if one_year.unharmed:
-            life = "without end" if one_year.whole else "not known"
-            rows.append(("fatigue life", f"{life}: no damage{part}"))
+        rows += _of_fatigue(found.fatigue, bool(found.failed), system)
     if said := dict.fromkeys(_compared_said(asked, one) for one in found.criteria):
         rows.append(("compared with limits", ", ".join(said)))
     rows.append(("storms", str(found.outcome.done)))
     return [*rows, ("wall time", quantity(found.outcome.wall_time, "s"))]
+
+
+def _of_fatigue(found: Fatigue, failed: bool, system: str) -> list[tuple[str, str]]:
+    """Rows of the summary: fatigue over the scatter diagram, and whether storms of it fail limits of every run."""
+    from tautline.scene.values.printed import shown, significant
+
+    # What failed, or was too steep to run, does not stand in the sum: its share is said with each number.
+    part = "" if found.whole else ", of the time that was run"
+    ranged, cycles = "not known", "not known"
+    if found.any:
+        ranged, cycles = shown(found.range, "N", system), significant(found.cycles)
+    rows = [
+        (f"equivalent tension range over the scatter diagram{part}", ranged),
+        (f"cycles in a year{part}", cycles),
+        ("share of time that was run", f"{significant(100.0 * found.covered)} %"),
+    ]
+    also = "; storms of it fail limits of a run, see the warnings below" if failed else ""
+    if found.unharmed:
+        life = "without end" if found.whole else "not known"
+        rows.append(("fatigue life", f"{life}: no damage{part}{also}"))
+    elif found.life is not None:
+        most = "" if found.whole else "not known, at most "
+        rows.append(("fatigue life", f"{most}{significant(found.life)} years{also}"))
+    return rows

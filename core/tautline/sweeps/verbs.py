@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from tautline.application.installed import key_of_setting
+from tautline.results.assessment.limits import AT_MOST
 from tautline.results.tables.finding import Finding, Table
 from tautline.sweeps.file import SIMULATE, Collected, SweepFile, percentile
 from tautline.system.handles import Handles, Output, part_named, word_of
@@ -31,6 +32,8 @@ LIMITS_FAILED = "limits_failed"
 EVERY_FRAME = "give the scene `output: {keep: frames}`, or leave it out"
 OF_LIMIT = "limit."
 """Begins the names of what a limit of the scene came to: ``limit.overload.margin``."""
+OF_RUN_LIMIT = "run_limit."
+"""Begins the names of what a limit came to that every run is judged by: ``run_limit.breaking_load.failed``."""
 LONGEST = ".longest"
 """Ends the name of the longest time beyond the bound."""
 OF_ONE = re.compile(r" \(.*\)$")
@@ -171,12 +174,14 @@ def of_run(
     if limits:
         failed = sum(record["passed"] is False for record in limits)
         found[LIMITS_FAILED] = Finding(failed, "", "limits that are not satisfied")
-    return found | _of_limits(limits) | watch.findings()
+    # Those of every run are many: only what is asked for is a column.
+    of_every = {name: one for name, one in _of_run_limits(limits).items() if name in asked}
+    return found | _of_limits(limits) | of_every | watch.findings()
 
 
 def asks_limits(name: str) -> bool:
     """Whether a name that is collected is of what limits came to."""
-    return name == LIMITS_FAILED or name.startswith(OF_LIMIT)
+    return name == LIMITS_FAILED or name.startswith((OF_LIMIT, OF_RUN_LIMIT))
 
 
 def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
@@ -195,6 +200,26 @@ def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
                 record["margin"] if judged else None, record["unit"], f"{text}: what was left to the bound"
             ),
             f"{begin}{LONGEST}": Finding(record["longest"], "s", f"{text}: longest time beyond the bound"),
+        }
+    return found
+
+
+def _of_run_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
+    """What each limit of every run of the application came to; no number where it could not be judged."""
+    found: dict[str, Finding] = {}
+    for record in records:
+        if "output" in record:
+            continue
+        begin, text, unit = f"{OF_RUN_LIMIT}{record['name']}", record["text"], record["unit"]
+        failed: int | None = None
+        value = margin = None
+        if record["passed"] is not None:
+            failed, value = int(not record["passed"]), record["value"]
+            margin = (record["limit"] - value) if record["sense"] == AT_MOST else (value - record["limit"])
+        found |= {
+            f"{begin}.failed": Finding(failed, "", f"{text}: 1 where the limit failed"),
+            f"{begin}.value": Finding(value, unit, f"{text}: worst value"),
+            f"{begin}.margin": Finding(margin, unit, f"{text}: what was left to the limit"),
         }
     return found
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import logging
 import pickle
+import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
@@ -237,6 +239,33 @@ def _quiet() -> Iterator[None]:
 
 
 @contextmanager
+def _interrupted_later() -> Iterator[None]:
+    """Put off Ctrl-C until workers have started, and have them not hear it: this process ends them.
+
+    A terminal sends it to all of them. Whoever is still importing then ends with a traceback, and so does a cluster
+    that is half begun. A thread begins with the blocked signals of the one that made it, and so does a process.
+    """
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    # It unblocks the signal when it starts, which it would do for the first worker.
+    resource_tracker.ensure_running()
+    heard: list[int] = []
+    # Another thread of this process may take the signal, and Python hands it to this one in spite of the mask.
+    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        signal.signal(signal.SIGINT, handler)
+    if heard:
+        raise KeyboardInterrupt
+
+
+@contextmanager
 def _client(address: str, jobs: int) -> Iterator[Any]:
     """A client of a scheduler, or of a cluster of our own, which ends with it."""
     try:
@@ -248,11 +277,12 @@ def _client(address: str, jobs: int) -> Iterator[Any]:
         if address == LOCAL:
             # Until the end: the cluster starts a worker anew where one was killed.
             stack.enter_context(without_current_folder())
-            cluster = LocalCluster(
-                n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0,
-                silence_logs=logging.CRITICAL,
-            )  # fmt: skip
-            place: Any = stack.enter_context(cluster)
+            with _interrupted_later():
+                cluster = LocalCluster(
+                    n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0,
+                    silence_logs=logging.CRITICAL,
+                )  # fmt: skip
+                place: Any = stack.enter_context(cluster)
         else:
             place = address
         stack.enter_context(_quiet())

@@ -13,6 +13,8 @@ from tautline.results.variable import outside
 from tautline.view.space.stage import Stage
 
 FORMATS = ("png", "jpg")
+OTHERS = {"html": "html", "htm": "html", "mp4": "movie", "gif": "movie"}
+"""Endings of what is no picture, and the option that writes it."""
 
 
 def frame_of(asked: str, time: np.ndarray) -> int:
@@ -89,7 +91,10 @@ def still(stage: Stage, frame: int, path: Path) -> Path:
 
     ending = path.suffix[1:].lower()
     if ending not in (*FORMATS, "jpeg"):
-        raise ResultError(path, f"is no picture that can be written: '{ending}'", f"use {' or '.join(FORMATS)}")
+        other = OTHERS.get(ending)
+        instead = f", or give --{other} {path} in place of -o {path}" if other else ""
+        cure = f"use {' or '.join(FORMATS)}{instead}"
+        raise ResultError(path, f"is no picture that can be written: '{ending}'", cure)
     stage.show(frame)
     try:
         Image.fromarray(stage.picture()).save(path)

@@ -1,0 +1,38 @@
+"""Ctrl-C while workers start counts when they have: neither they nor a cluster half begun end with a traceback."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from tautline.sweeps.workers import _interrupted_later
+
+pytestmark = pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals are not blocked here")
+HEARS = "import signal; print(signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, []))"
+
+
+def hears_interrupts():
+    """Whether a process that this thread begins hears Ctrl-C."""
+    return subprocess.run([sys.executable, "-S", "-c", HEARS], capture_output=True, text=True).stdout.strip() == "True"
+
+
+def test_an_interrupt_while_workers_start_counts_when_they_have():
+    handler, begun = signal.getsignal(signal.SIGINT), []
+    with pytest.raises(KeyboardInterrupt), _interrupted_later():
+        os.kill(os.getpid(), signal.SIGINT)
+        begun.append(True)
+    assert begun == [True]
+    assert signal.getsignal(signal.SIGINT) is handler
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def test_workers_do_not_hear_the_interrupt_that_a_terminal_sends_to_all():
+    assert hears_interrupts()
+    with _interrupted_later(), ThreadPoolExecutor(1) as started:
+        assert not started.submit(hears_interrupts).result()
+    assert hears_interrupts()
