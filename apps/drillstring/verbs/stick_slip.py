@@ -83,7 +83,7 @@ def stick_slip(
     stem = stem_of(scene, output, "stick_slip")
     warnings = Installed().of(drillstring).warnings(drillstring)
     print_warnings(warnings)
-    doubts = [*_doubts(weight), *_too_heavy(drillstring, speeds[0], max(weights))]
+    doubts = [*_doubts(weight), *_too_heavy(drillstring, speeds[0], max(weights)), *_too_short(drillstring, length)]
     for doubt in doubts:
         say(f"warning: {doubt}", "yellow")
     with Counter("runs") as counter:
@@ -144,6 +144,20 @@ def _too_heavy(scene: DrillstringScene, speed: float, weight: float) -> list[str
 
     told = "" if scene.bit.weight and weight <= scene.bit.weight else too_heavy(varied(scene, speed, weight))
     return [f"--weight: {told}"] if told else []
+
+
+def _too_short(scene: DrillstringScene, end: float | None) -> list[str]:
+    """A word of runs that are asked to be shorter than the swing of the start mostly takes to die out."""
+    from drillstring.stick_slip.dying_out import CYCLES, rounded_up
+    from drillstring.stick_slip.severity_map import period_of
+    from tautline.scene.values.printed import quantity, significant
+
+    if end is None or end >= CYCLES * (period := period_of(scene)):
+        return []
+    mode = f"periods of the string's first torsional mode, {quantity(period, 's')} each"
+    run = f"--end: {quantity(end, 's')} is {significant(end / period, 2)} {mode}"
+    cause = f"{run}: the swing that the start gives may not have died out by then"
+    return [f"{cause}. {CYCLES:g} periods mostly suffice: --end '{quantity(rounded_up(CYCLES * period), 's')}'"]
 
 
 def _report(
