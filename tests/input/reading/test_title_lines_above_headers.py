@@ -10,7 +10,7 @@ from tautline.scene.reading.title_lines import header_below
 
 ROWS = "0,0,0\n30,1.5,350\n60,3,10\n"
 TITLED = {
-    "titles, a date and a blank line": ("Well name: Brage 31/4-A-12\nDate: 1.2.2024\n\n", "md [m],inc [deg],azi [deg]\n"),
+    "titles, a date and a blank line": ("Well name: Brage A-12\nDate: 1.2.2024\n\n", "md [m],inc [deg],azi [deg]\n"),
     "a title of as many cells": ("Well,Brage,A-12\n", "md [m],inc [deg],azi [deg]\n"),
     "pairs of names and values": ("Well,Brage\nElevation,32.1,m\n", "md,inc,azi\nm,deg,deg\n"),
     "a title with a comma, and semicolons below": ("Brage, well A-12\n", "md [m];inc [deg];azi [deg]\n"),
