@@ -114,6 +114,8 @@ def test_each_run_begins_at_rest_with_the_weight_and_the_laws_of_the_scene(folde
         ("drilling.yaml", ("--weight", "50 kN:100 kN:0"), "50 kN:100 kN:0: never gets to its end by a step of zero"),
         ("drilling.yaml", ("--weight", "50,,60"), "an entry is empty"),
         ("drilling.yaml", ("--weight", "5 m"), "a force"),
+        ("drilling.yaml", ("--weight", "0"), "greater than zero; write '50 kN:250 kN:50 kN', or '50 kN,100 kN'"),
+        ("drilling.yaml", ("--weight", "90 kN:60 kN:5 kN"), "the smaller first, such as '50 kN:250 kN:50 kN'"),
         ("drilling.yaml", ("--end", "0"), "greater than zero"),
         ("drilling.yaml", ("-o", "nowhere/map"), "there is no folder nowhere"),
     ],
