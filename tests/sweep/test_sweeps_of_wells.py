@@ -16,6 +16,8 @@ from tautline.sweeps.table import RANKS
 SPREAD = [0.28, 0.05, 0.1, 0.5]
 """Of friction: mean and deviation of the normal distribution, and its bounds."""
 
+LOCKED = ("lock_ups", "locked", "lock_up")
+
 
 @pytest.fixture
 def slant(tmp_path):
@@ -84,19 +86,21 @@ def test_cases_in_which_the_string_locks_up_are_said_to_be_missing_from_percenti
 
     scene = tautline.read(Path(__file__).parents[2] / "data" / "iscwsa.yaml")
     sweep = {"scene": "s", "verb": "torque-drag", "vary": {"well.wall.friction": {"uniform": [0.4, 0.7]}}}
-    sweep |= {"plan": {"latin_hypercube": {"samples": 6, "seed": 1}}, "collect": ["slack_off", "pick_up", "lock_ups"]}
+    sweep |= {"plan": {"latin_hypercube": {"samples": 6, "seed": 1}}, "collect": ["slack_off", "pick_up", *LOCKED]}
     sweep |= {"options": {"elements": 12}}
     read = read_sweep(sweep)
     outcome = run_sweep(read, tautline._installed().of(scene), scene, Execution(jobs=1, folder=tmp_path / "out"))
     loads, locked = outcome.data["slack_off"].values, outcome.data["lock_ups"].values
     assert outcome.done == 6 and 0 < locked.sum() < 6
     assert (np.isnan(loads) == (locked == 1.0)).all()
+    assert (outcome.data["locked"].values == ~(loads > 0.0)).all(), "by a helix, or for the friction of what lies flat"
+    assert (np.isnan(loads) == (outcome.data["lock_up"].values > 0.0)).all()
     left = 6 - int(locked.sum())
-    (text,) = _left_out(outcome)
+    text, *_ = _left_out(outcome)
     assert text.startswith(f"slack_off: {6 - left} of 6 cases have no number; its percentiles are those of the others")
     rows = (tmp_path / "out" / "percentiles.csv").read_text().splitlines()[1:]
     counted = {row.split(",")[0]: int(row.split(",")[-1]) for row in rows}
-    assert counted == {"slack_off": left, "pick_up": 6, "lock_ups": 6}
+    assert counted == {"slack_off": left, "pick_up": 6, "lock_ups": 6, "locked": 6, "lock_up": 6 - left}
 
 
 def test_bars_of_what_matters_are_differences_of_single_runs():
@@ -134,3 +138,14 @@ def test_a_map_of_stick_slip_sticks_below_the_limit_in_closed_form_and_not_above
     assert severity[0, 0] > 1.0 > 0.1 > severity[1].max()
     # Less weight sticks less.
     assert severity[0, 1] < severity[0, 0]
+
+
+def test_a_string_that_friction_holds_is_counted_as_locked_though_no_helix_locks_it(slant):
+    """A straight string at 45 deg goes down by its weight where friction is less than 1/tan 45 deg, one."""
+    data = tautline.sweep(
+        slant, {"well.wall.friction": [0.3, 0.9, 1.1]}, plan="grid", collect=["slack_off", *LOCKED],
+        verb="torque-drag", options={"elements": 12}, jobs=1,
+    )  # fmt: skip
+    assert data["locked"].values.tolist() == [0.0, 0.0, 1.0]
+    assert (data["slack_off"].values > 0.0).tolist() == [True, True, False]
+    assert data["lock_ups"].values.tolist() == [0.0] * 3 and np.isnan(data["lock_up"].values).all()

@@ -178,6 +178,35 @@ def test_the_cure_of_a_survey_without_units_is_taken_by_the_scene(head, tmp_path
     assert np.array_equal(found, prepared(read(path)).well.position(np.array([50.0])))
 
 
+@pytest.mark.parametrize("mark", [",", "."])
+def test_depths_with_marks_of_thousands_are_asked_about_where_they_fall_or_the_hole_turns_too_sharply(mark, tmp_path):
+    """Whole feet, sorted, on a gentle build: with the marks out the survey is read."""
+    falls = ["0;0;0", "500;0;0", "900;9;10", f"1{mark}000;9;10", f"1{mark}100;9;10"]
+    turns = ["0;0;0", f"1{mark}640;0;350", f"2{mark}625;20;350", f"3{mark}609;40;10"]
+    name = {",": "comma", ".": "point"}[mark]
+    for rows, meant in ((falls, {5: "1000", 6: "1100"}), (turns, {4: "2625", 5: "3609"})):
+        text = lines("md [ft];inc [deg];azi [deg]", *rows)
+        with pytest.raises(SceneError) as caught:
+            read_survey(write(tmp_path, text))
+        for problem in caught.value.problems:
+            assert problem.key == "md"
+            assert problem.cure.endswith(
+                f"or is the {name} a mark of thousands? Then write {meant[problem.line]} without it"
+            )
+        assert {problem.line for problem in caught.value.problems} == set(meant)
+        right = read_survey(write(tmp_path, text.replace(mark, "")))
+        assert right.md[-1] == pytest.approx(0.3048 * float(list(meant.values())[-1]))
+
+
+@pytest.mark.parametrize("depth", ["10,25", "0,500"])
+def test_depths_with_decimal_commas_are_not_asked_about_thousands_where_the_hole_turns_too_sharply(depth, tmp_path):
+    text = lines("md [m];inc [deg];azi [deg]", "0;0;0", f"{depth};0;0", "11,125;50;0")
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, text), max_dogleg_severity=math.radians(1.0))
+    (problem,) = caught.value.problems
+    assert problem.key == "inc, azi" and "thousands" not in str(problem) and "depths" in problem.cure
+
+
 def test_every_bad_row_is_named_in_the_order_of_the_file(tmp_path):
     rows = ["0,0,0", "x,0,0", "30,200,0", "60,1,", "60,1,0", "20,1,0", "90,1,0"]
     with pytest.raises(SceneError) as caught:

@@ -108,6 +108,7 @@ def read_record(path: str | Path, units: Mapping[str, str] | None = None) -> Rec
     found = sheet.find({name: (name,) for name in UNITS} | {alias: (name,) for alias, name in ALIASES.items()})
     lacking = [name for name in UNITS if (name,) not in found]
     if lacking:
+        sheet.refuse_title_lines()
         cure = "write a header such as: t [s], surge [m], sway [m], heave [m], roll [deg], pitch [deg], yaw [deg]"
         cause = "there is no such column; one of zeros will do for a motion that was not measured"
         raise SceneError([sheet.problem(sheet.header_line, ", ".join(lacking), None, cause, cure)])

@@ -273,6 +273,8 @@ def _columns(sheet: Columns) -> dict[tuple[str, ...], tuple[int, str]]:
         names |= {f"{name}{word}": (name, "amplitude") for word in ("", " amplitude", " amp", " rao")}
         names |= {f"{name} phase": (name, "phase"), f"{name} lag": (name, "lag")}
     found = sheet.find(names)
+    if not found:
+        sheet.refuse_title_lines()
     known = {place for place, _ in found.values()}
     for place, title in enumerate(sheet.names):
         if place not in known and title:

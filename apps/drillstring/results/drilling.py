@@ -75,21 +75,26 @@ def creep_of(scene: DrillstringScene) -> float:
 
 
 def stick_slip(time: np.ndarray, spin: np.ndarray, creep: float = 0.0) -> dict[str, float]:
-    """Severity (max - min) / (2 |mean|) of a bit's rotary speed (m,) rad/s in the last part of a run; share of that
-    time stuck; mean, least and largest speed. The severity of a bit that rocks has no meaning and is NaN.
+    """What `swing_of` tells of a bit's rotary speed (m,) rad/s in the last part of a run."""
+    return swing_of(spin[last_part(time)], creep)
+
+
+def swing_of(spin: np.ndarray, creep: float = 0.0) -> dict[str, float]:
+    """Severity (max - min) / (2 |mean|) of a bit's rotary speed (m,) rad/s; share of its time stuck; mean, least and
+    largest speed, and half of what lies between them. The severity of a bit that rocks has no meaning and is NaN.
     A bit at rest goes as fast as ``creep``, rad/s.
     """
-    last = spin[last_part(time)]
-    mean = float(last.mean())
-    swing = float(np.ptp(last)) / 2.0
+    mean = float(spin.mean())
+    swing = float(np.ptp(spin)) / 2.0
     rocks = swing > SLOWEST and abs(mean) < ROCKING * swing
     still = max(creep, STILL * abs(mean) if abs(mean) > SLOWEST else SLOWEST)
     return {
         "severity": np.nan if rocks else swing / abs(mean) if swing > SLOWEST else 0.0,
-        "stuck": float((np.abs(last) < still).mean()),
+        "stuck": float((np.abs(spin) < still).mean()),
         "mean": mean,
-        "least": float(last.min()),
-        "largest": float(last.max()),
+        "least": float(spin.min()),
+        "largest": float(spin.max()),
+        "swing": swing,
     }
 
 

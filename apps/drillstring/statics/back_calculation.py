@@ -139,6 +139,7 @@ def read_measured(path: Path, block: float = 0.0) -> Measured:
     _refuse_doubles(columns)
     wanted = [name for name in ("depth", *LOADS) if name == "depth" or _has(columns, name)]
     if wanted == ["depth"]:
+        columns.refuse_title_lines()
         cause = "there is neither a column 'pick_up' nor 'slack_off'"
         columns.stop(columns.header_line, "pick_up, slack_off", None, cause, "name them in the header")
     values = {name: _column(columns, name) for name in wanted}

@@ -23,6 +23,9 @@ from drillstring.well.wellbore import Wellbore
 
 PIECES = 100
 """Pieces at least that a section of a string at rest is looked at in, all of one length but for joints of the hole."""
+NO_FORCE = 1.0e-6
+"""Force, N, that counts as none: where nothing has weight, limits of buckling are zero, and what is computed is
+rounding."""
 INSIDE = 1.0e-9
 """Part of a piece by which a place at its end lies within it: at a joint the hole has two curvatures."""
 
@@ -45,7 +48,7 @@ class Stations(NamedTuple):
 
     def buckled(self, kind: str, compression: np.ndarray) -> list[tuple[float, float]]:
         """Stretches of hole, from and to measured depth in m, with a compression (n, 3) N beyond a kind of limit."""
-        excess = compression - getattr(self.limits, kind)
+        excess = compression - np.maximum(getattr(self.limits, kind), NO_FORCE)
         return stretches(*(_by_halves(values) for values in (self.measured_depth, excess)))
 
 

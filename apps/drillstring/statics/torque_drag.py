@@ -14,7 +14,7 @@ import numpy as np
 from drillstring.mesh import follows_hole
 from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene, check_lengths, of_kind
-from drillstring.statics.buckled import Stations, stations_of
+from drillstring.statics.buckled import NO_FORCE, Stations, stations_of
 from drillstring.statics.buckling import Limits
 from drillstring.statics.enough_links import ELEMENTS, Doubling, links, links_at, settled_links
 from drillstring.statics.helix import LockedUp
@@ -84,7 +84,12 @@ class Point(NamedTuple):
         """Whether the string cannot be lowered by its weight, or by any force; None if not known."""
         if "slack_off" in self.locks:
             return True
-        return None if "slack_off" not in self.profiles else self.hook_load("slack_off") <= 0.0
+        return None if "slack_off" not in self.profiles else self.must_be_pushed
+
+    @property
+    def must_be_pushed(self) -> bool:
+        """Whether friction holds the whole weight of the string as it is lowered; False where it locks up."""
+        return "slack_off" in self.profiles and self.hook_load("slack_off") < -NO_FORCE
 
 
 class Case(NamedTuple):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drillstring.stick_slip.dying_out import rounded_up
 from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
 from tautline.results.tables.rows import heads_of, write_dataset, write_rows
 from tautline.scene.values.printed import quantity, shown, significant
@@ -19,12 +20,12 @@ if TYPE_CHECKING:
 
 UNITS = {
     "speed": "rad/s", "weight": "N", "mean": "rad/s", "least": "rad/s", "largest": "rad/s", "torque": "N m",
-    "weight_mean": "N", "rate": "m/s", "wall_time": "s",
+    "weight_mean": "N", "rate": "m/s", "wall_time": "s", "enough": "s",
 }  # fmt: skip
 NAMES = {
     "severity": "severity", "stuck": "stuck", "mean": "bit_speed_mean", "least": "bit_speed_min",
     "largest": "bit_speed_max", "torque": "torque_on_bit", "weight_mean": "weight_on_bit",
-    "rate": "rate_of_penetration",
+    "rate": "rate_of_penetration", "so_far": "severity_so_far", "enough": "end_needed",
 }  # fmt: skip
 """What a cell's numbers are called in files and JSON."""
 MOST_COLUMNS = 9
@@ -37,6 +38,7 @@ def whole_record(found: Map) -> dict[str, Any]:
     for field, name in NAMES.items():
         record[name] = [[None if np.isnan(x) else float(x) for x in row] for row in found.values(field)]
     record["outcome"] = [[cell.status for cell in row] for row in found.cells]
+    record["verdict"] = [[cell.verdict for cell in row] for row in found.cells]
     record["sticking_ends"] = [
         {"weight": weight, "sticks_at": sticks, "turns_at": turns}
         for weight, (sticks, turns) in zip(found.weights, found.ends(), strict=True)
@@ -50,7 +52,7 @@ def whole_record(found: Map) -> dict[str, Any]:
 
 def write_csv(found: Map, path: Path) -> Path:
     """Write a row to a cell, with units in the header; raises ResultError if the file cannot be written."""
-    fields = ("speed", "weight", *NUMBERS, "status", "sentence", "wall_time")
+    fields = ("speed", "weight", *NUMBERS, "verdict", "status", "sentence", "wall_time")
     heads = heads_of([NAMES.get(f, f) for f in fields], {NAMES.get(f, f): unit for f, unit in UNITS.items()})
     return write_rows(heads, ([getattr(cell, f) for f in fields] for row in found.cells for cell in row), path)
 
@@ -62,7 +64,8 @@ def write_netcdf(found: Map, attributes: Mapping[str, str], path: Path) -> Path:
         name: (shape, found.values(field), {"units": UNITS[field]} if field in UNITS else {})
         for field, name in NAMES.items()
     }
-    columns["status"] = (shape, found.values("status").astype(object))
+    for words in ("status", "verdict"):
+        columns[words] = (shape, found.values(words).astype(object))
     axes = {
         "speed": ("speed", np.array(found.speeds), {"units": "rad/s", "long_name": "rotary speed"}),
         "weight": ("weight", np.array(found.weights), {"units": "N", "long_name": "weight on bit"}),
@@ -102,8 +105,8 @@ def sentences(found: Map, system: str) -> list[tuple[str, str]]:
     """Where sticking ends for each weight, and what was not found: text and style."""
     said = []
     for weight, row, ends in zip(found.weights, found.cells, found.ends(), strict=True):
-        at = shown(weight, "N", system)
-        said += [(f"{at}: {text}", "yellow") for text in _unjudged([c for c in row if c.status == "done"], system)]
+        at, done = shown(weight, "N", system), [cell for cell in row if cell.status == "done"]
+        said += [(f"{at}: {text}", "yellow") for text in (*_unjudged(done, system), *_dying_out(done))]
         if any(cell.judged for cell in row):
             text, style = _where_it_ends(row, *ends)
             said.append((f"{at}: {text}", style))
@@ -133,6 +136,24 @@ def _unjudged(cells: Sequence[Cell], system: str) -> Iterator[str]:
     if late:
         cause = f"the bit begins to turn in the last half of the runs only{_at(late, cells)}, which is judged"
         yield f"{cause}. Give a longer --end"
+    short = [cell for cell in cells if cell.turns and cell.short and not cell.late]
+    if short:
+        yield f"the runs are too short to show how the bit turns{_at(short, cells)}. Give a longer --end"
+
+
+def _dying_out(cells: Sequence[Cell]) -> Iterator[str]:
+    """Where a swing of the bit still falls as the runs of one weight end, and how long they should be."""
+    fading = [cell for cell in cells if cell.dies_out]
+    if fading:
+        least, most = (f"{pick(cell.so_far for cell in fading):.2f}" for pick in (min, max))
+        severity = most if least == most else f"{least} to {most}"
+        cause = f"the swing of the bit that the start gave still dies out{_at(fading, cells)}: severity {severity}"
+        yield f"{cause} at the end, and it falls. Give --end '{enough_of(fading)}'"
+
+
+def enough_of(fading: Sequence[Cell]) -> str:
+    """A length of run in which the swings of all of them die out."""
+    return quantity(rounded_up(max(cell.enough for cell in fading)), "s")
 
 
 def _at(some: Sequence[Cell], cells: Sequence[Cell]) -> str:

@@ -27,6 +27,7 @@ from drillstring.model.prepared import tubes_of, well_of
 from drillstring.results.drilling import creep_of, last_part, stick_slip
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
+from drillstring.stick_slip.dying_out import CYCLES, SHORTEST, dying_out
 from tautline.integrators.status import StoppedEarly
 from tautline.integrators.time_loop import compile_for
 from tautline.processes import FreshProcesses, without_current_folder
@@ -38,8 +39,6 @@ from tautline.simulation import simulate
 
 START_PERIODS = 1.0
 """Time in which a drive comes to its speed, over the period of the string's first torsional mode."""
-CYCLES = 20.0
-"""Least length of a run, over that period: half of it tells."""
 NOT_RUN = "not run"
 STILL = 1.0e-3
 """Share of the rotary speed below which a bit that never was faster has not turned."""
@@ -52,11 +51,13 @@ RISEN = 1.02
 
 class Cell(NamedTuple):
     """One run, in SI; numbers of a run that did not come to its end are NaN, and the severity of a bit that rocks,
-    does not turn, or first turns in the part of the run that is judged.
+    does not turn, first turns in the part of the run that is judged, or whose swing still dies out.
 
     Rotary speed and weight asked for; of the bit's rotary speed severity, share of time stuck, mean, least and largest;
     means of torque on bit, weight on bit and rate of penetration; how it ended, and why if early; run time; the torque
-    at which its drive stalls, NaN if it does not; whether the bit first turned in the part that is judged.
+    at which its drive stalls, NaN if it does not; whether the bit first turned in the part that is judged; whether
+    that part is too short to show a swing; of a swing that still dies out the severity so far, and the length of run
+    that is enough, NaN of another.
     """
 
     speed: float
@@ -74,14 +75,19 @@ class Cell(NamedTuple):
     wall_time: float
     stall: float = math.nan
     late: bool = False
+    short: bool = False
+    so_far: float = math.nan
+    enough: float = math.nan
 
     @property
     def told(self) -> str:
         """The severity in figures, or that there is none."""
         if not self.turns:
             return "not turning"
-        if self.late:
+        if self.late or self.short:
             return "too short"
+        if self.dies_out:
+            return "dying out"
         return "rocks" if math.isnan(self.severity) else f"{self.severity:.2f}"
 
     @property
@@ -92,16 +98,32 @@ class Cell(NamedTuple):
     @property
     def judged(self) -> bool:
         """Whether the run tells if the bit sticks: it came to its end, and the bit had begun to turn by its half."""
-        return self.status == "done" and self.turns and not self.late
+        return self.status == "done" and self.turns and not self.late and not self.short
+
+    @property
+    def dies_out(self) -> bool:
+        """Whether the swing of a bit that comes to turn steadily still falls: its severity is not known yet."""
+        return self.judged and not math.isnan(self.so_far)
 
     @property
     def sticks(self) -> bool:
-        """Whether a bit that turns comes to rest; False where that is not known."""
-        return self.judged and self.stuck > 0.0
+        """Whether a bit that turns comes to rest; False where that is not known, and where it no longer does."""
+        return self.judged and self.stuck > 0.0 and not self.dies_out
+
+    @property
+    def verdict(self) -> str:
+        """What the run shows, in words; empty for one that did not come to its end."""
+        if self.status != "done":
+            return ""
+        if not self.judged or self.dies_out or math.isnan(self.severity):
+            return self.told
+        return "sticks" if self.sticks else "does not stick"
 
 
-NUMBERS = ("severity", "stuck", "mean", "least", "largest", "torque", "weight_mean", "rate")
+NUMBERS = ("severity", "stuck", "mean", "least", "largest", "torque", "weight_mean", "rate", "so_far", "enough")
 """Fields of a cell that a run tells."""
+FOUND = NUMBERS.index("rate") + 1
+"""How many of them each cell must be given: they stand before its status."""
 
 
 @dataclass(frozen=True)
@@ -144,6 +166,11 @@ def require_bit(scene: DrillstringScene) -> None:
         raise SceneError([scene.problem("bit", cause, "add torque: {static: 7 kN m, kinetic: 4 kN m}, or cutting")])
 
 
+def period_of(scene: DrillstringScene) -> float:
+    """Period of the string's first torsional mode, s."""
+    return 1.0 / torsional_frequency(tubes_of(scene, well_of(scene).length))
+
+
 def varied(scene: DrillstringScene, speed: float, weight: float, end: float | None = None) -> DrillstringScene:
     """The scene with its string at rest, coming to a rotary speed, rad/s, with a weight on bit, N, for `end` s.
 
@@ -156,7 +183,7 @@ def varied(scene: DrillstringScene, speed: float, weight: float, end: float | No
     """
     well = well_of(scene)
     tubes = tubes_of(scene, well.length)
-    period = 1.0 / torsional_frequency(tubes)
+    period = period_of(scene)
     end = max(scene.solver.end, CYCLES * period) if end is None else end
     ramp = {"to": speed, "over": min(START_PERIODS * period, 0.25 * end)}
     turning: Path_ = ("top", "rotation")
@@ -190,14 +217,17 @@ def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | 
     last, spin = last_part(result.time), result["rotation_rate"][:, -1]
     found = stick_slip(result.time, spin, creep_of(scene))
     hole, seconds = result["hole_depth"][last], result.time[last]
+    period = period_of(scene)
+    fading = dying_out(result.time, spin, period, creep_of(scene))
+    short = found["stuck"] == 0.0 and result.time[-1] - result.time[0] < SHORTEST * period
     cell = Cell(
         speed, weight, found["severity"], found["stuck"], found["mean"], found["least"], found["largest"],
         float(result["torque_on_bit"][last].mean()), float(result["weight_on_bit"][last].mean()),
         float((hole[-1] - hole[0]) / (seconds[-1] - seconds[0])), "done", "", time.perf_counter() - begun,
-        late=not (np.abs(spin[~last]) > STILL * speed).any(),
+        late=not (np.abs(spin[~last]) > STILL * speed).any(), short=short,
     )  # fmt: skip
     if cell.judged:
-        return cell
+        return cell._replace(severity=math.nan, so_far=fading[0], enough=fading[1]) if fading else cell
     return cell._replace(severity=math.nan, stall=math.nan if cell.turns else _stall(result, speed))
 
 
@@ -213,7 +243,7 @@ def _stall(result: Mapping[str, Any], speed: float) -> float:
 
 
 def _empty(speed: float, weight: float, status: str = NOT_RUN, sentence: str = "", wall: float = 0.0) -> Cell:
-    return Cell(speed, weight, *[float("nan")] * len(NUMBERS), status, sentence, wall)
+    return Cell(speed, weight, *[math.nan] * FOUND, status, sentence, wall)
 
 
 def stick_slip_map(

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 SPEEDS, SHARES = "40:160:20", (0.5, 1.0, 1.5, 2.0)
 """Rotary speeds where none are given, rpm, and weights over the scene's own."""
+SOME_SPEEDS, SOME_WEIGHTS = ("40:160:20", "60,90,120"), ("'50 kN:250 kN:50 kN'", "'50 kN,100 kN'")
+"""A range and a list of each, as examples of what can be written."""
 MOST_CELLS, MOST_JOBS = 2000, 256
 
 Speeds = Annotated[
@@ -73,7 +75,7 @@ def stick_slip(
 
     drillstring = read_changed(read, scene, changes)
     require_bit(drillstring)
-    speeds = parse_range(speed, "--speed", "rad/s", RPM)
+    speeds = parse_range(speed, "--speed", "rad/s", RPM, SOME_SPEEDS)
     weights = _weights(drillstring, weight)
     if len(speeds) * len(weights) > MOST_CELLS:
         raise option_error(
@@ -83,7 +85,7 @@ def stick_slip(
     stem = stem_of(scene, output, "stick_slip")
     warnings = Installed().of(drillstring).warnings(drillstring)
     print_warnings(warnings)
-    doubts = [*_doubts(weight), *_too_heavy(drillstring, speeds[0], max(weights))]
+    doubts = [*_doubts(weight), *_too_heavy(drillstring, speeds[0], max(weights)), *_too_short(drillstring, length)]
     for doubt in doubts:
         say(f"warning: {doubt}", "yellow")
     with Counter("runs") as counter:
@@ -95,8 +97,12 @@ def stick_slip(
         raise Ended(ExitCode.STOPPED_EARLY)
 
 
-def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[float]:
+def parse_range(
+    text: str, option: str, unit: str, bare: float = 1.0, examples: tuple[str, str] = SOME_SPEEDS
+) -> list[float]:
     """Values of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``; a bare number counts `bare` SI units.
+
+    ``examples`` are one of each kind, for messages.
 
     Raises
     ------
@@ -105,7 +111,7 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
     """
     from tautline.cli.options.lists import numbers, stepped, three_of
 
-    example = "write 40:160:20, or 60,90,120"
+    example = f"write {examples[0]}, or {examples[1]}"
 
     def one(word: str) -> float:
         return numbers(word, option, unit, bare, example)[0]
@@ -114,18 +120,18 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
         return [one(word) for word in text.split(",")]
     first, last, step = (one(part) for part in three_of(text, option, example))
     if last < first:
-        raise option_error(option, text, "ends below where it begins", "write the smaller first, such as 40:160:20")
+        raise option_error(
+            option, text, "ends below where it begins", f"write the smaller first, such as {examples[0]}"
+        )
     return stepped((first, last, step), text, option, MOST_CELLS, "values")
 
 
 def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
     if text is not None:
-        return parse_range(text, "--weight", "N")
+        return parse_range(text, "--weight", "N", examples=SOME_WEIGHTS)
     own = scene.bit.weight or (scene.bit.torque.weight if scene.bit.torque is not None else None)
     if not own:
-        raise option_error(
-            "--weight", "", "is needed: the scene's own weight on bit is 0", "write '50 kN:250 kN:50 kN'"
-        )
+        raise option_error("--weight", "", "is needed: the scene's own weight on bit is 0", f"write {SOME_WEIGHTS[0]}")
     return [share * own for share in SHARES]
 
 
@@ -144,6 +150,20 @@ def _too_heavy(scene: DrillstringScene, speed: float, weight: float) -> list[str
 
     told = "" if scene.bit.weight and weight <= scene.bit.weight else too_heavy(varied(scene, speed, weight))
     return [f"--weight: {told}"] if told else []
+
+
+def _too_short(scene: DrillstringScene, end: float | None) -> list[str]:
+    """A word of runs that are asked to be shorter than the swing of the start mostly takes to die out."""
+    from drillstring.stick_slip.dying_out import CYCLES, rounded_up
+    from drillstring.stick_slip.severity_map import period_of
+    from tautline.scene.values.printed import quantity, significant
+
+    if end is None or end >= CYCLES * (period := period_of(scene)):
+        return []
+    mode = f"periods of the string's first torsional mode, {quantity(period, 's')} each"
+    run = f"--end: {quantity(end, 's')} is {significant(end / period, 2)} {mode}"
+    cause = f"{run}: the swing that the start gives may not have died out by then"
+    return [f"{cause}. {CYCLES:g} periods mostly suffice: --end '{quantity(rounded_up(CYCLES * period), 's')}'"]
 
 
 def _report(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from functools import partial
@@ -435,6 +436,10 @@ def findings(scene: DrillstringScene, asked: Mapping[str, Any]) -> dict[str, Fin
     found["failures"] = Finding(len(case.failures), "", "motions without an equilibrium")
     locked = sum(bool(point.locks) for point in case.points)
     found["lock_ups"] = Finding(locked, "", "depths at which the string locks up")
+    cannot = [math.nan if point.locked is None else float(point.locked) for point in case.points]
+    found["locked"] = made(cannot, "", "1 where the string is not lowered by its weight, or by any force; else 0")
+    places = [point.locks.get("slack_off", math.nan) for point in case.points]
+    found["lock_up"] = made(places, "m", "depth towards which the string locks up, slacked off")
     if several:
         found["depth"] = Finding(depths, "m", "measured depth of the bit", "depth")
     return found

@@ -72,9 +72,9 @@ def draw(found: Map, title: str, system: str = "si") -> Figure:
     bar.set_label("severity, (max − min) / (2 mean) of the bit's speed")
     bar.outline.set_visible(False)
     handles = [sample_line("the bit sticks", color=FRAME, lw=2)] if sticks else []
-    cells = [cell for row in found.cells for cell in row if cell.status == "done" and not cell.judged]
+    done = [cell for row in found.cells for cell in row if cell.status == "done"]
     causes = ["stopped early"] if found.failures else []
-    if grey := causes + sorted({cell.told for cell in cells}):
+    if grey := causes + sorted({cell.told for cell in done if cell.dies_out or not cell.judged}):
         handles.append(sample_line(f"grey: {', '.join(grey)}", color=SHADE, lw=6))
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2)

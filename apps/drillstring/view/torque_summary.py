@@ -475,7 +475,7 @@ def _factor(value: float, spread: float) -> str:
 def _warnings(point: Point, points: list[Point], system: str) -> list[str]:
     where = _head(point, points, system)
     found = []
-    if "slack_off" in point.profiles and point.hook_load("slack_off") <= 0.0:
+    if point.must_be_pushed:
         found.append(f"{where}: the string does not go down by its own weight: it must be pushed or turned")
     for way, depth in point.locks.items():
         found.append(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +19,7 @@ import numpy as np
 
 from drillstring.well.sections import direction, dogleg
 from drillstring.well.wellbore import LARGEST_DOGLEG
-from tautline.scene.reading.columns import Columns, is_unit, thousand, unit_named
+from tautline.scene.reading.columns import Columns, is_unit, may_mark_thousands, thousand, unit_named
 from tautline.scene.values.ranges import RANGES
 
 MAX_GAP = 500.0
@@ -158,6 +158,7 @@ def _columns(table: Columns) -> dict[str, _Column]:
         )
         table.stop(table.header_line, "azi", magnetic[0], cause, cure)
     if missing:
+        table.refuse_title_lines()
         cure = "write a header such as: md [m], inc [deg], azi [deg]; comma, semicolon or tab between the names"
         text = " | ".join(table.titles)[:80]
         table.stop(table.header_line, ", ".join(missing), text, "no such column in the header", cure)
@@ -285,15 +286,36 @@ def _check_intervals(
             f"{told(max_gap)})"
         )
         table.add(line, "md", cell(line, "md"), cause, cure)
-    bend = dogleg(tangents[:-1], tangents[1:])
-    severity = bend / np.diff(survey.md)
-    for i in np.flatnonzero((severity > max_severity) | (bend > LARGEST_DOGLEG)) + 1:
-        line = int(survey.lines[i])
-        cause = (
-            f"the hole turns {math.degrees(bend[i - 1]):.4g} deg in {told(survey.md[i] - survey.md[i - 1])} below line "
-            f"{survey.lines[i - 1]}, more than {math.degrees(30.0 * max_severity):.4g} deg in 30 m"
-        )
-        value = f"{cell(line, 'inc')}, {cell(line, 'azi')}"
-        if severity[i - 1] <= max_severity:
-            cause = f"the hole turns right round below line {survey.lines[i - 1]}: its plane is not known"
-        table.add(line, "inc, azi", value, cause, "correct the angles, or add the stations in between")
+    _check_doglegs(survey, tangents, max_severity, table, columns, size)
+
+
+def _check_doglegs(
+    survey: Survey, tangents: np.ndarray, max_severity: float, table: Columns, columns: dict[str, _Column], size: float
+) -> None:
+    """Note doglegs that no hole has: of the angles, or of depths whose marks of thousands were read as decimal."""
+    rows = dict(table.rows)
+    marked = _may_have_thousands([row[columns["md"].place] for row in rows.values()])
+    bend, length = dogleg(tangents[:-1], tangents[1:]), np.diff(survey.md)
+    severity = bend / length
+    for i in np.flatnonzero((severity > max_severity) | (bend > LARGEST_DOGLEG)):
+        line, above = int(survey.lines[i + 1]), survey.lines[i]
+        depth, *angles = (f"{rows[line][columns[key].place]} {columns[key].unit}" for key in NAMES)
+        key, value = "inc, azi", ", ".join(angles)
+        cure = "correct the angles or the depths, or add the stations in between"
+        if severity[i] <= max_severity:
+            cause = f"the hole turns right round below line {above}: its plane is not known"
+            cure = "correct the angles, or add the stations in between"
+        else:
+            over = f"{length[i] / size:.6g} {columns['md'].unit}"
+            cause = f"the hole turns {math.degrees(bend[i]):.4g} deg in {over} below line {above}, more than "
+            cause += f"{math.degrees(30.0 * max_severity):.4g} deg in 30 m"
+            if marked:
+                key, value = "md", depth
+                cure = f"correct the depths or the angles{thousand(rows[line][columns['md'].place])}"
+        table.add(line, key, value, cause, cure)
+
+
+def _may_have_thousands(depths: Sequence[str]) -> bool:
+    """Whether all points and commas of a column may be marks of thousands, and there are some."""
+    marked = [cell for cell in depths if "." in cell or "," in cell]
+    return bool(marked) and all(map(may_mark_thousands, marked))

@@ -283,6 +283,7 @@ def _asked(columns: Columns, name: str) -> tuple[int | None, str]:
         return place, columns.names[place]
     bare = HEADER.fullmatch(name)
     title = bare["name"] if bare else name
+    columns.refuse_title_lines()
     cause = f"there is no column '{name}' in {columns.path.name}, line {columns.header_line}"
     if title.lower() in columns.names:
         there = columns.titles[columns.names.index(title.lower())]
@@ -341,6 +342,7 @@ def _unclear(columns: Columns, listed: Sequence[int], which: str, cure: str) -> 
     if nameless is not None:
         cause = f"the header gives no name to column {nameless + 1}: it is not clear which are time and value"
         columns.stop(columns.header_line, "", None, cause, "give each column a name, such as time,value")
+    columns.refuse_title_lines()
     names = ", ".join(columns.titles[i] for i in listed)
     columns.stop(columns.header_line, "", None, f"has {len(listed)} columns {which}: {names}", cure)
 

@@ -54,6 +54,18 @@ def test_so_few_links_that_the_hook_load_is_off_are_told(folder, capsys):
         assert ("2 links are few" in " ".join(err.split())) == told
 
 
+def test_a_string_that_weighs_nothing_is_neither_buckled_nor_locked(folder, capsys):
+    """Without gravity nothing pushes it: what is computed is rounding, and the limits of buckling are zero."""
+    (folder / "slant.yaml").write_text(SLANT)
+    here = commands_of(Drillstring(), capsys)
+    code, out, err = here("torque-drag", "slant.yaml", "--elements", "20", "--set", "gravity=0", "--json")
+    report, told = only_object(out), " ".join(err.split())
+    assert code == 0 and report["slack_off"] == pytest.approx([0.0], abs=1e-6)
+    assert report["locked"] == [False] and "own weight" not in told
+    assert "no part of the string buckles or locks up" in told
+    assert all(places == [] for kinds in report["buckled"][0].values() for places in kinds.values())
+
+
 def test_so_few_links_that_only_the_torque_is_off_are_told(folder, capsys):
     # hook loads are within 1.5 % there, torque is 5 % below the soft string's
     (folder / "build.yaml").write_text(BUILD)

@@ -83,7 +83,7 @@ def test_of_several_scenes_form_names_the_one_that_is_warned_of(here):
 
 
 def test_stick_slip_tells_the_warnings_of_the_scene_that_it_runs(here):
-    words = ("--speed", "60", "--weight", "60 kN", "--end", "20 s", "--jobs", "1", "--json")
+    words = ("--speed", "60", "--weight", "60 kN", "--end", "100 s", "--jobs", "1", "--json")
     code, out, err = here("stick-slip", "drilling.yaml", "--set", "mud.density=10", *words)
     report = only_object(out)
     assert code == 0 and "mud.density" in [one["where"] for one in report["scene_warnings"]]

@@ -32,6 +32,7 @@ from tautline.scene.reading.long_rows import (
     usual_kinds,
 )
 from tautline.scene.reading.text import decode
+from tautline.scene.reading.title_lines import MOST_LINES, header_below
 from tautline.scene.refusal import nearest
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE
 from tautline.scene.values.units import TABLE, Uncounted, UnknownUnit, converted, read_unit
@@ -46,8 +47,8 @@ HEADER = re.compile(r"\s*(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\
 NO_UNIT = ("", "-", "--", "1")
 """What stands for a unit in the header of a column without one."""
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
-THOUSANDS = re.compile(r"[+-]?\d{1,3}(\.\d{3})+", re.ASCII)
-"""A number that may have points as marks of thousands."""
+THOUSANDS = re.compile(r"[+-]?\d{1,3}((\.\d{3})+|(,\d{3})+)", re.ASCII)
+"""A number that may have points, or commas, as marks of thousands."""
 THOUSAND = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 """A number whose one point or comma may be a mark of thousands."""
 SEPARATOR_LINE = re.compile(r"\s*\"?sep=(.)\"?\s*", re.IGNORECASE)
@@ -168,6 +169,7 @@ class Columns:
         lines = lines[1:] if stated else lines
         if not lines:
             self.stop(None, "", None, "holds only comments", "write a header and rows of numbers into it")
+        self._first_lines = lines[:MOST_LINES]
         self.separator = stated[1] if stated else next((mark for mark in "\t;," if mark in lines[0][1]), ",")
         return [(i, self._cells(i, s)) for i, s in lines]
 
@@ -186,6 +188,7 @@ class Columns:
         if not long:
             self._refuse_two_lines(width)
             return
+        self.refuse_title_lines()
         line, number, row = long[0]
         of = "the header has" if self.headed else f"line {self.header_line} has"
         cause = f"fills {number} cells, and {of} {width}"
@@ -193,6 +196,16 @@ class Columns:
             cause += f"; so do all {len(long)} rows" if len(long) == len(self.rows) else f"; {len(long)} rows do"
         one_more = self.headed and len(long) == len(self.rows) and all(n == width + 1 for _, n, _ in long)
         self.stop(line, "row", self.separator.join(row)[:60], cause, cure_of_long_rows(self.separator, one_more))
+
+    def refuse_title_lines(self) -> None:
+        """Refuse a file, of which the header does not fit, where another line looks like it; raises SceneError."""
+        below = header_below(self._first_lines) if self.headed else None
+        if below is not None:
+            line, text = below
+            (first, title), *more = [(i, s.strip()) for i, s in self._first_lines if i < line]
+            cause = f"is taken as the header, and line {line} looks like one: {text.strip()[:80]}"
+            those = f"the lines above line {line}, or begin each of them" if more else f"line {first}, or begin it"
+            self.stop(first, "header", title[:60], cause, f"delete {those} with #")
 
     def _refuse_two_lines(self, width: int) -> None:
         """Refuse a row that two lines may have run into, the second with empty cells at its end.
@@ -244,6 +257,7 @@ class Columns:
                 return self.names.index(name.lower())
         if otherwise is not None and otherwise < len(self.names):
             return otherwise
+        self.refuse_title_lines()
         cure = f"name it in the header; {nearest(names[0], [n for n in self.names if n])}"
         self.stop(self.header_line, names[0], None, f"there is no column '{names[0]}'", cure)
 
@@ -428,7 +442,8 @@ def thousand(cell: str) -> str:
     """What to ask of a number that is smaller than it should be: ``1.000`` may be meant as 1000; else nothing."""
     if not THOUSANDS.fullmatch(cell):
         return ""
-    return f", or is the point a mark of thousands? Then write {cell.replace('.', '')} without it"
+    mark, name = (",", "comma") if "," in cell else (".", "point")
+    return f", or is the {name} a mark of thousands? Then write {cell.replace(mark, '')} without it"
 
 
 def _usual(unit: str) -> str:
