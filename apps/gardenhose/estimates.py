@@ -115,6 +115,12 @@ def speeds(scene: HoseScene, count: int = SAMPLES) -> np.ndarray:
     return np.clip(np.nan_to_num(sampled), -FASTEST, FASTEST)
 
 
+def direction_of(scene: HoseScene) -> float:
+    """1 where the scene's flow is fastest from root to tip, or nothing flows, -1 from tip to root."""
+    sampled = speeds(scene)
+    return -1.0 if sampled[np.argmax(np.abs(sampled))] < 0.0 else 1.0
+
+
 def thrust(scene: HoseScene, piece: Segment, speed: float) -> float:
     """Momentum M U^2 in a piece, N, at a speed in the first: M U is the same in all."""
     first = scene.hose.pieces[0].water_mass_per_length
@@ -245,6 +251,20 @@ def plain_onset(scene: HoseScene, hose: Average) -> tuple[float | None, float | 
     beta = hose.mass_ratio
     omega = float(np.interp(beta, ONSET[:, 0], ONSET[:, 2]))
     return float(np.interp(beta, ONSET[:, 0], ONSET[:, 1])), omega / (2.0 * math.pi * hose.time_scale)
+
+
+def near_onset(scene: HoseScene) -> float:
+    """A speed near the critical one, m/s: that of straight uniform hoses, else from thrust and stiffness.
+
+    A nozzle counts: one that is narrow makes a jet of which a thousandth of the speed is enough.
+    """
+    hose = average(scene, 1.0)
+    u = onset(scene, hose)[0] or plain_onset(scene, hose)[0]
+    if u is not None and hose.dimensionless_speed:
+        return u / hose.dimensionless_speed
+    pull = (hose.mass + hose.water) * float(np.linalg.norm(scene.gravity)) * hose.length
+    stiff = min(piece.axial_stiffness for piece in scene.hose.pieces)
+    return float(np.sqrt((pull or 0.1 * stiff) / hose.thrust))
 
 
 def first_frequency(scene: HoseScene, hose: Average) -> float | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,7 +16,7 @@ from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
-    from gardenhose.flutter import Critical, Stability
+    from gardenhose.flutter import Critical, Stability, Way, Window
     from gardenhose.scene import HoseScene
     from gardenhose.static import Form
     from tautline.results.tables.finding import Finding
@@ -129,7 +129,8 @@ def flutter(
                 "kind": first.kind if first else None,
                 "critical": [one._asdict() for one in found.critical],
                 "stable_from": found.stable_from,
-                "windows": [{"from": one.begin, "to": one.end} for one in found.windows],
+                "windows": _windows_in_json(found.windows),
+                "ways": [_way_in_json(way) for way in found.ways],
                 "resolution": found.resolution,
                 "direction": _flow_direction(found),
                 "warnings": warning_records([*of_scene, *warnings]),
@@ -277,77 +278,109 @@ def words_of(critical: Critical, system: str = "si") -> str:
 
 def _print_stability(found: Stability, system: str) -> None:
     from tautline.cli.output.console import say
-    from tautline.scene.values.printed import in_words, shown
+
+    for way in found.ways:
+        if len(found.ways) > 1:
+            which = " (negative speeds)" if way.sign < 0.0 else ""
+            say(f"the water flows from the {way.direction.replace(' to ', ' to the ')}{which}:")
+        elif way.sign < 0.0:
+            say("negative speeds: the water flows from the tip to the root")
+        _print_way(way, found, system)
+
+
+def _print_way(way: Way, found: Stability, system: str) -> None:
+    """Say what becomes unstable, and where it is not, as the water goes faster one way."""
+    from tautline.cli.output.console import say
+    from tautline.scene.values.printed import shown
 
     def speed_in_words(speed: float, digits: int = 4) -> str:
         return shown(float(speed), "m/s", system, digits)
 
-    if not found.critical and found.stable_from is None:
-        what = {"all": "unstable", "none": "stable", "part": "unstable in part"}[found.unstable_at]
-        what = what if found.eigenvalues.size else "nothing can move"
-        first, last = found.speed[0], found.speed[-1]
-        range_of = f"{what} from {first:g} to {last:g} m/s"
-        say(f"{what} at {speed_in_words(first)}" if first == last else in_words(range_of, system), "yellow")
-        _hint_below(found, speed_in_words)
+    if not way.critical and way.stable_from is None:
+        say(_nothing_found(way, found, system), "yellow")
+        _hint_below(way, speed_in_words)
         return
-    slowest = float(min(found.speed, key=abs))
-    at_once = [one for one in found.critical if one.speed == slowest]
+    at_once = [one for one in way.critical if one.speed == way.slowest]
     for critical in at_once:
         say(f"the hose {words_of(critical, system)}", "yellow")
-    if found.stable_from is not None:
-        begin = "it" if at_once else f"the hose is unstable at {speed_in_words(slowest)}; it"
-        beyond = [one.begin for one in found.windows if one.begin * found.stable_from > found.stable_from**2]
+    if way.stable_from is not None:
+        begin = "it" if at_once else f"the hose is unstable at {speed_in_words(way.slowest)}; it"
+        beyond = [one.begin for one in way.windows if abs(one.begin) > abs(way.stable_from)]
         until = f" to {speed_in_words(min(beyond, key=abs), 6)}" if beyond else ""
-        say(f"{begin} is stable from {speed_in_words(found.stable_from, 6)}{until}", "green")
+        say(f"{begin} is stable from {speed_in_words(way.stable_from, 6)}{until}", "green")
         if not at_once:
-            _hint_below(found, speed_in_words)
+            _hint_below(way, speed_in_words)
     elif at_once:
-        fastest = float(max(found.speed, key=abs))
-        say(f"it is stable at none of the speeds looked at, up to {speed_in_words(fastest)}", "yellow")
-    if _flow_direction(found) == "tip to root":
-        say("negative speeds: the water flows from the tip to the root")
-    for critical in found.critical[len(at_once) :]:
+        say(f"it is stable at none of the speeds looked at, up to {speed_in_words(way.fastest)}", "yellow")
+    for critical in way.critical[len(at_once) :]:
         say(f"the hose {words_of(critical, system)}", "green")
-    if _has_windows(found):
-        for line in _sentences_on_windows(found, speed_in_words):
+    if _has_windows(way):
+        for line in _sentences_on_windows(way, found.resolution, speed_in_words):
             say(line, "yellow")
 
 
-def _hint_below(found: Stability, speed_in_words: Callable[..., str]) -> None:
+def _nothing_found(way: Way, found: Stability, system: str) -> str:
+    """A sentence on speeds at none of which a hose becomes unstable."""
+    from tautline.scene.values.printed import in_words, shown
+
+    words = "unstable" if way.grows.all() else "unstable in part" if way.grows.any() else "stable"
+    words = words if found.eigenvalues.size else "nothing can move"
+    first, last = way.speed[0], way.speed[-1]
+    if first == last:
+        return f"{words} at {shown(float(first), 'm/s', system)}"
+    return in_words(f"{words} from {first:g} to {last:g} m/s", system)
+
+
+def _hint_below(way: Way, speed_in_words: Callable[..., str]) -> None:
     """Say how to find a critical speed that lies below all speeds looked at."""
     from tautline.cli.output.console import say
 
-    speed, grows = min(zip(found.speed.tolist(), found.grows.tolist(), strict=True), key=lambda pair: abs(pair[0]))
-    if grows and speed != 0.0:
+    if way.grows[abs(way.speed).argmin()] and way.slowest != 0.0:
         say(
-            f"the critical speed lies below {speed_in_words(abs(speed))}. Leave out --speed to search from 0, "
+            f"the critical speed lies below {speed_in_words(abs(way.slowest))}. Leave out --speed to search from 0, "
             "or give lower speeds",
             "yellow",
         )
 
 
-def _has_windows(found: Stability) -> bool:
+def _has_windows(way: Way) -> bool:
     """Whether a hose that has become unstable is stable once more at a higher speed."""
-    slowest = float(min(found.speed, key=abs))
-    return any(one.end is not None and one.begin != slowest for one in found.windows) or len(found.windows) > 2
+    return any(one.end is not None and one.begin != way.slowest for one in way.windows) or len(way.windows) > 2
 
 
-def _sentences_on_windows(found: Stability, speed_in_words: Callable[..., str]) -> list[str]:
+def _sentences_on_windows(way: Way, resolution: float | None, speed_in_words: Callable[..., str]) -> list[str]:
     """Sentences: between which speeds a hose is unstable, and how narrow a window may be missed."""
     parts = [
         f"from {speed_in_words(one.begin, 6)}" + (f" to {speed_in_words(one.end, 6)}" if one.end is not None else " on")
-        for one in found.windows
+        for one in way.windows
     ]
     lines = [f"it is unstable in windows of speed: {', '.join(parts)}. Between the windows it is stable"]
-    if found.resolution is not None:
-        lines.append(f"a window narrower than {speed_in_words(found.resolution, 2)} may be missed")
+    if resolution is not None:
+        lines.append(f"a window narrower than {speed_in_words(resolution, 2)} may be missed")
     return lines
+
+
+def _windows_in_json(windows: Sequence[Window]) -> list[dict[str, float | None]]:
+    return [{"from": one.begin, "to": one.end} for one in windows]
+
+
+def _way_in_json(way: Way) -> dict[str, Any]:
+    """What is told of one way of flow, with the names that the whole report has."""
+    first = way.critical[0]._asdict() if way.critical else dict.fromkeys(("speed", "frequency", "plane", "kind"))
+    return {
+        "direction": way.direction,
+        "critical_speed": first["speed"],
+        "critical_frequency": first["frequency"],
+        "plane": first["plane"],
+        "kind": first["kind"],
+        "stable_from": way.stable_from,
+        "windows": _windows_in_json(way.windows),
+    }
 
 
 def _flow_direction(found: Stability) -> str:
     """Which way the water flows at the speeds looked at."""
-    first, last = found.speed[0], found.speed[-1]
-    return "tip to root" if last <= 0.0 and first < 0.0 else "root to tip" if first >= 0.0 else "both"
+    return "both" if len(found.ways) > 1 else found.ways[0].direction
 
 
 def _of_speeds(hose: HoseScene, found: Stability, speeds: list[float] | None) -> list[SceneWarning]:
@@ -417,8 +450,10 @@ def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
     title = f"{hose.title or path.stem}: stability"
     drawn = found.curves or found
     more = {} if found.curves is None else {"sure": found.curves.sure, "marks": found.curves.marks}
+    # A window without an end goes on to the fastest speed of its own way of flow.
+    windows = [(one.begin, way.fastest if one.end is None else one.end) for way in found.ways for one in way.windows]
     figure = flutter_figure(
-        drawn.speed, drawn.eigenvalues, drawn.out_of_plane, *marked, title, hose.units, found.windows, **more
+        drawn.speed, drawn.eigenvalues, drawn.out_of_plane, *marked, title, hose.units, windows, **more
     )
     write_figure(figure, path)
 
