@@ -19,6 +19,9 @@ from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, lobatt
 from tautline.kernels.time_function import sample
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
+RADIANS_PER_ELEMENT = 2.0
+"""Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
+half a per cent or more (cubic elements against four times as many, beta 0.2 to 0.8, u to 17)."""
 ONSET = np.array(
     [
         (0.001, 4.195, 14.63), (0.05, 4.445, 14.44), (0.1, 4.750, 14.22), (0.15, 5.123, 13.96), (0.2, 5.591, 13.71),
@@ -127,6 +130,23 @@ def thrust(scene: HoseScene, piece: Segment, speed: float) -> float:
     if first is None or piece.water_mass_per_length is None:
         return 0.0
     return (first * speed) ** 2 / piece.water_mass_per_length
+
+
+def radians(scene: HoseScene, piece: Segment, speed: float) -> float:
+    """Phase over a piece of the waves in which the flow bends it at a speed in the first; its EJ is not zero."""
+    return math.sqrt(thrust(scene, piece, speed) / piece.bending_stiffness) * piece.length
+
+
+def fine_up_to(scene: HoseScene) -> float:
+    """Speed, m/s, up to which elements are short enough for the waves in which the flow bends the hose.
+
+    Infinite where nothing flows, and where a piece without bending stiffness has waves as short as its elements allow.
+    """
+    pieces = scene.hose.pieces
+    if any(piece.bending_stiffness == 0.0 for piece in pieces):
+        return math.inf
+    coarsest = max(radians(scene, piece, 1.0) / piece.elements for piece in pieces)
+    return RADIANS_PER_ELEMENT / coarsest if coarsest > 0.0 else math.inf
 
 
 def average(scene: HoseScene, speed: float) -> Average:

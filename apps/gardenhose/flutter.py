@@ -18,7 +18,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from gardenhose.estimates import direction_of, near_onset
+from gardenhose.estimates import direction_of, fine_up_to, near_onset
+from gardenhose.estimates import speeds as speeds_of
 from gardenhose.reduced import Reduced, peaks
 from gardenhose.scene import HoseScene, tied
 from gardenhose.static import Form, form
@@ -151,9 +152,10 @@ class Stability(NamedTuple):
     once more where it is unstable without flow; ``stable_from`` the speed, m/s, from which nothing grows that does at
     the slowest one, None where nothing does there or it never ceases; of speeds of both signs that from root to tip.
     ``windows`` between which speeds the hose is unstable, whatever the plane, the slowest first, way after way.
-    ``ways`` holds these for each way of flow. ``resolution`` m/s is how far apart the speeds are at which windows were looked for: a
-    growth rate that rises above zero and falls again within less may be missed; None where one speed was looked at.
-    ``curves`` are the modes at more speeds than were asked for.
+    ``ways`` holds these for each way of flow. ``resolution`` m/s is how far apart the speeds are at which windows were
+    looked for: a growth rate that rises above zero and falls again within less may be missed; None where one speed was
+    looked at. ``curves`` are the modes at more speeds than were asked for. ``fine_up_to`` m/s is the speed up to which
+    elements are short enough for the waves of the flow.
     """
 
     speed: np.ndarray
@@ -166,11 +168,17 @@ class Stability(NamedTuple):
     resolution: float | None = None
     curves: Curves | None = None
     ways: Sequence[Way] = ()
+    fine_up_to: float = np.inf
 
     @property
-    def unstable_at(self) -> Literal["none", "part", "all"]:
-        """At which of the speeds looked at the hose is unstable: at none, at part of them, or at all."""
-        return "all" if self.grows.all() else "part" if self.grows.any() else "none"
+    def unstable_at(self) -> Literal["none", "part", "all", "unknown"]:
+        """At which of the speeds looked at the hose is unstable: at none, at part of them, or at all.
+
+        Unknown where nothing grows at any, and elements are too coarse for the fastest.
+        """
+        if self.grows.any():
+            return "all" if self.grows.all() else "part"
+        return "unknown" if np.abs(self.speed).max() > self.fine_up_to else "none"
 
 
 def normal_of(scene: HoseScene) -> np.ndarray | None:
@@ -314,13 +322,14 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     values, shares = curves.eigenvalues[asked], curves.out_of_plane[asked]
     ways = [_way(linear, sign, looked_at, tried, scans) for sign in _signs(looked_at)]
     grows = np.array([_grows(linear, speed, "any") for speed in grid])
-    # What is unstable without flow is so whichever way the water goes. Of speeds that are one but for rounding, as those
-    # of a pipe held at both ends, that from root to tip is first.
+    # What is unstable without flow is so whichever way the water goes. Of speeds that are one but for rounding, as of a
+    # pipe held at both ends, that from root to tip is first.
     critical = sorted(dict.fromkeys(one for way in ways for one in way.critical), key=_by_speed)
     windows = [one for way in ways for one in way.windows]
     return Stability(
-        grid, values, shares, grows, critical, ways[0].stable_from, windows, _apart(scans), curves, ways
-    )
+        grid, values, shares, grows, critical, ways[0].stable_from, windows, _apart(scans), curves, ways,
+        fine_up_to(linear.scene),
+    )  # fmt: skip
 
 
 def _by_speed(critical: Critical) -> float:
@@ -362,10 +371,8 @@ def _way(
             critical.append(_kind(linear, 0.0, plane))
         windows += _windows(linear, side, plane, begin, end)
     speed = looked_at[sign * looked_at >= 0.0]
-    grows = np.array([_grows(linear, one, "any") for one in speed])
-    windows = _joined(windows)
-    critical.sort(key=lambda one: abs(one.speed))
-    return Way(sign, speed, grows, critical, windows, _stable_from(speed, windows))
+    grows, windows = np.array([_grows(linear, one, "any") for one in speed]), _joined(windows)
+    return Way(sign, speed, grows, sorted(critical, key=_by_speed), windows, _stable_from(speed, windows))
 
 
 @one_thread()
@@ -479,8 +486,7 @@ def _windows(
 ) -> list[Window]:
     """Between which speeds of one way motions of a plane grow, by where they begin to and cease to."""
     slowest = float(min(speeds, key=abs))
-    begins = [slowest] if _grows(linear, slowest, plane) else []
-    begins += [one.speed for one in begin]
+    begins = [*([slowest] if _grows(linear, slowest, plane) else []), *(one.speed for one in begin)]
     return [Window(*pair) for pair in zip(begins, [*(one.speed for one in end), None], strict=False)]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -140,6 +141,8 @@ def flutter(
                 "doubtful": [dict(zip(("mode", "from", "to"), one, strict=True)) for one in _doubtful(found)],
                 "unstable": found.grows.tolist(),
                 "unstable_at": found.unstable_at,
+                # Without end where nothing flows in waves: null, as JSON has no infinity.
+                "fine_up_to": found.fine_up_to if math.isfinite(found.fine_up_to) else None,
             }
         )
 
@@ -154,7 +157,6 @@ def parse_speeds(text: str) -> list[float]:
     SceneError
         Naming the option, the value, and what would do.
     """
-    import math
     from typing import Annotated
 
     from pydantic import TypeAdapter, ValidationError
@@ -241,10 +243,10 @@ def _warn_of_unstable(hose: HoseScene, found: list[Form], negative: list[int]) -
 
 def _of_shapes(hose: HoseScene, speeds: list[float], negative: list[int]) -> list[SceneWarning]:
     """Say of shapes at rest where the water is too fast for the hose or its elements, and what is not judged."""
-    from gardenhose.warnings import mesh_at, momentum_at
+    from gardenhose.warnings import aspiration_at, mesh_at, momentum_at
     from tautline.scene.errors import SceneWarning
 
-    warnings = [*momentum_at(hose, speeds), *mesh_at(hose, speeds)]
+    warnings = [*momentum_at(hose, speeds), *mesh_at(hose, speeds), *aspiration_at(hose, speeds)]
     if hose.hose.end == "free" and any(count < 0 and speed for count, speed in zip(negative, speeds, strict=True)):
         text = (
             "whether the shapes are stable is not judged: water flows from a free end, and the hose may flutter about "
@@ -307,13 +309,16 @@ def _print_way(way: Way, found: Stability, system: str) -> None:
         begin = "it" if at_once else f"the hose is unstable at {speed_in_words(way.slowest)}; it"
         beyond = [one.begin for one in way.windows if abs(one.begin) > abs(way.stable_from)]
         until = f" to {speed_in_words(min(beyond, key=abs), 6)}" if beyond else ""
+        until += ", by elements that are too coarse" if abs(way.stable_from) > found.fine_up_to else ""
         say(f"{begin} is stable from {speed_in_words(way.stable_from, 6)}{until}", "green")
         if not at_once:
             _hint_below(way, speed_in_words)
     elif at_once:
         say(f"it is stable at none of the speeds looked at, up to {speed_in_words(way.fastest)}", "yellow")
     for critical in way.critical[len(at_once) :]:
-        say(f"the hose {words_of(critical, system)}", "green")
+        coarse = abs(critical.speed) > found.fine_up_to
+        but = ", by elements that are too coarse for this speed" if coarse else ""
+        say(f"the hose {words_of(critical, system)}{but}", "yellow" if coarse else "green")
     if _has_windows(way):
         for line in _sentences_on_windows(way, found.resolution, speed_in_words):
             say(line, "yellow")
@@ -326,9 +331,20 @@ def _nothing_found(way: Way, found: Stability, system: str) -> str:
     words = "unstable" if way.grows.all() else "unstable in part" if way.grows.any() else "stable"
     words = words if found.eigenvalues.size else "nothing can move"
     first, last = way.speed[0], way.speed[-1]
-    if first == last:
-        return f"{words} at {shown(float(first), 'm/s', system)}"
-    return in_words(f"{words} from {first:g} to {last:g} m/s", system)
+    span = f"from {first:g} to {last:g} m/s" if first != last else f"at {shown(float(first), 'm/s', system)}"
+    fine = way.sign * found.fine_up_to
+    if not found.eigenvalues.size or abs(way.fastest) <= abs(fine):
+        text = f"{words} {span}"
+    elif way.grows.any():
+        text = f"{words} {span}, by elements that are too coarse for these speeds"
+    elif abs(way.slowest) >= abs(fine):
+        text = f"the elements are too coarse to tell whether the hose is stable {span}"
+    else:
+        text = (
+            f"stable from {way.slowest:g} to {fine:.4g} m/s. Beyond, up to {way.fastest:g} m/s, the elements are too "
+            "coarse to tell"
+        )
+    return in_words(text, system) if first != last else text
 
 
 def _hint_below(way: Way, speed_in_words: Callable[..., str]) -> None:
@@ -385,12 +401,17 @@ def _flow_direction(found: Stability) -> str:
 
 def _of_speeds(hose: HoseScene, found: Stability, speeds: list[float] | None) -> list[SceneWarning]:
     """Say where elements or stiffness are little for the speed that was found, or for the fastest asked for."""
-    from gardenhose.warnings import mesh_at, momentum_at, short_waves_at
+    from gardenhose.warnings import aspiration_at, mesh_at, momentum_at, short_waves_at
 
     # Speeds that were not asked for go past the first instability: only where there is none do they count.
     looked_at = speeds if speeds is not None else [] if found.critical else found.speed.tolist()
     all_of_them = [*(one.speed for one in found.critical), *looked_at]
-    return [*momentum_at(hose, all_of_them), *mesh_at(hose, all_of_them), *short_waves_at(hose, found.speed.tolist())]
+    return [
+        *momentum_at(hose, all_of_them),
+        *mesh_at(hose, all_of_them),
+        *short_waves_at(hose, found.speed.tolist()),
+        *aspiration_at(hose, found.speed.tolist()),
+    ]
 
 
 def _between(found: Stability, speeds: list[float] | None, system: str) -> list[SceneWarning]:
@@ -493,6 +514,9 @@ def read_flutter(scene: HoseScene, options: Mapping[str, Any]) -> tuple[list[flo
 def flutter_findings(scene: HoseScene, asked: tuple[list[float] | None, int]) -> dict[str, Finding]:
     """Critical speed and frequency, and whether the hose is unstable at none, part or all of the speeds looked at.
 
+    Of speeds of both signs the critical one is the slowest of both ways of flow, with its sign. Whether the hose is
+    unstable is unknown where it is at none, on elements that are too coarse for the fastest.
+
     The first two are None where it is stable, and where it is unstable at all speeds, the slowest of which is not 0.
     """
     from gardenhose.flutter import stability
@@ -506,6 +530,6 @@ def flutter_findings(scene: HoseScene, asked: tuple[list[float] | None, int]) ->
         "kind": Finding(first and first.kind, "", "flutter or divergence"),
         "plane": Finding(first and first.plane, "", "plane of the motion"),
         "unstable_at": Finding(
-            searched_for.unstable_at, "", "at which of the speeds looked at the hose is unstable: none, part, all"
+            searched_for.unstable_at, "", "speeds looked at where the hose is unstable: none, part, all, unknown"
         ),
     }

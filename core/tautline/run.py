@@ -605,7 +605,8 @@ class Run:
             found.append(
                 f"the motion oscillates at about {omega / (2.0 * math.pi):.3g} Hz. A step of {step:.3g} s gives "
                 f"{steps:.2g} steps per period, and {STEPS_PER_PERIOD:g} are needed to follow it: take a step of "
-                f"{2.0 * math.pi / (STEPS_PER_PERIOD * omega):.2g} s and compare"
+                f"{2.0 * math.pi / (STEPS_PER_PERIOD * omega):.2g} s and compare. If the motion is larger with shorter "
+                "steps, it is one of the elements: take more of them"
             )
         elif lag > LATE:
             found.append(
