@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
 MOST_SPEEDS = 10_000
+MANY = 100
+"""Elements from which a search for the critical speed takes so long that it is said."""
 NO_SPEED = 1.0e-4
 """Flow speed, m/s, other than 0, below which a hose becomes unstable at no speed that is worth a number."""
 SPEEDS_HELP = "Flow speeds, in m/s or with a unit: 0:40:10 or '0 ft/s:40 ft/s:10 ft/s'."
@@ -106,6 +108,13 @@ def flutter(
     figure = figure_place(output, f"{scene.stem}_flutter")
     of_scene = warnings_without_a_run(hose)
     print_warnings(of_scene)
+    if speeds is None and hose.water is not None and hose.hose.element_count >= MANY:
+        from tautline.cli.output.console import say
+
+        say(
+            f"searching without --speed: eigenvalues of {hose.hose.element_count} elements at some sixty speeds. "
+            "This may take minutes"
+        )
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found, hose.units)
     warnings = [

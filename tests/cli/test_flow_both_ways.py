@@ -9,6 +9,7 @@ from references import hose as reference
 from scipy.optimize import brentq
 
 from gardenhose.application import Gardenhose
+from tautline.integrators.status import Status, StoppedEarly
 
 BETA, M, C = 0.3, 0.3, 0.02
 SCENE = """\
@@ -154,3 +155,14 @@ def test_a_critical_speed_on_elements_too_coarse_for_it_is_told_with_that(garden
     assert f"from {report['critical_speed']:.6g} m/s, by elements that are too coarse for this speed" in said
     _, out, err = gardenhose("flutter", "hose.yaml", "--json")
     assert only_object(out)["critical_speed"] < only_object(out)["fine_up_to"] and "coarse" not in err
+
+
+def test_a_search_that_takes_long_says_so_before_it_begins(gardenhose, monkeypatch):
+    def search(*_):
+        raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "element 3")
+
+    monkeypatch.setattr("gardenhose.flutter.stability", search)
+    for more, said in (((), True), (("--speed", "0,1"), False)):
+        _, _, err = gardenhose("flutter", "hose.yaml", "--set", "hose.elements=200", *more)
+        assert ("eigenvalues of 200 elements at some sixty speeds" in " ".join(err.split())) == said
+    assert "sixty" not in gardenhose("flutter", "hose.yaml")[2]
