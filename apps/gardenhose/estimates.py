@@ -19,6 +19,9 @@ from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, lobatt
 from tautline.kernels.time_function import sample
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
+RADIANS_PER_ELEMENT = 2.0
+"""Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
+half a per cent or more (cubic elements against four times as many, beta 0.2 to 0.8, u to 17)."""
 ONSET = np.array(
     [
         (0.001, 4.195, 14.63), (0.05, 4.445, 14.44), (0.1, 4.750, 14.22), (0.15, 5.123, 13.96), (0.2, 5.591, 13.71),
@@ -115,12 +118,35 @@ def speeds(scene: HoseScene, count: int = SAMPLES) -> np.ndarray:
     return np.clip(np.nan_to_num(sampled), -FASTEST, FASTEST)
 
 
+def direction_of(scene: HoseScene) -> float:
+    """1 where the scene's flow is fastest from root to tip, or nothing flows, -1 from tip to root."""
+    sampled = speeds(scene)
+    return -1.0 if sampled[np.argmax(np.abs(sampled))] < 0.0 else 1.0
+
+
 def thrust(scene: HoseScene, piece: Segment, speed: float) -> float:
     """Momentum M U^2 in a piece, N, at a speed in the first: M U is the same in all."""
     first = scene.hose.pieces[0].water_mass_per_length
     if first is None or piece.water_mass_per_length is None:
         return 0.0
     return (first * speed) ** 2 / piece.water_mass_per_length
+
+
+def radians(scene: HoseScene, piece: Segment, speed: float) -> float:
+    """Phase over a piece of the waves in which the flow bends it at a speed in the first; its EJ is not zero."""
+    return math.sqrt(thrust(scene, piece, speed) / piece.bending_stiffness) * piece.length
+
+
+def fine_up_to(scene: HoseScene) -> float:
+    """Speed, m/s, up to which elements are short enough for the waves in which the flow bends the hose.
+
+    Infinite where nothing flows, and where a piece without bending stiffness has waves as short as its elements allow.
+    """
+    pieces = scene.hose.pieces
+    if any(piece.bending_stiffness == 0.0 for piece in pieces):
+        return math.inf
+    coarsest = max(radians(scene, piece, 1.0) / piece.elements for piece in pieces)
+    return RADIANS_PER_ELEMENT / coarsest if coarsest > 0.0 else math.inf
 
 
 def average(scene: HoseScene, speed: float) -> Average:
@@ -245,6 +271,20 @@ def plain_onset(scene: HoseScene, hose: Average) -> tuple[float | None, float | 
     beta = hose.mass_ratio
     omega = float(np.interp(beta, ONSET[:, 0], ONSET[:, 2]))
     return float(np.interp(beta, ONSET[:, 0], ONSET[:, 1])), omega / (2.0 * math.pi * hose.time_scale)
+
+
+def near_onset(scene: HoseScene) -> float:
+    """A speed near the critical one, m/s: that of straight uniform hoses, else from thrust and stiffness.
+
+    A nozzle counts: one that is narrow makes a jet of which a thousandth of the speed is enough.
+    """
+    hose = average(scene, 1.0)
+    u = onset(scene, hose)[0] or plain_onset(scene, hose)[0]
+    if u is not None and hose.dimensionless_speed:
+        return u / hose.dimensionless_speed
+    pull = (hose.mass + hose.water) * float(np.linalg.norm(scene.gravity)) * hose.length
+    stiff = min(piece.axial_stiffness for piece in scene.hose.pieces)
+    return float(np.sqrt((pull or 0.1 * stiff) / hose.thrust))
 
 
 def first_frequency(scene: HoseScene, hose: Average) -> float | None:

@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from gardenhose.estimates import average, onset, plain_onset
+from gardenhose.estimates import direction_of, fine_up_to, near_onset
 from gardenhose.estimates import speeds as speeds_of
 from gardenhose.reduced import Reduced, peaks
 from gardenhose.scene import HoseScene, tied
@@ -90,6 +90,37 @@ class Window(NamedTuple):
     end: float | None
 
 
+class Way(NamedTuple):
+    """What a hose does as its water flows faster one way.
+
+    ``sign`` 1 from root to tip, -1 from tip to root. ``speed`` (k,) m/s, rising, those asked for that go this way, and
+    0 between those of both ways; ``grows`` (k,) as in `Stability`. ``critical``, ``windows`` and ``stable_from`` as
+    there, but of this way, the slowest first.
+    """
+
+    sign: float
+    speed: np.ndarray
+    grows: np.ndarray
+    critical: list[Critical]
+    windows: list[Window]
+    stable_from: float | None
+
+    @property
+    def direction(self) -> Literal["root to tip", "tip to root"]:
+        """From where to where the water flows."""
+        return "root to tip" if self.sign > 0.0 else "tip to root"
+
+    @property
+    def slowest(self) -> float:
+        """The slowest speed that was looked at, m/s."""
+        return float(min(self.speed, key=abs))
+
+    @property
+    def fastest(self) -> float:
+        """The fastest speed that was looked at, m/s."""
+        return float(max(self.speed, key=abs))
+
+
 class Curves(NamedTuple):
     """Modes along all speeds at which they were computed to be followed, those asked for among them.
 
@@ -117,12 +148,14 @@ class Stability(NamedTuple):
     asked for and all that grow at a speed, not a number where one is no more found, and of a straight hose, which moves
     in all planes alike, those of one plane;
     ``out_of_plane`` (k, m) the share of the motion that is; ``grows`` (k,) whether any motion does, by more than what
-    may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once, and once more where it is
-    unstable without flow; ``stable_from`` the speed, m/s, from which nothing grows that does at the slowest one, None
-    where nothing does there or it never ceases. ``windows`` between which speeds the hose is unstable, whatever the
-    plane, the slowest first. ``resolution`` m/s is how far apart the speeds are at which windows were looked for: a
-    growth rate that rises above zero and falls again within less may be missed; None where one speed was looked at.
-    ``curves`` are the modes at more speeds than were asked for.
+    may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once for each way of flow, and
+    once more where it is unstable without flow; ``stable_from`` the speed, m/s, from which nothing grows that does at
+    the slowest one, None where nothing does there or it never ceases; of speeds of both signs that from root to tip.
+    ``windows`` between which speeds the hose is unstable, whatever the plane, the slowest first, way after way.
+    ``ways`` holds these for each way of flow. ``resolution`` m/s is how far apart the speeds are at which windows were
+    looked for: a growth rate that rises above zero and falls again within less may be missed; None where one speed was
+    looked at. ``curves`` are the modes at more speeds than were asked for. ``fine_up_to`` m/s is the speed up to which
+    elements are short enough for the waves of the flow.
     """
 
     speed: np.ndarray
@@ -134,11 +167,18 @@ class Stability(NamedTuple):
     windows: Sequence[Window] = ()
     resolution: float | None = None
     curves: Curves | None = None
+    ways: Sequence[Way] = ()
+    fine_up_to: float = np.inf
 
     @property
-    def unstable_at(self) -> Literal["none", "part", "all"]:
-        """At which of the speeds looked at the hose is unstable: at none, at part of them, or at all."""
-        return "all" if self.grows.all() else "part" if self.grows.any() else "none"
+    def unstable_at(self) -> Literal["none", "part", "all", "unknown"]:
+        """At which of the speeds looked at the hose is unstable: at none, at part of them, or at all.
+
+        Unknown where nothing grows at any, and elements are too coarse for the fastest.
+        """
+        if self.grows.any():
+            return "all" if self.grows.all() else "part"
+        return "unknown" if np.abs(self.speed).max() > self.fine_up_to else "none"
 
 
 def normal_of(scene: HoseScene) -> np.ndarray | None:
@@ -272,28 +312,67 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     linear = _Linear(scene, modes)
     grid = np.unique(np.array(speeds, float)) if speeds is not None else _range(linear)
     planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
-    scans = _scans(linear, grid, planes)
-    tried = {plane: _with_witnesses(linear, grid, plane, scan) for plane, scan in scans.items()}
+    looked_at = _through_rest(grid)
+    scans = _scans(linear, looked_at, planes)
+    tried = {plane: _with_witnesses(linear, looked_at, plane, scan) for plane, scan in scans.items()}
     if speeds is None:
-        grid = _with_others(grid, np.concatenate(list(tried.values())))
+        grid = looked_at = _with_others(grid, np.concatenate(list(tried.values())))
     curves = _curves(linear, grid, modes)
     asked = np.searchsorted(curves.speed, grid)
     values, shares = curves.eigenvalues[asked], curves.out_of_plane[asked]
-    begin = {plane: _passages(linear, tried[plane], plane, True, scans[plane]) for plane in planes}
-    end = {plane: _passages(linear, tried[plane], plane, False, scans[plane]) for plane in planes}
-    found = [_locate(linear, *one[:2], plane, scans[plane]) for plane in planes for one in begin[plane][:1]]
-    for one in found:
-        begin[one.plane][0] = begin[one.plane][0]._replace(speed=one.speed)
-    if 0.0 in grid:
-        found += [_kind(linear, 0.0, plane) for plane in planes if _grows(linear, 0.0, plane)]
+    ways = [_way(linear, sign, looked_at, tried, scans) for sign in _signs(looked_at)]
     grows = np.array([_grows(linear, speed, "any") for speed in grid])
-    critical = sorted(found, key=lambda one: abs(one.speed))
-    windows = _joined(
-        one for plane in planes for one in _windows(linear, tried[plane], plane, begin[plane], end[plane])
-    )
-    speeds_apart = _apart(scans)
-    stable_from = _stable_from(grid, windows)
-    return Stability(grid, values, shares, grows, critical, stable_from, windows, speeds_apart, curves)
+    # What is unstable without flow is so whichever way the water goes. Of speeds that are one but for rounding, as of a
+    # pipe held at both ends, that from root to tip is first.
+    critical = sorted(dict.fromkeys(one for way in ways for one in way.critical), key=_by_speed)
+    windows = [one for way in ways for one in way.windows]
+    return Stability(
+        grid, values, shares, grows, critical, ways[0].stable_from, windows, _apart(scans), curves, ways,
+        fine_up_to(linear.scene),
+    )  # fmt: skip
+
+
+def _by_speed(critical: Critical) -> float:
+    return float(f"{abs(critical.speed):.8e}")
+
+
+def _through_rest(speeds: np.ndarray) -> np.ndarray:
+    """Rising speeds, and rest among those of both signs.
+
+    What a hose does at a speed one way tells nothing of what it does the other way: both begin at rest.
+    """
+    return np.union1d(speeds, [0.0]) if speeds[0] < 0.0 < speeds[-1] else speeds
+
+
+def _signs(speeds: np.ndarray) -> list[float]:
+    """The ways, 1 and -1, that water goes at rising speeds."""
+    ways = {1.0: speeds[-1] > 0.0 or speeds[0] >= 0.0, -1.0: speeds[0] < 0.0}
+    return [sign for sign, goes in ways.items() if goes]
+
+
+def _way(
+    linear: _Linear,
+    sign: float,
+    looked_at: np.ndarray,
+    tried: dict[Plane, np.ndarray],
+    scans: dict[Plane, _Scan | None],
+) -> Way:
+    """What becomes unstable, and between which speeds it is, as the water goes faster one way."""
+    critical, windows = list[Critical](), list[Window]()
+    for plane, speeds in tried.items():
+        side, scan = speeds[sign * speeds >= 0.0], scans[plane]
+        begin = _passages(linear, side, plane, True, scan)
+        end = _passages(linear, side, plane, False, scan)
+        if begin:
+            first = _locate(linear, begin[0].left, begin[0].right, plane, scan)
+            begin[0] = begin[0]._replace(speed=first.speed)
+            critical.append(first)
+        if 0.0 in side and _grows(linear, 0.0, plane):
+            critical.append(_kind(linear, 0.0, plane))
+        windows += _windows(linear, side, plane, begin, end)
+    speed = looked_at[sign * looked_at >= 0.0]
+    grows, windows = np.array([_grows(linear, one, "any") for one in speed]), _joined(windows)
+    return Way(sign, speed, grows, sorted(critical, key=_by_speed), windows, _stable_from(speed, windows))
 
 
 @one_thread()
@@ -351,7 +430,7 @@ def _scans(linear: _Linear, grid: np.ndarray, planes: Sequence[Plane]) -> dict[P
     """What tells where to look between speeds, for each plane; nothing where there is but one speed."""
     if grid.size < 2:
         return dict.fromkeys(planes)
-    guess = abs(_guess(linear.scene))
+    guess = near_onset(linear.scene)
     nodes = _filled(grid, max(guess / APART, float(grid[-1] - grid[0]) / MOST_BETWEEN))
     step = max(guess / SCANNED, float(grid[-1] - grid[0]) / MOST_SCANNED)
     rows = [linear.at(float(speed)) for speed in nodes]
@@ -405,21 +484,14 @@ def _with_witnesses(linear: _Linear, grid: np.ndarray, plane: Plane, scan: _Scan
 def _windows(
     linear: _Linear, speeds: np.ndarray, plane: Plane, begin: list[_Passage], end: list[_Passage]
 ) -> list[Window]:
-    """Between which speeds motions of a plane grow, by where they begin to and cease to, to either side."""
-    made = []
-    for way in (1.0, -1.0):
-        side = np.sort(way * speeds[way * speeds >= 0.0])
-        if not side.size or (way < 0.0 and side[-1] == 0.0):
-            continue
-        first = [way * float(side[0])] if _grows(linear, way * float(side[0]), plane) else []
-        begins = first + [one.speed for one in begin if way * one.speed > side[0]]
-        ends: list[float | None] = [one.speed for one in end if way * one.speed > side[0]]
-        made += [Window(*pair) for pair in zip(begins, [*ends, None], strict=False)]
-    return made
+    """Between which speeds of one way motions of a plane grow, by where they begin to and cease to."""
+    slowest = float(min(speeds, key=abs))
+    begins = [*([slowest] if _grows(linear, slowest, plane) else []), *(one.speed for one in begin)]
+    return [Window(*pair) for pair in zip(begins, [*(one.speed for one in end), None], strict=False)]
 
 
 def _joined(windows: Iterable[Window]) -> list[Window]:
-    """Windows of several planes as those of the hose, the slowest first."""
+    """Windows of several planes as those of the hose, of one way of flow, the slowest first."""
     made: list[Window] = []
     for one in sorted(windows, key=lambda window: abs(window.begin)):
         last = next((k for k, other in enumerate(made) if _meet(other, one)), None)
@@ -434,19 +506,13 @@ def _joined(windows: Iterable[Window]) -> list[Window]:
 
 def _meet(slower: Window, faster: Window) -> bool:
     """Whether a window begins within one that begins no later."""
-    same = slower.begin * faster.begin > 0.0 or slower.begin == faster.begin or slower.begin == 0.0
-    if slower.end is not None:
-        same = same and slower.end * faster.begin >= 0.0
-    return same and (slower.end is None or abs(faster.begin) <= abs(slower.end))
+    return slower.end is None or abs(faster.begin) <= abs(slower.end)
 
 
-def _stable_from(grid: np.ndarray, windows: Sequence[Window]) -> float | None:
-    """Speed from which nothing grows that does at the slowest one of a range."""
-    slowest, way = float(grid[np.argmin(np.abs(grid))]), -1.0 if grid[-1] <= 0.0 else 1.0
-    for window in windows:
-        if window.begin == slowest and window.end is not None and way * window.end > 0.0:
-            return window.end
-    return None
+def _stable_from(speeds: np.ndarray, windows: Sequence[Window]) -> float | None:
+    """Speed of one way from which nothing grows that does at the slowest one."""
+    slowest = float(min(speeds, key=abs))
+    return next((one.end for one in windows if one.begin == slowest), None)
 
 
 @one_thread()
@@ -478,7 +544,7 @@ def _range(linear: _Linear) -> np.ndarray:
 
     A hose that falls without flow may be held up by more of it: the first critical speed is beyond that.
     """
-    guess = direction_of(linear.scene) * _guess(linear.scene)
+    guess = direction_of(linear.scene) * near_onset(linear.scene)
     tried, stood = 0, not _grows(linear, 0.0, "any")
     while tried < TRIALS * FARTHEST:
         tried += 1
@@ -495,26 +561,6 @@ def _range(linear: _Linear) -> np.ndarray:
         nearest = int(np.abs(found - one).argmin())
         found[nearest] = one if nearest % finer and nearest != count else found[nearest]
     return np.sort(found)
-
-
-def direction_of(scene: HoseScene) -> float:
-    """1 where the scene's flow is fastest from root to tip, or nothing flows, -1 from tip to root."""
-    sampled = speeds_of(scene)
-    return -1.0 if sampled[np.argmax(np.abs(sampled))] < 0.0 else 1.0
-
-
-def _guess(scene: HoseScene) -> float:
-    """A speed near the critical one, m/s: that of straight uniform hoses, else from thrust and stiffness.
-
-    A nozzle counts: one that is narrow makes a jet of which a thousandth of the speed is enough.
-    """
-    hose = average(scene, 1.0)
-    u = onset(scene, hose)[0] or plain_onset(scene, hose)[0]
-    if u is not None and hose.dimensionless_speed:
-        return u / hose.dimensionless_speed
-    pull = (hose.mass + hose.water) * float(np.linalg.norm(scene.gravity)) * hose.length
-    stiff = min(piece.axial_stiffness for piece in scene.hose.pieces)
-    return float(np.sqrt((pull or 0.1 * stiff) / hose.thrust))
 
 
 def _crossings(linear: _Linear, grid: np.ndarray, plane: Plane, ceasing: bool = False) -> list[Critical]:

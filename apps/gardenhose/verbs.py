@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,7 +17,7 @@ from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
-    from gardenhose.flutter import Critical, Stability
+    from gardenhose.flutter import Critical, Stability, Way, Window
     from gardenhose.scene import HoseScene
     from gardenhose.static import Form
     from tautline.results.tables.finding import Finding
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
 MOST_SPEEDS = 10_000
+MANY = 100
+"""Elements from which a search for the critical speed takes so long that it is said."""
 NO_SPEED = 1.0e-4
 """Flow speed, m/s, other than 0, below which a hose becomes unstable at no speed that is worth a number."""
 SPEEDS_HELP = "Flow speeds, in m/s or with a unit: 0:40:10 or '0 ft/s:40 ft/s:10 ft/s'."
@@ -105,6 +108,13 @@ def flutter(
     figure = figure_place(output, f"{scene.stem}_flutter")
     of_scene = warnings_without_a_run(hose)
     print_warnings(of_scene)
+    if speeds is None and hose.water is not None and hose.hose.element_count >= MANY:
+        from tautline.cli.output.console import say
+
+        say(
+            f"searching without --speed: eigenvalues of {hose.hose.element_count} elements at some sixty speeds. "
+            "This may take minutes"
+        )
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found, hose.units)
     warnings = [
@@ -129,7 +139,8 @@ def flutter(
                 "kind": first.kind if first else None,
                 "critical": [one._asdict() for one in found.critical],
                 "stable_from": found.stable_from,
-                "windows": [{"from": one.begin, "to": one.end} for one in found.windows],
+                "windows": _windows_in_json(found.windows),
+                "ways": [_way_in_json(way) for way in found.ways],
                 "resolution": found.resolution,
                 "direction": _flow_direction(found),
                 "warnings": warning_records([*of_scene, *warnings]),
@@ -139,6 +150,8 @@ def flutter(
                 "doubtful": [dict(zip(("mode", "from", "to"), one, strict=True)) for one in _doubtful(found)],
                 "unstable": found.grows.tolist(),
                 "unstable_at": found.unstable_at,
+                # Without end where nothing flows in waves: null, as JSON has no infinity.
+                "fine_up_to": found.fine_up_to if math.isfinite(found.fine_up_to) else None,
             }
         )
 
@@ -153,7 +166,6 @@ def parse_speeds(text: str) -> list[float]:
     SceneError
         Naming the option, the value, and what would do.
     """
-    import math
     from typing import Annotated
 
     from pydantic import TypeAdapter, ValidationError
@@ -240,10 +252,10 @@ def _warn_of_unstable(hose: HoseScene, found: list[Form], negative: list[int]) -
 
 def _of_shapes(hose: HoseScene, speeds: list[float], negative: list[int]) -> list[SceneWarning]:
     """Say of shapes at rest where the water is too fast for the hose or its elements, and what is not judged."""
-    from gardenhose.warnings import mesh_at, momentum_at
+    from gardenhose.warnings import aspiration_at, mesh_at, momentum_at
     from tautline.scene.errors import SceneWarning
 
-    warnings = [*momentum_at(hose, speeds), *mesh_at(hose, speeds)]
+    warnings = [*momentum_at(hose, speeds), *mesh_at(hose, speeds), *aspiration_at(hose, speeds)]
     if hose.hose.end == "free" and any(count < 0 and speed for count, speed in zip(negative, speeds, strict=True)):
         text = (
             "whether the shapes are stable is not judged: water flows from a free end, and the hose may flutter about "
@@ -277,87 +289,138 @@ def words_of(critical: Critical, system: str = "si") -> str:
 
 def _print_stability(found: Stability, system: str) -> None:
     from tautline.cli.output.console import say
-    from tautline.scene.values.printed import in_words, shown
+
+    for way in found.ways:
+        if len(found.ways) > 1:
+            which = " (negative speeds)" if way.sign < 0.0 else ""
+            say(f"the water flows from the {way.direction.replace(' to ', ' to the ')}{which}:")
+        elif way.sign < 0.0:
+            say("negative speeds: the water flows from the tip to the root")
+        _print_way(way, found, system)
+
+
+def _print_way(way: Way, found: Stability, system: str) -> None:
+    """Say what becomes unstable, and where it is not, as the water goes faster one way."""
+    from tautline.cli.output.console import say
+    from tautline.scene.values.printed import shown
 
     def speed_in_words(speed: float, digits: int = 4) -> str:
         return shown(float(speed), "m/s", system, digits)
 
-    if not found.critical and found.stable_from is None:
-        what = {"all": "unstable", "none": "stable", "part": "unstable in part"}[found.unstable_at]
-        what = what if found.eigenvalues.size else "nothing can move"
-        first, last = found.speed[0], found.speed[-1]
-        range_of = f"{what} from {first:g} to {last:g} m/s"
-        say(f"{what} at {speed_in_words(first)}" if first == last else in_words(range_of, system), "yellow")
-        _hint_below(found, speed_in_words)
+    if not way.critical and way.stable_from is None:
+        say(_nothing_found(way, found, system), "yellow")
+        _hint_below(way, speed_in_words)
         return
-    slowest = float(min(found.speed, key=abs))
-    at_once = [one for one in found.critical if one.speed == slowest]
+    at_once = [one for one in way.critical if one.speed == way.slowest]
     for critical in at_once:
         say(f"the hose {words_of(critical, system)}", "yellow")
-    if found.stable_from is not None:
-        begin = "it" if at_once else f"the hose is unstable at {speed_in_words(slowest)}; it"
-        beyond = [one.begin for one in found.windows if one.begin * found.stable_from > found.stable_from**2]
+    if way.stable_from is not None:
+        begin = "it" if at_once else f"the hose is unstable at {speed_in_words(way.slowest)}; it"
+        beyond = [one.begin for one in way.windows if abs(one.begin) > abs(way.stable_from)]
         until = f" to {speed_in_words(min(beyond, key=abs), 6)}" if beyond else ""
-        say(f"{begin} is stable from {speed_in_words(found.stable_from, 6)}{until}", "green")
+        until += ", by elements that are too coarse" if abs(way.stable_from) > found.fine_up_to else ""
+        say(f"{begin} is stable from {speed_in_words(way.stable_from, 6)}{until}", "green")
         if not at_once:
-            _hint_below(found, speed_in_words)
+            _hint_below(way, speed_in_words)
     elif at_once:
-        fastest = float(max(found.speed, key=abs))
-        say(f"it is stable at none of the speeds looked at, up to {speed_in_words(fastest)}", "yellow")
-    if _flow_direction(found) == "tip to root":
-        say("negative speeds: the water flows from the tip to the root")
-    for critical in found.critical[len(at_once) :]:
-        say(f"the hose {words_of(critical, system)}", "green")
-    if _has_windows(found):
-        for line in _sentences_on_windows(found, speed_in_words):
+        say(f"it is stable at none of the speeds looked at, up to {speed_in_words(way.fastest)}", "yellow")
+    for critical in way.critical[len(at_once) :]:
+        coarse = abs(critical.speed) > found.fine_up_to
+        but = ", by elements that are too coarse for this speed" if coarse else ""
+        say(f"the hose {words_of(critical, system)}{but}", "yellow" if coarse else "green")
+    if _has_windows(way):
+        for line in _sentences_on_windows(way, found.resolution, speed_in_words):
             say(line, "yellow")
 
 
-def _hint_below(found: Stability, speed_in_words: Callable[..., str]) -> None:
+def _nothing_found(way: Way, found: Stability, system: str) -> str:
+    """A sentence on speeds at none of which a hose becomes unstable."""
+    from tautline.scene.values.printed import in_words, shown
+
+    words = "unstable" if way.grows.all() else "unstable in part" if way.grows.any() else "stable"
+    words = words if found.eigenvalues.size else "nothing can move"
+    first, last = way.speed[0], way.speed[-1]
+    span = f"from {first:g} to {last:g} m/s" if first != last else f"at {shown(float(first), 'm/s', system)}"
+    fine = way.sign * found.fine_up_to
+    if not found.eigenvalues.size or abs(way.fastest) <= abs(fine):
+        text = f"{words} {span}"
+    elif way.grows.any():
+        text = f"{words} {span}, by elements that are too coarse for these speeds"
+    elif abs(way.slowest) >= abs(fine):
+        text = f"the elements are too coarse to tell whether the hose is stable {span}"
+    else:
+        text = (
+            f"stable from {way.slowest:g} to {fine:.4g} m/s. Beyond, up to {way.fastest:g} m/s, the elements are too "
+            "coarse to tell"
+        )
+    return in_words(text, system) if first != last else text
+
+
+def _hint_below(way: Way, speed_in_words: Callable[..., str]) -> None:
     """Say how to find a critical speed that lies below all speeds looked at."""
     from tautline.cli.output.console import say
 
-    speed, grows = min(zip(found.speed.tolist(), found.grows.tolist(), strict=True), key=lambda pair: abs(pair[0]))
-    if grows and speed != 0.0:
+    if way.grows[abs(way.speed).argmin()] and way.slowest != 0.0:
         say(
-            f"the critical speed lies below {speed_in_words(abs(speed))}. Leave out --speed to search from 0, "
+            f"the critical speed lies below {speed_in_words(abs(way.slowest))}. Leave out --speed to search from 0, "
             "or give lower speeds",
             "yellow",
         )
 
 
-def _has_windows(found: Stability) -> bool:
+def _has_windows(way: Way) -> bool:
     """Whether a hose that has become unstable is stable once more at a higher speed."""
-    slowest = float(min(found.speed, key=abs))
-    return any(one.end is not None and one.begin != slowest for one in found.windows) or len(found.windows) > 2
+    return any(one.end is not None and one.begin != way.slowest for one in way.windows) or len(way.windows) > 2
 
 
-def _sentences_on_windows(found: Stability, speed_in_words: Callable[..., str]) -> list[str]:
+def _sentences_on_windows(way: Way, resolution: float | None, speed_in_words: Callable[..., str]) -> list[str]:
     """Sentences: between which speeds a hose is unstable, and how narrow a window may be missed."""
     parts = [
         f"from {speed_in_words(one.begin, 6)}" + (f" to {speed_in_words(one.end, 6)}" if one.end is not None else " on")
-        for one in found.windows
+        for one in way.windows
     ]
     lines = [f"it is unstable in windows of speed: {', '.join(parts)}. Between the windows it is stable"]
-    if found.resolution is not None:
-        lines.append(f"a window narrower than {speed_in_words(found.resolution, 2)} may be missed")
+    if resolution is not None:
+        lines.append(f"a window narrower than {speed_in_words(resolution, 2)} may be missed")
     return lines
+
+
+def _windows_in_json(windows: Sequence[Window]) -> list[dict[str, float | None]]:
+    return [{"from": one.begin, "to": one.end} for one in windows]
+
+
+def _way_in_json(way: Way) -> dict[str, Any]:
+    """What is told of one way of flow, with the names that the whole report has."""
+    first = way.critical[0]._asdict() if way.critical else dict.fromkeys(("speed", "frequency", "plane", "kind"))
+    return {
+        "direction": way.direction,
+        "critical_speed": first["speed"],
+        "critical_frequency": first["frequency"],
+        "plane": first["plane"],
+        "kind": first["kind"],
+        "stable_from": way.stable_from,
+        "windows": _windows_in_json(way.windows),
+    }
 
 
 def _flow_direction(found: Stability) -> str:
     """Which way the water flows at the speeds looked at."""
-    first, last = found.speed[0], found.speed[-1]
-    return "tip to root" if last <= 0.0 and first < 0.0 else "root to tip" if first >= 0.0 else "both"
+    return "both" if len(found.ways) > 1 else found.ways[0].direction
 
 
 def _of_speeds(hose: HoseScene, found: Stability, speeds: list[float] | None) -> list[SceneWarning]:
     """Say where elements or stiffness are little for the speed that was found, or for the fastest asked for."""
-    from gardenhose.warnings import mesh_at, momentum_at, short_waves_at
+    from gardenhose.warnings import aspiration_at, mesh_at, momentum_at, short_waves_at
 
     # Speeds that were not asked for go past the first instability: only where there is none do they count.
     looked_at = speeds if speeds is not None else [] if found.critical else found.speed.tolist()
     all_of_them = [*(one.speed for one in found.critical), *looked_at]
-    return [*momentum_at(hose, all_of_them), *mesh_at(hose, all_of_them), *short_waves_at(hose, found.speed.tolist())]
+    return [
+        *momentum_at(hose, all_of_them),
+        *mesh_at(hose, all_of_them),
+        *short_waves_at(hose, found.speed.tolist()),
+        *aspiration_at(hose, found.speed.tolist()),
+    ]
 
 
 def _between(found: Stability, speeds: list[float] | None, system: str) -> list[SceneWarning]:
@@ -417,8 +480,10 @@ def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
     title = f"{hose.title or path.stem}: stability"
     drawn = found.curves or found
     more = {} if found.curves is None else {"sure": found.curves.sure, "marks": found.curves.marks}
+    # A window without an end goes on to the fastest speed of its own way of flow.
+    windows = [(one.begin, way.fastest if one.end is None else one.end) for way in found.ways for one in way.windows]
     figure = flutter_figure(
-        drawn.speed, drawn.eigenvalues, drawn.out_of_plane, *marked, title, hose.units, found.windows, **more
+        drawn.speed, drawn.eigenvalues, drawn.out_of_plane, *marked, title, hose.units, windows, **more
     )
     write_figure(figure, path)
 
@@ -458,6 +523,9 @@ def read_flutter(scene: HoseScene, options: Mapping[str, Any]) -> tuple[list[flo
 def flutter_findings(scene: HoseScene, asked: tuple[list[float] | None, int]) -> dict[str, Finding]:
     """Critical speed and frequency, and whether the hose is unstable at none, part or all of the speeds looked at.
 
+    Of speeds of both signs the critical one is the slowest of both ways of flow, with its sign. Whether the hose is
+    unstable is unknown where it is at none, on elements that are too coarse for the fastest.
+
     The first two are None where it is stable, and where it is unstable at all speeds, the slowest of which is not 0.
     """
     from gardenhose.flutter import stability
@@ -471,6 +539,6 @@ def flutter_findings(scene: HoseScene, asked: tuple[list[float] | None, int]) ->
         "kind": Finding(first and first.kind, "", "flutter or divergence"),
         "plane": Finding(first and first.plane, "", "plane of the motion"),
         "unstable_at": Finding(
-            searched_for.unstable_at, "", "at which of the speeds looked at the hose is unstable: none, part, all"
+            searched_for.unstable_at, "", "speeds looked at where the hose is unstable: none, part, all, unknown"
         ),
     }

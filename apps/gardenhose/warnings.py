@@ -8,15 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from gardenhose.estimates import SUPPORTS, Average, average, first_frequency, onset, rk4_limit, speeds, thrust
-from gardenhose.scene import MOST_ELEMENTS, HoseScene
+from gardenhose.estimates import (
+    RADIANS_PER_ELEMENT,
+    SUPPORTS,
+    Average,
+    average,
+    first_frequency,
+    onset,
+    radians,
+    rk4_limit,
+    speeds,
+    thrust,
+)
+from gardenhose.scene import MOST_ELEMENTS, HoseScene, Water
 from tautline.scene.errors import SceneWarning
 from tautline.scene.solver import step_taken
 from tautline.scene.values.printed import significant
 
-RADIANS_PER_ELEMENT = 2.0
-"""Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
-half a per cent or more (cubic elements against four times as many, beta 0.2 to 0.8, u to 17)."""
 LAYERS_PER_ELEMENT = 1.5
 """Length of an element over that in which a clamp's direction gives way to the hanging hose's, sqrt(EJ / tension)."""
 SOFTENED = 0.2
@@ -48,7 +56,7 @@ def warnings(scene: HoseScene) -> list[SceneWarning]:
     """Warnings of a scene, each with its cause and a cure."""
     speed = speeds(scene)
     hose = average(scene, float(np.abs(speed).max()))
-    # Statics and flutter look at speeds of their own: `momentum_at` and `mesh_at` warn of these.
+    # Statics and flutter look at speeds of their own: `momentum_at`, `mesh_at` and `aspiration_at` warn of these.
     of_a_run = (
         [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed)],
         list(_rest(scene)),
@@ -153,18 +161,26 @@ def momentum_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarning]
     return [SceneWarning(where, text) for where, text in _momentum(scene, np.array(speeds, float))]
 
 
+def aspiration_at(scene: HoseScene, speeds_asked: Sequence[float]) -> list[SceneWarning]:
+    """Warnings of water that is drawn in at the tip at some speeds asked for, m/s, and is not as the scene has it."""
+    if scene.water is None or scene.hose.end != "free" or float(speeds(scene).min()) < 0.0:
+        return []
+    found = _aspiration(scene.water, min(speeds_asked, default=0.0))
+    return [SceneWarning("--speed" if where == "water.speed" else where, text) for where, text in found]
+
+
 def _waves(scene: HoseScene, fastest: float) -> Sentences:
     """Elements too long for the waves in which the flow bends the hose."""
     pieces = scene.hose.pieces
     if any(piece.bending_stiffness == 0.0 for piece in pieces):
         return
-    radians = [math.sqrt(thrust(scene, p, fastest) / p.bending_stiffness) * p.length for p in pieces]
-    i = max(range(len(pieces)), key=lambda i: radians[i] / pieces[i].elements)
-    if radians[i] > RADIANS_PER_ELEMENT * pieces[i].elements:
+    phases = [radians(scene, piece, fastest) for piece in pieces]
+    i = max(range(len(pieces)), key=lambda i: phases[i] / pieces[i].elements)
+    if phases[i] > RADIANS_PER_ELEMENT * pieces[i].elements:
         text = (
             f"{pieces[i].elements} are coarse at {fastest:.3g} m/s. The flow bends the hose in waves of "
-            f"{2.0 * math.pi * pieces[i].length / radians[i]:.2g} m, {significant(radians[i] / pieces[i].elements, 2)} "
-            f"rad to an element. Take {_elements(1.5 * radians[i] / RADIANS_PER_ELEMENT)}"
+            f"{2.0 * math.pi * pieces[i].length / phases[i]:.2g} m, {significant(phases[i] / pieces[i].elements, 2)} "
+            f"rad to an element. Take {_elements(1.5 * phases[i] / RADIANS_PER_ELEMENT)}"
         )
         yield _at(scene, i, "elements"), text
 
@@ -216,7 +232,17 @@ def _ends(scene: HoseScene, speed: np.ndarray) -> Sentences:
         yield "hose.tip_mass", f"has no effect: the tip is {hose.end}. Remove it, or let the end be free"
     if water is None or hose.end != "free":
         return
-    slowest = float(speed.min())
+    yield from _aspiration(water, float(speed.min()))
+    if water.outlet < 1.0:
+        text = (
+            f"{water.outlet:g}: the jet is slower than the water in the hose, as after a diffuser. The flow may "
+            "separate and keep its speed. Give 1 for a plain end, or more for a nozzle"
+        )
+        yield "water.outlet", text
+
+
+def _aspiration(water: Water, slowest: float) -> Sentences:
+    """Water that is drawn in at a free tip."""
     if slowest < 0.0:
         text = (
             f"goes down to {slowest:.3g} m/s: water is drawn in at the tip. The model lets it enter along the tip's "
@@ -228,12 +254,6 @@ def _ends(scene: HoseScene, speed: np.ndarray) -> Sentences:
         if water.outlet != 1.0:
             text = "acts on water that leaves, and some is drawn in. What a nozzle does there is unknown. Set it to 1"
             yield "water.outlet", text
-    if water.outlet < 1.0:
-        text = (
-            f"{water.outlet:g}: the jet is slower than the water in the hose, as after a diffuser. The flow may "
-            "separate and keep its speed. Give 1 for a plain end, or more for a nozzle"
-        )
-        yield "water.outlet", text
 
 
 def _rest(scene: HoseScene) -> Sentences:
@@ -242,12 +262,16 @@ def _rest(scene: HoseScene) -> Sentences:
     if any(_across(vector, direction) > 0.0 for vector in (scene.gravity, scene.disturbance)):
         return
     why = "acts along the hose" if any(scene.gravity) else "is zero"
+    moves = "Nothing starts it moving sideways"
+    if scene.start != "straight":
+        moves = (
+            f"`start: {scene.start}` begins in a bent shape where the straight one does not stand and a bent one does. "
+            "Otherwise nothing starts it moving sideways"
+        )
     cure = "Give `disturbance`, such as a hundredth of a metre a second across the hose"
     if scene.hose.end != "free":
         cure = "Let a little of gravity act across the hose, such as a thousandth of it"
-    text = (
-        f"gravity {why}. The straight hose is in equilibrium, stable or not. Nothing starts it moving sideways. {cure}"
-    )
+    text = f"gravity {why}. The straight hose is in equilibrium, stable or not. {moves}. {cure}"
     yield "disturbance" if scene.hose.end == "free" else "gravity", text
 
 

@@ -605,10 +605,13 @@ class Run:
             found.append(f"{share} of the energy is unaccounted for: take a smaller step and compare")
         steps = 2.0 * math.pi / (omega * step) if omega * step > 0.0 else math.inf
         if steps < STEPS_PER_PERIOD:
+            # A coarse mesh may make its own fastest motions grow, which no step mends.
+            mesh = "element" in self.model.coordinates
+            fine = ". Compare with more elements too: so fast a motion may be that of single elements" if mesh else ""
             found.append(
                 f"the motion oscillates at about {omega / (2.0 * math.pi):.3g} Hz. A step of {step:.3g} s gives "
                 f"{steps:.2g} steps per period, and {STEPS_PER_PERIOD:g} are needed to follow it: take a step of "
-                f"{2.0 * math.pi / (STEPS_PER_PERIOD * omega):.2g} s and compare"
+                f"{2.0 * math.pi / (STEPS_PER_PERIOD * omega):.2g} s and compare{fine}"
             )
         elif lag > LATE:
             found.append(

@@ -120,6 +120,8 @@ FLUTTER_KEYS |= {
     "resolution",
     "unstable_at",
     "doubtful",
+    "ways",
+    "fine_up_to",
 }
 
 

@@ -3,6 +3,9 @@
 A. G. Greenhill, Proc. Camb. Phil. Soc. 4, 1881: an upright clamped column buckles at q L^3 / EJ = 7.837.
 """
 
+import math
+
+import numpy as np
 import pytest
 from physics.pipes.hoses import UNIFORM, WATER, scene
 
@@ -56,6 +59,24 @@ def test_the_run_of_a_hose_that_falls_from_its_start_says_so():
 
 def test_a_hose_that_begins_as_drawn_or_relaxed_is_not_said_to_begin_at_rest():
     assert not build(upright(2.0, "straight")).remarks(None) and not build(upright(2.0, "relaxed")).remarks(None)
+
+
+@pytest.mark.parametrize("start", ["static", "relaxed"])
+def test_a_straight_pipe_that_the_flow_bends_is_not_said_to_stay_straight_where_it_begins_at_rest(start):
+    """Clamped at both ends beyond u = 2 pi: EA (pi a / 2 L)^2 = M U^2 - (2 pi)^2 EJ / L^2 gives its sag a."""
+    made = scene(
+        {"length": 1.0, "elements": 8, "axial_stiffness": 1e6, "bending_stiffness": 1.0, "damping": 0.0,
+         "mass_per_length": 0.5, "root_support": "clamped", "end": "clamped"},
+        {"mass_per_length": 0.5, "speed": 10.0}, gravity=[0, 0, 0], start=start,
+    )  # fmt: skip
+    exact = 2.0 / math.pi * math.sqrt((0.5 * 10.0**2 - 4.0 * math.pi**2) / 1e6)
+    model = made.replace({"solver.end": 0.01, "output.interval": 0.01, "solver.step": 1e-3})
+    first = np.asarray(simulate(build(model))["position"])[0]
+    assert np.hypot(first[:, 1], first[:, 2]).max() == pytest.approx(exact, rel=0.01)
+    (text,) = (one.text for one in warnings(made) if one.where == "gravity")
+    assert f"`start: {start}` begins in a bent shape where the straight one does not stand" in text
+    drawn = made.replace({"start": "straight"})
+    assert any("Nothing starts it moving sideways" in one.text for one in warnings(drawn)) and "Nothing" not in text
 
 
 def test_a_pipe_that_flutters_about_its_shape_at_rest_is_not_said_to_leave_it():
