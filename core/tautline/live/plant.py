@@ -196,8 +196,9 @@ class _Linearisation:
         self.n = self.system.size
         self.functions = functions
         self.a = self.b = np.zeros((0, 0))
-        self.integrals = self._integrals()
-        self.summing = link(tuple(g for g in self.system.groups if type(g) in INTEGRALS), "commit")
+        listed = self._integrals()
+        self.integrals = [one for _, integrals in listed for one in integrals]
+        self.summing = link(tuple(g for g, integrals in listed if integrals), "commit")
 
         self.held_still = tuple(filter(None, (MEMORY[type(g)](g) for g in self.system.groups if type(g) in MEMORY)))
         for thing in self.held_still:
@@ -224,13 +225,13 @@ class _Linearisation:
         evaluate_full(self.groups, self.extended, self.state, self.t, cm, cc, ck, matrix, residual)
         return dense(matrix)[: self.n]
 
-    def _integrals(self) -> list[Integral]:
-        """Those that forces follow as the state is now: an input may have been set since the last step."""
+    def _integrals(self) -> list[tuple[Any, list[Integral]]]:
+        """Groups, and those that forces follow as the state is now: an input may have been set since the last step."""
         memory = self.sim.parts.memory
         noted = memory.read()
         self._residual()
         settle(self.laws, self.state, self.t, 0.0)
-        found = [one for g in self.system.groups if type(g) in INTEGRALS for one in INTEGRALS[type(g)](g)]
+        found = [(g, INTEGRALS[type(g)](g)) for g in self.system.groups if type(g) in INTEGRALS]
         memory.write(noted)
         return found
 
