@@ -103,3 +103,20 @@ def test_a_linear_model_leaves_the_integral_of_the_run_as_it_was():
     assert drums.sum[0] != 0.0
     sim.linearise(["w.tension"], ["w.torque"])
     assert np.array_equal(sim.save().block, before)
+
+
+@pytest.mark.parametrize("asked", [["w.tension"], ["d.pay_out_speed"]], ids=["set value", "speed of another winch"])
+def test_the_integral_grows_by_what_the_tension_lacks_with_the_mass_of_the_rope_in_it(asked):
+    """Of a rope of mass the tension at the drum feels accelerations: the plant's own output says how much."""
+    made = scene(0.3, tension="20 kN")
+    made["rope"]["mass_per_length"], made["mesh"]["elements_per_span"] = 5.0, 2
+    other = {"name": "d", "center": [20, 0, 0], "radius": 0.4, "axis": [0, 1, 0], "wrap": "over", "pay_out": 0}
+    made["path"][2] = {"drum": other}
+    del made["bodies"]
+    sim = tautline.Simulation(made, keep=False)
+    sim.advance(1.0)
+    plant = sim.linearise(asked, ["w.tension"])
+    row = plant.states.index(SUM)
+    assert np.allclose(plant.A[row], -plant.C[0], rtol=1e-5, atol=1e-7 * np.abs(plant.C).max())
+    lacks = float(asked == ["w.tension"]) - plant.D[0, 0]
+    assert plant.B[row, 0] == pytest.approx(lacks, abs=1e-6 * max(1.0, np.abs(plant.D).max()))
