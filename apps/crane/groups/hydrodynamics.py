@@ -13,7 +13,8 @@ the part under water. Nothing of that is along r' and so none of it moves rope p
 - Drag, Morison's: 0.5 rho Cd d |n| n per metre, n = (1 - e e^T) r.; |n| is rounded within 1 mm/s of rest.
 - Added mass, m = rho Ca A per metre: the water across the rope is pushed at n and resists with
   m (1 - e e^T)(r.. - 2 (e.r.) e.). The second term takes away what r.. has of rope, or of stations, that move along
-  a line which turns: the water does not notice them. Its kinetic energy m n^2 / 2 is counted.
+  a line which turns: the water does not notice them. Morison's own term has m (1 - e e^T) r.. alone, as most other
+  programs do. The kinetic energy m n^2 / 2 is counted.
 
 Left out of added mass: the momentum of water that rope takes up as it comes in (slamming), the force along z that
 comes with it, and what water in motion carries from element to element at kinks, and away at the ends. What these

@@ -8,7 +8,7 @@ import numpy as np
 
 from crane.groups.span import FIRST, LAST, MATERIAL, STRAIN_ENERGY, STRETCH, STRETCH_RATE, add_by_tension
 from tautline.kernels.dofs import add_entry
-from tautline.kernels.groups import DRUM_FULL, RUN_OUT, register
+from tautline.kernels.groups import DRUM_FULL, RUN_OUT, Integral, register
 from tautline.kernels.jit import kernel
 from tautline.kernels.time_function import TimeFunctions, evaluate
 
@@ -252,10 +252,19 @@ def _drum_record(g, out, at):
         at[0] += 1
 
 
+def _integrals(g: Drums) -> list[Integral]:
+    """Those that a torque within its limit follows."""
+    rows = g.rows
+    follow = (rows["holds"] == 1) & (rows["integral"] > 0.0) & (np.abs(g.torque) < rows["limit"])
+    text = "integral of the missing tension"
+    return [Integral(g.sum, int(n), int(rows["p"][n]), text) for n in np.flatnonzero(follow)]
+
+
 register(
     Drums, residual=_drum_residual, mass=_drum_mass, tangent=_drum_tangent, energy=_drum_energy,
     supply=_drum_supply, commit=_drum_commit, record=_drum_record,
     feels=lambda drums: bool(drums.rows["holds"].any()),  # the tension at a drum has what accelerates the rope in it
+    integrals=_integrals,
 )  # fmt: skip
 
 

@@ -93,6 +93,7 @@ def build(scene: CraneScene) -> Model:
         figure_units=layout.once(f"figure units, {bool(scene.rope.diameter)}", lambda: figure_units(scene)),
         nothing=NOTHING,
         longer_steps_tell=True,
+        blow="max_snap",
         start="static" if scene.start == "static" else "as given",
         step_limit=0.3 * float(layout.path.chords.min()),
         own=observer.own,

@@ -56,6 +56,6 @@ def evaluate_mass(groups, dofs, functions, state, matrix, t, q):
 
 
 @entry
-def settle(groups, state, t):
-    """Have the laws take note of the state as it is, as at the end of a step of no length."""
-    over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
+def settle(groups, state, t, h):
+    """Have the laws take note of the state as it is, as at the end of a step of h s in which nothing has moved."""
+    over.commit(groups, t, h, state.full_q, state.full_v, state.full_a)

@@ -109,6 +109,33 @@ Keeper = Callable[[Any], str]
 """What says of a group what moves on with a run and is no unknown."""
 MEMORY: dict[type, Keeper] = {}
 """Kinds that may have such a thing."""
+
+
+class Integral(NamedTuple):
+    """A number of a group that is no unknown and that a step of h s adds h times a rate to, which is of the step's end.
+
+    Attributes
+    ----------
+    array : float (n,)
+        Of the group.
+    at : int
+        Where in it.
+    place : int
+        Full place of a degree of freedom of what it belongs to.
+    text : str
+        What it is.
+    """
+
+    array: np.ndarray
+    at: int
+    place: int
+    text: str
+
+
+Integrals = Callable[[Any], list[Integral]]
+"""What lists those of a group that its forces follow."""
+INTEGRALS: dict[type, Integrals] = {}
+"""Kinds that may have some."""
 Hold = Callable[[Any], None]
 """What has a law of a group stay as the last accepted step left it."""
 HOLDS: dict[type, Hold] = {}
@@ -159,6 +186,7 @@ def register(
     memory: Keeper | None = None,
     feels: Feels | None = None,
     hold: Hold | None = None,
+    integrals: Integrals | None = None,
     **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
@@ -180,6 +208,8 @@ def register(
     hold : callable or None
         Takes a group whose system is only looked at from now on and never stepped, and has what slips slip on and what
         sticks stick: the law of a step may take what has just slipped for stuck. None where the hooks say that anyway.
+    integrals : callable or None
+        Takes a group, and lists the integrals over time that its forces follow, such as that of a controller.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -206,6 +236,9 @@ def register(
     ACCELERATION_DEPENDENT.pop(kind, None)
     if feels is not None:
         ACCELERATION_DEPENDENT[kind] = feels
+    INTEGRALS.pop(kind, None)
+    if integrals is not None:
+        INTEGRALS[kind] = integrals
     HOLDS.pop(kind, None)
     if hold is not None:
         HOLDS[kind] = hold

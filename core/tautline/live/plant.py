@@ -3,10 +3,11 @@
 Positions of what is free and of what is tied to it follow from coordinates y in which the constraints hold,
 dq = Z y + P h, with h the prescribed degrees of freedom. The tangents give
 
-    My y.. + Cy y. + Ky y + N2 u.. + N1 u. + N0 u = 0.
+    My y.. + Cy y. + Ky y + S s + N2 u.. + N1 u. + N0 u = 0,   s. = G0 y + G1 y. + G2 y.. + Gs s + R2 u.. + R1 u. + R0 u
 
-Derivatives of an input are taken out of the right-hand side by shifted states, x1 = y + b2 u and x2 = y. + b2 u. + b1 u
-with b2 = My^-1 N2 and b1 = My^-1 (N1 - Cy b2); where the input is a speed w = u., u is a state, and only b2 is needed.
+with s the integrals over time that forces follow, such as that of a controller: X. = F X + H2 u.. + H1 u. + H0 u for
+X = (y, y., s). Derivatives of an input are taken out of the right-hand side by shifted states, X = x + c1 u + c2 u.
+with c2 = H2 and c1 = H1 + F H2; where the input is a speed w = u., u is a state, and X = x + c2 w.
 Motions of a vessel or boom move the points that ride on them by their products, which are differentiated by complex
 steps, to rounding (W. Squire and G. Trapp, SIAM Review 40, 1998).
 """
@@ -14,7 +15,7 @@ steps, to rounding (W. Squire and G. Trapp, SIAM Review 40, 1998).
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -25,7 +26,7 @@ from scipy.sparse import csr_array
 from tautline.integrators.equations import SUMS, evaluate_full, settle
 from tautline.integrators.time_loop import record_now
 from tautline.kernels.dofs import HELD, TIED, Dofs
-from tautline.kernels.groups import MEMORY, hold_laws, link
+from tautline.kernels.groups import INTEGRALS, MEMORY, Integral, hold_laws, link
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
@@ -137,10 +138,21 @@ def _frequencies(given: Any) -> np.ndarray:
 
 
 class _Drive(NamedTuple):
-    """What an input does: changes of h, h. and h.. by u, u. and u.. (3, 3, held), and of the residual itself (n,)."""
+    """What an input does: changes of h, h. and h.. by u, u. and u.. (3, 3, held), and of the residual itself and of the
+    rates of integrals (3, n + integrals)."""
 
     held: np.ndarray
     direct: np.ndarray
+
+
+class _Change(NamedTuple):
+    """Changes of full q, v and a, of the integrals, and of functions and their two rates (3, inputs)."""
+
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    integrals: np.ndarray
+    functions: np.ndarray
 
 
 def linearise(sim: Any, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
@@ -184,6 +196,9 @@ class _Linearisation:
         self.n = self.system.size
         self.functions = functions
         self.a = self.b = np.zeros((0, 0))
+        listed = self._integrals()
+        self.integrals = [one for _, integrals in listed for one in integrals]
+        self.summing = link(tuple(g for g, integrals in listed if integrals), "commit")
 
         self.held_still = tuple(filter(None, (MEMORY[type(g)](g) for g in self.system.groups if type(g) in MEMORY)))
         for thing in self.held_still:
@@ -209,6 +224,26 @@ class _Linearisation:
         residual = np.zeros(self.n + m)
         evaluate_full(self.groups, self.extended, self.state, self.t, cm, cc, ck, matrix, residual)
         return dense(matrix)[: self.n]
+
+    def _integrals(self) -> list[tuple[Any, list[Integral]]]:
+        """Groups, and those that forces follow as the state is now: an input may have been set since the last step."""
+        memory = self.sim.parts.memory
+        noted = memory.read()
+        self._residual()
+        settle(self.laws, self.state, self.t, 0.0)
+        found = [(g, INTEGRALS[type(g)](g)) for g in self.system.groups if type(g) in INTEGRALS]
+        memory.write(noted)
+        return found
+
+    def _answer(self) -> np.ndarray:
+        """Residual and the rates of the integrals (n + integrals,) at the full vectors as they are."""
+        residual = self._residual()
+        before = [one.array.copy() for one in self.integrals]
+        settle(self.summing, self.state, self.t, 1.0)
+        rates = [one.array[one.at] - was[one.at] for one, was in zip(self.integrals, before, strict=True)]
+        for one, was in zip(self.integrals, before, strict=True):
+            one.array[:] = was
+        return np.concatenate((residual, rates))
 
     def _residual(self) -> np.ndarray:
         residual, none = np.zeros(self.n), new_matrix(0, 0)
@@ -243,34 +278,69 @@ class _Linearisation:
         return np.stack([derivative.imag / COMPLEX_STEP for derivative in placed])
 
     def _direct(self, one: Input, held: np.ndarray) -> np.ndarray:
-        """Changes of the residual by u, u. and u.. while the unknowns stay, (3, n), by differences of fourth order.
+        """Changes of the answer by u, u. and u.. while the unknowns stay, (3, n + integrals), by differences.
 
         The groups' own tangents know nothing of what is held: how the wheels of a boom turn with it, for one.
         """
-        found, state = np.zeros((3, self.n)), self.state
+        found, still = [], np.zeros(self.n)
         at = [(s, f, sample_all(self.functions, [f], np.array([self.t]))[0, 0]) for s, f in one.members]
-        vectors = state.full_q, state.full_v, state.full_a
-        kept = [array.copy() for array in (*vectors, state.residual)]
-        still = np.zeros(self.n)
         for order in range(3):
             moved = [self._full(still, held[d, order]) for d in range(3)]
             largest = max(float(np.abs(each).max(initial=0.0)) for each in moved)
             # A force or a set value stands in the equations once: any step will do.
             step = SMALL / largest if largest > 0.0 else 1.0e-3 * max(1.0, *(abs(f[order]) for _, _, f in at))
-            for times, weight in STENCIL:
-                for sign in (1.0, -1.0):
-                    h = sign * times * step
-                    for array, before, change in zip(vectors, kept, moved, strict=False):
-                        array[:] = before + h * change
-                    for steering, function, f in at:
-                        changed = f.copy()
-                        changed[order] += h * steering.factor
-                        self.sim.inputs.hold(function, self.t, changed)
-                    found[order] += sign * weight / step * self._residual()
-        for array, before in zip((*vectors, state.residual), kept, strict=True):
-            array[:] = before
+
+            def steer(h: float, order: int = order) -> None:
+                for steering, function, f in at:
+                    changed = f.copy()
+                    changed[order] += h * steering.factor
+                    self.sim.inputs.hold(function, self.t, changed)
+
+            found.append(self._slope(moved, step, steer))
         for _, function, f in at:
             self.sim.inputs.hold(function, self.t, f)
+        return np.array(found)
+
+    def _slope(self, moved: Sequence[np.ndarray], step: float, besides: Callable[[float], None]) -> np.ndarray:
+        """Derivative of the answer along changes of full q, v and a and of what else changes, of fourth order."""
+        state = self.state
+        vectors = state.full_q, state.full_v, state.full_a
+        kept = [array.copy() for array in (*vectors, state.residual)]
+        found = np.zeros(self.n + len(self.integrals))
+        for times, weight in STENCIL:
+            for sign in (1.0, -1.0):
+                h = sign * times * step
+                for array, before, change in zip(vectors, kept, moved, strict=False):
+                    array[:] = before + h * change
+                besides(h)
+                found += sign * weight / step * self._answer()
+        for array, before in zip((*vectors, state.residual), kept, strict=True):
+            array[:] = before
+        return found
+
+    def _by_integral(self, one: Integral) -> np.ndarray:
+        """How the answer follows an integral (n + integrals,)."""
+        before = float(one.array[one.at])
+
+        def change(h: float) -> None:
+            one.array[one.at] = before + h
+
+        still = np.zeros(self.places.shape[0])
+        found = self._slope([still] * 3, 1.0e-3 * max(1.0, abs(before)), change)
+        change(0.0)
+        return found
+
+    def _rates_by_motion(self) -> np.ndarray:
+        """How the rates of integrals follow the free unknowns, their speeds and accelerations (3, integrals, free)."""
+        found = np.zeros((3, len(self.integrals), self.free.size))
+        if not self.integrals:
+            return found
+        still, held = np.zeros(self.places.shape[0]), np.zeros(len(self.held))
+        for j, moving in enumerate(self.free):
+            full = self._full(np.eye(1, self.n, int(moving))[0], held)
+            for order in range(3):
+                moved = [full if d == order else still for d in range(3)]
+                found[order, :, j] = self._slope(moved, SMALL / np.abs(full).max(), lambda h: None)[self.n :]
         return found
 
     # -- the plant -----------------------------------------------------------------------------------------------------
@@ -278,21 +348,17 @@ class _Linearisation:
     def plant(self) -> Plant:
         """All of it."""
         self._project()
-        speeds = self.speeds
-        count, size = self.count, 2 * self.count + len(speeds)
+        size = self.inner + len(self.speeds)
         a, b = np.zeros((size, size)), np.zeros((size, len(self.inputs)))
-        first, second = slice(0, count), slice(count, 2 * count)
-        a[first, second] = np.eye(count)
-        a[second, first], a[second, second] = -self.stiff, -self.damped
-        for i, (n0, n1, n2) in enumerate(self.forces):
-            if i in speeds:
-                own = 2 * count + speeds.index(i)
-                a[second, own], b[own, i] = -n0, 1.0
-                b[first, i], b[second, i] = -n2, self.damped @ n2 - n1
+        x = slice(0, self.inner)
+        a[x, x] = self.first_order
+        for i, ((h0, h1, _), (c1, c2)) in enumerate(zip(self.driven, self.shifts, strict=True)):
+            if i in self.speeds:
+                own = self.inner + self.speeds.index(i)
+                a[x, own], b[own, i] = h0, 1.0
+                b[x, i] = h1 + self.first_order @ c2
             else:
-                b1 = self.shifts[i][1]
-                b[first, i] = -b1
-                b[second, i] = self.damped @ b1 + self.stiff @ n2 - n0
+                b[x, i] = h0 + self.first_order @ c1
         self.a, self.b = a, b
         c, d, e = self._read()
         units = {name: one.steering.unit for name, one in zip(self.names, self.inputs, strict=True)}
@@ -310,28 +376,40 @@ class _Linearisation:
         m, c, k = (z.T @ part[np.ix_(free, free)] @ z for part in (mass, damping, stiffness))
         # What a prescribed degree of freedom moves with it by the constraints.
         carried = [z.T @ part[np.ix_(free, free)] @ p for part in (stiffness, damping, mass)]
-        self.stiff, self.damped = np.linalg.solve(m, k), np.linalg.solve(m, c)
+        rates = self._rates_by_motion()
+        by = np.array([self._by_integral(one) for one in self.integrals]).reshape(-1, n + len(self.integrals)).T
+        forces = np.hstack((k, c, z.T @ by[free]))
+        count, self.inner = self.count, 2 * self.count + len(self.integrals)
+        follow = np.hstack((rates[0] @ z, rates[1] @ z, by[n:]))
+        self.first_order = self._explicit(m, forces, rates[2] @ z, follow)
+        self.first_order[:count, count : 2 * count] = np.eye(count)
         self.drives = [self._drive(one) for one in self.inputs]
-        self.forces: list[list[np.ndarray]] = []
+        # (inputs, order, states): what u, u. and u.. add to the rates of the states.
+        self.driven = []
         for drive in self.drives:
-            orders = []
-            for order in range(3):
-                force = z.T @ drive.direct[order][free]
-                # K multiplies h, C its rate and M its second rate.
-                force = force + sum(carried[d] @ drive.held[d, order] for d in range(3))
-                orders.append(np.linalg.solve(m, force))
-            self.forces.append(orders)
+            # K multiplies h, C its rate and M its second rate.
+            held = [sum(carried[d] @ drive.held[d, order] for d in range(3)) for order in range(3)]
+            also = [sum(rates[d] @ p @ drive.held[d, order] for d in range(3)) for order in range(3)]
+            force = np.array([z.T @ drive.direct[o][free] + held[o] for o in range(3)]).T
+            rate = np.array([drive.direct[o][n:] + also[o] for o in range(3)]).T
+            self.driven.append(self._explicit(m, force, rates[2] @ z, rate).T)
         self.speeds = [i for i, one in enumerate(self.inputs) if one.steering.order == 1]
         self.shifts = [
-            (n2, np.zeros(self.count) if i in self.speeds else n1 - self.damped @ n2)
-            for i, (_, n1, n2) in enumerate(self.forces)
+            (h1 if i in self.speeds else h1 + self.first_order @ h2, h2) for i, (_, h1, h2) in enumerate(self.driven)
         ]
+
+    def _explicit(self, mass: np.ndarray, forces: np.ndarray, felt: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Rates of the states (y, y., s) by columns of forces and of rates of integrals, which may feel y.. too."""
+        accelerations = -np.linalg.solve(mass, forces)
+        return np.vstack((np.zeros_like(accelerations), accelerations, rates + felt @ accelerations))
 
     def _state_names(self) -> tuple[str, ...]:
         whole = self.count == self.free.size
         names = [self.system.names[self.free[i]] if whole else f"coordinate {i + 1}" for i in range(self.count)]
         values = [self.names[i].removesuffix("_speed") for i in self.speeds]
-        return (*names, *(f"d/dt {name}" for name in names), *values)
+        owners = [self.system.places[one.place].partition(":")[0] for one in self.integrals]
+        sums = [f"{owner}: {one.text}" for owner, one in zip(owners, self.integrals, strict=True)]
+        return (*names, *(f"d/dt {name}" for name in names), *sums, *values)
 
     # -- the outputs ---------------------------------------------------------------------------------------------------
 
@@ -339,9 +417,9 @@ class _Linearisation:
         """C, D and E: derivatives of the outputs along every state, every input and the rate of every input."""
         states, inputs = np.eye(len(self.a)), np.eye(len(self.inputs))
         nothing = np.zeros(len(self.a)), np.zeros(len(self.inputs)), np.zeros(len(self.inputs))
-        c = [self._along(*self._motion(x, *nothing[1:])) for x in states]
-        d = [self._along(*self._motion(nothing[0], u, nothing[2])) for u in inputs]
-        e = [self._along(*self._motion(*nothing[:2], rate)) for rate in inputs]
+        c = [self._along(self._motion(x, *nothing[1:])) for x in states]
+        d = [self._along(self._motion(nothing[0], u, nothing[2])) for u in inputs]
+        e = [self._along(self._motion(*nothing[:2], rate)) for rate in inputs]
         count = sum(int(np.prod(one.shape, dtype=int)) for one in self.outputs)
         read = [np.array(rows).reshape(len(rows), count).T for rows in (c, d, e)]
         self._refuse_rates(*read)
@@ -370,24 +448,20 @@ class _Linearisation:
                 return other
         return "an output that is a position"
 
-    def _motion(
-        self, x: np.ndarray, u: np.ndarray, rate: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Changes of full q, v and a that states, inputs and their rates stand for; and of functions (3, inputs)."""
-        count, change = self.count, self.a @ x + self.b @ u
-        values = np.zeros((3, u.size))
-        y, y_d, y_dd = x[:count].copy(), x[count : 2 * count].copy(), change[count : 2 * count].copy()
-        for i, (b2, b1) in enumerate(self.shifts):
+    def _motion(self, x: np.ndarray, u: np.ndarray, rate: np.ndarray) -> _Change:
+        """What states, inputs and their rates stand for."""
+        count, values = self.count, np.zeros((3, u.size))
+        now, later = x[: self.inner].copy(), (self.a @ x + self.b @ u)[: self.inner]
+        for i, (c1, c2) in enumerate(self.shifts):
             if i in self.speeds:
-                values[:, i] = x[2 * count + self.speeds.index(i)], u[i], rate[i]
-                # The first states are y itself; the second ones are y. + b2 u., of which u. is the input.
-                y_d -= b2 * values[1, i]
-                y_dd -= b2 * values[2, i]
+                values[:, i] = x[self.inner + self.speeds.index(i)], u[i], rate[i]
+                now += c2 * u[i]
+                later += c2 * rate[i]
             else:
                 values[:2, i] = u[i], rate[i]
-                y -= b2 * values[0, i]
-                y_d -= b1 * values[0, i] + b2 * values[1, i]
-                y_dd -= b1 * values[1, i]
+                now += c1 * u[i] + c2 * rate[i]
+                later += c1 * rate[i]
+        y, y_d, y_dd = now[:count], now[count : 2 * count], later[count : 2 * count]
         held = sum((np.einsum("doh,o->dh", drive.held, values[:, i]) for i, drive in enumerate(self.drives)),
                    np.zeros((3, len(self.held))))  # fmt: skip
         found = []
@@ -395,33 +469,33 @@ class _Linearisation:
             reduced = np.zeros(self.n)
             reduced[self.free] = self.z @ motion + self.p @ moved
             found.append(self._full(reduced, moved))
-        return found[0], found[1], found[2], values
+        return _Change(found[0], found[1], found[2], now[2 * count :], values)
 
     def _full(self, reduced: np.ndarray, moved: np.ndarray) -> np.ndarray:
         """Full vector of a change of the unknowns and of what is held."""
         full: np.ndarray = self.places @ np.concatenate((reduced, moved))
         return full
 
-    def _along(self, dq: np.ndarray, dv: np.ndarray, da: np.ndarray, values: np.ndarray) -> np.ndarray:
+    def _along(self, change: _Change) -> np.ndarray:
         """Derivative of all outputs along a direction: exact of positions and velocities, else by differences."""
         parts = []
         compiled = any(one.places is None for one in self.outputs)
-        differences = self._differences(dq, dv, da, values) if compiled else {}
+        differences = self._differences(change) if compiled else {}
         for one in self.outputs:
             if one.places is not None:
                 vector, places = one.places
-                parts.append(np.ravel((dq if vector == "q" else dv)[places]))
+                parts.append(np.ravel((change.q if vector == "q" else change.v)[places]))
             else:
                 parts.append(np.ravel(differences[one.name]))
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    def _differences(self, dq: np.ndarray, dv: np.ndarray, da: np.ndarray, values: np.ndarray) -> dict[str, np.ndarray]:
+    def _differences(self, change: _Change) -> dict[str, np.ndarray]:
         """Derivatives of the compiled outputs along a direction, by steps that no kink lies in."""
-        largest = max(float(np.abs(dq).max(initial=0.0)), float(np.abs(dv).max(initial=0.0)) / self._rate)
-        largest = largest or float(np.abs(da).max(initial=0.0)) / self._rate**2 or 1.0
+        q, v, a = (float(np.abs(part).max(initial=0.0)) for part in change[:3])
+        largest = max(q, v / self._rate) or a / self._rate**2 or 1.0
         step, least = SMALL / largest, FINEST * SMALL / largest
         while True:
-            (one, size), (two, _) = (self._central(times * step, dq, dv, da, values) for times in (1.0, 2.0))
+            (one, size), (two, _) = (self._central(times * step, change) for times in (1.0, 2.0))
             kinked = any(
                 (np.abs(one[name] - two[name]) > KINK * np.abs(one[name]).max() + ROUNDED * size[name] / step).any()
                 for name in one
@@ -431,9 +505,7 @@ class _Linearisation:
                 return {name: (4.0 * one[name] - two[name]) / 3.0 for name in one}
             step *= FINER
 
-    def _central(
-        self, h: float, dq: np.ndarray, dv: np.ndarray, da: np.ndarray, values: np.ndarray
-    ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+    def _central(self, h: float, change: _Change) -> tuple[dict[str, np.ndarray], dict[str, float]]:
         """Central differences of the compiled outputs along a direction, and how large these are."""
         state = self.state
         _, method, frames, memory, _ = self.sim.parts
@@ -445,15 +517,16 @@ class _Linearisation:
         steered = [(f, s, i) for i, one in enumerate(self.inputs) for s, f in one.members]
         at = {f: sample_all(self.functions, [f], np.array([self.t]))[0, 0] for f, _, _ in steered}
         for sign in (1.0, -1.0):
-            for array, before, change in zip(
-                (state.full_q, state.full_v, state.full_a), kept, (dq, dv, da), strict=False
-            ):
-                array[:] = before + sign * h * change
+            for array, before, part in zip((state.full_q, state.full_v, state.full_a), kept, change[:3], strict=False):
+                array[:] = before + sign * h * part
+            for integral, grown in zip(self.integrals, change.integrals, strict=True):
+                integral.array[integral.at] += sign * h * grown
             for function, steering, i in steered:
-                self.sim.inputs.hold(function, self.t, at[function] + sign * h * steering.factor * values[:, i])
+                moved = sign * h * steering.factor * change.functions[:, i]
+                self.sim.inputs.hold(function, self.t, at[function] + moved)
             self._residual()
             # What a law notes at the end of a step, such as a drive its torque and a contact its force, is of now.
-            settle(self.laws, state, self.t)
+            settle(self.laws, state, self.t, 0.0)
             # The first frame of a run may tell of what was before any motion; a plant is of a state that moves.
             record_now(method, self.system, state, self.t or LATER, frames.rows[0])
             frame = self.sim.model.observe(frames)

@@ -107,6 +107,9 @@ class Model:
         Whether one run with longer steps tells how wrong a run is whose steps are controlled by their errors
         (`tautline.study.trials.step_error`). It was measured for the application, and no friction decides what comes
         of the run.
+    blow : str
+        Name of the figure that is the largest blow of a run, whose error due to the step is told beside those of motion
+        and force: a snap of the rope. Empty where an application has none.
     cause : callable or None
         State, status -> status, place and detail by which a run that stopped is told better; None for what it was.
     at_rest : callable or None
@@ -142,6 +145,7 @@ class Model:
     bounds: Sequence[Any] = ()
     keep: Any = None
     longer_steps_tell: bool = False
+    blow: str = ""
     statistics: Mapping[str, Any] = field(default_factory=dict)
     on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None = None
     remarks: Callable[[Any], list[str]] | None = None

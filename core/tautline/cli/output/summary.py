@@ -223,4 +223,6 @@ def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:
     rows = [("estimated error due to the step", moved)]
     if force is not None:
         rows.append(("", f"{force}, amplitude of {in_words(found['force_place'], system)}"))
+    if found.get("blow") is not None:  # results of older versions have none
+        rows.append(("", f"{in_percent(found['blow'])}, {found['blow_said']}"))
     return rows

@@ -14,6 +14,9 @@ A longer step, for steps that are controlled by their errors where the applicati
 one and a half times, with errors of each step that go with its third power. Much longer steps do not follow the rope's
 vibration, and tell nothing of its force. First order is assumed and multiplied by 1.25: a smooth motion is then said to
 be three times as wrong as it is. Of the force the highest and the lowest value count, each for itself.
+
+A blow, such as the tension at which a slack rope comes taut, is an event by itself: a force that is right while it
+swings says nothing of it. Where all runs have one, their largest blows are compared, too, as of first order at most.
 """
 
 from __future__ import annotations
@@ -21,7 +24,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,6 +98,10 @@ class StepError(NamedTuple):
         Whether the scene has dry friction.
     chosen : bool
         Whether the run chose its steps by itself, as with `step: auto`.
+    blow_said : str
+        The largest blow of the run, as a sentence has it; empty where not all runs have one.
+    blow, blow_size : float or None
+        By how much it may be off, over itself, and itself, N.
     """
 
     step: float
@@ -110,6 +118,9 @@ class StepError(NamedTuple):
     largest: float | None = None
     friction: bool = False
     chosen: bool = False
+    blow_said: str = ""
+    blow: float | None = None
+    blow_size: float | None = None
 
     @property
     def warning(self) -> str | None:
@@ -124,7 +135,7 @@ class StepError(NamedTuple):
         step, step_error : str
             What the step, and the error that steps are controlled by, are called in the scene's file.
         """
-        if not max(self.position, self.force or 0.0) > POOR:
+        if not max(self.position, self.force or 0.0, self.blow or 0.0) > POOR:
             return None
         text = f"{self._how_far_off()}. This is estimated from {self._other_runs()}. "
         steps, shorter = self.steps or (self.step,), "Take a shorter step"
@@ -148,6 +159,9 @@ class StepError(NamedTuple):
         told = [(self.position, f"the {self.place}", way)]
         if self.force is not None:
             told.append((self.force, f"the amplitude of the {self.force_place}", self._of_force()))
+        if self.blow is not None and self.blow_size is not None:
+            off = quantity(float(f"{self.blow * self.blow_size:.2g}"), "N")
+            told.append((self.blow, f"the {self.blow_said}", f"{off}, {in_percent(self.blow)}"))
         (_, first, much), *others = sorted(told, key=lambda one: -one[0])
         return f"{first} may be off by {much}" + "".join(f", and {what} by {off}" for _, what, off in others)
 
@@ -262,7 +276,7 @@ def estimate(
     own, bound = _step_taken(model), model.solver.step_error or None
     if model.solver.automatic and method_of(model.solver.method).explicit:
         own = float(result.attributes.get("step") or own)
-    histories, steps, spent = [watched.of(result)], [own], 0.0
+    histories, steps, spent, runs = [watched.of(result)], [own], 0.0, [result]
     for number, part in enumerate(parts):
         onward = _onward(progress, number * float(result.time[-1]), spent)
         trial = _other(subject, result, given, own * part, part, onward)
@@ -271,12 +285,32 @@ def estimate(
                 break  # four times the step may be too long to run at all; twice the step has told something
             return trial if isinstance(trial, str) else _why(trial, own * part)
         spent += trial.wall_time or 0.0
+        runs.append(trial.result)
         histories.append(watched.of(trial.result))
         steps.append(float(trial.result.attributes["step"]))
     found = _stated(result, watched, histories, steps, bound)
     if isinstance(found, StepError):
-        return found._replace(friction=bool(model.system.has_friction), chosen=bool(model.solver.automatic))
+        blow = _blow(model, runs, steps)
+        return found._replace(friction=bool(model.system.has_friction), chosen=bool(model.solver.automatic), **blow)
     return found
+
+
+def _blow(model: Model, runs: Sequence[Result], steps: Sequence[float]) -> dict[str, Any]:
+    """Error of the largest blow of the first run as `StepError` has it; nothing where not all runs have one."""
+    if not model.blow or model.figures is None:
+        return {}
+    told = [model.figures(run, (model.blow,)) for run in runs]
+    figures = [one[model.blow] for one in told if model.blow in one]
+    sizes = [float(figure["value"]) for figure in figures]
+    if len(sizes) < len(runs) or not sizes[0] > 0.0:
+        return {}
+    if steps[1] < steps[0]:
+        off = from_shorter([abs(x - sizes[0]) for x in sizes[1:]], [step / steps[0] for step in steps[1:]])
+    else:
+        changes = [abs(x - y) for x, y in pairwise(sizes)]
+        off = from_longer(changes, [y / x for x, y in pairwise(steps)], FORCE_ORDER)
+    said = str(figures[0]["text"]).partition(" (")[0]
+    return {"blow_said": said, "blow": off / sizes[0], "blow_size": sizes[0]}
 
 
 def _step_taken(model: Model) -> float:
