@@ -136,15 +136,20 @@ def check_name(path: Path) -> str:
     return ending
 
 
-@contextlib.contextmanager
-def _ffmpeg(path: Path, part: Path, ending: str, given: tuple[int, int], size: tuple[int, int], rate: float) -> Any:
-    """A pipe that takes raw pictures for a film, which is written as `part`; messages name `path`."""
+def writer(path: Path) -> str:
+    """The ffmpeg that is to write a film; raises ResultError where there is none."""
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
 
-        program = get_ffmpeg_exe()
+        return str(get_ffmpeg_exe())
     except (ImportError, RuntimeError) as error:
         raise ResultError(path, f"cannot be written: no ffmpeg ({error})", "`pip install imageio-ffmpeg`") from None
+
+
+@contextlib.contextmanager
+def _ffmpeg(path: Path, part: Path, ending: str, given: tuple[int, int], size: tuple[int, int], rate: float) -> Any:
+    """A pipe that takes raw pictures for a film, which is written as `part`; messages name `path`."""
+    program = writer(path)
     # libx264 wants an even number of pixels each way.
     width, height = size if ending == "gif" else (size[0] // 2 * 2, size[1] // 2 * 2)
     filters = [f"scale={width}:{height}:flags=bilinear"] if (width, height) != given else []

@@ -77,6 +77,13 @@ def places(output: Path | None, result: Path, time: np.ndarray, frames: list[int
     return [check_drawn(path.with_name(f"{path.stem}_{time[frame]:g}s{path.suffix or '.png'}")) for frame in frames]
 
 
+def check_format(path: Path) -> None:
+    """Raise ResultError for a name whose ending is of no picture that can be written."""
+    ending = path.suffix[1:].lower()
+    if ending not in (*FORMATS, "jpeg"):
+        raise ResultError(path, f"is no picture that can be written: '{ending}'", f"use {' or '.join(FORMATS)}")
+
+
 def still(stage: Stage, frame: int, path: Path) -> Path:
     """Write a frame as a picture.
 
@@ -87,9 +94,7 @@ def still(stage: Stage, frame: int, path: Path) -> Path:
     """
     from PIL import Image
 
-    ending = path.suffix[1:].lower()
-    if ending not in (*FORMATS, "jpeg"):
-        raise ResultError(path, f"is no picture that can be written: '{ending}'", f"use {' or '.join(FORMATS)}")
+    check_format(path)
     stage.show(frame)
     try:
         Image.fromarray(stage.picture()).save(path)
