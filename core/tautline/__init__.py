@@ -9,8 +9,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -83,6 +82,8 @@ _PLACES = {
     "sweep": "tautline.sweeps.sweep",
 }
 """Where a public name stands that is imported when it is asked for: nothing heavy is loaded before."""
+_STUDIED = {"--point": "point", "--tolerance": "tolerance", "--budget": "budget", "--constraints": "grid.constraints"}
+"""What the verbs ``study`` and ``stability`` call the arguments of their functions."""
 
 
 def __getattr__(name: str) -> Any:
@@ -138,6 +139,7 @@ def simulate(
     end: float | str | None = None,
     method: str | None = None,
     accuracy: float | str | None = None,
+    verify: bool | None = False,
 ) -> Result:
     """Run a scene.
 
@@ -157,29 +159,53 @@ def simulate(
         Integrator, in place of the scene's.
     accuracy : float, str or None
         Relative error (``"1 %"``) for which method and step are chosen, in place of the scene's; ``result.accuracy``
-        says what was reached. A step or a method that is given, and ``resume``, leave them as they are.
+        says what was reached. A step, a method and ``verify=True`` leave them as they are, and so does ``resume``.
+    verify : bool or None
+        Whether to run the scene with other steps, too, and estimate the error of this run: ``result.step_error``. None
+        does what the command does by itself, which is quicker and leaves some scenes out; True always takes a half and
+        a third of the step, as ``--verify`` does.
 
     Raises
     ------
     SceneError
         For bad input.
+    ArgumentError
+        For ``verify=True`` beside an accuracy.
     ArgumentTypeError
         For a path, a callable or a result that is none.
+    ResultError
+        For a result that cannot be written, or not be gone on with; nothing is written then.
     StoppedEarly, Interrupted
         With the result so far.
     """
-    from tautline.arguments import FUNCTION, PATH, RESULT, check
+    from tautline.arguments import FUNCTION, PATH, RESULT, SWITCH, as_arguments, check
+    from tautline.errors import ArgumentError
     from tautline.simulation import simulate as run
 
-    check(path=(path, PATH), progress=(progress, FUNCTION), resume=(resume, RESULT))
+    check(path=(path, PATH), progress=(progress, FUNCTION), resume=(resume, RESULT), verify=(verify, SWITCH))
+    verify = None if verify is None else bool(verify)
+    if verify and accuracy is not None:
+        raise ArgumentError("verify = True estimates the error of steps that accuracy chooses: leave one of them out")
     wanted = {} if accuracy is None else {"accuracy": accuracy}
     application, scene = _overridden(scene, step=step, end=end, method=method, **wanted)
     asked = getattr(getattr(scene, "solver", None), "accuracy", None)
-    if asked is not None and step is None and method is None and resume is None:
-        from tautline.study.accuracy.choice import run_to_accuracy
+    with as_arguments({"-o": "path", "--resume": "resume", "--verify": "verify"}):
+        if asked is not None and step is None and method is None and resume is None and not verify:
+            from tautline.study.accuracy.choice import run_to_accuracy
 
-        return run_to_accuracy(application, scene, asked, path, progress)
-    return run(application.build(scene), path, progress, resume)
+            return run_to_accuracy(application, scene, asked, path, progress)
+        model = application.build(scene)
+        return run(model, path, progress, resume, afterwards=_estimate(application, scene, model, verify, resume))
+
+
+def _estimate(application: Any, scene: Any, model: Any, verify: bool | None, resume: Result | None) -> Any:
+    """What estimates the error of a run when it has ended; None where that is not to be done."""
+    # Nothing is loaded for it where nobody asks.
+    if verify is False or (verify is None and resume is not None):
+        return None
+    from tautline.application.after_run import error_of_step
+
+    return error_of_step(application, scene, model, verify)
 
 
 @functools.cache
@@ -200,13 +226,11 @@ def _overridden(scene: Any, **given: Any) -> tuple[Any, Any]:
 
     A fault names the argument, where the command would name its option.
     """
-    from dataclasses import replace
-
     from tautline.application.installed import overridden
-    from tautline.scene.errors import SceneError
+    from tautline.arguments import as_arguments
     from tautline.scene.reading.source import document_of
 
-    try:
+    with as_arguments({f"--{key.replace('_', '-')}": key for key in given}):
         if not hasattr(scene, "document"):
             document = document_of(scene)
             application = _installed().for_scene(document)
@@ -216,9 +240,6 @@ def _overridden(scene: Any, **given: Any) -> tuple[Any, Any]:
             scene = application.read(document)
         application = _installed().of(scene)
         return application, application.with_overrides(scene, **given)
-    except SceneError as error:
-        named = {f"--{key.replace('_', '-')}": f"argument {key}" for key in given}
-        raise SceneError([replace(one, file=named.get(one.file, one.file)) for one in error.problems]) from None
 
 
 def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, **options: Any) -> Study:
@@ -247,12 +268,13 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
+    from tautline.arguments import as_arguments
     from tautline.study.accuracy.arguments import check_study
     from tautline.study.accuracy.precision import Grid, study
 
     grid = Grid() if grid is None else grid
     grid = check_study(grid, options)
-    with _point_by_name():
+    with as_arguments(_STUDIED):
         return study(_subject(scene, end), grid, **options)
 
 
@@ -280,25 +302,13 @@ def study_stability(scene: Any, end: float | str | None = None, **options: Any) 
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
+    from tautline.arguments import as_arguments
     from tautline.study.accuracy.arguments import check_stability
     from tautline.study.robustness.stability import stability
 
     check_stability(options)
-    with _point_by_name():
+    with as_arguments(_STUDIED):
         return stability(_subject(scene, end), **options)
-
-
-@contextmanager
-def _point_by_name() -> Iterator[None]:
-    """A fault of the point to look at names the argument, where the command would name its option."""
-    from tautline.results.errors import ResultError
-
-    try:
-        yield
-    except ResultError as error:
-        if str(error.path) != "--point":
-            raise
-        raise ResultError("argument point", error.cause, error.cure) from None
 
 
 def _subject(scene: Any, end: float | str | None) -> Any:

@@ -64,11 +64,13 @@ def check_target(path: str | Path) -> Path:
     """
     path = Path(path)
     if str(path) == "-":
-        raise ResultError(path, "is no file, and a result is one", "name it, -o result.nc; --json prints the report")
+        raise ResultError(
+            path, "is no file, and a result is one", "name it, such as result.nc; --json prints the report"
+        )
     check_folder(path)
     try:
         if path.is_dir():
-            raise ResultError(path, "is a folder", f"name a file in it: -o {path / 'result.nc'}")
+            raise ResultError(path, "is a folder", f"name a file in it, such as {path / 'result.nc'}")
         if path.exists():
             _check_replaceable(path)
         elif path.suffix.lower() in OTHER_KINDS:

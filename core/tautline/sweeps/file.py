@@ -70,8 +70,8 @@ class Collected(pydantic.BaseModel):
         """It as a file would have it, with its statistic, and with its name where that is another than the usual."""
         if self.figure:
             return self.figure
-        whole = {"output": self.output, "statistic": self.statistic, "name": self.name}
-        return {key: text for key, text in whole.items() if key != "name" or text != _column(self.output, self.statistic)}
+        whole = {"output": self.output, "statistic": self.statistic}
+        return whole if self.name == _column(self.output, self.statistic) else whole | {"name": self.name}
 
 
 def _column(output: str, statistic: str) -> str:

@@ -22,6 +22,7 @@ from tautline.arguments import (
     SWITCH,
     VARIED,
     WHOLE,
+    as_arguments,
     check,
     check_given,
     mapping_of,
@@ -121,6 +122,7 @@ class SweepInterrupted(TautlineError):
         super().__init__("the sweep was interrupted")
 
 
+@as_arguments({"-o": "folder", "--resume": "resume", "--dask": "dask"})
 def sweep(
     scene: Any,
     vary: Mapping[str, Any],

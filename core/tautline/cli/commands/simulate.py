@@ -317,37 +317,18 @@ def _other_runs(
     application: Application, scene: Any, model: Any, verify: bool | None, earlier: Result | None, bar: Bar, quiet: bool
 ) -> Afterwards | None:
     """What estimates a run's error from runs with other steps; None where that is not to be done."""
-    if verify is False or (verify is None and earlier is not None) or getattr(model, "system", None) is None:
-        return None
-    if getattr(model, "keep", None) is not None:
-        # Runs with other steps are compared frame by frame.
-        if verify:
-            cure = "leave --verify out, or run a shorter stretch of the scene with output.keep: frames"
-            raise option_error("--verify", "", "needs every frame, and the scene keeps statistics", cure)
-        return None
-    from tautline.application.installed import key_of_setting
-    from tautline.study.trials.step_error import estimate, runs_for
-    from tautline.study.trials.trial import Subject
+    from tautline.application.after_run import error_of_step
 
-    parts = runs_for(model, verify)
-    if not parts:
+    if verify is None and earlier is not None:
         return None
 
-    def begin() -> None:
+    def begin(parts: Sequence[float]) -> None:
         if not quiet:
             runs = SHARES.get(parts[-1], f"a run with {parts[-1]:.3g} times the step")
             say(f"estimating the error from {runs}; --no-verify leaves it out")
         bar.again(len(parts) * float(model.solver.end), "estimating the error")
 
-    def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
-        found = estimate(Subject(application, scene), result, progress=bar, parts=parts, begin=begin)
-        if isinstance(found, str):
-            return {}, [f"the error due to the time step is not known: {found}"] if found else []
-        keys = {name: key for name in ("step", "step_error") if (key := key_of_setting(application, name))}
-        warning = found.warned(**keys)
-        return {"step_error": found._asdict()}, [warning] if warning else []
-
-    return compared
+    return error_of_step(application, scene, model, verify, bar, begin)
 
 
 def _earlier(resume: Path | None) -> Result | None:
