@@ -254,7 +254,10 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
     grid : Grid or None
         Methods, steps, meshes and constraints, such as ``tautline.Grid(steps=[1e-3, 5e-4])``; None for the usual.
     **options
-        Of `tautline.study.accuracy.precision.study`: tolerance, repetitions, budget, point, reference.
+        tolerance : relative error of position that is asked for, ``0.01`` or ``"1 %"``. budget : processor time, s, that
+        one run may take. point : name of what is looked at. repeat : of each run, for its time. quick : whether the
+        usual grid is cut to every other step. reference : a ``tautline.study.trials.trial.Setting`` with the method and
+        the finest step of the reference. ``repetitions`` and ``reduced`` are earlier names of repeat and quick.
 
     Returns
     -------
@@ -263,17 +266,23 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
 
     Raises
     ------
-    SceneError, ResultError, ArgumentError, ArgumentTypeError
-        For bad input.
+    SceneError
+        For a scene that cannot be run, and a tolerance that cannot be.
+    ResultError
+        For a point that is not there.
+    ArgumentError, ArgumentTypeError
+        For any other argument with a value that it cannot have, of another type, or of a name that is none.
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
     from tautline.arguments import as_arguments
-    from tautline.study.accuracy.arguments import check_study
+    from tautline.study.accuracy.arguments import as_study_takes, check_study, with_share
     from tautline.study.accuracy.precision import Grid, study
 
     grid = Grid() if grid is None else grid
+    options = with_share(options)
     grid = check_study(grid, options)
+    options = as_study_takes(options)
     with as_arguments(_STUDIED):
         return study(_subject(scene, end), grid, **options)
 
@@ -288,7 +297,9 @@ def study_stability(scene: Any, end: float | str | None = None, **options: Any) 
     end : float, str or None
         Simulated time, s or with a unit, in place of the scene's.
     **options
-        Of `tautline.study.robustness.stability.stability`: tolerance, budget, point, quick.
+        tolerance : relative error of position up to which a variant is right, ``0.01`` or ``"1 %"``. budget : processor
+        time, s, that one run of a variant may take. point : name of what is looked at. quick : whether there are fewer
+        variants.
 
     Returns
     -------
@@ -297,15 +308,20 @@ def study_stability(scene: Any, end: float | str | None = None, **options: Any) 
 
     Raises
     ------
-    SceneError, ResultError
-        For bad input.
+    SceneError
+        For a scene that cannot be run, and a tolerance that cannot be.
+    ResultError
+        For a point that is not there.
+    ArgumentError, ArgumentTypeError
+        For any other argument with a value that it cannot have, of another type, or of a name that is none.
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
     from tautline.arguments import as_arguments
-    from tautline.study.accuracy.arguments import check_stability
+    from tautline.study.accuracy.arguments import check_stability, with_share
     from tautline.study.robustness.stability import stability
 
+    options = with_share(options)
     check_stability(options)
     with as_arguments(_STUDIED):
         return stability(_subject(scene, end), **options)

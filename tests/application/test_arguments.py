@@ -27,6 +27,11 @@ WRONG = {
     "repetitions of a text": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, repetitions="x")),
     "grid.steps[1]": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, grid=Grid(steps=[1e-3, "1 m"]))),
     "grid.methods[0]": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, grid=Grid(methods=[3]))),
+    "repeat": (ArgumentError, lambda: tautline.study_errors(SCENE, repeat=0)),
+    "repeat and repetitions": (ArgumentError, lambda: tautline.study_errors(SCENE, repeat=1, repetitions=1)),
+    "quick of study": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, quick="x")),
+    "tolerance": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, tolerance="1 m")),
+    "tolerance of stability": (ArgumentTypeError, lambda: tautline.study_stability(SCENE, tolerance="x")),
     "budget": (ArgumentError, lambda: tautline.study_errors(SCENE, budget=-1)),
     "reference": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, reference="x")),
     "'foo'": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, foo=1)),
@@ -68,6 +73,17 @@ def test_a_budget_may_be_infinite_and_is_refused_by_that_sentence(budget):
         check_stability({"budget": budget})
     with pytest.raises(ArgumentError, match=r"grid.elements\[0\] = inf: a finite number above zero is wanted"):
         check_study(Grid(elements=[float("inf")]), {})
+
+
+def test_a_study_calls_its_arguments_as_the_command_does_and_takes_a_tolerance_in_percent(monkeypatch):
+    given = {}
+    monkeypatch.setattr(
+        "tautline.study.accuracy.precision.study", lambda subject, grid, **options: given.update(options)
+    )
+    tautline.study_errors(SCENE, quick=True, repeat=2, tolerance="1 %")
+    assert given == {"reduced": True, "repetitions": 2, "tolerance": pytest.approx(0.01)}
+    tautline.study_errors(SCENE, reduced=False, repetitions=1)
+    assert (given["reduced"], given["repetitions"]) == (False, 1)
 
 
 def test_a_grid_takes_whatever_can_be_gone_through_and_times_with_units():

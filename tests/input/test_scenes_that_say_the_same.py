@@ -44,3 +44,14 @@ def test_one_name_of_a_file_in_two_folders_is_not_the_same(tmp_path):
         for folder in ("one", "one", "two")
     )
     assert one == again and one != two
+
+
+def test_who_sets_a_value_is_told_to_replace_it_and_the_scene_stays_as_it_is():
+    before = SCENE.bodies[0].mass
+    for part, name in ((SCENE.bodies[0], "mass"), (SCENE, "title"), (SCENE.solver, "step")):
+        with pytest.raises(
+            tautline.SceneError, match=rf"{name} = 3: a scene cannot be changed; .*scene\.replace"
+        ) as told:
+            setattr(part, name, 3)
+        assert "pydantic" not in str(told.value)
+    assert SCENE.bodies[0].mass == before

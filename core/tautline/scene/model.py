@@ -15,6 +15,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
+from tautline.scene.frozen import Frozen
 from tautline.scene.identity import says_the_same
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
@@ -78,7 +79,7 @@ def _by_part(changes: Mapping[str, Any]) -> dict[str, tuple[Any, ...] | None]:
     return found
 
 
-class Model(pydantic.BaseModel):
+class Model(Frozen):
     """A frozen mapping of known keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, defer_build=True)

@@ -59,18 +59,22 @@ def check(
     Raises
     ------
     SceneError, ResultError
-        For a scene that cannot be run, and a figure that cannot be drawn.
+        For a scene that cannot be run, and a figure that cannot be drawn; nothing is drawn then.
     """
+    from tautline.results.output_path import check_figure
+
     application, read = catalogue.read(scene, change_of(changes))
+    if figure is not None:
+        check_figure(figure, "--figure")
     warnings = application.warnings(read)
     figures = application.check_figures(read)
     print_warnings(warnings)
-    if figure is not None:
-        _draw(application, read, figure)
     # What only the builder can tell, such as a repeated constraint, is refused here too; nothing is run.
     if note := version_note():
         say(f"warning: {note}", "yellow")
     model = application.build(read)
+    if figure is not None:
+        _draw(application, read, figure)
     for note in getattr(model, "notes", ()):
         say(f"note: {note}")
     rows = () if as_json else getattr(application, "describe", lambda _: ())(figures)

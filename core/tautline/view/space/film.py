@@ -131,8 +131,8 @@ def check_name(path: Path) -> str:
     ending = path.suffix[1:].lower()
     if ending not in FORMATS:
         raise ResultError(path, f"is no film that can be written: '{ending}'", f"use .{' or .'.join(FORMATS)}")
-    check_folder(path)
-    check_drawn(path)
+    check_folder(path, "--movie")
+    check_drawn(path, "--movie")
     return ending
 
 
@@ -179,7 +179,7 @@ def _ffmpeg(path: Path, part: Path, ending: str, given: tuple[int, int], size: t
 
 def _unwritten(path: Path, said: str) -> ResultError:
     """What to raise for what ffmpeg said as it failed: WriteError where it names a disk that is full or fails."""
-    cure = "name another with -o or --movie, or make room"
+    cure = "name another with --movie, or make room"
     if full := next((reason for reason in sorted(FULL) if reason in said), None):
         return WriteError(path, f"cannot be written: {full}", cure)
     cause = said.splitlines()[-1] if said else "ffmpeg stopped"
