@@ -254,10 +254,10 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
     grid : Grid or None
         Methods, steps, meshes and constraints, such as ``tautline.Grid(steps=[1e-3, 5e-4])``; None for the usual.
     **options
-        tolerance : relative error of position that is asked for, ``0.01`` or ``"1 %"``. budget : processor time, s, that
-        one run may take. point : name of what is looked at. repeat : of each run, for its time. quick : whether the
-        usual grid is cut to every other step. reference : a ``tautline.study.trials.trial.Setting`` with the method and
-        the finest step of the reference. ``repetitions`` and ``reduced`` are earlier names of repeat and quick.
+        tolerance : relative error of position that is asked for, ``0.01`` or ``"1 %"``. budget : processor time, s,
+        that one run may take. point : name of what is looked at. repeat : of each run, for its time. quick : whether
+        the usual grid is cut to every other step. reference : a ``tautline.study.trials.trial.Setting`` with the method
+        and the finest step of the reference. ``repetitions`` and ``reduced`` are earlier names of repeat and quick.
 
     Returns
     -------

@@ -55,7 +55,7 @@ NEWTON = ("modified", "full")
 
 
 def as_study_takes(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments of `study` by its own names: what the command calls otherwise may be called so; raises ArgumentError."""
+    """Arguments of `study` by its own names, of some that are called as options are; raises ArgumentError."""
     for said, name in SAID.items():
         if said in options and name in options:
             raise ArgumentError(f"{said} and {name} are one argument: leave one of them out")
