@@ -9,8 +9,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -83,6 +82,8 @@ _PLACES = {
     "sweep": "tautline.sweeps.sweep",
 }
 """Where a public name stands that is imported when it is asked for: nothing heavy is loaded before."""
+_STUDIED = {"--point": "point", "--tolerance": "tolerance", "--budget": "budget", "--constraints": "grid.constraints"}
+"""What the verbs ``study`` and ``stability`` call the arguments of their functions."""
 
 
 def __getattr__(name: str) -> Any:
@@ -138,6 +139,7 @@ def simulate(
     end: float | str | None = None,
     method: str | None = None,
     accuracy: float | str | None = None,
+    verify: bool | None = False,
 ) -> Result:
     """Run a scene.
 
@@ -157,29 +159,53 @@ def simulate(
         Integrator, in place of the scene's.
     accuracy : float, str or None
         Relative error (``"1 %"``) for which method and step are chosen, in place of the scene's; ``result.accuracy``
-        says what was reached. A step or a method that is given, and ``resume``, leave them as they are.
+        says what was reached. A step, a method and ``verify=True`` leave them as they are, and so does ``resume``.
+    verify : bool or None
+        Whether to run the scene with other steps, too, and estimate the error of this run: ``result.step_error``. None
+        does what the command does by itself, which is quicker and leaves some scenes out; True always takes a half and
+        a third of the step, as ``--verify`` does.
 
     Raises
     ------
     SceneError
         For bad input.
+    ArgumentError
+        For ``verify=True`` beside an accuracy.
     ArgumentTypeError
         For a path, a callable or a result that is none.
+    ResultError
+        For a result that cannot be written, or not be gone on with; nothing is written then.
     StoppedEarly, Interrupted
         With the result so far.
     """
-    from tautline.arguments import FUNCTION, PATH, RESULT, check
+    from tautline.arguments import FUNCTION, PATH, RESULT, SWITCH, as_arguments, check
+    from tautline.errors import ArgumentError
     from tautline.simulation import simulate as run
 
-    check(path=(path, PATH), progress=(progress, FUNCTION), resume=(resume, RESULT))
+    check(path=(path, PATH), progress=(progress, FUNCTION), resume=(resume, RESULT), verify=(verify, SWITCH))
+    verify = None if verify is None else bool(verify)
+    if verify and accuracy is not None:
+        raise ArgumentError("verify = True estimates the error of steps that accuracy chooses: leave one of them out")
     wanted = {} if accuracy is None else {"accuracy": accuracy}
     application, scene = _overridden(scene, step=step, end=end, method=method, **wanted)
     asked = getattr(getattr(scene, "solver", None), "accuracy", None)
-    if asked is not None and step is None and method is None and resume is None:
-        from tautline.study.accuracy.choice import run_to_accuracy
+    with as_arguments({"-o": "path", "--resume": "resume", "--verify": "verify"}):
+        if asked is not None and step is None and method is None and resume is None and not verify:
+            from tautline.study.accuracy.choice import run_to_accuracy
 
-        return run_to_accuracy(application, scene, asked, path, progress)
-    return run(application.build(scene), path, progress, resume)
+            return run_to_accuracy(application, scene, asked, path, progress)
+        model = application.build(scene)
+        return run(model, path, progress, resume, afterwards=_estimate(application, scene, model, verify, resume))
+
+
+def _estimate(application: Any, scene: Any, model: Any, verify: bool | None, resume: Result | None) -> Any:
+    """What estimates the error of a run when it has ended; None where that is not to be done."""
+    # Nothing is loaded for it where nobody asks.
+    if verify is False or (verify is None and resume is not None):
+        return None
+    from tautline.application.after_run import error_of_step
+
+    return error_of_step(application, scene, model, verify)
 
 
 @functools.cache
@@ -200,13 +226,11 @@ def _overridden(scene: Any, **given: Any) -> tuple[Any, Any]:
 
     A fault names the argument, where the command would name its option.
     """
-    from dataclasses import replace
-
     from tautline.application.installed import overridden
-    from tautline.scene.errors import SceneError
+    from tautline.arguments import as_arguments
     from tautline.scene.reading.source import document_of
 
-    try:
+    with as_arguments({f"--{key.replace('_', '-')}": key for key in given}):
         if not hasattr(scene, "document"):
             document = document_of(scene)
             application = _installed().for_scene(document)
@@ -216,9 +240,6 @@ def _overridden(scene: Any, **given: Any) -> tuple[Any, Any]:
             scene = application.read(document)
         application = _installed().of(scene)
         return application, application.with_overrides(scene, **given)
-    except SceneError as error:
-        named = {f"--{key.replace('_', '-')}": f"argument {key}" for key in given}
-        raise SceneError([replace(one, file=named.get(one.file, one.file)) for one in error.problems]) from None
 
 
 def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, **options: Any) -> Study:
@@ -233,7 +254,10 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
     grid : Grid or None
         Methods, steps, meshes and constraints, such as ``tautline.Grid(steps=[1e-3, 5e-4])``; None for the usual.
     **options
-        Of `tautline.study.accuracy.precision.study`: tolerance, repetitions, budget, point, reference.
+        tolerance : relative error of position that is asked for, ``0.01`` or ``"1 %"``. budget : processor time, s,
+        that one run may take. point : name of what is looked at. repeat : of each run, for its time. quick : whether
+        the usual grid is cut to every other step. reference : a ``tautline.study.trials.trial.Setting`` with the method
+        and the finest step of the reference. ``repetitions`` and ``reduced`` are earlier names of repeat and quick.
 
     Returns
     -------
@@ -242,17 +266,24 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
 
     Raises
     ------
-    SceneError, ResultError, ArgumentError, ArgumentTypeError
-        For bad input.
+    SceneError
+        For a scene that cannot be run, and a tolerance that cannot be.
+    ResultError
+        For a point that is not there.
+    ArgumentError, ArgumentTypeError
+        For any other argument with a value that it cannot have, of another type, or of a name that is none.
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
-    from tautline.study.accuracy.arguments import check_study
+    from tautline.arguments import as_arguments
+    from tautline.study.accuracy.arguments import as_study_takes, check_study, with_share
     from tautline.study.accuracy.precision import Grid, study
 
     grid = Grid() if grid is None else grid
+    options = with_share(options)
     grid = check_study(grid, options)
-    with _point_by_name():
+    options = as_study_takes(options)
+    with as_arguments(_STUDIED):
         return study(_subject(scene, end), grid, **options)
 
 
@@ -266,7 +297,9 @@ def study_stability(scene: Any, end: float | str | None = None, **options: Any) 
     end : float, str or None
         Simulated time, s or with a unit, in place of the scene's.
     **options
-        Of `tautline.study.robustness.stability.stability`: tolerance, budget, point, quick.
+        tolerance : relative error of position up to which a variant is right, ``0.01`` or ``"1 %"``. budget : processor
+        time, s, that one run of a variant may take. point : name of what is looked at. quick : whether there are fewer
+        variants.
 
     Returns
     -------
@@ -275,30 +308,23 @@ def study_stability(scene: Any, end: float | str | None = None, **options: Any) 
 
     Raises
     ------
-    SceneError, ResultError
-        For bad input.
+    SceneError
+        For a scene that cannot be run, and a tolerance that cannot be.
+    ResultError
+        For a point that is not there.
+    ArgumentError, ArgumentTypeError
+        For any other argument with a value that it cannot have, of another type, or of a name that is none.
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
-    from tautline.study.accuracy.arguments import check_stability
+    from tautline.arguments import as_arguments
+    from tautline.study.accuracy.arguments import check_stability, with_share
     from tautline.study.robustness.stability import stability
 
+    options = with_share(options)
     check_stability(options)
-    with _point_by_name():
+    with as_arguments(_STUDIED):
         return stability(_subject(scene, end), **options)
-
-
-@contextmanager
-def _point_by_name() -> Iterator[None]:
-    """A fault of the point to look at names the argument, where the command would name its option."""
-    from tautline.results.errors import ResultError
-
-    try:
-        yield
-    except ResultError as error:
-        if str(error.path) != "--point":
-            raise
-        raise ResultError("argument point", error.cause, error.cure) from None
 
 
 def _subject(scene: Any, end: float | str | None) -> Any:

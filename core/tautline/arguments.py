@@ -1,16 +1,25 @@
-"""What the arguments of public functions may be, checked in one place and refused in one form of words."""
+"""What the arguments of public functions may be, checked in one place and refused in one form of words.
+
+A command calls by its option what Python calls by its argument. What lies below both raises errors in the words of the
+command, and functions of the public interface translate them.
+"""
 
 from __future__ import annotations
 
 import math
 import numbers
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.errors import ArgumentError, ArgumentTypeError
+from tautline.errors import ArgumentError, ArgumentTypeError, TautlineError
+
+OPTION = re.compile(r"(?<![\w-])--?[a-z][a-z-]*(?![\w-])")
+"""An option in a sentence."""
 
 
 class Wanted(NamedTuple):
@@ -96,6 +105,8 @@ RESULT = Wanted(
     lambda value: hasattr(value, "attributes") and hasattr(value, "restart"),
 )
 
+RESULTS = Wanted("a list of results", is_list)
+
 
 def check(**arguments: tuple[Any, Wanted]) -> None:
     """Check arguments, of which None is allowed: name = (value, what is wanted).
@@ -137,3 +148,26 @@ def check_choices(name: str, given: Iterable[str] | None, known: Collection[str]
     for one in given or ():
         if one not in known:
             raise ArgumentError(f"{name}: there is no '{one}'; give some of {', '.join(known)}")
+
+
+@contextmanager
+def as_arguments(names: Mapping[str, str]) -> Iterator[None]:
+    """Have what is refused name arguments where it would name options; it also decorates a function.
+
+    Parameters
+    ----------
+    names : mapping
+        Option -> argument: ``{"-o": "path", "--image": "time"}``. An option that is not among them stays as it is.
+    """
+
+    def subject(option: str) -> str:
+        return f"argument {names[option]}" if option in names else option
+
+    def sentence(text: str) -> str:
+        return OPTION.sub(lambda one: f"the argument `{names[one[0]]}`" if one[0] in names else one[0], text)
+
+    try:
+        yield
+    except TautlineError as error:
+        error.translate(subject, sentence)
+        raise

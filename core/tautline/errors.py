@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 
 class TautlineError(Exception):
     """What a scene, a result or a run can be refused by; every exception of the public interface is one."""
+
+    def translate(self, subject: Callable[[str], str], sentence: Callable[[str], str]) -> None:
+        """Put other words in place of the options of a command: of what it is about, and in its sentences.
+
+        The error stays the one that was raised, for it may carry more than words. Most name no option.
+        """
 
 
 class ArgumentError(TautlineError, ValueError):

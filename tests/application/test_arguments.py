@@ -13,7 +13,8 @@ import tautline
 from tautline import ArgumentError, ArgumentTypeError, Grid, SimulationError
 from tautline.study.accuracy.arguments import check_stability, check_study
 
-SCENE = tautline.read(Path(__file__).parents[2] / "data" / "hoist.yaml")
+HOIST = Path(__file__).parents[2] / "data" / "hoist.yaml"
+SCENE = tautline.read(HOIST)
 VARY = {"bodies[0].mass": [4000.0]}
 WRONG = {
     "grid": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, grid=3)),
@@ -26,6 +27,11 @@ WRONG = {
     "repetitions of a text": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, repetitions="x")),
     "grid.steps[1]": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, grid=Grid(steps=[1e-3, "1 m"]))),
     "grid.methods[0]": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, grid=Grid(methods=[3]))),
+    "repeat": (ArgumentError, lambda: tautline.study_errors(SCENE, repeat=0)),
+    "repeat and repetitions": (ArgumentError, lambda: tautline.study_errors(SCENE, repeat=1, repetitions=1)),
+    "quick of study": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, quick="x")),
+    "tolerance": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, tolerance="1 m")),
+    "tolerance of stability": (ArgumentTypeError, lambda: tautline.study_stability(SCENE, tolerance="x")),
     "budget": (ArgumentError, lambda: tautline.study_errors(SCENE, budget=-1)),
     "reference": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, reference="x")),
     "'foo'": (ArgumentTypeError, lambda: tautline.study_errors(SCENE, foo=1)),
@@ -45,6 +51,8 @@ WRONG = {
     "folder of a text": (ArgumentTypeError, lambda: tautline.read("a: 1\nb: 2", folder=3)),
     "path": (ArgumentTypeError, lambda: tautline.simulate(SCENE, path=3)),
     "progress of a run": (ArgumentTypeError, lambda: tautline.simulate(SCENE, progress=3)),
+    "verify": (ArgumentTypeError, lambda: tautline.simulate(SCENE, verify="x")),
+    "verify beside accuracy": (ArgumentError, lambda: tautline.simulate(SCENE, verify=True, accuracy="1 %")),
     "resume of a run": (ArgumentTypeError, lambda: tautline.simulate(SCENE, resume="x")),
     "simulations": (ArgumentTypeError, lambda: tautline.rollout([3], until=1.0)),
 }
@@ -65,6 +73,17 @@ def test_a_budget_may_be_infinite_and_is_refused_by_that_sentence(budget):
         check_stability({"budget": budget})
     with pytest.raises(ArgumentError, match=r"grid.elements\[0\] = inf: a finite number above zero is wanted"):
         check_study(Grid(elements=[float("inf")]), {})
+
+
+def test_a_study_calls_its_arguments_as_the_command_does_and_takes_a_tolerance_in_percent(monkeypatch):
+    given = {}
+    monkeypatch.setattr(
+        "tautline.study.accuracy.precision.study", lambda subject, grid, **options: given.update(options)
+    )
+    tautline.study_errors(SCENE, quick=True, repeat=2, tolerance="1 %")
+    assert given == {"reduced": True, "repetitions": 2, "tolerance": pytest.approx(0.01)}
+    tautline.study_errors(SCENE, reduced=False, repetitions=1)
+    assert (given["reduced"], given["repetitions"]) == (False, 1)
 
 
 def test_a_grid_takes_whatever_can_be_gone_through_and_times_with_units():
@@ -158,3 +177,33 @@ def test_simulations_may_come_one_after_the_other(sim):
     assert [one.time for one in copies] == [0.1, 0.1]
     with pytest.raises(ArgumentTypeError, match="list of simulations"):
         tautline.rollout(sim, until=0.2)
+
+
+@pytest.fixture(scope="module")
+def brief():
+    return tautline.simulate(SCENE.replace({"output.interval": "10 ms"}), end="20 ms")
+
+
+WORDS_OF_COMMANDS = [
+    (lambda result, here: tautline.simulate(HOIST, path=here), "such as", "is a folder"),
+    (lambda result, here: tautline.simulate(HOIST, path=HOIST), "with the argument `path`", "is not a result"),
+    (lambda result, here: result.plot("nosuch"), "argument what: ", "no figure or variable 'nosuch'"),
+    (lambda result, here: result.plot("tension", vs="nosuch"), "argument vs: ", "no variable 'nosuch'"),
+    (lambda result, here: result.render(time=99), "argument time: ", "outside of the run"),
+    (lambda result, here: result.render(camera="nosuch"), "argument camera: ", "is no view"),
+    (lambda result, here: tautline.sweep(HOIST, VARY, folder=HOIST), "with the argument `folder`", "is a file"),
+]
+
+
+@pytest.mark.parametrize(("refused", "named", "cause"), WORDS_OF_COMMANDS)
+def test_what_python_is_refused_names_arguments_and_no_option_of_a_command(brief, tmp_path, refused, named, cause):
+    with pytest.raises(tautline.ResultError) as told:
+        refused(brief, tmp_path)
+    assert named in str(told.value) and cause in str(told.value)
+    assert not re.search(r"(^| )--?[a-z]", str(told.value))
+
+
+@pytest.mark.parametrize("given", [{"what": 3}, {"what": "tension", "vs": 3}, {"what": "tension", "beside": 3}])
+def test_a_figure_refuses_what_is_no_name_and_no_list_of_results(brief, given):
+    with pytest.raises(tautline.ArgumentTypeError, match=rf"{list(given)[-1]} = 3: "):
+        brief.plot(**given)

@@ -184,7 +184,7 @@ def test_a_dash_is_no_name_of_a_result(here, tmp_path, monkeypatch):
     scene = str(Path(SCENE).absolute())
     monkeypatch.chdir(tmp_path)
     code, _, err = here("simulate", scene, "-q", "--no-verify", "--end", "0.1", "-o", "-")
-    assert code == 2 and "-o result.nc" in said(err)
+    assert code == 2 and "name it, such as result.nc" in said(err)
     assert not list(tmp_path.iterdir())
 
 

@@ -1,5 +1,6 @@
 """Help comes at once: nothing heavy is imported for it."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -63,3 +64,16 @@ def test_a_run_imports_no_plotting_and_no_xarray(tmp_path):
     (tmp_path / "good.yaml").write_text("fake: true\n")
     arguments = [str(FAKE), "simulate", str(tmp_path / "good.yaml"), "-o", str(tmp_path / "good.nc"), "--quiet"]
     assert imported(arguments).isdisjoint({"matplotlib", "xarray", "pandas", "pyvista", "sympy"})
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["simulate", "--help"], ["schema"]], ids=" ".join)
+def test_a_command_whose_words_nobody_reads_on_ends_well(arguments):
+    """As in `crane --help | head -1`."""
+    nobody, into = os.pipe()
+    os.close(nobody)
+    try:
+        code = "from crane.main import main; main()"
+        done = subprocess.run([sys.executable, "-c", code, *arguments], stdout=into, stderr=subprocess.PIPE, text=True)
+    finally:
+        os.close(into)
+    assert (done.returncode, done.stderr) == (0, "")

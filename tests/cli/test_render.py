@@ -107,6 +107,41 @@ def test_what_cannot_be_drawn_is_refused_with_its_cure_and_nothing_is_written(re
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--image", "last", "-o", "folderz"), "there is no folder"),
+        (("--image", "last", "-o", "a.bmp"), "png or jpg"),
+        (("--image", "t=99"), "outside of the run"),
+        (("--image", "last", "--camera", "@nozzle"), "known: hose"),
+        (("--movie", "b.avi"), "mp4 or .gif"),
+    ],
+)
+def test_where_one_of_several_outputs_is_refused_none_of_the_others_is_written(render, tmp_path, options, said):
+    film = () if "--movie" in options else ("--movie", "a.gif")
+    code, _, err = render("--html", "a.html", *film, *options)
+    assert code == 2 and said in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--image", "last", "--speed", "2"), "--speed: is of a film or a window"),
+        (("--image", "last", "--rate", "5"), "--rate: is of a film"),
+        (("--rate", "5"), "add --movie"),
+        (("--html", "a.html", "--speed", "7"), "--speed"),
+        (("--html", "a.html", "--size", "100x100"), "--size: is of pictures and films"),
+        (("--html", "a.html", "--camera", "top"), "--camera"),
+        (("--movie", "a.gif", "-o", "b.gif"), "-o: is the place of pictures"),
+    ],
+)
+def test_an_option_that_nothing_asked_for_heeds_is_refused(render, tmp_path, options, said):
+    code, _, err = render(*options)
+    assert code == 2 and said in err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_page_replaces_a_page_and_no_other_file(render, stored, tmp_path):
     before = digest(stored)
     for name in (str(stored), "scene.html"):

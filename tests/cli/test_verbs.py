@@ -254,6 +254,14 @@ def test_new_lists_its_templates_and_writes_nothing(folder, fake_here):
     assert list(folder.iterdir()) == before
 
 
+@pytest.mark.parametrize("beside", [("-o", "mine.yaml"), ("other",), ("--force",)])
+def test_a_list_of_templates_refuses_what_says_which_file_is_written(folder, fake_here, beside):
+    before = list(folder.iterdir())
+    done = fake_here("new", "--list", *beside)
+    assert done.returncode == 2 and "has no effect beside --list" in done.stderr
+    assert list(folder.iterdir()) == before
+
+
 def test_schema_prints_json(folder, fake_here):
     assert json.loads(fake_here("schema").stdout)["title"] == "fake"
     assert fake_here("schema", "-o", "schema.json").returncode == 0

@@ -15,6 +15,7 @@ from test_study_verbs import only_object
 import drillstring.application
 import drillstring.model.build
 import drillstring.scene.scene
+import tautline
 from tautline.cable.application import Cable
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.results.result import Result
@@ -55,6 +56,17 @@ def test_shorter_steps_state_one_and_a_half_times_the_lag_of_an_implicit_method(
     assert told.changes == pytest.approx((0.75 * lag * START, 8.0 / 9.0 * lag * START), rel=0.05)
     assert told.distance == pytest.approx(1.5 * lag * START, rel=0.05)
     assert told.position == pytest.approx(0.75 * lag, rel=0.05)
+
+
+def test_python_states_the_error_of_a_run_where_it_is_asked_to_as_the_command_does():
+    """See the tests beside this one for what the stated error of this oscillator is."""
+    h, text = 0.002, oscillator(time_step=0.002, plotpoints=250.0)
+    lag = lag_constant(0.8) * (OMEGA * h) ** 2 * TURNS
+    assert tautline.simulate(text).step_error is None
+    usual, asked = (tautline.simulate(text, verify=verify).step_error for verify in (None, True))
+    assert usual["steps"] == pytest.approx((2.0 * h, 4.0 * h))
+    assert asked["steps"] == pytest.approx((h / 2.0, h / 3.0))
+    assert asked["position"] == pytest.approx(0.75 * lag, rel=0.05)
 
 
 def test_longer_steps_state_one_and_a_quarter_of_the_lag_of_an_implicit_method():

@@ -207,6 +207,14 @@ def test_why_a_setting_is_refused_stands_below_the_table(cable, sketched):
     assert "refused: generalized-alpha, step 100 s: " in " ".join(err.split())
 
 
+def test_a_grid_of_which_nothing_can_be_run_is_refused_with_the_key_and_the_options_that_help(cable, folder):
+    code, _, err = cable("study", "bar.yaml", "--steps", "100", "--methods", "generalized-alpha")
+    said = " ".join(err.split())
+    assert code == 2 and made(folder) == []
+    assert "no setting can be run: GeneralizedAlpha.time_end = 0.6: " in said
+    assert "give other --steps, --methods or --elements, or a later --end" in said
+
+
 def test_an_error_that_nothing_can_be_below_is_refused_in_python(folder):
     import tautline
     from tautline.scene.errors import SceneError

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Installed
 from tautline.application.twins import drawer
+from tautline.arguments import NAME, RESULT, RESULTS, as_arguments, check, check_given, check_members
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
@@ -58,8 +59,14 @@ class Plots:
         ------
         ResultError
             If a name is unknown, the result lacks what the figure shows, or the figure shows one result alone.
+        ArgumentTypeError
+            For a name that is no text, and what is no list of results.
         """
-        drawn = self._application.pictures([self._result, *beside], (what,), vs)
+        check_given(what=(what, NAME))
+        check(vs=(vs, NAME))
+        check_members("beside", beside, RESULTS, RESULT)
+        with as_arguments({"--what": "what", "--vs": "vs"}):
+            drawn = self._application.pictures([self._result, *beside], (what,), vs)
         if len(drawn) > 1 and not beside:
             return drawn
         if len(drawn) > 1:

@@ -5,16 +5,23 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from tautline.arguments import as_arguments
 from tautline.scene.values.printed import printed_in
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.view.space.appearance import Appearance, Look
 
+CALLED = {
+    "--image": "time", "--colour": "colour", "--view": "view", "--radius": "radius", "--exaggerate": "exaggerate",
+    "--camera": "camera",
+}  # fmt: skip
+"""Arguments by what the verb ``render`` calls them."""
 LARGEST = 1.0e6
 """Factor that nobody can mean to give."""
 
 
+@as_arguments(CALLED)
 def in_space(
     result: Result,
     time: float | str = "last",

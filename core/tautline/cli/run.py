@@ -106,6 +106,12 @@ def _outcome(app: typer.Typer, given: list[str]) -> int:
     except BrokenPipeError:
         abandon_output()
         return ExitCode.DONE
+    except SystemExit as left:
+        # What prints the help leaves by itself where nobody reads on.
+        if not isinstance(left.__context__, BrokenPipeError):
+            raise
+        abandon_output()
+        return ExitCode.DONE
     except (KeyboardInterrupt, EOFError):
         code = ExitCode.INTERRUPTED
     except Exception as error:  # the last resort, where every error gets its line

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from tautline.errors import TautlineError
@@ -27,6 +28,10 @@ class ResultError(TautlineError):
     def __init__(self, path: str | Path, cause: str, cure: str = "") -> None:
         self.path, self.cause, self.cure = Path(path), cause, cure
         super().__init__(f"{path}: {cause}; {cure}" if cure else f"{path}: {cause}")
+
+    def translate(self, subject: Callable[[str], str], sentence: Callable[[str], str]) -> None:
+        """See `TautlineError.translate`; what it is about may stand in the place of the file."""
+        ResultError.__init__(self, subject(str(self.path)), sentence(self.cause), sentence(self.cure))
 
 
 class WriteError(ResultError):

@@ -64,11 +64,13 @@ def check_target(path: str | Path) -> Path:
     """
     path = Path(path)
     if str(path) == "-":
-        raise ResultError(path, "is no file, and a result is one", "name it, -o result.nc; --json prints the report")
+        raise ResultError(
+            path, "is no file, and a result is one", "name it, such as result.nc; --json prints the report"
+        )
     check_folder(path)
     try:
         if path.is_dir():
-            raise ResultError(path, "is a folder", f"name a file in it: -o {path / 'result.nc'}")
+            raise ResultError(path, "is a folder", f"name a file in it, such as {path / 'result.nc'}")
         if path.exists():
             _check_replaceable(path)
         elif path.suffix.lower() in OTHER_KINDS:
@@ -248,25 +250,30 @@ def make_folder(folder: Path) -> None:
         raise ResultError(folder, f"cannot be made: {reason}", "name another folder with -o") from None
 
 
-def check_folder(path: Path) -> None:
-    """Raise ResultError if the folder that a file would go to is not there."""
+def check_folder(path: Path, option: str = "-o") -> None:
+    """Raise ResultError if the folder that a file would go to is not there; `option` names another file."""
     try:
         found, folder = path.parent.exists(), path.parent.is_dir()
         file = next((one for one in path.parents if one.is_file()), None)
     except (OSError, ValueError) as error:
-        raise ResultError(path, f"cannot be written: {error}", "give another name with -o") from None
+        raise ResultError(path, f"cannot be written: {error}", f"give another name with {option}") from None
     if file is not None:
-        raise ResultError(path, f"{file} is a file, not a folder", "name another folder with -o")
+        raise ResultError(path, f"{file} is a file, not a folder", f"name another folder with {option}")
     if not found:
         raise ResultError(
             path, f"there is no folder {path.parent}", f"make it, mkdir -p {quote(str(path.parent))}, or name another"
         )
     if not folder:
-        raise ResultError(path, f"{path.parent} is a file, not a folder", "name another folder with -o")
+        raise ResultError(path, f"{path.parent} is a file, not a folder", f"name another folder with {option}")
 
 
-def check_figure(path: Path) -> Path:
+def check_figure(path: Path, option: str = "-o") -> Path:
     """Check that a figure may be written to a path, by its ending and its folder, and return it.
+
+    Parameters
+    ----------
+    option : str
+        By which another is named.
 
     Raises
     ------
@@ -274,17 +281,22 @@ def check_figure(path: Path) -> Path:
         For another ending than that of a format of figures, for a folder that is not there, and for a file that is no
         figure: it would be lost.
     """
-    if path.suffix not in FIGURES:
+    if path.suffix.lower() not in FIGURES:
         cure = f"name it {', '.join(FIGURES[:-1])} or {FIGURES[-1]}"
         raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", cure)
-    check_folder(path)
-    return check_drawn(path)
+    check_folder(path, option)
+    return check_drawn(path, option)
 
 
-def check_drawn(path: Path) -> Path:
+def check_drawn(path: Path, option: str = "-o") -> Path:
     """Check that a figure, a picture or a film may take the place of what is at a path, and return it.
 
     A name may be a link to what is no figure, such as the result that is drawn.
+
+    Parameters
+    ----------
+    option : str
+        By which another is named.
 
     Raises
     ------
@@ -297,9 +309,9 @@ def check_drawn(path: Path) -> Path:
                 start = file.read(LOOKED_AT)
             if start and not _is_drawn(start):
                 what = f"is a link to {os.path.realpath(path)}, which" if path.is_symlink() else "exists and"
-                raise ResultError(path, f"{what} is no figure: it would be lost", "name another file with -o")
+                raise ResultError(path, f"{what} is no figure: it would be lost", f"name another file with {option}")
     except OSError as error:
-        raise ResultError(path, f"cannot be read: {error.strerror}", "name another file with -o") from None
+        raise ResultError(path, f"cannot be read: {error.strerror}", f"name another file with {option}") from None
     return path
 
 
@@ -327,7 +339,7 @@ def check_page(path: Path) -> Path:
     """
     if path.suffix.lower() not in PAGES:
         raise ResultError(path, f"ends in '{path.suffix}', and is to be a web page", "name it .html")
-    check_folder(path)
+    check_folder(path, "--html")
     try:
         if path.is_file() and path.stat().st_size and not _begins_as_page(path):
             raise ResultError(path, "exists and is not a web page: it would be lost", "name another file with --html")
@@ -358,7 +370,7 @@ def check_table(path: Path | None, begins: str) -> Path | None:
         return None
     if path.suffix.lower() != ".csv":
         raise ResultError(path, f"ends in '{path.suffix}', and is to be a table", "name it .csv")
-    check_folder(path)
+    check_folder(path, "--csv")
     if path.is_file():
         with path.open("rb") as file:
             start = file.read(len(begins.encode()))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
 
 from tautline.errors import TautlineError
 
@@ -71,6 +71,11 @@ class SceneError(TautlineError):
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = list(problems)
         super().__init__(self.problems)
+
+    def translate(self, subject: Callable[[str], str], sentence: Callable[[str], str]) -> None:
+        """See `TautlineError.translate`; what it is about may stand in the place of the file."""
+        told = (replace(one, cause=sentence(one.cause), cure=sentence(one.cure)) for one in self.problems)
+        SceneError.__init__(self, [replace(one, file=subject(one.file)) for one in told])
 
     def __str__(self) -> str:
         alike: dict[tuple[str, str, str], set[int]] = {}

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from tautline.scene.reading.files import names_file
+from tautline.scene.reading.files import files_of, names_file
 
 SOLVED_BY = (
     "method", "rho_inf", "alpha_m", "alpha_f", "step", "end", "control", "step_error", "tolerance", "frequency",
@@ -50,6 +50,20 @@ def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | No
     for part in _contents(scene, "", besides, folder):
         digest.update(part + b"\0")
     return digest.hexdigest()[:16]
+
+
+def says_the_same(scene: Any, other: Any) -> bool:
+    """Whether two scenes say the same, and have the same driven from outside; in which text or file does not matter.
+
+    Names of files that they are read with say the same where they are relative to the same folder.
+    """
+    if scene is other:
+        return True
+    if type(scene) is not type(other) or scene.driven != other.driven:
+        return False
+    if any(getattr(scene, name) != getattr(other, name) for name in type(scene).model_fields):
+        return False
+    return next(files_of(scene), None) is None or scene.folder.resolve() == other.folder.resolve()
 
 
 def _contents(value: Any, path: str, besides: Collection[str], folder: Path | None) -> Iterator[bytes]:

@@ -15,6 +15,8 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
+from tautline.scene.frozen import Frozen
+from tautline.scene.identity import says_the_same
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
 from tautline.scene.refusal import KIND, must_be, nearest, nearest_key, one_of, refusal
@@ -51,8 +53,6 @@ Whole = Annotated[int, Strict()]
 """A whole number; true and 12.0 are none."""
 Switch = Annotated[bool, Strict()]
 """True or false; 0 and 'no' are neither."""
-
-
 PARTS = "parts of the last variant"
 """Where it keeps them."""
 
@@ -79,7 +79,7 @@ def _by_part(changes: Mapping[str, Any]) -> dict[str, tuple[Any, ...] | None]:
     return found
 
 
-class Model(pydantic.BaseModel):
+class Model(Frozen):
     """A frozen mapping of known keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, defer_build=True)
@@ -227,6 +227,10 @@ class Scene(Model):
         """What is pickled: not what was prepared once, which is prepared again where it is needed."""
         state = super().__getstate__()
         return {**state, "__dict__": {key: value for key, value in state["__dict__"].items() if key != MADE}}
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both say the same, wherever that is written."""
+        return says_the_same(self, other)
 
     @property
     def driven(self) -> frozenset[str]:

@@ -65,6 +65,19 @@ class Collected(pydantic.BaseModel):
     output: str = ""
     statistic: str = ""
 
+    @property
+    def said(self) -> str | dict[str, str]:
+        """It as a file would have it, with its statistic, and with its name where that is another than the usual."""
+        if self.figure:
+            return self.figure
+        whole = {"output": self.output, "statistic": self.statistic}
+        return whole if self.name == _column(self.output, self.statistic) else whole | {"name": self.name}
+
+
+def _column(output: str, statistic: str) -> str:
+    """Usual name of the column of an output's statistic."""
+    return f"{output} {statistic}"
+
 
 class SweepFile(Scene):
     """The whole file."""
@@ -130,6 +143,19 @@ class SweepFile(Scene):
             raise fault(("plan", name, "seed"), "must be a whole number, not negative", f"write plan: {example}")
         return Plan(name, samples, seed)
 
+    def said(self) -> dict[str, Any]:
+        """What makes it this sweep, by the keys of the file and with its defaults, but for which scene it is.
+
+        A file that leaves a default out and one that writes it are of one sweep.
+        """
+        plan = self.chosen_plan()
+        sampled = {plan.name: {"samples": plan.samples, "seed": plan.seed}}
+        return {
+            "verb": self.verb, "options": self.options, "vary": self.vary,
+            "plan": sampled if plan.name in SAMPLED else plan.name,
+            "collect": [one.said for one in self.collected()], "indices": self.indices,
+        }  # fmt: skip
+
     def problem_at(self, path: Path_, cause: str, cure: str = "", value: str | None = None) -> Problem:
         """A problem at a key path, with the value that is meant where not all that stands there is."""
         assert self.document is not None
@@ -153,7 +179,7 @@ def _collected(i: int, given: Any) -> Collected:
     if statistic not in STATISTICS and percentile(statistic) is None:
         known = f"known: {', '.join(STATISTICS)}, and percentiles such as p95"
         raise fault(("collect", i, "statistic"), "is not one of the known statistics", known)
-    name = given.get("name", f"{given['output']} {statistic}")
+    name = given.get("name", _column(given["output"], statistic))
     if not isinstance(name, str) or not name.strip() or "/" in name:
         raise fault(("collect", i, "name"), "is no name of a column", "give a word without a slash")
     return Collected(name=name.strip(), output=given["output"], statistic=statistic)

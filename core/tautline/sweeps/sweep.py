@@ -22,6 +22,7 @@ from tautline.arguments import (
     SWITCH,
     VARIED,
     WHOLE,
+    as_arguments,
     check,
     check_given,
     mapping_of,
@@ -121,6 +122,7 @@ class SweepInterrupted(TautlineError):
         super().__init__("the sweep was interrupted")
 
 
+@as_arguments({"-o": "folder", "--resume": "resume", "--dask": "dask"})
 def sweep(
     scene: Any,
     vary: Mapping[str, Any],
@@ -238,7 +240,7 @@ class _Sweep:
         self.runner = Runner(self.job, application, scene)
         self.journal: Journal | None = None
         if folder is not None:
-            mark, about = self._mark(scenes), self._about()
+            mark, about = self._mark(scenes), read.said()
             self.journal = Journal(folder, mark, len(self.cases), execution.resume, files, about)
         self.columns: dict[str, Finding] = dict(self.journal.columns or {}) if self.journal is not None else {}
         self.kept: list[Row] = []
@@ -252,15 +254,11 @@ class _Sweep:
         self.process = os.getpid()
         self.lost: list[Row] = []
 
-    def _about(self) -> dict[str, Any]:
-        """What the sweep's file says of it, but for its title and which scene it is."""
-        return {key: value for key, value in self.read.document.root.items() if key not in ("title", "scene")}
-
     def _mark(self, scenes: Sequence[Any]) -> str:
         """What makes it this sweep: the scene with its files, and all of the sweep's file that changes a number."""
         # The cases of a grid are numbered in the order of its keys, which a sorted text would not tell.
         order = list(self.read.vary)
-        whole: list[Any] = [self._about(), order, self.scene.document.root]
+        whole: list[Any] = [self.read.said(), order, self.scene.document.root]
         whole.append([model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes])
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
 

@@ -134,7 +134,8 @@ def in_cluster(
     with _client(address, jobs) as client:
         if announce is not None:
             there = sum(client.nthreads().values())
-            announce(f"{there} workers" if there else "the scheduler has no workers yet: cases wait until one comes")
+            workers = f"{there} worker" + ("" if there == 1 else "s")
+            announce(workers if there else "the scheduler has no workers yet: cases wait until one comes")
         pending = as_completed(loop=client.loop)
         given: dict[str, Piece] = {}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from tautline.view.space.appearance import Appearance
     from tautline.view.space.film import Cut
 
+Write = Callable[[], list[Path]]
+"""Writes files, and returns them."""
 NO_DISPLAY = (
     "there is no display that a window can be opened on: here is a picture; see also --movie, --html and `export --vtk`"
 )
@@ -67,6 +69,7 @@ def render(catalogue: Catalogue, path: Path, asked: RenderOptions, as_json: bool
     from tautline.results.result import Result
     from tautline.statistics.store import check_whole
 
+    _check_heeded(asked)
     result = Result.read(path)
     if asked.movie is not None or asked.html is not None:
         check_whole(result, "a film")
@@ -84,27 +87,69 @@ def render(catalogue: Catalogue, path: Path, asked: RenderOptions, as_json: bool
         print_json({"status": "done", "files": [str(file) for file in written], "warnings": warnings})
 
 
+def _check_heeded(asked: RenderOptions) -> None:
+    """Refuse options that nothing asked for heeds: whoever gives one expects something of it."""
+    from tautline.results.errors import ResultError
+
+    # Where nothing is named there is a window, or a picture where no window can be opened: which one is known later.
+    neither = not (asked.image or asked.movie or asked.html)
+    drawn = bool(asked.image or asked.movie) or neither
+    for option, given, heeded, cause, cure in (
+        ("--rate", asked.rate, asked.movie, "is of a film", "--movie"),
+        ("--speed", asked.speed, asked.movie or neither, "is of a film or a window", "--movie"),
+        ("--size", asked.size, drawn, "is of pictures and films", "--image or --movie"),
+        ("--camera", asked.camera, drawn, "is of pictures and films", "--image or --movie"),
+        ("-o", asked.output, asked.image or neither, "is the place of pictures", "--image"),
+    ):
+        if given is not None and not heeded:
+            raise ResultError(option, f"{cause}, and none is asked for", f"add {cure}, or leave it out")
+
+
 def _shown(appearance: Appearance, path: Path, asked: RenderOptions) -> list[Path]:
-    """Write what is asked for, or open a window; returns the files."""
-    written: list[Path] = []
-    if asked.html is not None:
-        from tautline.results.output_path import check_page
-        from tautline.view.web.page import write_page
+    """Write what is asked for, or open a window; returns the files.
 
-        written.append(write_page(appearance, check_page(asked.html), asked.colour, asked.radius))
-    if asked.movie is not None:
-        written.append(_film(appearance, asked.movie, asked))
-    if asked.image:
-        written += _pictures(appearance, asked.image, path, asked)
-    if not written:
-        from tautline.view.space.graphics import opens_windows
+    All of it is looked at before the first file is written.
+    """
+    ready = [
+        prepared(appearance, path, asked)
+        for prepared, wanted in ((_page, asked.html), (_film, asked.movie), (_pictures, asked.image))
+        if wanted
+    ]
+    if ready:
+        return [file for write in ready for file in write()]
+    from tautline.view.space.graphics import opens_windows
 
-        if opens_windows():
-            _window(appearance, asked)
-        else:
-            written += _pictures(appearance, ["last"], path, asked)
-            say(NO_DISPLAY)
+    if opens_windows():
+        _window(appearance, asked)
+        return []
+    written = _pictures(appearance, path, asked)()
+    say(NO_DISPLAY)
     return written
+
+
+def _page(appearance: Appearance, path: Path, asked: RenderOptions) -> Write:
+    """What writes the page, when it is known that it can be."""
+    from tautline.results.output_path import check_page
+    from tautline.view.space.colours import shading
+    from tautline.view.web.page import write_page
+
+    assert asked.html is not None
+    file = check_page(asked.html)
+    shading(appearance, asked.colour)
+    return lambda: [write_page(appearance, file, asked.colour, asked.radius)]
+
+
+def _check_drawn_with(appearance: Appearance, asked: RenderOptions) -> None:
+    """Refuse what a stage would refuse, without one: there is to be nothing written by then."""
+    from tautline.view.space.camera import aim
+    from tautline.view.space.colours import shading
+    from tautline.view.space.graphics import graphics
+
+    _size(asked.size)
+    shading(appearance, asked.colour)
+    if follows := aim(asked.camera or "", appearance.eye).follows:
+        appearance.place_of(follows)
+    graphics()
 
 
 def _stage(appearance: Appearance, asked: RenderOptions, **more: Any) -> Any:
@@ -137,20 +182,29 @@ def _window(appearance: Appearance, asked: RenderOptions) -> None:
     Window(_stage(appearance, asked, window=True), asked.speed or 1.0).open()
 
 
-def _film(appearance: Appearance, file: Path, asked: RenderOptions) -> Path:
+def _film(appearance: Appearance, path: Path, asked: RenderOptions) -> Write:
+    """What writes the film, when it is known that it can be."""
     from tautline.cli.output.progress import Counter
-    from tautline.view.space.film import check_name, cut, film, large
+    from tautline.view.space.film import check_name, cut, film, large, writer
 
+    file = asked.movie
+    assert file is not None
     check_name(file)
+    writer(file)
     made, size = cut(appearance.time, asked.rate, asked.speed), _size(asked.size)
-    stage = _stage(appearance, asked, size=large(size), smooth=False)
-    try:
-        with Counter("pictures") as counter:
-            written = film(stage, file, made, counter, size)
-    finally:
-        stage.close()
-    say(_film_said(made))
-    return written
+    _check_drawn_with(appearance, asked)
+
+    def write() -> list[Path]:
+        stage = _stage(appearance, asked, size=large(size), smooth=False)
+        try:
+            with Counter("pictures") as counter:
+                written = film(stage, file, made, counter, size)
+        finally:
+            stage.close()
+        say(_film_said(made))
+        return [written]
+
+    return write
 
 
 def _film_said(made: Cut) -> str:
@@ -161,13 +215,21 @@ def _film_said(made: Cut) -> str:
     return f"{len(made.frames)} pictures, {made.rate:.3g} a second{faster}"
 
 
-def _pictures(appearance: Appearance, times: Sequence[str], path: Path, asked: RenderOptions) -> list[Path]:
-    from tautline.view.space.still import frame_of, places, still
+def _pictures(appearance: Appearance, path: Path, asked: RenderOptions) -> Write:
+    """What writes the pictures, when it is known that they can be; that of the last frame where no time was given."""
+    from tautline.view.space.still import check_format, frame_of, places, still
 
-    frames = [frame_of(text, appearance.time) for text in times]
+    frames = [frame_of(text, appearance.time) for text in asked.image or ("last",)]
     files = places(asked.output, path, appearance.time, frames)
-    stage = _stage(appearance, asked)
-    try:
-        return [still(stage, frame, file) for frame, file in zip(frames, files, strict=True)]
-    finally:
-        stage.close()
+    for file in files:
+        check_format(file)
+    _check_drawn_with(appearance, asked)
+
+    def write() -> list[Path]:
+        stage = _stage(appearance, asked)
+        try:
+            return [still(stage, frame, file) for frame, file in zip(frames, files, strict=True)]
+        finally:
+            stage.close()
+
+    return write

@@ -59,18 +59,22 @@ def check(
     Raises
     ------
     SceneError, ResultError
-        For a scene that cannot be run, and a figure that cannot be drawn.
+        For a scene that cannot be run, and a figure that cannot be drawn; nothing is drawn then.
     """
+    from tautline.results.output_path import check_figure
+
     application, read = catalogue.read(scene, change_of(changes))
+    if figure is not None:
+        check_figure(figure, "--figure")
     warnings = application.warnings(read)
     figures = application.check_figures(read)
     print_warnings(warnings)
-    if figure is not None:
-        _draw(application, read, figure)
     # What only the builder can tell, such as a repeated constraint, is refused here too; nothing is run.
     if note := version_note():
         say(f"warning: {note}", "yellow")
     model = application.build(read)
+    if figure is not None:
+        _draw(application, read, figure)
     for note in getattr(model, "notes", ()):
         say(f"note: {note}")
     rows = () if as_json else getattr(application, "describe", lambda _: ())(figures)
@@ -319,40 +323,21 @@ def _other_runs(
     """What estimates a run's error from runs with other steps, or leaves that out where it is not to be done."""
     if getattr(model, "system", None) is None:
         return None
+    from tautline.application.after_run import error_of_step
     from tautline.simulation import Afterwards
+    from tautline.study.trials.step_error import CUT_SHORT, NOT_KNOWN
 
-    nothing = Afterwards(lambda result: ({}, []), ({}, []))
-    if verify is False or (verify is None and earlier is not None):
-        return nothing
-    if getattr(model, "keep", None) is not None:
-        # Runs with other steps are compared frame by frame.
-        if verify:
-            cure = "leave --verify out, or run a shorter stretch of the scene with output.keep: frames"
-            raise option_error("--verify", "", "needs every frame, and the scene keeps statistics", cure)
-        return nothing
-    from tautline.application.installed import key_of_setting
-    from tautline.study.trials.step_error import CUT_SHORT, NOT_KNOWN, estimate, runs_for
-    from tautline.study.trials.trial import Subject
-
-    parts = runs_for(model, verify)
-    if not parts:
-        return nothing
-
-    def begin() -> None:
+    def begin(parts: Sequence[float]) -> None:
         if not quiet:
             runs = SHARES.get(parts[-1], f"a run with {parts[-1]:.3g} times the step")
             say(f"estimating the error from {runs}; --no-verify leaves it out")
         bar.again(len(parts) * float(model.solver.end), "estimating the error")
 
-    def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
-        found = estimate(Subject(application, scene), result, progress=bar, parts=parts, begin=begin)
-        if isinstance(found, str):
-            return {}, [NOT_KNOWN.format(found)] if found else []
-        keys = {name: key for name in ("step", "step_error") if (key := key_of_setting(application, name))}
-        warning = found.warned(**keys)
-        return {"step_error": found._asdict()}, [warning] if warning else []
-
-    return Afterwards(compared, ({}, [NOT_KNOWN.format(CUT_SHORT)]))
+    goes_on = verify is None and earlier is not None
+    found = None if goes_on else error_of_step(application, scene, model, verify, bar, begin)
+    if found is None:
+        return Afterwards(lambda result: ({}, []), ({}, []))
+    return found._replace(unless=({}, [NOT_KNOWN.format(CUT_SHORT)]))
 
 
 def _earlier(resume: Path | None) -> Result | None:

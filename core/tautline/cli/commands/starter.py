@@ -29,10 +29,14 @@ def new(catalogue: Catalogue, template: str | None, output: Path | None, listed:
     Raises
     ------
     SceneError
-        If the template is unknown, the file exists and `force` is false, or it cannot be written.
+        If the template is unknown, the file exists and `force` is false, or it cannot be written; also for what says
+        which file is written, beside a list.
     """
     templates = {name: text for application in catalogue.all() for name, text in application.templates.items()}
     if listed:
+        for option, given in (("TEMPLATE", template), ("-o", output), ("--force", force or None)):
+            if given is not None:
+                raise _refuse(option, "has no effect beside --list, which writes nothing", "leave one of them out")
         for name, text in templates.items():
             print_text(f"{name:<20} {_first_comment(text)}".rstrip() + "\n")
         return

@@ -101,8 +101,9 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: StudyOpt
         raise Ended(ExitCode.INTERRUPTED) from None
     refused = [row.trial.sentence for row in found.rows if row.trial.status == "refused"]
     if refused and len(refused) == len(found.rows):
-        cause = f"no setting can be run: {refused[0]}"
-        raise SceneError([Problem(str(path), None, "", None, cause, "give other steps, methods or elements")])
+        # What would do for the scene as it stands is not what was asked for here.
+        cause, cure = refused[0].partition("; ")[0], "give other --steps, --methods or --elements, or a later --end"
+        raise SceneError([Problem(str(path), None, "", None, f"no setting can be run: {cause}", cure)])
     _report(path, stem, found, as_json, warnings)
     if found.interrupted:
         say("interrupted", "yellow")

@@ -26,12 +26,13 @@ def changed(document: Document, given: Sequence[str] | None) -> Document:
     Parameters
     ----------
     given : sequence of str or None
-        ``key=value`` each, the value as it would stand in the file; where a key stands twice, the last one counts.
+        ``key=value`` each, the value as it would stand in the file.
 
     Raises
     ------
     PartlyReplacedError
-        Naming the option, for what is no key with a value, and a key that leads nowhere: of all that were given.
+        Naming the option, for what is no key with a value, a key that stands twice, and one that leads nowhere: of all
+        that were given.
     """
     values, wrong = dict[str, Any](), list[Problem]()
     for text in given or ():
@@ -40,7 +41,9 @@ def changed(document: Document, given: Sequence[str] | None) -> Document:
         except SceneError as error:
             wrong += error.problems
             continue
-        values.pop(key, None)
+        if key in values:
+            wrong += option_error(OPTION, text, f"gives {key} a second time", "leave one of the two out").problems
+            continue
         values[key] = value
     try:
         made = document.changed(values, OPTION) if values else document

@@ -26,6 +26,7 @@ from tautline.arguments import (
     is_positive,
     plain,
 )
+from tautline.errors import ArgumentError
 from tautline.scene import methods
 from tautline.scene.values.quantity import Quantity
 from tautline.study.accuracy.grid import Grid
@@ -33,7 +34,7 @@ from tautline.study.trials.trial import Setting
 
 GRID = Wanted("a Grid, such as tautline.Grid(steps=[1e-3, 5e-4])", lambda value: isinstance(value, Grid))
 SETTING = Wanted("a Setting", lambda value: isinstance(value, Setting))
-TOLERANCE = Wanted("a share, such as 0.01", is_number)
+TOLERANCE = Wanted('a share, such as 0.01 or "1 %",', is_number)
 STEP = Wanted('a finite time above zero, such as 1e-3 or "1 ms",', is_number, is_positive)
 MEMBERS = {
     "methods": (NAMES, NAME), "steps": (NUMBERS, STEP), "elements": (NUMBERS, ABOVE_ZERO),
@@ -45,10 +46,25 @@ OF_STABILITY: dict[str, Wanted] = {
     "tolerance": TOLERANCE, "budget": BUDGET, "point": POINT, "quick": SWITCH, "progress": FUNCTION,
 }  # fmt: skip
 OF_STUDY: dict[str, Wanted] = {
-    "tolerance": TOLERANCE, "repetitions": COUNT, "budget": BUDGET, "point": POINT,
-    "reference": SETTING, "progress": FUNCTION, "reduced": SWITCH,
+    "tolerance": TOLERANCE, "repeat": COUNT, "budget": BUDGET, "point": POINT, "quick": SWITCH,
+    "reference": SETTING, "progress": FUNCTION, "repetitions": COUNT, "reduced": SWITCH,
 }  # fmt: skip
+SAID = {"quick": "reduced", "repeat": "repetitions"}
+"""Arguments of `study` by what the command, and `stability`, call them; either name may be given."""
 NEWTON = ("modified", "full")
+
+
+def as_study_takes(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `study` by its own names, of some that are called as options are; raises ArgumentError."""
+    for said, name in SAID.items():
+        if said in options and name in options:
+            raise ArgumentError(f"{said} and {name} are one argument: leave one of them out")
+    return {SAID.get(name, name): one for name, one in options.items()}
+
+
+def with_share(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments with a tolerance as a share, of a text such as ``1 %``; what is none stays, to be refused."""
+    return {name: _number(one, "") if name == "tolerance" else one for name, one in options.items()}
 
 
 def check_study(grid: Any, options: Mapping[str, Any]) -> Grid:
@@ -62,7 +78,7 @@ def check_study(grid: Any, options: Mapping[str, Any]) -> Grid:
     check_given(grid=(grid, GRID))
     lists = {name: _listed(getattr(grid, name)) for name in MEMBERS}
     if isinstance(lists["steps"], tuple):
-        lists["steps"] = tuple(_seconds(one) for one in lists["steps"])
+        lists["steps"] = tuple(_number(one, "s") for one in lists["steps"])
     for name, given in lists.items():
         check_members(f"grid.{name}", given, *MEMBERS[name])
     check_choices("grid.methods", lists["methods"], methods.names())
@@ -80,10 +96,10 @@ def _listed(given: Any) -> Any:
     return tuple(plain(one) for one in given)
 
 
-def _seconds(given: Any) -> Any:
-    """A time in seconds of a text with its unit; what is none stays what it is, to be refused by its place."""
+def _number(given: Any, unit: str) -> Any:
+    """A number in a unit, of a text with its own; what is none stays what it is, to be refused by its place."""
     try:
-        return Quantity("s").read(given) if isinstance(given, str) else given
+        return Quantity(unit).read(given) if isinstance(given, str) else given
     except PydanticCustomError:
         return given
 

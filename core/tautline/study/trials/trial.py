@@ -274,5 +274,5 @@ def _finite(result: Result) -> bool:
 
 
 def _one_line(error: SceneError) -> str:
-    problem = error.problems[0]
-    return f"{problem.cause}; {problem.cure}" if problem.cure else problem.cause
+    """The first fault without the file that it is in: the key, its value, what is wrong and what to do."""
+    return str(replace(error.problems[0], file="", line=None))

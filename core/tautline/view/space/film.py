@@ -131,20 +131,25 @@ def check_name(path: Path) -> str:
     ending = path.suffix[1:].lower()
     if ending not in FORMATS:
         raise ResultError(path, f"is no film that can be written: '{ending}'", f"use .{' or .'.join(FORMATS)}")
-    check_folder(path)
-    check_drawn(path)
+    check_folder(path, "--movie")
+    check_drawn(path, "--movie")
     return ending
+
+
+def writer(path: Path) -> str:
+    """The ffmpeg that is to write a film; raises ResultError where there is none."""
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        return str(get_ffmpeg_exe())
+    except (ImportError, RuntimeError) as error:
+        raise ResultError(path, f"cannot be written: no ffmpeg ({error})", "`pip install imageio-ffmpeg`") from None
 
 
 @contextlib.contextmanager
 def _ffmpeg(path: Path, part: Path, ending: str, given: tuple[int, int], size: tuple[int, int], rate: float) -> Any:
     """A pipe that takes raw pictures for a film, which is written as `part`; messages name `path`."""
-    try:
-        from imageio_ffmpeg import get_ffmpeg_exe
-
-        program = get_ffmpeg_exe()
-    except (ImportError, RuntimeError) as error:
-        raise ResultError(path, f"cannot be written: no ffmpeg ({error})", "`pip install imageio-ffmpeg`") from None
+    program = writer(path)
     # libx264 wants an even number of pixels each way.
     width, height = size if ending == "gif" else (size[0] // 2 * 2, size[1] // 2 * 2)
     filters = [f"scale={width}:{height}:flags=bilinear"] if (width, height) != given else []
@@ -174,7 +179,7 @@ def _ffmpeg(path: Path, part: Path, ending: str, given: tuple[int, int], size: t
 
 def _unwritten(path: Path, said: str) -> ResultError:
     """What to raise for what ffmpeg said as it failed: WriteError where it names a disk that is full or fails."""
-    cure = "name another with -o or --movie, or make room"
+    cure = "name another with --movie, or make room"
     if full := next((reason for reason in sorted(FULL) if reason in said), None):
         return WriteError(path, f"cannot be written: {full}", cure)
     cause = said.splitlines()[-1] if said else "ffmpeg stopped"

@@ -79,6 +79,16 @@ def places(output: Path | None, result: Path, time: np.ndarray, frames: list[int
     return [check_drawn(path.with_name(f"{path.stem}_{time[frame]:g}s{path.suffix or '.png'}")) for frame in frames]
 
 
+def check_format(path: Path) -> None:
+    """Raise ResultError for a name whose ending is of no picture that can be written."""
+    ending = path.suffix[1:].lower()
+    if ending not in (*FORMATS, "jpeg"):
+        other = OTHERS.get(ending)
+        instead = f", or give --{other} {path} in place of -o {path}" if other else ""
+        cure = f"use {' or '.join(FORMATS)}{instead}"
+        raise ResultError(path, f"is no picture that can be written: '{ending}'", cure)
+
+
 def still(stage: Stage, frame: int, path: Path) -> Path:
     """Write a frame as a picture.
 
@@ -89,12 +99,7 @@ def still(stage: Stage, frame: int, path: Path) -> Path:
     """
     from PIL import Image
 
-    ending = path.suffix[1:].lower()
-    if ending not in (*FORMATS, "jpeg"):
-        other = OTHERS.get(ending)
-        instead = f", or give --{other} {path} in place of -o {path}" if other else ""
-        cure = f"use {' or '.join(FORMATS)}{instead}"
-        raise ResultError(path, f"is no picture that can be written: '{ending}'", cure)
+    check_format(path)
     stage.show(frame)
     try:
         Image.fromarray(stage.picture()).save(path)
