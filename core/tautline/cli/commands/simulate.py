@@ -325,7 +325,6 @@ def _other_runs(
         return None
     from tautline.application.after_run import error_of_step
     from tautline.simulation import Afterwards
-    from tautline.study.trials.step_error import CUT_SHORT, NOT_KNOWN
 
     def begin(parts: Sequence[float]) -> None:
         if not quiet:
@@ -337,6 +336,8 @@ def _other_runs(
     found = None if goes_on else error_of_step(application, scene, model, verify, bar, begin)
     if found is None:
         return Afterwards(lambda result: ({}, []), ({}, []))
+    from tautline.study.trials.step_error import CUT_SHORT, NOT_KNOWN
+
     return found._replace(unless=({}, [NOT_KNOWN.format(CUT_SHORT)]))
 
 
