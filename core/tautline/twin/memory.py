@@ -26,10 +26,13 @@ if TYPE_CHECKING:
     from tautline.twin.twin import Twin
 
 RECORDS = (Active, Checkpoint, Departure, Found, Logged, Passage, Row, Sample, State)
-OF_TWIN = ("now", "unsettled", "unsure", "rests", "paused", "restarts", "_ends", "_ends_told", "starved")
+OF_TWIN = ("now", "unsettled", "unsure", "rests", "paused", "restarts", "_ends", "_ends_told", "starved", "lost",
+    "next_try", "_stopped_by",
+)
 OF_READINGS = ("zeros", "far", "stepped", "step_found")
 OF_ESTIMATE = (
     "from_rest", "_plain", "_passage", "_pending", "_gathered", "_slopes", "_bounce", "_steep", "_steep_at", "_begin",
+    "_held",
 )  # fmt: skip
 OF_FAMILY = ("at", "apart", "mixed", "trust", "steady", "rough", "blows_due")
 OF_WATCH = ("_told_ahead", "_before", "_seen", "_seen_before_rest", "_irregular", "_down_from")

@@ -46,6 +46,8 @@ of a string within seconds."""
 BEYOND, NO_LONGER_BEYOND = 5.0, 1.0
 """Standard deviations that an estimate would stand beyond its range, from which on range or data are wrong; and at
 which they are right again."""
+PAUSE = 5.0
+"""Time between two tries to begin a simulation that has stopped again where the sensors are, s."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
 
@@ -110,6 +112,8 @@ class Twin:
         self.settling, self.unsure, self.rests, self.starved = Settling(), False, False, False
         self._ends, self._ends_told = dict[str, float](), set[str]()
         self.restarts = 0
+        self.lost, self.next_try = "", -np.inf
+        self._stopped_by: str | None = None
         self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
         self.notes = self.estimate.notes  # one list
         self.notes += bare_bounds(self.map, self.plan)
@@ -267,7 +271,7 @@ class Twin:
             # What rows missed was missed by a simulation that is given up.
             self.estimate.horizon.miss_anew(self.now)
             self._rest()
-        if self.estimate.log.begun and (row.begins or (row.after_gap and row.time - self.now > LONG_GAP)):
+        if (self.estimate.log.begun or self.lost) and (row.begins or (row.after_gap and row.time - self.now > LONG_GAP)):
             self._pass_over(row)
         inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
         self.notes += self.readings.remarks()
@@ -275,14 +279,18 @@ class Twin:
             # What was laid through the treads has set the load bouncing.
             self.estimate.from_rest = True
         if not self.estimate.log.begun:
-            self._begin_at(row, inputs)
+            if (begun := self._begin(row, inputs)) is None:
+                return self._go_without(row, values)
+            inputs = begun
         if self.estimate.log.origin + self.known_until[0] + EARLY < row.time:
             until, key = self.known_until
             raise SceneEnded(row.time, until, key)
         try:
             self.estimate.advance(row.time, inputs)
         except StoppedEarly as error:
-            self._restart(row, inputs, error)
+            if (begun := self._restart(row, error)) is None:
+                return self._go_without(row, values)
+            inputs = begun
         read = dict(zip(self._read, self.estimate.family.read(self._read), strict=True))
         self.readings.take_back(row.time, {one.name: float(read[one.name][0]) for one in self.plan.measured})
         line = self._compare(row, inputs, values, read, self._used(row, values) & use, use)
@@ -292,12 +300,43 @@ class Twin:
 
     # -- the machine begins, waits and goes on -------------------------------------------------------------------------
 
-    def _begin_at(self, row: Row, inputs: list[tuple[str, np.ndarray]]) -> None:
-        """Bring the simulations to where the sensors begin."""
+    def _begin(self, row: Row, inputs: list[tuple[str, np.ndarray]]) -> list[tuple[str, np.ndarray]] | None:
+        """Bring the simulations to where the sensors are; gives the inputs they have there, or None where they stop.
+
+        Where they stop on the way to the machine's speed they come to rest at its place, and join its motion from
+        there: on that way they are nowhere where the machine was not. Else it is tried again at a later row.
+        """
+        if self.lost and row.time < self.next_try:
+            return None
+        was_lost = bool(self.lost)
+        for at_rest in (False, True):
+            try:
+                begun = self._begin_at(row, inputs, at_rest)
+            except StoppedEarly as error:
+                self.estimate.rest()
+                self._lose(row.time, error, error.status.name)
+            else:
+                if was_lost:
+                    self.notes.append(f"at {stamp_said(row.time)} the simulation began again where the sensors are")
+                    self._disturbed(row.time)
+                self.lost, self._stopped_by = "", None
+                return begun
+        self.notes.append(f"at {stamp_said(row.time)} {self.lost}")
+        return None
+
+    def _begin_at(
+        self, row: Row, inputs: list[tuple[str, np.ndarray]], at_rest: bool = False
+    ) -> list[tuple[str, np.ndarray]]:
+        """Bring the simulations to where the sensors begin: as they move there, or at rest; gives their inputs."""
+        shown = inputs
+        if at_rest:
+            inputs = self.readings.resting(shown)
         anywhere = self.operation is not None and self.operation.anywhere
         run_in = self.readings.begin(row, inputs, anywhere, first=row.begins or not np.isfinite(self.now))
         self.notes += self.readings.remarks()
         family, log = self.estimate.family, self.estimate.log
+        if run_in > 0.0 and not anywhere:
+            self.estimate.stand_still()
         begin = family.time
         log.origin = row.time - begin - run_in
         if run_in > 0.0:
@@ -305,6 +344,9 @@ class Twin:
             family.advance(begin + run_in, inputs)
             self.unsettled = row.time + SETTLING
         log.keep(row.time, family.save())
+        if at_rest:
+            self.readings.join_from_rest(shown)
+        return inputs
 
     def _wait(self, row: Row, values: np.ndarray) -> dict[str, Any]:
         """A row while the machine is apart from its scene, such as a string that hangs in slips; its line."""
@@ -343,20 +385,60 @@ class Twin:
         self.estimate.build(self.plan, self._machine(first))
         self._begin_anew()
 
-    def _restart(self, row: Row, inputs: list[tuple[str, np.ndarray]], error: StoppedEarly) -> None:
-        """Begin again from rest, with the estimate as it is."""
+    def _restart(self, row: Row, error: StoppedEarly) -> list[tuple[str, np.ndarray]] | None:
+        """Begin again from rest where the sensors are, with the estimate as it is; as `_begin`.
+
+        What stopped the simulation on a way that was made up, such as an input that comes to rest while its sensor
+        shows nothing, says nothing of the machine.
+        """
         self.restarts += 1
-        text = f"the simulation stopped: {error}; it was begun again from rest"
-        self.watch.stopped(row.time, text)
-        self.notes.append(text)
+        made_up, seen = self.readings.made_up, self.readings.seen
+        why = f"{error.part}: {error.sentence.partition('. ')[0]}"
+        if made_up:
+            why += ". An input was on a way of its own, as its sensor had shown nothing for a while"
+        text = f"the simulation stopped ({why}); it was begun again from rest where the sensors are"
         self._rest()
-        self.outlook.drop(Found(row.time, stopped=(0.0, error.status.name)))
-        try:
-            self._begin_at(row, inputs)
-        except StoppedEarly as again:
-            raise StoppedEarly(again.status, row.time, "the twin, begun again where the sensors are") from again
-        self.unsettled = row.time + max(SETTLING, self.plan.window)
+        self.outlook.drop(None if made_up else Found(row.time, stopped=(0.0, error.status.name)))
+        if row.time < self.next_try:
+            self._lose(row.time, error, None if made_up else error.status.name, self.next_try)
+            return None
+        self.next_try = row.time + PAUSE
+        begun = self._begin(row, seen)
+        if begun is not None:
+            self.watch.stopped(row.time, text)
+            self.notes.append(f"at {stamp_said(row.time)} {text}")
+            self._disturbed(row.time)
+        return begun
+
+    def _disturbed(self, time: float) -> None:
+        """Let nothing be judged by what is computed until that has followed the sensors for a while."""
+        self.unsettled = time + max(SETTLING, self.plan.window)
+        self.settling.disturb(time)
+
+    def _lose(self, time: float, error: StoppedEarly, status: str | None, next_try: float | None = None) -> None:
+        """Take notice that no simulation goes on where the sensors are, and when that is tried again, s."""
+        self.next_try = time + PAUSE if next_try is None else next_try
+        self._stopped_by = status
+        self.lost = (
+            f"the simulation stopped where the sensors are ({error.part}: {error.sentence.partition('. ')[0]}). Nothing "
+            f"is computed or foreseen; estimates are kept, what is measured is watched, and every {PAUSE:g} s it is "
+            "tried to begin again"
+        )
+
+    def _go_without(self, row: Row, values: np.ndarray) -> dict[str, Any]:
+        """A row while no simulation goes on: what is measured is watched all the same; its line."""
+        status = self._stopped_by
+        ahead = Found(row.time, stopped=(0.0, status)) if status is not None else None
+        self._further = {}
+        self.now, self.unsettled = row.time, row.time + SETTLING
         self.settling.disturb(row.time)
+        y, horizon = self.readings.measured(values), self.estimate.horizon
+        nothing = np.full(len(y), np.nan)
+        self.watch.judge(Compared(
+            row.time, values, {}, nothing, nothing, np.zeros(len(y), bool), horizon.correlation,
+            self.estimate.converged, ahead, led_until=row.time, blind=self.readings.blind, lost=self.lost,
+        ))  # fmt: skip
+        return self._line(row, [], y, {}, nothing)
 
     def _is_astray(self, time: float) -> bool:
         """Whether the load bounces in the simulation as the machine's does not, with inputs that go as measured."""
@@ -629,6 +711,8 @@ class Twin:
         followed = self.now >= self.unsettled and not self.settling.catching_up
         followed &= self.backlog is None or not self.backlog.behind
         followed &= self.operation is None or not self.operation.contradicted()
+        if self.lost:
+            return "lost"
         return self.readings.state_of_health(settled=followed and not self.unsure)
 
 

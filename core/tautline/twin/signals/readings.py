@@ -260,7 +260,9 @@ class Readings:
         good = np.isfinite(values)
         times = np.array([one.time for one in around])
         if not good.any():
-            return np.array([self.start[track.channel.name], 0.0, 0.0])
+            # The last place that it has shown is where the machine was; the scene's start may be far from there.
+            known = self._moves(track) and np.isfinite(track.shown).all() and not track.channel.zero_first
+            return np.array([track.shown[0] if known else self.start[track.channel.name], 0.0, 0.0])
         found = None
         if track.bounce > 0.0:
             track.look(values[good])
@@ -292,8 +294,28 @@ class Readings:
                 self._count_anew(track, state)
             run_in = max(run_in, track.joining_from_rest(state, self.run_in))
         for track, (_, state) in zip(self.tracks, inputs, strict=True):
-            track.state, track.time = state, row.time
+            track.state = track.shown = state
+            track.time = row.time
         return run_in
+
+    @property
+    def seen(self) -> list[tuple[str, np.ndarray]]:
+        """Inputs and the states (3,) that their sensors show now, or have shown last: nothing that was made up."""
+        return [(track.channel.name, track.seen) for track in self.tracks]
+
+    def resting(self, inputs: Sequence[tuple[str, np.ndarray]]) -> list[tuple[str, np.ndarray]]:
+        """The same inputs at rest where they are; a speed or a torque that is set stays as it is."""
+        both = zip(self.tracks, inputs, strict=True)
+        return [(name, np.array([s[0], 0.0, 0.0]) if self._moves(track) else s.copy()) for track, (name, s) in both]
+
+    def join_from_rest(self, inputs: Sequence[tuple[str, np.ndarray]]) -> None:
+        """Let places join the motion that sensors show from where they stand at rest."""
+        for track, (_, state) in zip(self.tracks, inputs, strict=True):
+            if self._moves(track):
+                track.join_from_rest(state)
+
+    def _moves(self, track: InputTrack) -> bool:
+        return self.health[track.number].is_place
 
     def _count_anew(self, track: InputTrack, state: np.ndarray) -> None:
         """Let a position count from where the machine begins anew: it takes up its speed on the way there.
