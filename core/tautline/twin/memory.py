@@ -26,9 +26,7 @@ if TYPE_CHECKING:
     from tautline.twin.twin import Twin
 
 RECORDS = (Active, Checkpoint, Departure, Found, Logged, Passage, Row, Sample, State)
-OF_TWIN = ("now", "unsettled", "unsure", "rests", "paused", "restarts", "_ends", "_ends_told", "starved", "lost",
-    "next_try", "_stopped_by",
-)
+OF_TWIN = ("now", "unsettled", "unsure", "rests", "paused", "restarts", "_ends", "_ends_told", "starved")
 OF_READINGS = ("zeros", "far", "stepped", "step_found")
 OF_ESTIMATE = (
     "from_rest", "_plain", "_passage", "_pending", "_gathered", "_slopes", "_bounce", "_steep", "_steep_at", "_begin",
@@ -142,7 +140,7 @@ def _whole(twin: Twin) -> dict[str, Any]:
     readings = twin.readings
     parts: dict[str, Any] = {
         "rows": readings.rows, "log": twin.estimate.log, "horizon": twin.estimate.horizon,
-        "settling": twin.settling, "alarms": twin.watch.alarms,
+        "settling": twin.settling, "alarms": twin.watch.alarms, "loss": twin.loss,
     }  # fmt: skip
     parts |= {f"track {i}": one for i, one in enumerate(readings.tracks)}
     parts |= {f"health {i}": one for i, one in enumerate(readings.health)}

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.errors import ArgumentError, TautlineError
+from tautline.errors import TautlineError
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
@@ -23,6 +23,7 @@ from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import MISSED, SEEN_OFF, Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import EARLY, Forecast, Found
+from tautline.twin.loss import Loss, why
 from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, read_map
 from tautline.twin.operation import Operation
 from tautline.twin.restrictions import Outlook
@@ -46,8 +47,6 @@ of a string within seconds."""
 BEYOND, NO_LONGER_BEYOND = 5.0, 1.0
 """Standard deviations that an estimate would stand beyond its range, from which on range or data are wrong; and at
 which they are right again."""
-PAUSE = 5.0
-"""Time between two tries to begin a simulation that has stopped again where the sensors are, s."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
 
@@ -112,8 +111,7 @@ class Twin:
         self.settling, self.unsure, self.rests, self.starved = Settling(), False, False, False
         self._ends, self._ends_told = dict[str, float](), set[str]()
         self.restarts = 0
-        self.lost, self.next_try = "", -np.inf
-        self._stopped_by: str | None = None
+        self.loss = Loss()
         self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
         self.notes = self.estimate.notes  # one list
         self.notes += bare_bounds(self.map, self.plan)
@@ -175,7 +173,7 @@ class Twin:
     @property
     def columns(self) -> list[str]:
         """Columns of the sensors, in the order of the map."""
-        return [one.column for one in self.plan.channels]
+        return self.readings.columns
 
     def add(
         self, time: float, values: Mapping[str, float] | Sequence[float] | np.ndarray, arrived: float = 0.0,
@@ -202,30 +200,13 @@ class Twin:
         SceneEnded
             For a row later than what the scene moves by itself.
         """
-        self.readings.rows.add(float(time), self._by_column(values), arrived, repeated)
+        self.readings.rows.add(float(time), self.readings.by_column(values), arrived, repeated)
         if self.backlog is None:
             return self.answers()
         self.backlog.take(self.readings.rows.newest, arrived)
         lines = self.answers()
         self.backlog.none_waits()  # rows that are answered in a silence, or at the end, wait for other rows only
         return lines
-
-    def _by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:
-        """Readings of a row by column."""
-        if not isinstance(values, Mapping):
-            given = list(np.ravel(values))
-            if len(given) != len(self.columns):
-                columns = ", ".join(self.columns)
-                raise ArgumentError(f"a row has {len(given)} readings. The map has {len(self.columns)}: {columns}")
-            values = dict(zip(self.columns, given, strict=True))
-        found = {}
-        for name in self.columns:
-            reading = values.get(name)
-            try:
-                found[name] = np.nan if reading is None else float(reading)
-            except (TypeError, ValueError):
-                raise ArgumentError(f"the reading of {name} is {reading!r}, and that is no number") from None
-        return found
 
     def answers(self, end: bool = False, silent: bool = False) -> list[dict[str, Any]]:
         """Lines of all rows that are ready; with `silent`, as none comes now, of all that are known to be of now.
@@ -271,7 +252,9 @@ class Twin:
             # What rows missed was missed by a simulation that is given up.
             self.estimate.horizon.miss_anew(self.now)
             self._rest()
-        if (self.estimate.log.begun or self.lost) and (row.begins or (row.after_gap and row.time - self.now > LONG_GAP)):
+        if (self.estimate.log.begun or self.loss.text) and (
+            row.begins or (row.after_gap and row.time - self.now > LONG_GAP)
+        ):
             self._pass_over(row)
         inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
         self.notes += self.readings.remarks()
@@ -306,22 +289,23 @@ class Twin:
         Where they stop on the way to the machine's speed they come to rest at its place, and join its motion from
         there: on that way they are nowhere where the machine was not. Else it is tried again at a later row.
         """
-        if self.lost and row.time < self.next_try:
+        lost = bool(self.loss.text)
+        if lost and self.loss.waits(row.time):
             return None
-        was_lost = bool(self.lost)
         for at_rest in (False, True):
             try:
                 begun = self._begin_at(row, inputs, at_rest)
             except StoppedEarly as error:
                 self.estimate.rest()
-                self._lose(row.time, error, error.status.name)
+                self.loss.lose(error, of_machine=True)
             else:
-                if was_lost:
+                self.loss.end()
+                if lost:
                     self.notes.append(f"at {stamp_said(row.time)} the simulation began again where the sensors are")
                     self._disturbed(row.time)
-                self.lost, self._stopped_by = "", None
                 return begun
-        self.notes.append(f"at {stamp_said(row.time)} {self.lost}")
+        self.loss.put_off(row.time)
+        self.notes.append(f"at {stamp_said(row.time)} {self.loss.text}")
         return None
 
     def _begin_at(
@@ -393,16 +377,14 @@ class Twin:
         """
         self.restarts += 1
         made_up, seen = self.readings.made_up, self.readings.seen
-        why = f"{error.part}: {error.sentence.partition('. ')[0]}"
-        if made_up:
-            why += ". An input was on a way of its own, as its sensor had shown nothing for a while"
-        text = f"the simulation stopped ({why}); it was begun again from rest where the sensors are"
+        own = ". An input was on a way of its own, as its sensor had shown nothing for a while" if made_up else ""
+        text = f"the simulation stopped ({why(error)}{own}); it was begun again from rest where the sensors are"
         self._rest()
         self.outlook.drop(None if made_up else Found(row.time, stopped=(0.0, error.status.name)))
-        if row.time < self.next_try:
-            self._lose(row.time, error, None if made_up else error.status.name, self.next_try)
+        if self.loss.waits(row.time):
+            self.loss.lose(error, of_machine=not made_up)
             return None
-        self.next_try = row.time + PAUSE
+        self.loss.put_off(row.time)
         begun = self._begin(row, seen)
         if begun is not None:
             self.watch.stopped(row.time, text)
@@ -415,28 +397,16 @@ class Twin:
         self.unsettled = time + max(SETTLING, self.plan.window)
         self.settling.disturb(time)
 
-    def _lose(self, time: float, error: StoppedEarly, status: str | None, next_try: float | None = None) -> None:
-        """Take notice that no simulation goes on where the sensors are, and when that is tried again, s."""
-        self.next_try = time + PAUSE if next_try is None else next_try
-        self._stopped_by = status
-        self.lost = (
-            f"the simulation stopped where the sensors are ({error.part}: {error.sentence.partition('. ')[0]}). Nothing "
-            f"is computed or foreseen; estimates are kept, what is measured is watched, and every {PAUSE:g} s it is "
-            "tried to begin again"
-        )
-
     def _go_without(self, row: Row, values: np.ndarray) -> dict[str, Any]:
         """A row while no simulation goes on: what is measured is watched all the same; its line."""
-        status = self._stopped_by
-        ahead = Found(row.time, stopped=(0.0, status)) if status is not None else None
         self._further = {}
-        self.now, self.unsettled = row.time, row.time + SETTLING
-        self.settling.disturb(row.time)
+        self.now = row.time
         y, horizon = self.readings.measured(values), self.estimate.horizon
         nothing = np.full(len(y), np.nan)
         self.watch.judge(Compared(
             row.time, values, {}, nothing, nothing, np.zeros(len(y), bool), horizon.correlation,
-            self.estimate.converged, ahead, led_until=row.time, blind=self.readings.blind, lost=self.lost,
+            self.estimate.converged, self.loss.ahead(row.time), led_until=row.time, blind=self.readings.blind,
+            lost=self.loss.text,
         ))  # fmt: skip
         return self._line(row, [], y, {}, nothing)
 
@@ -711,7 +681,7 @@ class Twin:
         followed = self.now >= self.unsettled and not self.settling.catching_up
         followed &= self.backlog is None or not self.backlog.behind
         followed &= self.operation is None or not self.operation.contradicted()
-        if self.lost:
+        if self.loss.text:
             return "lost"
         return self.readings.state_of_health(settled=followed and not self.unsure)
 

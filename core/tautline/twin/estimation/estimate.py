@@ -233,14 +233,12 @@ class Estimate:
         self._stand(family, at, apart)
 
     def stand_still(self) -> None:
-        """Let the inputs stand at rest where the simulations begin, put back to rest: from there they go to a machine
-        that is elsewhere, and how the scene would set off by itself is no part of that way.
+        """Let inputs be at rest where the simulations begin: from there they go to a machine that is elsewhere.
 
-        Where the scene's own motion begins with a speed or a second rate, these would be carried on into a way of many
-        seconds, which then leads metres beyond its end. The start is found anew, so that nothing is shaken.
+        A speed or a second rate with which the scene sets off would be carried on into a way of many seconds, which
+        then leads metres beyond its end. The start is found anew, so that nothing is shaken.
         """
-        first = self.family.simulations[0]
-        names = self._machine.inputs
+        first, names = self.family.simulations[0], self._machine.inputs
         if self._held or not any(np.any(first.inputs.motion(name)[1:]) for name in names):
             return
         self._held = {name: float(first.inputs[name]) for name in names}
@@ -251,7 +249,7 @@ class Estimate:
             self._held = {}
 
     def _stand(self, family: Family, at: np.ndarray, apart: np.ndarray) -> None:
-        """Let a family stand where simulations begin, by their differences: parameters (p,), neighbours' distances."""
+        """The same, where the start as it was found last is near enough."""
         still = np.zeros(len(self.blows))
         shift, fresh = np.append(at - self.begin.at, still), np.zeros(len(at), bool)
         family.stand(self._begin, self.begin, shift, apart, self._quarter, fresh)
@@ -695,14 +693,5 @@ def _period(motion: np.ndarray) -> float:
 def _as_unknown(blow: Blow) -> Unknown:
     """A free motion, in blows of the usual size."""
     name = f"free motion of {blow.output}"
-    return Unknown(
-        name=name,
-        target=blow.output,
-        is_offset=False,
-        unit="",
-        start=0.0,
-        sd=USUAL,
-        low=-np.inf,
-        high=np.inf,
-        drift=0.0,
-    )
+    free = {"low": -np.inf, "high": np.inf, "drift": 0.0}
+    return Unknown(name=name, target=blow.output, is_offset=False, unit="", start=0.0, sd=USUAL, **free)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import takewhile
+from typing import Any
 
 import numpy as np
 
+from tautline.errors import ArgumentError
 from tautline.scene.values.printed import quantity
 from tautline.twin.map import Channel, Plan
 from tautline.twin.signals.inputs import SLOW, InputTrack
@@ -63,6 +65,28 @@ class Readings:
         self._remarks: list[str] = []
         self.stepped: set[int] = set()
         self.step_found = False
+
+    @property
+    def columns(self) -> list[str]:
+        """Columns of the sensors, in the order of the map."""
+        return [one.column for one in self.channels]
+
+    def by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:
+        """Readings of a row by column."""
+        if not isinstance(values, Mapping):
+            given = list(np.ravel(values))
+            if len(given) != len(self.columns):
+                columns = ", ".join(self.columns)
+                raise ArgumentError(f"a row has {len(given)} readings. The map has {len(self.columns)}: {columns}")
+            values = dict(zip(self.columns, given, strict=True))
+        found = {}
+        for name in self.columns:
+            reading = values.get(name)
+            try:
+                found[name] = np.nan if reading is None else float(reading)
+            except (TypeError, ValueError):
+                raise ArgumentError(f"the reading of {name} is {reading!r}, and that is no number") from None
+        return found
 
     def checked(self, row: Row) -> np.ndarray:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
