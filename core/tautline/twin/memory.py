@@ -30,6 +30,7 @@ OF_TWIN = ("now", "unsettled", "unsure", "rests", "paused", "restarts", "_ends",
 OF_READINGS = ("zeros", "far", "stepped", "step_found")
 OF_ESTIMATE = (
     "from_rest", "_plain", "_passage", "_pending", "_gathered", "_slopes", "_bounce", "_steep", "_steep_at", "_begin",
+    "_held",
 )  # fmt: skip
 OF_FAMILY = ("at", "apart", "mixed", "trust", "steady", "rough", "blows_due")
 OF_WATCH = ("_told_ahead", "_before", "_seen", "_seen_before_rest", "_irregular", "_down_from")
@@ -139,7 +140,7 @@ def _whole(twin: Twin) -> dict[str, Any]:
     readings = twin.readings
     parts: dict[str, Any] = {
         "rows": readings.rows, "log": twin.estimate.log, "horizon": twin.estimate.horizon,
-        "settling": twin.settling, "alarms": twin.watch.alarms,
+        "settling": twin.settling, "alarms": twin.watch.alarms, "loss": twin.loss,
     }  # fmt: skip
     parts |= {f"track {i}": one for i, one in enumerate(readings.tracks)}
     parts |= {f"health {i}": one for i, one in enumerate(readings.health)}

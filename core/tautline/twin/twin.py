@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.errors import ArgumentError, TautlineError
+from tautline.errors import TautlineError
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
@@ -23,6 +23,7 @@ from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import MISSED, SEEN_OFF, Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import EARLY, Forecast, Found
+from tautline.twin.loss import Loss, why
 from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, read_map
 from tautline.twin.operation import Operation
 from tautline.twin.restrictions import Outlook
@@ -110,6 +111,7 @@ class Twin:
         self.settling, self.unsure, self.rests, self.starved = Settling(), False, False, False
         self._ends, self._ends_told = dict[str, float](), set[str]()
         self.restarts = 0
+        self.loss = Loss()
         self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
         self.notes = self.estimate.notes  # one list
         self.notes += bare_bounds(self.map, self.plan)
@@ -171,7 +173,7 @@ class Twin:
     @property
     def columns(self) -> list[str]:
         """Columns of the sensors, in the order of the map."""
-        return [one.column for one in self.plan.channels]
+        return self.readings.columns
 
     def add(
         self, time: float, values: Mapping[str, float] | Sequence[float] | np.ndarray, arrived: float = 0.0,
@@ -198,30 +200,13 @@ class Twin:
         SceneEnded
             For a row later than what the scene moves by itself.
         """
-        self.readings.rows.add(float(time), self._by_column(values), arrived, repeated)
+        self.readings.rows.add(float(time), self.readings.by_column(values), arrived, repeated)
         if self.backlog is None:
             return self.answers()
         self.backlog.take(self.readings.rows.newest, arrived)
         lines = self.answers()
         self.backlog.none_waits()  # rows that are answered in a silence, or at the end, wait for other rows only
         return lines
-
-    def _by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:
-        """Readings of a row by column."""
-        if not isinstance(values, Mapping):
-            given = list(np.ravel(values))
-            if len(given) != len(self.columns):
-                columns = ", ".join(self.columns)
-                raise ArgumentError(f"a row has {len(given)} readings. The map has {len(self.columns)}: {columns}")
-            values = dict(zip(self.columns, given, strict=True))
-        found = {}
-        for name in self.columns:
-            reading = values.get(name)
-            try:
-                found[name] = np.nan if reading is None else float(reading)
-            except (TypeError, ValueError):
-                raise ArgumentError(f"the reading of {name} is {reading!r}, and that is no number") from None
-        return found
 
     def answers(self, end: bool = False, silent: bool = False) -> list[dict[str, Any]]:
         """Lines of all rows that are ready; with `silent`, as none comes now, of all that are known to be of now.
@@ -267,7 +252,9 @@ class Twin:
             # What rows missed was missed by a simulation that is given up.
             self.estimate.horizon.miss_anew(self.now)
             self._rest()
-        if self.estimate.log.begun and (row.begins or (row.after_gap and row.time - self.now > LONG_GAP)):
+        if (self.estimate.log.begun or self.loss.text) and (
+            row.begins or (row.after_gap and row.time - self.now > LONG_GAP)
+        ):
             self._pass_over(row)
         inputs = self.readings.inputs(row, self.estimate.log.begun, self.estimate.bounce())
         self.notes += self.readings.remarks()
@@ -275,14 +262,18 @@ class Twin:
             # What was laid through the treads has set the load bouncing.
             self.estimate.from_rest = True
         if not self.estimate.log.begun:
-            self._begin_at(row, inputs)
+            if (begun := self._begin(row, inputs)) is None:
+                return self._go_without(row, values)
+            inputs = begun
         if self.estimate.log.origin + self.known_until[0] + EARLY < row.time:
             until, key = self.known_until
             raise SceneEnded(row.time, until, key)
         try:
             self.estimate.advance(row.time, inputs)
         except StoppedEarly as error:
-            self._restart(row, inputs, error)
+            if (begun := self._restart(row, error)) is None:
+                return self._go_without(row, values)
+            inputs = begun
         read = dict(zip(self._read, self.estimate.family.read(self._read), strict=True))
         self.readings.take_back(row.time, {one.name: float(read[one.name][0]) for one in self.plan.measured})
         line = self._compare(row, inputs, values, read, self._used(row, values) & use, use)
@@ -292,12 +283,44 @@ class Twin:
 
     # -- the machine begins, waits and goes on -------------------------------------------------------------------------
 
-    def _begin_at(self, row: Row, inputs: list[tuple[str, np.ndarray]]) -> None:
-        """Bring the simulations to where the sensors begin."""
+    def _begin(self, row: Row, inputs: list[tuple[str, np.ndarray]]) -> list[tuple[str, np.ndarray]] | None:
+        """Bring the simulations to where the sensors are; gives the inputs they have there, or None where they stop.
+
+        Where they stop on the way to the machine's speed they come to rest at its place, and join its motion from
+        there: on that way they are nowhere where the machine was not. Else it is tried again at a later row.
+        """
+        lost = bool(self.loss.text)
+        if lost and self.loss.waits(row.time):
+            return None
+        for at_rest in (False, True):
+            try:
+                begun = self._begin_at(row, inputs, at_rest)
+            except StoppedEarly as error:
+                self.estimate.rest()
+                self.loss.lose(error, of_machine=True)
+            else:
+                self.loss.end()
+                if lost:
+                    self.notes.append(f"at {stamp_said(row.time)} the simulation began again where the sensors are")
+                    self._disturbed(row.time)
+                return begun
+        self.loss.put_off(row.time)
+        self.notes.append(f"at {stamp_said(row.time)} {self.loss.text}")
+        return None
+
+    def _begin_at(
+        self, row: Row, inputs: list[tuple[str, np.ndarray]], at_rest: bool = False
+    ) -> list[tuple[str, np.ndarray]]:
+        """Bring the simulations to where the sensors begin: as they move there, or at rest; gives their inputs."""
+        shown = inputs
+        if at_rest:
+            inputs = self.readings.resting(shown)
         anywhere = self.operation is not None and self.operation.anywhere
         run_in = self.readings.begin(row, inputs, anywhere, first=row.begins or not np.isfinite(self.now))
         self.notes += self.readings.remarks()
         family, log = self.estimate.family, self.estimate.log
+        if run_in > 0.0 and not anywhere:
+            self.estimate.stand_still()
         begin = family.time
         log.origin = row.time - begin - run_in
         if run_in > 0.0:
@@ -305,6 +328,9 @@ class Twin:
             family.advance(begin + run_in, inputs)
             self.unsettled = row.time + SETTLING
         log.keep(row.time, family.save())
+        if at_rest:
+            self.readings.join_from_rest(shown)
+        return inputs
 
     def _wait(self, row: Row, values: np.ndarray) -> dict[str, Any]:
         """A row while the machine is apart from its scene, such as a string that hangs in slips; its line."""
@@ -343,20 +369,46 @@ class Twin:
         self.estimate.build(self.plan, self._machine(first))
         self._begin_anew()
 
-    def _restart(self, row: Row, inputs: list[tuple[str, np.ndarray]], error: StoppedEarly) -> None:
-        """Begin again from rest, with the estimate as it is."""
+    def _restart(self, row: Row, error: StoppedEarly) -> list[tuple[str, np.ndarray]] | None:
+        """Begin again from rest where the sensors are, with the estimate as it is; as `_begin`.
+
+        What stopped the simulation on a way that was made up, such as an input that comes to rest while its sensor
+        shows nothing, says nothing of the machine.
+        """
         self.restarts += 1
-        text = f"the simulation stopped: {error}; it was begun again from rest"
-        self.watch.stopped(row.time, text)
-        self.notes.append(text)
+        made_up, seen = self.readings.made_up, self.readings.seen
+        own = ". An input was on a way of its own, as its sensor had shown nothing for a while" if made_up else ""
+        text = f"the simulation stopped ({why(error)}{own}); it was begun again from rest where the sensors are"
         self._rest()
-        self.outlook.drop(Found(row.time, stopped=(0.0, error.status.name)))
-        try:
-            self._begin_at(row, inputs)
-        except StoppedEarly as again:
-            raise StoppedEarly(again.status, row.time, "the twin, begun again where the sensors are") from again
-        self.unsettled = row.time + max(SETTLING, self.plan.window)
-        self.settling.disturb(row.time)
+        self.outlook.drop(None if made_up else Found(row.time, stopped=(0.0, error.status.name)))
+        if self.loss.waits(row.time):
+            self.loss.lose(error, of_machine=not made_up)
+            return None
+        self.loss.put_off(row.time)
+        begun = self._begin(row, seen)
+        if begun is not None:
+            self.watch.stopped(row.time, text)
+            self.notes.append(f"at {stamp_said(row.time)} {text}")
+            self._disturbed(row.time)
+        return begun
+
+    def _disturbed(self, time: float) -> None:
+        """Let nothing be judged by what is computed until that has followed the sensors for a while."""
+        self.unsettled = time + max(SETTLING, self.plan.window)
+        self.settling.disturb(time)
+
+    def _go_without(self, row: Row, values: np.ndarray) -> dict[str, Any]:
+        """A row while no simulation goes on: what is measured is watched all the same; its line."""
+        self._further = {}
+        self.now = row.time
+        y, horizon = self.readings.measured(values), self.estimate.horizon
+        nothing = np.full(len(y), np.nan)
+        self.watch.judge(Compared(
+            row.time, values, {}, nothing, nothing, np.zeros(len(y), bool), horizon.correlation,
+            self.estimate.converged, self.loss.ahead(row.time), led_until=row.time, blind=self.readings.blind,
+            lost=self.loss.text,
+        ))  # fmt: skip
+        return self._line(row, [], y, {}, nothing)
 
     def _is_astray(self, time: float) -> bool:
         """Whether the load bounces in the simulation as the machine's does not, with inputs that go as measured."""
@@ -629,6 +681,8 @@ class Twin:
         followed = self.now >= self.unsettled and not self.settling.catching_up
         followed &= self.backlog is None or not self.backlog.behind
         followed &= self.operation is None or not self.operation.contradicted()
+        if self.loss.text:
+            return "lost"
         return self.readings.state_of_health(settled=followed and not self.unsure)
 
 

@@ -34,7 +34,7 @@ UNSEEN = 1.0
 BEHIND = "behind the machine"
 """Name of the alarm that rows wait for their answers."""
 STOPPED = "simulation stopped"
-"""Name of the alarm that the simulation was begun again."""
+"""Name of the alarm that the simulation was begun again, or could not be."""
 WHY_OFF = "zero and unit of the sensor, or the scene's weights, are not right, and no estimate makes up for it"
 """Cause of a residual of dozens of standard deviations that stays."""
 CHANGED, SHOWN = "changed", 30.0
@@ -101,6 +101,8 @@ class Compared:
         Whether what is computed is in doubt, and health is degraded by that: nothing foreseen is certain then.
     put_down : bool
         Whether every load stands on the ground, on a slack rope, in all simulations.
+    lost : str
+        Why no simulation goes on, in words; empty where one does.
     """
 
     time: float
@@ -120,6 +122,7 @@ class Compared:
     moved: Mapping[str, Any] = field(default_factory=dict)
     unsure: bool = False
     put_down: bool = False
+    lost: str = ""
 
     @property
     def foreseen(self) -> Found | None:
@@ -199,7 +202,7 @@ class Watch:
         self.judge_operation(row.time)
         text = "the last readings contradict those before: friction, weight or path is another now, and estimated anew"
         self.alarms.judge(CHANGED, row.changed < SHOWN, row.time, text)
-        self.alarms.judge(STOPPED, False, row.time, "")
+        self.alarms.judge(STOPPED, bool(row.lost), row.time, row.lost)
         text = "an input was missing or not believed: only what is measured is judged until what is computed agrees"
         self.alarms.judge(CATCHING_UP, row.time < row.judged_from, row.time, text)
         self._before = row.time

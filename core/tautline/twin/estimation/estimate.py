@@ -177,6 +177,7 @@ class Estimate:
         made += [made[0].copy() for _ in self.blows]
         self.family = Family(made, names, self.blows)
         self.family.at, self.family.apart = start, np.append(apart, np.ones(len(self.blows)))
+        self._held: dict[str, float] = {}
         self._steep: dict[str, np.ndarray] = {}
         self._steep_at = self.family.time
         self._seen = [*self._parameters, *range(len(plan.unknowns), len(plan.unknowns) + len(self.blows))]
@@ -229,16 +230,36 @@ class Estimate:
         moved = np.abs(at - self.begin.at) / self.horizon.first_sd[self._parameters]
         if self.blows and np.any(moved > MOVED_FROM_START):
             self._find_rest(at, apart)
+        self._stand(family, at, apart)
+
+    def stand_still(self) -> None:
+        """Let inputs be at rest where the simulations begin: from there they go to a machine that is elsewhere.
+
+        A speed or a second rate with which the scene sets off would be carried on into a way of many seconds, which
+        then leads metres beyond its end. The start is found anew, so that nothing is shaken.
+        """
+        first, names = self.family.simulations[0], self._machine.inputs
+        if self._held or not any(np.any(first.inputs.motion(name)[1:]) for name in names):
+            return
+        self._held = {name: float(first.inputs[name]) for name in names}
+        at, apart = self.family.at.copy(), self.family.apart[: self.family.at.size].copy()
+        if self._find_rest(at, apart):
+            self._stand(self.family, at, apart)
+        else:
+            self._held = {}
+
+    def _stand(self, family: Family, at: np.ndarray, apart: np.ndarray) -> None:
+        """The same, where the start as it was found last is near enough."""
         still = np.zeros(len(self.blows))
         shift, fresh = np.append(at - self.begin.at, still), np.zeros(len(at), bool)
         family.stand(self._begin, self.begin, shift, apart, self._quarter, fresh)
 
-    def _find_rest(self, at: np.ndarray, apart: np.ndarray) -> None:
+    def _find_rest(self, at: np.ndarray, apart: np.ndarray) -> bool:
         """Find the start of the scene anew with parameters (p,), and for neighbours that are that far off in them (p,).
 
         The sag of a rope is not in proportion to the load: put there by differences from a load of another weight, the
         rope swings, hardly damped, in the first simulation and in what its neighbours tell of the weight. Where there
-        is no start with such parameters, what there was before stays.
+        is no start with such parameters, what there was before stays, and it gives False.
         """
         begin = Family([], self.family.names, self.blows)
         begin.at, begin.apart = at.copy(), np.append(apart, np.ones(len(self.blows)))
@@ -247,10 +268,12 @@ class Estimate:
             for i in range(len(at) + 1):
                 given = dict(zip(begin.names, begin.parameters_of(i).tolist(), strict=True))
                 machine = self._machine
-                states.append(Simulation(machine.scene, machine.inputs, keep=False, parameters=given).save())
+                found = Simulation(machine.scene, machine.inputs, keep=False, parameters=given, initial=self._held)
+                states.append(found.save())
         except (StoppedEarly, SimulationError):
-            return
+            return False
         self._begin, self.begin = [*states, *([states[0]] * len(self.blows))], begin
+        return True
 
     def state(self) -> tuple[State, dict[str, float]]:
         """The state and the parameters of the estimate."""
@@ -670,14 +693,5 @@ def _period(motion: np.ndarray) -> float:
 def _as_unknown(blow: Blow) -> Unknown:
     """A free motion, in blows of the usual size."""
     name = f"free motion of {blow.output}"
-    return Unknown(
-        name=name,
-        target=blow.output,
-        is_offset=False,
-        unit="",
-        start=0.0,
-        sd=USUAL,
-        low=-np.inf,
-        high=np.inf,
-        drift=0.0,
-    )
+    free = {"low": -np.inf, "high": np.inf, "drift": 0.0}
+    return Unknown(name=name, target=blow.output, is_offset=False, unit="", start=0.0, sd=USUAL, **free)

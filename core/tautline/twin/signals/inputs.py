@@ -87,7 +87,7 @@ class InputTrack:
         self.missing = False
         self.fastest = SPEED
         self.bounce = 0.0
-        self._apart, self._from, self._over = np.zeros(3), -np.inf, 1.0
+        self._apart, self._from, self._over, self._soon = np.zeros(3), -np.inf, 1.0, 1.0
         self._held, self._held_at = np.full(3, np.nan), np.nan
         self._noises: deque[float] = deque(maxlen=NOISES)
         self._bends: deque[float] = deque(maxlen=NOISES)
@@ -171,7 +171,7 @@ class InputTrack:
             self._join(found, self.hold(row.time))
         self.missing, self.shown = False, found
         if row.time < self._from + self._over:
-            found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
+            found = found + self._left(row.time - self._from)
         else:
             # Where nothing is there but the sample itself its rate is not known, and what it has moved since the one
             # before tells.
@@ -242,7 +242,32 @@ class InputTrack:
         self._from = self.time
         slowly = max(JOIN, BOUNCES * self.bounce)
         far = 0.0 if self.channel.is_set else 1.875 * abs(float(self._apart[0])) / self.fastest
-        self._over = max(slowly, far)
+        self._over, self._soon = max(slowly, far), slowly
+
+    def _left(self, passed: float) -> np.ndarray:
+        """What is left of a difference (3,) a time after it began to be made up for.
+
+        Its rates go as soon as a motion comes to rest by itself: kept up over the time that a large difference of place
+        takes, they would lead metres beyond both places.
+        """
+        if self._soon >= self._over:
+            return joined(self._apart, passed / self._over, self._over)
+        place, rates = self._apart * [1.0, 0.0, 0.0], self._apart * [0.0, 1.0, 1.0]
+        return joined(place, passed / self._over, self._over) + joined(rates, passed / self._soon, self._soon)
+
+    @property
+    def seen(self) -> np.ndarray:
+        """State (3,) that its sensor shows now; the place that it has shown last, at rest, where it shows nothing."""
+        shown = self.shown if np.isfinite(self.shown).all() else self.state
+        return shown * [1.0, 0.0, 0.0] if self.missing else shown.copy()
+
+    def join_from_rest(self, shown: np.ndarray) -> None:
+        """Begin to take up the motion that its sensor shows (3,) from where the simulation stands.
+
+        It stays behind the machine until it has caught up, and never is where the machine was not.
+        """
+        self.shown = shown
+        self._join(shown, self.state)
 
     def joining_from_rest(self, found: np.ndarray, run_in: float) -> float:
         """How long the simulation runs before the first row, s: nothing where it stands where the sensor says."""
@@ -255,11 +280,12 @@ class InputTrack:
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on."""
         state = ("state", "time", "missing", "fastest", "_seen", "noise")
-        names = (*state, "_apart", "_from", "_over", "_held", "_held_at", *LEARNED)
+        names = (*state, "_apart", "_from", "_over", "_soon", "shown", "_held", "_held_at", *LEARNED)
         return {name: np.asarray(getattr(self, name)).tolist() for name in names} | {"steps": self.steps.memory()}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""
+        self._soon = float(memory.get("_over", self._soon))  # states of earlier versions know one time only
         for name, value in memory.items():
             if name == "steps":
                 self.steps.recall(value)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import takewhile
+from typing import Any
 
 import numpy as np
 
+from tautline.errors import ArgumentError
 from tautline.scene.values.printed import quantity
 from tautline.twin.map import Channel, Plan
 from tautline.twin.signals.inputs import SLOW, InputTrack
@@ -63,6 +65,28 @@ class Readings:
         self._remarks: list[str] = []
         self.stepped: set[int] = set()
         self.step_found = False
+
+    @property
+    def columns(self) -> list[str]:
+        """Columns of the sensors, in the order of the map."""
+        return [one.column for one in self.channels]
+
+    def by_column(self, values: Mapping[str, Any] | Sequence[float] | np.ndarray) -> dict[str, float]:
+        """Readings of a row by column."""
+        if not isinstance(values, Mapping):
+            given = list(np.ravel(values))
+            if len(given) != len(self.columns):
+                columns = ", ".join(self.columns)
+                raise ArgumentError(f"a row has {len(given)} readings. The map has {len(self.columns)}: {columns}")
+            values = dict(zip(self.columns, given, strict=True))
+        found = {}
+        for name in self.columns:
+            reading = values.get(name)
+            try:
+                found[name] = np.nan if reading is None else float(reading)
+            except (TypeError, ValueError):
+                raise ArgumentError(f"the reading of {name} is {reading!r}, and that is no number") from None
+        return found
 
     def checked(self, row: Row) -> np.ndarray:
         """Values in SI (c,), NaN where a sensor cannot be believed."""
@@ -260,7 +284,9 @@ class Readings:
         good = np.isfinite(values)
         times = np.array([one.time for one in around])
         if not good.any():
-            return np.array([self.start[track.channel.name], 0.0, 0.0])
+            # The last place that it has shown is where the machine was; the scene's start may be far from there.
+            known = self._moves(track) and np.isfinite(track.shown).all() and not track.channel.zero_first
+            return np.array([track.shown[0] if known else self.start[track.channel.name], 0.0, 0.0])
         found = None
         if track.bounce > 0.0:
             track.look(values[good])
@@ -292,8 +318,28 @@ class Readings:
                 self._count_anew(track, state)
             run_in = max(run_in, track.joining_from_rest(state, self.run_in))
         for track, (_, state) in zip(self.tracks, inputs, strict=True):
-            track.state, track.time = state, row.time
+            track.state = track.shown = state
+            track.time = row.time
         return run_in
+
+    @property
+    def seen(self) -> list[tuple[str, np.ndarray]]:
+        """Inputs and the states (3,) that their sensors show now, or have shown last: nothing that was made up."""
+        return [(track.channel.name, track.seen) for track in self.tracks]
+
+    def resting(self, inputs: Sequence[tuple[str, np.ndarray]]) -> list[tuple[str, np.ndarray]]:
+        """The same inputs at rest where they are; a speed or a torque that is set stays as it is."""
+        both = zip(self.tracks, inputs, strict=True)
+        return [(name, np.array([s[0], 0.0, 0.0]) if self._moves(track) else s.copy()) for track, (name, s) in both]
+
+    def join_from_rest(self, inputs: Sequence[tuple[str, np.ndarray]]) -> None:
+        """Let places join the motion that sensors show from where they stand at rest."""
+        for track, (_, state) in zip(self.tracks, inputs, strict=True):
+            if self._moves(track):
+                track.join_from_rest(state)
+
+    def _moves(self, track: InputTrack) -> bool:
+        return self.health[track.number].is_place
 
     def _count_anew(self, track: InputTrack, state: np.ndarray) -> None:
         """Let a position count from where the machine begins anew: it takes up its speed on the way there.

@@ -1,0 +1,57 @@
+"""What is known while no simulation goes on where the sensors are: why, and when that is tried again."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tautline.integrators.status import StoppedEarly
+from tautline.twin.forecast import Found
+
+PAUSE = 5.0
+"""Time between two tries to begin a simulation that has stopped, s: a try may take as long as many rows."""
+
+
+class Loss:
+    """That no simulation goes on.
+
+    Attributes
+    ----------
+    text : str
+        What is told of it; empty where a simulation goes on.
+    next_try : float
+        Time from which on a simulation that has stopped may be begun again, s.
+    """
+
+    def __init__(self) -> None:
+        self.text, self.next_try = "", -np.inf
+        self._status = ""
+
+    def waits(self, time: float) -> bool:
+        """Whether it is too early to try again."""
+        return time < self.next_try
+
+    def put_off(self, time: float) -> None:
+        """Let the next try be a pause later."""
+        self.next_try = time + PAUSE
+
+    def lose(self, error: StoppedEarly, of_machine: bool) -> None:
+        """Take notice of what stopped the simulation: where the sensors are, or on a way that was made up."""
+        self._status = error.status.name if of_machine else ""
+        where = "the simulation stopped where the sensors are" if of_machine else "the simulation stopped again"
+        self.text = (
+            f"{where} ({why(error)}). Nothing is computed or foreseen. Estimates are kept, and what is measured is "
+            f"watched. Every {PAUSE:g} s the twin tries to begin the simulation again"
+        )
+
+    def end(self) -> None:
+        """Take notice that a simulation goes on."""
+        self.text = self._status = ""
+
+    def ahead(self, time: float) -> Found | None:
+        """What a run ahead would come to at a time: the stop, where it is one of the machine."""
+        return Found(time, stopped=(0.0, self._status)) if self._status else None
+
+
+def why(error: StoppedEarly) -> str:
+    """Where a simulation stopped, and what it means, without its own clock and without what to do."""
+    return f"{error.part}: {error.sentence.partition('. ')[0]}"
