@@ -346,14 +346,22 @@ def test_commands_in_notches_are_overshot_no_more_than_by_slopes_alone(name, ord
 
 @pytest.mark.parametrize(("name", "share"), [(HEAVE, 16 / 81), (SPEED, 4 / 27)])
 @pytest.mark.parametrize("long", [0.1, 0.2, 1.0, 5.0])
-@pytest.mark.parametrize("given", [1.0, None])
+@pytest.mark.parametrize("given", [1.0, 1.0 + 1e-8, None])
 def test_what_is_held_behind_a_steady_rise_is_overshot_by_as_much_in_an_advance_of_any_length(name, share, long, given):
     """By 16/81 of the last move: the top of the quintic that leaves with its rate; of a speed by 4/27, of the cubic."""
     times = np.append(0.1 * np.arange(1, 11), [1.0 + long, 1.1 + long])
     t, found = ways(simulation(name), name, times, [*(0.1 * np.arange(1, 11)), given, given], points=2000)
     assert found[:, 0].max() == pytest.approx(1.0 + 0.1 * share, abs=2e-5)
-    assert found[t > 1.1 + 1e-9, 0] == pytest.approx(1.0, abs=1e-12)
+    assert found[t > 1.1 + 1e-9, 0] == pytest.approx(given or 1.0, abs=1e-12)
     assert not found[t > 1.1 + 1e-9, 1:].any()
+
+
+def test_a_stop_that_is_given_with_its_rate_takes_the_whole_of_an_advance():
+    """The quintic of 1 s that leaves with 1 m/s: its top is 16/81 m beyond, a third of the way."""
+    times = np.append(0.1 * np.arange(1, 11), 2.0)
+    t, found = ways(simulation(), HEAVE, times, [*((x, 1.0) for x in times[:-1]), (1.0, 0.0)], points=300)
+    assert found[:, 0].max() == pytest.approx(1.0 + 16 / 81, abs=1e-4)
+    assert t[found[:, 0].argmax()] == pytest.approx(4 / 3, abs=0.01)
 
 
 def test_what_stops_in_an_advance_of_a_microsecond_stands_still_for_an_hour_after_it():

@@ -51,8 +51,8 @@ ROUNDING = 1e-14
 which its differences are rounding."""
 NOT_SMOOTH = 0.0, 0.0, 0.0
 """Where a cubic through the last values has no share in the rates."""
-HELD = 1e-9
-"""A move that is this share of the last is rounding: a way ends at what was given but for that."""
+HELD = 1e-6
+"""A move that is this share of the last is rounding, of a host in single precision: a value is held but for that."""
 ALIKE, UNLIKE = 2.0 / 3.0, 1.0 / 3.0
 """Ratios of two differences, the smaller to the greater: from the first on values go on smoothly, up to the second not.
 
@@ -338,6 +338,8 @@ class Inputs(Unpickled, Mapping[str, Any]):
                     continue
                 # It stays at what was given before, and comes to rest there.
                 row[RATE], row[SECOND], row[STATE] = 0.0, 0.0, GIVEN
+                self._write(k, row, begin, end, held=True)
+                continue
             self._write(k, row, begin, end)
         self._functions.frames.time[0] = np.nan
 
@@ -359,8 +361,8 @@ class Inputs(Unpickled, Mapping[str, Any]):
         f, function = self._functions, self._list[k].members[0][1]
         return float(f.breaks[f.break_from[f.live[function]] + 1])
 
-    def _write(self, k: int, row: np.ndarray, begin: float, end: float) -> None:
-        """Write the ways of all functions that an input drives."""
+    def _write(self, k: int, row: np.ndarray, begin: float, end: float, held: bool = False) -> None:
+        """Write the ways of all functions that an input drives; one is held that was not given again."""
         h, members = end - begin, self._list[k].members
         steering, function = members[0]
         now = self._now(function)
@@ -379,9 +381,10 @@ class Inputs(Unpickled, Mapping[str, Any]):
             past = [nan] * 4
         row[CHOSEN] = not isfinite(second)
         smooth, past = _gone_on(h, slope, last, past, ROUNDING * abs(target))
+        held |= not isfinite(rate)
         rate, second = _chosen(rate, second, _between(before, slope), smooth)
         at_end = target, rate, second
-        stops = slope == rate == second == 0.0 and length < h
+        stops = held and slope == rate == second == 0.0 and length < h
         if stops:
             # What is held stops as soon as it went: in all of a longer advance it would go far beyond.
             h, end, carried = length, begin + length, 1.0

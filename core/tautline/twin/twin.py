@@ -327,7 +327,7 @@ class Twin:
             # A quintic from rest, in one advance: the simulation takes its own steps on the way.
             family.advance(begin + run_in, inputs)
             self.unsettled = row.time + SETTLING
-        log.keep(row.time, family.save())
+        log.begin(row.time, family.save())
         if at_rest:
             self.readings.join_from_rest(shown)
         return inputs

@@ -17,6 +17,7 @@ import numpy as np
 from tautline.integrators.status import StoppedEarly
 from tautline.live.errors import SimulationError
 from tautline.live.simulation import Simulation
+from tautline.twin.estimation.bounce import first_bounce
 from tautline.twin.estimation.family import Blow, Family, steps_to
 from tautline.twin.estimation.horizon import BENT, Horizon, Sample, mean_of
 from tautline.twin.estimation.log import Checkpoint, Log, Logged
@@ -62,10 +63,6 @@ FEWEST = 5
 ASTRAY, ASTRAY_SD, ASTRAY_SHARE = 2.0, 5.0, 0.6
 """What the best estimate leaves of a window, over what the readings swing about a line, and over the sensor's noise,
 from which on the simulation bounces by itself, as the machine does not; and share of the window that has to tell."""
-STRUCK_STEP, STRUCK_STEPS, STRUCK_MOST = 0.02, 150, 1500
-"""Interval, s, and number of looks at a load that was struck, to see how fast it bounces: as a rule, and at most."""
-LARGE = 0.1
-"""Share of the largest from which on the motion of a load counts: what is smaller is a ripple in its rope."""
 SAME_BOUNCE = 0.2
 """Share by which a period that is found anew may be another without counting as one."""
 APART = 0.1
@@ -178,6 +175,7 @@ class Estimate:
         self.family = Family(made, names, self.blows)
         self.family.at, self.family.apart = start, np.append(apart, np.ones(len(self.blows)))
         self._held: dict[str, float] = {}
+        self._without_start = np.full(len(names), np.inf)  # parameters at which the scene has no start
         self._steep: dict[str, np.ndarray] = {}
         self._steep_at = self.family.time
         self._seen = [*self._parameters, *range(len(plan.unknowns), len(plan.unknowns) + len(self.blows))]
@@ -227,8 +225,11 @@ class Estimate:
 
     def _stand_at_rest(self, family: Family, at: np.ndarray, apart: np.ndarray) -> None:
         """Let a family stand where the scene begins, with parameters (p,) and neighbours that far off in them (p,)."""
-        moved = np.abs(at - self.begin.at) / self.horizon.first_sd[self._parameters]
-        if self.blows and np.any(moved > MOVED_FROM_START):
+        moved, off = (
+            np.max(np.abs(at - one) / self.horizon.first_sd[self._parameters], initial=0.0)
+            for one in (self.begin.at, self._without_start)
+        )
+        if self.blows and moved > MOVED_FROM_START and not off <= MOVED_FROM_START:
             self._find_rest(at, apart)
         self._stand(family, at, apart)
 
@@ -271,6 +272,7 @@ class Estimate:
                 found = Simulation(machine.scene, machine.inputs, keep=False, parameters=given, initial=self._held)
                 states.append(found.save())
         except (StoppedEarly, SimulationError):
+            self._without_start = at.copy()
             return False
         self._begin, self.begin = [*states, *([states[0]] * len(self.blows))], begin
         return True
@@ -538,11 +540,14 @@ class Estimate:
         self.log.forget(self.log.rows[-1].time)
         first = self.log.checkpoints[0]
         late = self._quarter if self.blows else 0.0
-        if self.blows and self.log.reaches_begin:
+        run_in = first.time - self.log.origin - self._first.time
+        if self.blows and self.log.reaches_begin and run_in <= self.log.window:
             self._stand_at_rest(spare, h.mean[p], apart)
-            begin = first.time - self.log.origin
-            if begin > spare.time:
-                spare.advance(begin, self.log.rows[0].inputs)
+            if run_in > 0.0:
+                # Blows fall where the window begins.
+                spare.blows_due = []
+                spare.advance(first.time - self.log.origin, self.log.rows[0].inputs)
+                spare.strike(late)
         else:
             shift, fresh = (h.mean - h.theta0)[self._seen], self._wild()
             spare.stand(first.states, self.family, shift, apart, late, fresh | self._plain, self._plain)
@@ -607,7 +612,7 @@ class Estimate:
         """Period of the free motion, s, as its derivative shows; 0 where there is none, or none is known yet."""
         samples = self.horizon.samples
         if self.blows and self._bounce == 0.0:
-            self._bounce = self._first_bounce()
+            self._bounce = first_bounce(self._first, self.blows[0])
         if self.blows and len(samples) >= 2 * FEWEST:
             J = np.array([one.J[:, len(self.plan.unknowns) :] for one in samples])
             turns = int(np.count_nonzero(np.diff(np.sign(J), axis=0), axis=0).max(initial=0))
@@ -615,22 +620,6 @@ class Estimate:
             if found and abs(found - self._bounce) > SAME_BOUNCE * self._bounce:
                 self._bounce = found
         return self._bounce
-
-    def _first_bounce(self) -> float:
-        """The same before there are rows: of the scene at its start, struck and left alone, s; 0 where it stays."""
-        blow = self.blows[0]
-        calm, struck = self._first.copy(), self._first.copy()
-        struck.displace(blow.output, blow.by)
-        found: list[float] = []
-        period = 0.0
-        # Where the load itself is: at the far end of a long rope a ripple is all there is until the wave has come.
-        for k in range(1, STRUCK_MOST + 1):
-            for sim in (calm, struck):
-                sim.advance_heard(self._first.time + STRUCK_STEP * k, None)
-            found.append(float(np.ravel(blow.by) @ (np.ravel(struck[blow.output]) - np.ravel(calm[blow.output]))))
-            if k % STRUCK_STEPS == 0 and (period := _period(np.array(found))) > 0.0:
-                break
-        return period
 
     @property
     def _quarter(self) -> float:
@@ -681,13 +670,6 @@ class Estimate:
         J = np.array([one.J[:, p] for one in last])
         usual = np.array([np.median(past, axis=0) for past in self._slopes]) if self._slopes else np.abs(J[0])
         return np.any(np.median(np.abs(J), axis=0) > WILD * usual, axis=0)
-
-
-def _period(motion: np.ndarray) -> float:
-    """Period of a motion (n,) after a blow, s, by its turns beyond a tenth of the largest; 0 before two of them."""
-    large = np.flatnonzero(np.abs(motion) > LARGE * np.abs(motion).max())
-    turns = large[1:][np.diff(np.sign(motion[large])) != 0.0]
-    return 2.0 * STRUCK_STEP * float(turns[-1] - turns[0]) / (turns.size - 1) if turns.size >= 2 else 0.0
 
 
 def _as_unknown(blow: Blow) -> Unknown:

@@ -61,15 +61,17 @@ class Log:
         How often states are kept, s.
     origin : float
         Time of the data at which the simulations' own time is zero, s; NaN before they have begun.
+    began : float
+        Time of the row at which they began, s; NaN in a process that goes on from another's state.
     """
 
-    MADE_ANEW = ("window", "every")
+    MADE_ANEW = ("window", "every", "began")
 
     def __init__(self, window: float) -> None:
         self.window, self.every = window, max(CHECKPOINT, window / MOST)
         self.rows: deque[Logged] = deque()
         self.checkpoints: deque[Checkpoint] = deque()
-        self.origin = np.nan
+        self.origin = self.began = np.nan
 
     @property
     def begun(self) -> bool:
@@ -78,8 +80,13 @@ class Log:
 
     @property
     def reaches_begin(self) -> bool:
-        """Whether rows go back to where the simulations began: later on they are kept longer than states."""
-        return bool(self.rows and self.checkpoints) and self.rows[0].time == self.checkpoints[0].time
+        """Whether the window goes back to where the simulations began."""
+        return bool(self.rows and self.checkpoints) and self.rows[0].time == self.checkpoints[0].time == self.began
+
+    def begin(self, time: float, states: list[State]) -> None:
+        """Keep the states with which the simulations begin, at a row."""
+        self.began = time
+        self.keep(time, states)
 
     def is_due(self, time: float) -> bool:
         """Whether states should be kept at a time."""
@@ -115,4 +122,4 @@ class Log:
         """Forget all: the simulations are put back to rest."""
         self.rows.clear()
         self.checkpoints.clear()
-        self.origin = np.nan
+        self.origin = self.began = np.nan
