@@ -34,7 +34,7 @@ class Crane(Packaged):
 
         return (operability,)
 
-    sometimes = ("longest_slack", "max_snap", "undamped_snaps", "slipping_share")
+    sometimes = ("longest_slack", "max_snap", "undamped_snaps", "snap_frames", "slipping_share")
 
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with the path of a rope is ours."""

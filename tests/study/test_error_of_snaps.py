@@ -35,16 +35,31 @@ def landed(tmp_path_factory):
     return path, subject, run, exact.headline["max_snap"]["value"]
 
 
-@pytest.mark.parametrize("shorter", [False, True], ids=["unasked", "with --verify"])
-def test_a_crane_states_half_to_three_times_the_error_of_its_largest_snap(landed, shorter):
+def test_a_crane_that_is_verified_states_half_to_three_times_the_error_of_its_largest_snap(landed):
     _, subject, run, exact = landed
-    told = estimate(subject, run, parts=SHORTER if shorter else runs_for(subject.model(Setting())))
+    told = estimate(subject, run, parts=SHORTER)
     off = abs(told.blow_size - exact)
     assert told.blow_size == run.headline["max_snap"]["value"] and off > 0.04 * exact
     assert 0.5 * off <= told.blow * told.blow_size <= 3.0 * off
     # The force that varies most swings before the load lands, and is right.
     assert told.force < 0.003
     assert told.warning.startswith(SAID)
+
+
+def test_of_a_longer_step_the_error_of_a_snap_is_not_known(landed):
+    """It would be chance: in other scenes it told 0.15 to 10 times the error."""
+    _, subject, run, _ = landed
+    told = estimate(subject, run, parts=runs_for(subject.model(Setting())))
+    assert told.blow is None and told.blow_said == "largest snap tension" and told.blow_size > 40e3
+
+
+def test_frames_that_are_too_few_to_show_the_height_of_a_snap_are_told(landed):
+    _, subject, run, exact = landed
+    fine = Subject(Crane(), subject.scene.replace({"output.interval": 5e-3})).run(Setting()).result.headline
+    assert fine["max_snap"]["value"] == pytest.approx(exact, rel=0.06) and "snap_frames" not in fine
+    rough = Subject(Crane(), subject.scene.replace({"output.interval": 50e-3})).run(Setting()).result.headline
+    assert rough["max_snap"]["value"] < 0.3 * exact and rough["snap_frames"]["value"] == 1
+    assert run.headline["snap_frames"]["value"] == 1
 
 
 def test_without_a_snap_nothing_is_told_of_one(landed):
@@ -56,7 +71,10 @@ def test_without_a_snap_nothing_is_told_of_one(landed):
 
 def test_simulate_prints_and_keeps_the_error_of_the_largest_snap(landed, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    code, out, err = command_of(Crane(), monkeypatch, capsys)("simulate", str(landed[0]), "--json")
+    simulate = command_of(Crane(), monkeypatch, capsys)
+    code, out, err = simulate("simulate", str(landed[0]), "--verify", "--json")
     report = only_object(out)
     assert code == 0 and "largest snap" in err and any(text.startswith(SAID) for text in report["warnings"])
     assert Result.read("lowered.nc").step_error["blow"] == report["step_error"]["blow"]
+    code, out, err = simulate("simulate", str(landed[0]), "-o", "unasked.nc")
+    assert code == 0 and "not known, largest snap tension; --verify tells it" in out + err

@@ -25,6 +25,8 @@ SLACK = 0.01
 """Share of the largest tension at rest below which a span counts as slack."""
 MOST_SHEAVES = 4
 """Sheaves up to which the largest tension is told of each side; of more only the largest of all."""
+SMOOTH = 0.75
+"""Share of the largest snap that the next frame shows at least, where frames show how high it is."""
 MOST_BODIES = 4
 BARELY = 0.05
 """Share of the tension of the load hanging free below which the rope hardly carries it at the start."""
@@ -34,7 +36,7 @@ METRE, MOST_BINS = 1.0, 2000
 
 FIGURES = {
     "max_tension": "N", "min_tension": "N", "dynamic_amplification": "", "safety_factor": "",
-    "slack_events": "", "longest_slack": "s", "max_snap": "N", "undamped_snaps": "",
+    "slack_events": "", "longest_slack": "s", "max_snap": "N", "undamped_snaps": "", "snap_frames": "",
     "max_sheave_load": "N", "max_fleet_angle": "rad", "slipping_share": "",
     "equivalent_tension_range": "N", "tension_cycles": "", "max_bending_cycles": "", "smallest_bending_ratio": "",
     "max_offlead": "rad", "max_sidelead": "rad",
@@ -44,7 +46,7 @@ OF_BENDING = frozenset({"max_bending_cycles", "smallest_bending_ratio"})
 OF_DRUMS = {"max_winch_power": "W", "mean_winch_power": "W", "energy_hoisted": "J", "energy_regenerated": "J"}
 OF_BODIES = {"rise": "m", "max_rise": "m", "max_displacement": "m"}
 """Figures and their units: of the rope, of each drum, of each body. Some of them only some runs have."""
-NOTHING = frozenset({"longest_slack", "max_snap", "undamped_snaps", "slipping_share"})
+NOTHING = frozenset({"longest_slack", "max_snap", "undamped_snaps", "snap_frames", "slipping_share"})
 """Those that a run is without because there is no slack and no slip."""
 
 Row = tuple[str, Any, str, str]
@@ -72,7 +74,7 @@ def headline(
     layout = layout or laid_out(scene)
     parts: list[tuple[str, Callable[[], Iterator[Row]]]] = [
         ("max_tension|min_tension|dynamic_amplification|safety_factor", lambda: _tensions(result, layout, names)),
-        ("slack_events|longest_slack|max_snap|undamped_snaps", lambda: _slack(result, layout)),
+        ("slack_events|longest_slack|max_snap|undamped_snaps|snap_frames", lambda: _slack(result, layout)),
         ("max_sheave_load|max_fleet_angle|slipping_share", lambda: _sheaves(result, scene)),
         ("max_winch_power|mean_winch_power|energy_", lambda: _winches(result, scene)),
         ("equivalent_tension_range|tension_cycles", lambda: _fatigue(result, scene)),
@@ -279,6 +281,13 @@ def _slack(result: Any, layout: Layout) -> Iterator[Row]:
     if snaps:
         snap, event = max(snaps, key=lambda pair: pair[0])
         yield "max_snap", snap, "N", f"largest snap tension ({event.span}, at {event.snap_time:.4g} s)"
+        column = np.maximum(first, last)[:, spans.index(event.span)]
+        k = int(np.argmin(np.abs(np.asarray(result.time) - event.snap_time)))
+        if np.delete(column[max(k - 1, 0) : k + 2], min(k, 1)).max(initial=0.0) < SMOOTH * snap:
+            low = np.flatnonzero(np.append(column < 0.5 * snap, True))
+            frames = int(low[np.searchsorted(low, k)] - max(low[low < k], default=-1) - 1)
+            text = "frames above half of it: too few to show its height; take a shorter output.interval"
+            yield "snap_frames", frames, "", text
         if _snaps_undamped(scene):
             text = "snaps of a rope without damping: tensions up to 1.5 times too high; remove rope.damping"
             yield "undamped_snaps", len(snaps), "", text
