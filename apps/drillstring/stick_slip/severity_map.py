@@ -217,6 +217,7 @@ def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | 
     last, spin = last_part(result.time), result["rotation_rate"][:, -1]
     found = stick_slip(result.time, spin, creep_of(scene))
     hole, seconds = result["hole_depth"][last], result.time[last]
+    rate = float((hole[-1] - hole[0]) / (seconds[-1] - seconds[0])) if seconds.size > 1 else math.nan
     period = period_of(scene)
     fading = dying_out(result.time, spin, period, creep_of(scene))
     # A bit that comes to rest in a brief run sticks, as far as it shows: on the safe side.
@@ -224,7 +225,7 @@ def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | 
     cell = Cell(
         speed, weight, found["severity"], found["stuck"], found["mean"], found["least"], found["largest"],
         float(result["torque_on_bit"][last].mean()), float(result["weight_on_bit"][last].mean()),
-        float((hole[-1] - hole[0]) / (seconds[-1] - seconds[0])), "done", "", time.perf_counter() - begun,
+        rate, "done", "", time.perf_counter() - begun,
         late=not (np.abs(spin[~last]) > STILL * speed).any(), short=short,
     )  # fmt: skip
     if cell.judged:

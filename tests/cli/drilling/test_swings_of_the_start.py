@@ -123,6 +123,7 @@ def test_a_bit_that_comes_to_rest_in_a_run_of_few_periods_is_not_told_to_come_to
     assert "the bit sticks up to the highest speed of all, 60 rpm" in told and "dies out" not in told
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_a_run_of_two_frames_is_told_as_one_that_shows_nothing(drillstring_):
     report, told = mapped(drillstring_, "0.05 s", "--speed", "60")
     assert report["verdict"] == [["not turning"]] and "has not begun to turn when the runs end" in told
