@@ -172,10 +172,12 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     )  # fmt: skip
     found.failed = failures(outcome.data, found.table, asked.conditions, of_every_run)
     found.warnings += failed_notes(found.table, len(asked.seeds), scene.units)
-    found.warnings += warnings_of(found.failed, found.table, asked.scatter is not None, scene.units)
     if asked.scatter is not None:
         counted = asked.simulated if storm.output.statistics else asked.lead + asked.simulated
         found.fatigue = _fatigue(outcome.data, asked, counted, scene, found.table)
+    share = None if found.fatigue is None else found.fatigue.share
+    found.warnings += warnings_of(found.failed, found.table, share, scene.units)
+    if found.fatigue is not None:
         found.warnings += not_covered(found.fatigue)
     return found
 
