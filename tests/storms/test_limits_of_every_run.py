@@ -146,6 +146,17 @@ def test_a_limit_above_the_breaking_load_is_told_before_any_storm_is_run():
     limits = ["max_tension < 2 MN"]
     found = operability(Crane(), tautline.read(SCENE), asked((0.3,), 3, 60.0, limits=limits), execution)
     (warned,) = found.warnings
-    assert said[0] == f"note: {warned}" and "1.1 MN" in warned
+    assert said[0] == f"warning: {warned}" and "1.1 MN" in warned
     assert progress[0] == (0, len(said))
     assert not found.failed and math.isfinite(np.sum(found.table.values))
+
+
+@pytest.mark.parametrize("more", [(), ("-q",)])
+def test_a_limit_above_the_breaking_load_is_told_once_however_quiet(more, weak, tmp_path, capsys, monkeypatch):
+    leave_out_pixels(monkeypatch)
+    options = ("--hs", "0.3", "--tp", "8", "--seeds", "3", "--duration", "20 s", "--lead-in", "20 s", "-j", "1")
+    limit = ("--limit", "max_tension < 2 MN", "-o", tmp_path)
+    code, _, said = commands_of(Crane(), capsys)("operability", weak, *options, *limit, *more)
+    words = " ".join(said.split())
+    assert code == 0 and words.count("warning: limit 'max_tension < 2 MN' is above the breaking load") == 1
+    assert words.count("is above the breaking load") == 1

@@ -184,7 +184,9 @@ def _report(
             for path in (*written.values(), *figures):
                 say(f"wrote {path}", "green")
     for text in found.warnings:
-        say(f"warning: {text}", "yellow")
+        # Who asks for quiet was told nothing before.
+        if quiet or text not in found.said_before:
+            say(f"warning: {text}", "yellow")
     if outcome.failed:
         say(
             f"{outcome.failed} storms did not come to their end; the table {folder / 'sweep.csv'} has them all",
