@@ -83,4 +83,4 @@ def test_operability_says_before_and_after_its_runs_what_a_bare_limit_was_read_a
     )
     assert [one.text for one in found.criteria] == ["min_tension > 7 N", "max_tension <= 5 N"]
     (text,) = (one for one in found.warnings if "no unit" in one)
-    assert "'min_tension > 7'" in text and f"note: {text}" in said
+    assert "'min_tension > 7'" in text and f"warning: {text}" in said

@@ -687,4 +687,4 @@ def test_a_duration_of_seconds_is_among_the_warnings_that_json_has_and_is_said_b
     found = operability(application, scene, asked((0.3,), 3, 3.0, limits=["max_tension < 1 MN"]), execution)
     (told,) = (one for one in found.warnings if "--duration is 3 s" in one)
     assert told not in found.notes
-    assert said[0] == f"note: {told}"
+    assert said[0] == f"warning: {told}"

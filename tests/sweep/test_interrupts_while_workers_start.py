@@ -36,3 +36,38 @@ def test_workers_do_not_hear_the_interrupt_that_a_terminal_sends_to_all():
     with _interrupted_later(), ThreadPoolExecutor(1) as started:
         assert not started.submit(hears_interrupts).result()
     assert hears_interrupts()
+
+
+@pytest.fixture
+def handled_by():
+    """Gives SIGINT another handler for a test."""
+    before = signal.getsignal(signal.SIGINT)
+    yield lambda handler: signal.signal(signal.SIGINT, handler)
+    signal.signal(signal.SIGINT, before)
+
+
+def test_where_interrupts_are_ignored_one_while_workers_start_ends_nothing(handled_by):
+    """A shell has what it runs in the background ignore them."""
+    handled_by(signal.SIG_IGN)
+    with _interrupted_later():
+        os.kill(os.getpid(), signal.SIGINT)
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+def test_a_handler_of_the_caller_hears_the_interrupt_once_workers_have_started(handled_by):
+    heard = []
+    handled_by(lambda number, frame: heard.append(number))
+    with _interrupted_later():
+        os.kill(os.getpid(), signal.SIGINT)
+        assert heard == []
+    assert heard == [signal.SIGINT]
+
+
+def test_a_handler_that_python_did_not_install_is_left_alone(monkeypatch):
+    """As where a program in C has Python within it: Python could not put its handler back."""
+    replaced = []
+    monkeypatch.setattr(signal, "getsignal", lambda number: None)
+    monkeypatch.setattr(signal, "signal", lambda *of: replaced.append(of))
+    with _interrupted_later():
+        pass
+    assert replaced == []

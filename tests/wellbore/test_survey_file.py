@@ -207,6 +207,21 @@ def test_depths_with_decimal_commas_are_not_asked_about_thousands_where_the_hole
     assert problem.key == "inc, azi" and "thousands" not in str(problem) and "depths" in problem.cure
 
 
+@pytest.mark.parametrize(
+    "rows",
+    [
+        ["0;0;0", "98.425;0;0", "100.125;45;0", "400.000;45;0"],  # 1700 ft is a page of the survey
+        ["0;0;0", "98.425;1;0", "196.850;2;0", "197.350;45;0"],  # 500 ft may be, and 98 425 ft are no interval
+    ],
+)
+def test_depths_of_three_decimals_are_not_asked_about_thousands_that_would_leave_no_stations(rows, tmp_path):
+    """The inclination is wrong, and it is named."""
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, lines("md [ft];inc [deg];azi [deg]", *rows)))
+    (problem,) = caught.value.problems
+    assert problem.key == "inc, azi" and "45 deg" in problem.value and "thousands" not in problem.cure
+
+
 def test_every_bad_row_is_named_in_the_order_of_the_file(tmp_path):
     rows = ["0,0,0", "x,0,0", "30,200,0", "60,1,", "60,1,0", "20,1,0", "90,1,0"]
     with pytest.raises(SceneError) as caught:

@@ -131,13 +131,21 @@ def state_said(table: Table, at: tuple[int, ...], system: str = "si") -> str:
     return f"Hs {shown(float(table.heights[at[2]]), 'm', system)}, Tp {table.periods[at[1]]:g} s{of}"
 
 
-def warnings_of(failed: Sequence[Failed], table: Table, fatigue: bool, system: str) -> list[str]:
-    """A warning for each limit of a run that storms failed: by how much, in which sea states, and what it means."""
+def counted(failed: Sequence[Failed], share: np.ndarray) -> bool:
+    """Whether fatigue counts storms that fail a limit of a run, by the share of time of each sea state."""
+    return any(bool((share[one.storms > 0] > 0.0).any()) for one in failed)
+
+
+def warnings_of(failed: Sequence[Failed], table: Table, share: np.ndarray | None, system: str) -> list[str]:
+    """A warning for each limit of a run that storms failed: by how much, in which sea states, and what it means.
+
+    ``share`` (headings, periods, heights) is that of time by which fatigue counts; None where it is not asked for.
+    """
     reached = _allowed(table)
-    return [_warned(one, table, reached, fatigue, system) for one in failed]
+    return [_warned(one, table, reached, share, system) for one in failed]
 
 
-def _warned(one: Failed, table: Table, reached: np.ndarray, fatigue: bool, system: str) -> str:
+def _warned(one: Failed, table: Table, reached: np.ndarray, share: np.ndarray | None, system: str) -> str:
     limit, size = one.limit, len(table.seeds)
     places = [at for at in np.ndindex(*one.storms.shape) if one.storms[at]]
     # Those that are allowed are the dangerous ones: first they.
@@ -148,17 +156,37 @@ def _warned(one: Failed, table: Table, reached: np.ndarray, fatigue: bool, syste
     worst, bound = (shown(value, limit.unit, system) for value in (one.worst, one.bound))
     text = (
         f"storms fail a limit that every run is judged by ({limit.text}): {worst}, must be {limit.sense} {bound}. "
-        f"{len(places)} of the sea states have such storms: {named}{also}. "
+        f"{_so_many(len(places), 'sea state has', 'sea states have')} such storms: {named}{also}. "
     )
     if table.allowable.size:
         allowed = sum(bool(reached[at]) for at in places)
-        none = "None of these sea states is allowed by the limits that are given. "
-        some = f"The limits that are given allow {allowed} of these: allowable heights do not count this one. "
-        text += some if allowed else none
+        text += _allowed_said(allowed, len(places))
         text += _cure(limit, shown(one.bound, limit.unit, system, EXACT)) if allowed else ""
-    if fatigue:
-        text += "Fatigue counts the cycles of these storms as if the rope bore them. "
+    if share is not None:
+        text += _fatigue_said(sum(bool(share[at] > 0.0) for at in places), len(places))
     return text.strip()
+
+
+def _so_many(count: int, one: str, more: str) -> str:
+    return f"{count} {one if count == 1 else more}"
+
+
+def _allowed_said(allowed: int, of: int) -> str:
+    """Whether the limits that were given allow sea states whose storms fail one of a run."""
+    if not allowed:
+        none = "This sea state is not" if of == 1 else "None of these sea states is"
+        return f"{none} allowed by the limits that are given. "
+    some = "it" if of == 1 else f"{allowed} of these"
+    return f"The limits that are given allow {some}: allowable heights do not count this one. "
+
+
+def _fatigue_said(occur: int, of: int) -> str:
+    """That fatigue counts storms in which the rope may part, of the sea states that occur in the scatter diagram."""
+    if not occur:
+        return ""
+    those = "these storms" if occur == of else f"these storms in the {_so_many(occur, 'sea state', 'sea states')}"
+    which = "" if occur == of else f" that {'occurs' if occur == 1 else 'occur'} in the scatter diagram"
+    return f"Fatigue counts the cycles of {those}{which} as if the rope bore them. "
 
 
 def _cure(limit: RunLimit, bound: str) -> str:

@@ -99,7 +99,7 @@ class Found:
     """What came of it; ``table`` is None where the sweep was interrupted, or no case came to its end.
 
     ``warnings`` are what makes a result less safe than it reads, and is told whoever asks for quiet. ``failed`` are the
-    limits of every run that storms failed.
+    limits of every run that storms failed. ``said_before`` are the warnings that were said before anything ran.
     """
 
     outcome: Any
@@ -109,6 +109,7 @@ class Found:
     failed: list[Failed] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    said_before: list[str] = field(default_factory=list)
 
 
 def operability(application: Any, scene: Any, asked: Asked, execution: Execution | None = None) -> Found:
@@ -155,14 +156,19 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     notes += lasting_notes(scene) + outside_notes(asked)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
 
+    said_before: list[str] = []
+
     def begun() -> None:
         execution.begin()
         # Both before anything runs: an operation of hours is many runs.
-        for note in [*doubts, *notes]:
+        for doubt in doubts:
+            execution.say(f"warning: {doubt}")
+        for note in notes:
             execution.say(f"note: {note}")
+        said_before[:] = doubts
 
     outcome = run_sweep(read, application, storm, replace(execution, begin=begun))
-    found = Found(outcome, criteria, notes=notes, warnings=doubts)
+    found = Found(outcome, criteria, notes=notes, warnings=[*doubts], said_before=said_before)
     if outcome.interrupted or not outcome.done:
         return found
     ratio = asked.duration / asked.simulated
@@ -172,10 +178,12 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     )  # fmt: skip
     found.failed = failures(outcome.data, found.table, asked.conditions, of_every_run)
     found.warnings += failed_notes(found.table, len(asked.seeds), scene.units)
-    found.warnings += warnings_of(found.failed, found.table, asked.scatter is not None, scene.units)
     if asked.scatter is not None:
         counted = asked.simulated if storm.output.statistics else asked.lead + asked.simulated
         found.fatigue = _fatigue(outcome.data, asked, counted, scene, found.table)
+    share = None if found.fatigue is None else found.fatigue.share
+    found.warnings += warnings_of(found.failed, found.table, share, scene.units)
+    if found.fatigue is not None:
         found.warnings += not_covered(found.fatigue)
     return found
 

@@ -184,7 +184,9 @@ def _report(
             for path in (*written.values(), *figures):
                 say(f"wrote {path}", "green")
     for text in found.warnings:
-        say(f"warning: {text}", "yellow")
+        # Who asks for quiet was told nothing before.
+        if quiet or text not in found.said_before:
+            say(f"warning: {text}", "yellow")
     if outcome.failed:
         say(
             f"{outcome.failed} storms did not come to their end; the table {folder / 'sweep.csv'} has them all",
@@ -335,6 +337,7 @@ def _also_failed(one: dict[str, Any], system: str) -> str:
 
 def _rows(found: Found, asked: Asked, system: str = "si") -> list[tuple[str, str]]:
     """Rows of the summary: allowable heights, and what it took."""
+    from crane.operability.run_limits import counted
     from tautline.scene.values.printed import quantity
 
     rows: list[tuple[str, str]] = []
@@ -346,7 +349,7 @@ def _rows(found: Found, asked: Asked, system: str = "si") -> list[tuple[str, str
         by = "" if height is None or (height and one["bound"]) else f", by {one['governed_by']}"
         rows.append((f"Hs for all limits, {_where(one)}", f"{_said(one, system)}{by}{_also_failed(one, system)}"))
     if found.fatigue is not None:
-        rows += _of_fatigue(found.fatigue, bool(found.failed), system)
+        rows += _of_fatigue(found.fatigue, counted(found.failed, found.fatigue.share), system)
     if said := dict.fromkeys(_compared_said(asked, one) for one in found.criteria):
         rows.append(("compared with limits", ", ".join(said)))
     rows.append(("storms", str(found.outcome.done)))

@@ -16,6 +16,8 @@ SHORTEST = 4.0
 STEADY = 0.9
 """Swing in a run's last quarter over that in the one before, below which it still falls: of a bit that goes on to
 stick and slip it is 0.99 and more."""
+FEWEST = 4
+"""Frames of a quarter of a run below which what lies between them may be missed."""
 FAINT = 0.05
 """Severity that is as good as none: it is given even where it still falls."""
 
@@ -27,16 +29,24 @@ class DyingOut(NamedTuple):
     enough: float
 
 
+def brief(time: np.ndarray, period: float) -> bool:
+    """Whether a run is too short for its quarters to hold a whole swing: then they differ by their phase alone."""
+    return bool(time[-1] - time[0] < SHORTEST * period)
+
+
 def dying_out(time: np.ndarray, spin: np.ndarray, period: float, creep: float = 0.0) -> DyingOut | None:
     """What the last two quarters of a run tell of a bit's rotary speed (m,) rad/s, where its swing still falls.
 
     None where the swing is steady or faint, and where the bit sticks to the end: then it does not come to turn
-    steadily. ``period`` is that of the string's first torsional mode, s; ``creep`` is as for `stick_slip`.
+    steadily. None, too, where two quarters cannot be compared: the run is brief, or has few frames. ``period`` is that
+    of the string's first torsional mode, s; ``creep`` is as for `stick_slip`.
     """
     last = last_part(time)
-    whole = swing_of(spin[last], creep)
     half_time, half = time[last], spin[last]
     late = last_part(half_time)
+    if brief(time, period) or min(np.count_nonzero(late), np.count_nonzero(~late)) < FEWEST:
+        return None
+    whole = swing_of(half, creep)
     before, after = swing_of(half[~late], creep), swing_of(half[late], creep)
     falls = after["swing"] < STEADY * before["swing"]
     if after["stuck"] > 0.0 or not falls or not whole["severity"] > FAINT:

@@ -27,7 +27,7 @@ from drillstring.model.prepared import tubes_of, well_of
 from drillstring.results.drilling import creep_of, last_part, stick_slip
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
-from drillstring.stick_slip.dying_out import CYCLES, SHORTEST, dying_out
+from drillstring.stick_slip.dying_out import CYCLES, brief, dying_out
 from tautline.integrators.status import StoppedEarly
 from tautline.integrators.time_loop import compile_for
 from tautline.processes import FreshProcesses, without_current_folder
@@ -217,13 +217,15 @@ def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | 
     last, spin = last_part(result.time), result["rotation_rate"][:, -1]
     found = stick_slip(result.time, spin, creep_of(scene))
     hole, seconds = result["hole_depth"][last], result.time[last]
+    rate = float((hole[-1] - hole[0]) / (seconds[-1] - seconds[0])) if seconds.size > 1 else math.nan
     period = period_of(scene)
     fading = dying_out(result.time, spin, period, creep_of(scene))
-    short = found["stuck"] == 0.0 and result.time[-1] - result.time[0] < SHORTEST * period
+    # A bit that comes to rest in a brief run sticks, as far as it shows: on the safe side.
+    short = found["stuck"] == 0.0 and brief(result.time, period)
     cell = Cell(
         speed, weight, found["severity"], found["stuck"], found["mean"], found["least"], found["largest"],
         float(result["torque_on_bit"][last].mean()), float(result["weight_on_bit"][last].mean()),
-        float((hole[-1] - hole[0]) / (seconds[-1] - seconds[0])), "done", "", time.perf_counter() - begun,
+        rate, "done", "", time.perf_counter() - begun,
         late=not (np.abs(spin[~last]) > STILL * speed).any(), short=short,
     )  # fmt: skip
     if cell.judged:

@@ -286,16 +286,24 @@ def _check_intervals(
             f"{told(max_gap)})"
         )
         table.add(line, "md", cell(line, "md"), cause, cure)
-    _check_doglegs(survey, tangents, max_severity, table, columns, size)
+    _check_doglegs(survey, tangents, max_gap, max_severity, table, columns, size)
 
 
 def _check_doglegs(
-    survey: Survey, tangents: np.ndarray, max_severity: float, table: Columns, columns: dict[str, _Column], size: float
+    survey: Survey,
+    tangents: np.ndarray,
+    max_gap: float,
+    max_severity: float,
+    table: Columns,
+    columns: dict[str, _Column],
+    size: float,
 ) -> None:
     """Note doglegs that no hole has: of the angles, or of depths whose marks of thousands were read as decimal."""
     rows = dict(table.rows)
-    marked = _may_have_thousands([row[columns["md"].place] for row in rows.values()])
     bend, length = dogleg(tangents[:-1], tangents[1:]), np.diff(survey.md)
+    marked = _may_have_thousands([row[columns["md"].place] for row in rows.values()])
+    # Without marks of thousands the hole is as many times as long, and what turns must have stations there, too.
+    marked = marked and bool((1000.0 * length[bend > SAME_DIRECTION] <= max_gap * (1.0 + 1e-9)).all())
     severity = bend / length
     for i in np.flatnonzero((severity > max_severity) | (bend > LARGEST_DOGLEG)):
         line, above = int(survey.lines[i + 1]), survey.lines[i]

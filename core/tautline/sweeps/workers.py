@@ -239,6 +239,13 @@ def _quiet() -> Iterator[None]:
             one.setLevel(level)
 
 
+def _can_put_off() -> bool:
+    """Whether this thread may put Ctrl-C off. A handler that Python did not install could not be put back."""
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+        return False
+    return signal.getsignal(signal.SIGINT) is not None
+
+
 @contextmanager
 def _interrupted_later() -> Iterator[None]:
     """Put off Ctrl-C until workers have started, and have them not hear it: this process ends them.
@@ -246,7 +253,7 @@ def _interrupted_later() -> Iterator[None]:
     A terminal sends it to all of them. Whoever is still importing then ends with a traceback, and so does a cluster
     that is half begun. A thread begins with the blocked signals of the one that made it, and so does a process.
     """
-    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+    if not _can_put_off():
         yield
         return
     from multiprocessing import resource_tracker
@@ -263,7 +270,8 @@ def _interrupted_later() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         signal.signal(signal.SIGINT, handler)
     if heard:
-        raise KeyboardInterrupt
+        # By the handler that was there: one of the caller, or none at all where he has it ignored, as by `command &`.
+        signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

@@ -55,6 +55,22 @@ def test_a_bit_that_sticks_to_the_end_is_not_one_whose_swing_dies_out():
     assert dying_out(time, spin, PERIOD) is not None
 
 
+@pytest.mark.parametrize("phase", np.linspace(0.0, 2.0 * np.pi, 9))
+def test_two_quarters_without_a_whole_swing_do_not_show_that_one_falls(phase):
+    """It stays the same, rests in its troughs, and its quarters of 0.6 periods have any part of it."""
+    time = np.linspace(0.0, 2.4 * PERIOD, 241)
+    spin = np.maximum(10.0 + 12.0 * np.cos(2.0 * np.pi * time / PERIOD + phase), 0.0)
+    assert dying_out(time, spin, PERIOD) is None
+
+
+@pytest.mark.parametrize("frames", [2, 3, 4, 8])
+def test_a_run_of_few_frames_does_not_show_that_a_swing_falls(frames):
+    time, spin = turning(100.0, 0.9, 0.02)
+    assert dying_out(time, spin, PERIOD) is not None
+    few = np.linspace(0, len(time) - 1, frames).astype(int)
+    assert dying_out(time[few], spin[few], PERIOD) is None
+
+
 def test_lengths_are_rounded_up_never_down():
     assert [rounded_up(x) for x in (96.27, 97.0, 101.0, 4.81)] == pytest.approx([97.0, 97.0, 110.0, 4.9])
 
@@ -98,6 +114,19 @@ def test_an_end_of_few_periods_is_warned_of_before_the_runs_and_shows_no_swing(d
     assert told.index("1.7 periods") < told.index("share of time stuck")
     assert report["severity"] == [[None, None]] and report["verdict"] == [["too short"] * 2]
     assert "too short to show how the bit turns. Give a longer --end" in told and "does not stick" not in told
+
+
+def test_a_bit_that_comes_to_rest_in_a_run_of_few_periods_is_not_told_to_come_to_turn_steadily(drillstring_):
+    """Run for twenty periods it sticks for a tenth of the time; the last of these 2.5 happens to be its fast part."""
+    report, told = mapped(drillstring_, "12 s", "--speed", "60")
+    assert report["verdict"] == [["sticks"]] and report["stuck"][0][0] > 0.0
+    assert "the bit sticks up to the highest speed of all, 60 rpm" in told and "dies out" not in told
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_run_of_two_frames_is_told_as_one_that_shows_nothing(drillstring_):
+    report, told = mapped(drillstring_, "0.05 s", "--speed", "60")
+    assert report["verdict"] == [["not turning"]] and "has not begun to turn when the runs end" in told
 
 
 def cell(speed, **more):

@@ -12,6 +12,7 @@ ROWS = "0,0,0\n30,1.5,350\n60,3,10\n"
 TITLED = {
     "titles, a date and a blank line": ("Well name: Brage A-12\nDate: 1.2.2024\n\n", "md [m],inc [deg],azi [deg]\n"),
     "a title of as many cells": ("Well,Brage,A-12\n", "md [m],inc [deg],azi [deg]\n"),
+    "a title of as many cells, and round brackets": ("Well,Brage,A-12 (b)\n", "md (m),inc (deg),azi (deg)\n"),
     "pairs of names and values": ("Well,Brage\nElevation,32.1,m\n", "md,inc,azi\nm,deg,deg\n"),
     "a title with a comma, and semicolons below": ("Brage, well A-12\n", "md [m];inc [deg];azi [deg]\n"),
 }  # fmt: skip
@@ -54,7 +55,19 @@ def test_tables_and_measured_loads_below_a_title_are_told_so_too(tmp_path):
         "md,inc\n0,0,0\nstand,pipe,joint\n30,1,350\n",  # words below numbers
         "md,inc,azi\n0,0,0\n",
         "a title\n0,0,0\n30,1,350\n",
+        "depthx,tilt,az\ntie-in,surface,none\n0,0,0\n",  # a remark below the header
+        "depthx (m),tilt (deg),az (deg)\ntie-in (gyro),surface (m),none\n0,0,0\n",
     ],
 )
 def test_what_is_no_header_below_titles_is_not_taken_for_one(text):
     assert header_below(list(enumerate(text.splitlines(), 1))) is None
+
+
+def test_a_remark_below_a_header_without_the_columns_is_not_taken_for_the_header(tmp_path):
+    """Who is told to delete the line above it would delete the header."""
+    path = tmp_path / "survey.csv"
+    path.write_text("depthx,tilt,az\ntie-in,surface,none\n" + ROWS, encoding="utf8")
+    with pytest.raises(SceneError, match="no such column in the header") as caught:
+        read_survey(path)
+    (problem,) = caught.value.problems
+    assert problem.value == "depthx | tilt | az" and "delete" not in problem.cure

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 
 from tautline.scene.reading.long_rows import filled, is_number_or_date, kind_of
@@ -12,13 +13,16 @@ SEPARATORS = "\t;,"
 """What may stand between cells, the surest first."""
 MOST_LINES = 100
 """Lines from the begin of a file in which its header is looked for."""
+BRACKETS = re.compile(r".*[^\s\[(]\s*(?:\[(?P<square>[^\[\]]+)\]|\((?P<round>[^()]+)\))")
+"""A title with something in brackets at its end."""
 
 
 def header_below(lines: Sequence[tuple[int, str]]) -> tuple[int, str] | None:
     """The line, and its text, that looks like the header of a file of which the first line is none; else None.
 
-    It has two titles at least and no number, rows of numbers as wide as it follow, and none stand above it. A row of
-    units below the header is none.
+    It has two titles at least and no number, rows of numbers as wide as it follow, and none stand above it. It is wider
+    than the first line, or has units behind more titles: else it may be a remark below the header, and who is told to
+    delete what stands above it would lose the header. A row of units is none.
     """
     rows = [(line, text, split(text)) for line, text in lines[:MOST_LINES]]
     for k, (line, text, cells) in enumerate(rows):
@@ -26,9 +30,22 @@ def header_below(lines: Sequence[tuple[int, str]]) -> tuple[int, str] | None:
             return None
         below = [row for _, _, row in rows[k + 1 : k + 3]]
         follow = any(shows_numbers(row) and filled(row) == filled(cells) for row in below)
-        if k and follow and is_of_titles(cells) and (filled(cells) > filled(rows[0][2]) or not has_units(cells)):
+        if k and follow and is_of_titles(cells) and says_more(cells, rows[0][2]):
             return line, text
     return None
+
+
+def says_more(cells: Sequence[str], first: Sequence[str]) -> bool:
+    """Whether the titles of a line are more likely those of the columns than what stands in the first line."""
+    if filled(cells) > filled(first):
+        return True
+    return not has_units(cells) and with_unit(cells) > with_unit(first)
+
+
+def with_unit(cells: Sequence[str]) -> int:
+    """Number of titles with a unit in brackets behind them: in round ones it is one that is known, as words may be."""
+    found = [match for match in map(BRACKETS.fullmatch, cells) if match]
+    return sum(1 for match in found if match["square"] or match["round"].strip().lower() in TABLE)
 
 
 def split(text: str) -> list[str]:
