@@ -376,7 +376,7 @@ def test_what_statistics_do_not_tell_names_no_figure_that_the_scene_cannot_have(
     # A rope from an anchor to a body, without sheave, drum and diameter.
     short = {"solver.end": 1.0, "output": KEEP}
     assert left_out_of(simulate(Crane().build(jump.replace(short | changed)))) == {
-        "slack_events", "longest_slack", "max_snap", *more,
+        "slack_events", "longest_slack", "max_snap", "snap_frames", *more,
     }  # fmt: skip
 
 
@@ -384,7 +384,7 @@ def test_figures_of_a_hoist_that_statistics_do_not_tell_are_those_that_the_run_w
     full, kept = both
     assert set(full.headline) - set(kept.headline) <= left_out_of(kept)
     # Of its slack and its slip it had none.
-    assert left_out_of(kept) - set(full.headline) <= {"longest_slack", "max_snap", "slipping_share"}
+    assert left_out_of(kept) - set(full.headline) <= {"longest_slack", "max_snap", "snap_frames", "slipping_share"}
 
 
 def test_statistics_tell_the_largest_tension_at_each_place(scene):

@@ -214,7 +214,15 @@ def limits_of_scene(scene: Any) -> list[str]:
 
 
 COUNTS = frozenset(
-    {"slack_events", "undamped_snaps", "tension_cycles", "max_bending_cycles", "longest_slack", "max_snap"}
+    {
+        "slack_events",
+        "undamped_snaps",
+        "snap_frames",
+        "tension_cycles",
+        "max_bending_cycles",
+        "longest_slack",
+        "max_snap",
+    }
 )
 """Figures that many storms have none of, or that are whole numbers: Gumbel's distribution is a rough one of them."""
 
