@@ -172,12 +172,13 @@ class Stability(NamedTuple):
 
     @property
     def unstable_at(self) -> Literal["none", "part", "all", "unknown"]:
-        """At which of the speeds looked at the hose is unstable: at none, at part of them, or at all.
+        """At which of the speeds looked at, rest between those of both signs among them, the hose is unstable.
 
         Unknown where nothing grows at any, and elements are too coarse for the fastest.
         """
-        if self.grows.any():
-            return "all" if self.grows.all() else "part"
+        grows = np.concatenate([way.grows for way in self.ways]) if self.ways else self.grows
+        if grows.any():
+            return "all" if grows.all() else "part"
         return "unknown" if np.abs(self.speed).max() > self.fine_up_to else "none"
 
 

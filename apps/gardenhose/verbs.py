@@ -345,7 +345,9 @@ def _nothing_found(way: Way, found: Stability, system: str) -> str:
     if not found.eigenvalues.size or abs(way.fastest) <= abs(fine):
         text = f"{words} {span}"
     elif way.grows.any():
-        text = f"{words} {span}, by elements that are too coarse for these speeds"
+        coarse = "by elements that are too coarse"
+        where = f"{coarse} for these speeds" if abs(way.slowest) > abs(fine) else f"beyond {fine:.4g} m/s {coarse}"
+        text = f"{words} {span}, {where}"
     elif abs(way.slowest) >= abs(fine):
         text = f"the elements are too coarse to tell whether the hose is stable {span}"
     else:

@@ -9,6 +9,7 @@ from references import hose as reference
 from scipy.optimize import brentq
 
 from gardenhose.application import Gardenhose
+from gardenhose.flutter import Stability, Way
 from tautline.integrators.status import Status, StoppedEarly
 
 BETA, M, C = 0.3, 0.3, 0.02
@@ -86,6 +87,36 @@ def test_a_pipe_held_at_both_ends_diverges_at_one_speed_both_ways(gardenhose, sp
     assert len(report["critical"]) == 2 and report["warnings"] == []
 
 
+@pytest.mark.parametrize(
+    ("more", "speeds", "extent"),
+    [
+        # The cantilever's onsets are at some 16 m/s and at -0.206 m/s: at rest it is stable.
+        ((), "-5,20", "part"),
+        ((), "-5,-2", "all"),
+        # It falls without flow, and what flows either way does not hold it up.
+        (UPRIGHT, "-1,1", "all"),
+        # It falls without flow, and is held up at 8 m/s.
+        (UPRIGHT, "-1,8", "part"),
+    ],
+    ids=["stable at rest alone", "one way", "falls", "held up"],
+)
+def test_rest_between_speeds_of_both_signs_counts_among_those_at_which_a_hose_is_unstable(
+    gardenhose, more, speeds, extent
+):
+    code, out, _ = gardenhose("flutter", "hose.yaml", *more, "--speed", speeds, "--json")
+    assert code == 0 and only_object(out)["unstable_at"] == extent
+
+
+def test_a_hose_that_is_unstable_at_rest_alone_is_unstable_at_part_of_the_speeds():
+    ways = [
+        Way(sign, np.sort([0.0, sign]), np.array(grows), [], [], None)
+        for sign, grows in ((1.0, [True, False]), (-1.0, [False, True]))
+    ]
+    speeds = np.array([-1.0, 1.0])
+    made = Stability(speeds, *(np.zeros((2, 1)),) * 2, np.zeros(2, bool), [], ways=ways)
+    assert made.unstable_at == "part"
+
+
 def test_windows_are_told_for_each_way_and_those_of_one_contradict_nothing_that_is_said_of_the_other(gardenhose):
     # u of the pipe clamped at both ends: 2 pi, stable once more from 8.99 to 9.29 (Paidoussis and Issid 1974)
     fast = 9.4 / np.sqrt(0.5)
@@ -155,6 +186,22 @@ def test_a_critical_speed_on_elements_too_coarse_for_it_is_told_with_that(garden
     assert f"from {report['critical_speed']:.6g} m/s, by elements that are too coarse for this speed" in said
     _, out, err = gardenhose("flutter", "hose.yaml", "--json")
     assert only_object(out)["critical_speed"] < only_object(out)["fine_up_to"] and "coarse" not in err
+
+
+@pytest.mark.parametrize(
+    ("speeds", "said"),
+    [
+        # Two elements are fine up to 4 / sqrt(M) = 7.303 m/s; drawn in, the water makes this hose unstable from -0.206.
+        ("-10:-5:1", "unstable from -10 to -5 m/s, beyond -7.303 m/s by elements that are too coarse"),
+        ("-10:-8:1", "unstable from -10 to -8 m/s, by elements that are too coarse for these speeds"),
+    ],
+    ids=["the fastest", "all"],
+)
+def test_only_the_speeds_that_elements_are_too_coarse_for_are_called_so_where_a_hose_is_unstable_at_all(
+    gardenhose, speeds, said
+):
+    code, _, err = gardenhose("flutter", "hose.yaml", "--set", "hose.elements=2", "--speed", speeds)
+    assert code == 0 and said in " ".join(err.split())
 
 
 def test_a_search_that_takes_long_says_so_before_it_begins(gardenhose, monkeypatch):

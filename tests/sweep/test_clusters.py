@@ -95,7 +95,7 @@ def test_processes_of_this_machine_give_the_same_numbers_as_this_thread():
 
 def test_an_address_without_a_scheduler_is_refused_with_a_cure(tmp_path, monkeypatch):
     monkeypatch.setattr("tautline.sweeps.workers.PATIENCE", 0.5)
-    with pytest.raises(SceneError, match=r"--dask tcp://127.0.0.1:9: no scheduler answers.*dask scheduler"):
+    with pytest.raises(SceneError, match=r"^argument dask tcp://127.0.0.1:9: no scheduler answers.*dask scheduler"):
         tautline.sweep(hoist(0.05), VARY, collect=["rise"], dask="tcp://127.0.0.1:9", folder=tmp_path / "out")
     assert not (tmp_path / "out").exists(), "the corrected command would be refused"
 

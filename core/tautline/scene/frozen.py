@@ -2,21 +2,52 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NoReturn, TypeVar
 
 import pydantic
 
 from tautline.scene.errors import Problem, SceneError
 
+Class = TypeVar("Class")
+
 
 class Frozen(pydantic.BaseModel):
-    """A model of which no field can be set; whoever tries is told what to do in its place."""
+    """A model of which only what is private can be set; whoever tries more is told what to do in its place."""
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set what is private; raises SceneError for a field."""
-        field = type(self).model_fields.get(name)
-        if field is not None:
-            cure = "make another scene: scene.replace({key: value}) with the key of the file, such as 'solver.step'"
-            what = Problem("scene", None, field.alias or name, repr(value), "a scene cannot be changed", cure)
-            raise SceneError([what])
+        """Set what is private; raises SceneError for anything else."""
+        if not name.startswith("_"):
+            _refuse(_key(type(self), name), repr(value))
         super().__setattr__(name, value)
+
+    def __delattr__(self, name: str) -> None:
+        """Delete what is private; raises SceneError for anything else."""
+        if not name.startswith("_"):
+            _refuse(_key(type(self), name), None)
+        super().__delattr__(name)
+
+
+def says_what_to_do(cls: type[Class]) -> type[Class]:
+    """Have a frozen dataclass refuse changes as `Frozen` does; it stands above ``@dataclass``, which has its own."""
+
+    def refuse_to_set(_: Class, name: str, value: Any) -> NoReturn:
+        _refuse(name, repr(value))
+
+    def refuse_to_delete(_: Class, name: str) -> NoReturn:
+        _refuse(name, None)
+
+    # mypy takes methods that are assigned for faults.
+    for name, method in (("__setattr__", refuse_to_set), ("__delattr__", refuse_to_delete)):
+        setattr(cls, name, method)
+    return cls
+
+
+def _key(model: type[Frozen], name: str) -> str:
+    """The key of the file for a field; another name as it is."""
+    field = model.model_fields.get(name)
+    return name if field is None else field.alias or name
+
+
+def _refuse(key: str, value: str | None) -> NoReturn:
+    cure = "make another scene: scene.replace({key: value}), with key and value as you would write them in its file"
+    raise SceneError([Problem("scene", None, key, value, "a scene cannot be changed", cure)])

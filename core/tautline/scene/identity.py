@@ -55,7 +55,7 @@ def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | No
 def says_the_same(scene: Any, other: Any) -> bool:
     """Whether two scenes say the same, and have the same driven from outside; in which text or file does not matter.
 
-    Names of files that they are read with say the same where they are relative to the same folder.
+    Names of files that are relative say the same where they are relative to the same folder.
     """
     if scene is other:
         return True
@@ -63,7 +63,8 @@ def says_the_same(scene: Any, other: Any) -> bool:
         return False
     if any(getattr(scene, name) != getattr(other, name) for name in type(scene).model_fields):
         return False
-    return next(files_of(scene), None) is None or scene.folder.resolve() == other.folder.resolve()
+    absolute = all(Path(name).is_absolute() for name in files_of(scene))
+    return absolute or scene.folder.resolve() == other.folder.resolve()
 
 
 def _contents(value: Any, path: str, besides: Collection[str], folder: Path | None) -> Iterator[bytes]:

@@ -16,6 +16,7 @@ from tautline.arguments import MAPPING, check_given
 from tautline.cable.input.syntax.nodal import NodalPart, item_of
 from tautline.cable.input.syntax.solver import CableSolver
 from tautline.scene.errors import Problem, SceneError, SceneWarning
+from tautline.scene.frozen import says_what_to_do
 from tautline.scene.limits import Limit
 from tautline.scene.model import WITHOUT_TEXT
 from tautline.scene.reading.document import Document
@@ -83,6 +84,7 @@ class Element(NamedTuple):
         return self.quadrature or ("lobatto" if self.EJ > 0.0 else "gauss")
 
 
+@says_what_to_do
 @dataclass(frozen=True, slots=True)
 class Tie:
     """Two nodes made equal: what 0 r = r, 1 p = p, 2 r' = r'.
@@ -101,6 +103,7 @@ class Tie:
     place: Place
 
 
+@says_what_to_do
 @dataclass(frozen=True, slots=True)
 class Coupling:
     """A slave degree of freedom: slave = f0 + sum of factor times master; masters are (node, dof, factor)."""
@@ -113,6 +116,7 @@ class Coupling:
     place: Place
 
 
+@says_what_to_do
 @dataclass(frozen=True, slots=True)
 class Motion:
     """What a held degree of freedom follows.
@@ -133,6 +137,7 @@ class Motion:
     factor: float = 1.0
 
 
+@says_what_to_do
 @dataclass(frozen=True, slots=True)
 class Curve:
     """A line in a plot, of a cable element or of a node.
@@ -150,6 +155,7 @@ class Curve:
     place: Place
 
 
+@says_what_to_do
 @dataclass(frozen=True)
 class CableScene:
     """All that a run needs to know; parts in the order of the file, references checked.

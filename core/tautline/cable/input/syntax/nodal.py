@@ -16,6 +16,7 @@ from pydantic import model_validator
 
 from tautline.cable.input.syntax.entries import Id, Ids
 from tautline.errors import ArgumentError, ArgumentTypeError
+from tautline.scene.frozen import says_what_to_do
 from tautline.scene.model import Model
 from tautline.scene.refusal import fault
 
@@ -38,6 +39,7 @@ class OnNodes(Model):
         return self
 
 
+@says_what_to_do
 @dataclass(frozen=True, slots=True)
 class NodalPart:
     """An item as the builder meets it: its key, its model, the ids of its nodes, its line and key path in the file."""
