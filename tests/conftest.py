@@ -7,7 +7,14 @@ import sys
 from functools import cache
 from pathlib import Path
 
+import hypothesis
 import pytest
+
+# How long an example takes on cores that others use too says nothing.
+hypothesis.settings.register_profile(
+    "shared cores", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.load_profile("shared cores")
 
 # Workers have a core each. Linear algebra on all cores has its threads wait for one another there, and eigenvalues of
 # a hose take many times as long. It is asked for before NumPy is loaded.

@@ -50,7 +50,7 @@ def values_of(rows):
 def test_a_file_that_is_replaced_ends_the_sweep_names_the_file_and_keeps_rows_of_the_first_only(scene, tmp_path, jobs):
     alone = tautline.sweep(scene, VARY, collect=["max_tension"], jobs=1, folder=tmp_path / "alone")
     out = tmp_path / "out"
-    with pytest.raises(SceneError, match=r"speed.csv: is not the file .* cases finished .* are kept in .*--resume"):
+    with pytest.raises(SceneError, match=r"speed.csv: is not the file .* cases finished .* are kept in .*`resume`"):
         tautline.sweep(
             scene, VARY, collect=["max_tension"], jobs=jobs, folder=out, progress=replaced_after(scene, 3, QUICK)
         )  # fmt: skip
