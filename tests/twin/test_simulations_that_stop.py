@@ -140,17 +140,18 @@ def rows_into_the_block():
 @pytest.fixture(scope="module")
 def into_the_block():
     twin, kept = twin_of(WEIGHT), None
-    lines = []
+    lines, tries = [], set()
     for stamp, readings in rows_into_the_block():
         lines += twin.add(stamp, readings)
         twin.work()
-        if kept is None and twin.loss.text:
-            kept = copy.deepcopy(twin)
-    return twin, lines + twin.finish(), kept
+        if twin.loss.text:
+            kept = kept or copy.deepcopy(twin)
+            tries.add(twin.loss.next_try)
+    return twin, lines + twin.finish(), kept, len(tries)
 
 
 def test_a_hook_that_the_sensors_show_at_the_block_is_told_as_long_as_it_is_there_and_the_twin_goes_on(into_the_block):
-    twin, lines, _ = into_the_block
+    twin, lines, *_ = into_the_block
     assert len(lines) == len(rows_into_the_block())
     at_block = [line for line in lines if 5.8 < line["time"] < LOWERED]
     kept = next(line["estimates"]["payload.mass"] for line in lines if line["outputs"] == {})
@@ -166,8 +167,12 @@ def test_a_hook_that_the_sensors_show_at_the_block_is_told_as_long_as_it_is_ther
 
 
 def test_a_simulation_that_stops_again_and_again_is_tried_every_few_seconds_and_not_at_every_row(into_the_block):
-    tries = [note for note in into_the_block[0].notes if "the simulation stopped where the sensors are" in note]
-    assert 2 <= len(tries) <= 3, "in 50 rows of 10 s"
+    assert 2 <= into_the_block[3] <= 3, "in 50 rows of 10 s"
+
+
+def test_why_no_simulation_goes_on_is_noted_once_and_not_at_every_try(into_the_block):
+    notes = [note for note in into_the_block[0].notes if "the simulation stopped where the sensors are" in note]
+    assert len(notes) == 1
 
 
 def test_an_overload_that_is_measured_is_told_while_no_simulation_goes_on(into_the_block):
@@ -247,7 +252,7 @@ def test_a_join_in_a_swell_leads_no_further_beyond_the_machines_range_than_one_q
         apart.append(beyond_both(left) - beyond_both(quintic))
         found.append([np.abs(way + one).max() - size for one in (left, quintic)])
     ours, theirs = np.max(found, axis=0)
-    # With rates that go within `JOIN` wherever that is shorter it was 1.2 m instead of 0.2 m, and 3.5 m instead of 0.5 m.
+    # With rates that always go within `JOIN` it was 1.2 m instead of 0.2 m, and 3.5 m instead of 0.5 m.
     assert ours <= theirs + 1e-3
     assert max(apart) <= 1e-3
 

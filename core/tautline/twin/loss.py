@@ -24,7 +24,7 @@ class Loss:
 
     def __init__(self) -> None:
         self.text, self.next_try = "", -np.inf
-        self._status = ""
+        self._status = self._told = ""
 
     def waits(self, time: float) -> bool:
         """Whether it is too early to try again."""
@@ -43,9 +43,16 @@ class Loss:
             f"watched. Every {PAUSE:g} s the twin tries to begin the simulation again"
         )
 
+    def news(self) -> list[str]:
+        """What is to be told of it: nothing where the same was told already, as it may last for a night."""
+        if self.text == self._told:
+            return []
+        self._told = self.text
+        return [self.text]
+
     def end(self) -> None:
         """Take notice that a simulation goes on."""
-        self.text = self._status = ""
+        self.text = self._status = self._told = ""
 
     def ahead(self, time: float) -> Found | None:
         """What a run ahead would come to at a time: the stop, where it is one of the machine."""

@@ -305,7 +305,7 @@ class Twin:
                     self._disturbed(row.time)
                 return begun
         self.loss.put_off(row.time)
-        self.notes.append(f"at {stamp_said(row.time)} {self.loss.text}")
+        self.notes += [f"at {stamp_said(row.time)} {news}" for news in self.loss.news()]
         return None
 
     def _begin_at(

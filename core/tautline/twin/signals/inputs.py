@@ -260,8 +260,8 @@ class InputTrack:
         """What is left of a difference (3,) a time after it began to be made up for.
 
         Its rates may go as soon as a motion comes to rest by itself: kept up over the time that a large difference of
-        place takes, those of a leap at speed would lead metres beyond both places. What swings has rates that lead back,
-        and there one quintic goes less far.
+        place takes, those of a leap at speed would lead metres beyond both places. What swings has rates that lead
+        back, and there one quintic goes less far.
         """
         if self._soon >= self._over:
             return joined(self._apart, passed / self._over, self._over)
