@@ -173,6 +173,8 @@ def test_a_simulation_that_stops_again_and_again_is_tried_every_few_seconds_and_
 def test_why_no_simulation_goes_on_is_noted_once_and_not_at_every_try(into_the_block):
     notes = [note for note in into_the_block[0].notes if "the simulation stopped where the sensors are" in note]
     assert len(notes) == 1
+    assert not into_the_block[2].loss.of_all, "it was simulated before"
+    assert "Check zero" not in notes[0]
 
 
 def test_an_overload_that_is_measured_is_told_while_no_simulation_goes_on(into_the_block):
