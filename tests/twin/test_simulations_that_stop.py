@@ -12,6 +12,7 @@ import re
 import numpy as np
 import pytest
 from of_the_suite import studies
+from scipy.interpolate import BPoly
 from twin.rehearsal import NOT_AHEAD, RATE, WEIGHT, alarms, changed, hoist, rows_of
 
 import tautline
@@ -139,17 +140,18 @@ def rows_into_the_block():
 @pytest.fixture(scope="module")
 def into_the_block():
     twin, kept = twin_of(WEIGHT), None
-    lines = []
+    lines, tries = [], set()
     for stamp, readings in rows_into_the_block():
         lines += twin.add(stamp, readings)
         twin.work()
-        if kept is None and twin.loss.text:
-            kept = copy.deepcopy(twin)
-    return twin, lines + twin.finish(), kept
+        if twin.loss.text:
+            kept = kept or copy.deepcopy(twin)
+            tries.add(twin.loss.next_try)
+    return twin, lines + twin.finish(), kept, len(tries)
 
 
 def test_a_hook_that_the_sensors_show_at_the_block_is_told_as_long_as_it_is_there_and_the_twin_goes_on(into_the_block):
-    twin, lines, _ = into_the_block
+    twin, lines, *_ = into_the_block
     assert len(lines) == len(rows_into_the_block())
     at_block = [line for line in lines if 5.8 < line["time"] < LOWERED]
     kept = next(line["estimates"]["payload.mass"] for line in lines if line["outputs"] == {})
@@ -165,8 +167,14 @@ def test_a_hook_that_the_sensors_show_at_the_block_is_told_as_long_as_it_is_ther
 
 
 def test_a_simulation_that_stops_again_and_again_is_tried_every_few_seconds_and_not_at_every_row(into_the_block):
-    tries = [note for note in into_the_block[0].notes if "the simulation stopped where the sensors are" in note]
-    assert 2 <= len(tries) <= 3, "in 50 rows of 10 s"
+    assert 2 <= into_the_block[3] <= 3, "in 50 rows of 10 s"
+
+
+def test_why_no_simulation_goes_on_is_noted_once_and_not_at_every_try(into_the_block):
+    notes = [note for note in into_the_block[0].notes if "the simulation stopped where the sensors are" in note]
+    assert len(notes) == 1
+    assert not into_the_block[2].loss.of_all, "it was simulated before"
+    assert "Check zero" not in notes[0]
 
 
 def test_an_overload_that_is_measured_is_told_while_no_simulation_goes_on(into_the_block):
@@ -188,16 +196,18 @@ def test_a_twin_without_a_simulation_goes_on_from_a_saved_state_to_the_bit(into_
     assert told[0] == told[1][: len(told[0])] and len(told[0]) > 20
 
 
+WINCH = Channel(
+    column="winch", name="winch.pay_out", is_input=True, unit="m", scale=1.0, zero=0.0, zero_first=False,
+    sd=np.nan, relative=False, low=-np.inf, high=np.inf, waves=False, lost_after=5.0,
+)  # fmt: skip
+
+
 def test_an_encoder_that_is_set_to_zero_is_joined_without_first_going_metres_on():
     """A load hoisted at 2 m/s cannot be shown to be 23 m elsewhere: on the way there it only comes to rest first."""
-    channel = Channel(
-        column="winch", name="winch.pay_out", is_input=True, unit="m", scale=1.0, zero=0.0, zero_first=False,
-        sd=np.nan, relative=False, low=-np.inf, high=np.inf, waves=False, lost_after=5.0,
-    )  # fmt: skip
     dt, n = 0.05, 240
     times = dt * np.arange(2 * n)
     values = np.where(times < n * dt, -2.0 * times, 0.0)
-    track = InputTrack(channel, 0)
+    track = InputTrack(WINCH, 0)
     track.begin(0.0, -dt)
     states = []
     given = [Row(t, np.array([x])) for t, x in zip(times, values, strict=True)]
@@ -209,3 +219,49 @@ def test_an_encoder_that_is_set_to_zero_is_joined_without_first_going_metres_on(
     # Braking evenly within `JOIN` takes v T / 2; with its speed kept up over the whole way it was 8 m.
     assert places.min() > left - 0.5 * 2.0 * JOIN * 0.5
     assert np.all(np.diff(places[n + round(JOIN / dt) :]) > 0.0)
+
+
+def left_of(shown, held, fastest):
+    """How long a track at rest at `held` takes to join what its sensor shows, `shown` (3,), and what is left (n,)."""
+    track = InputTrack(WINCH, 0)
+    track.fastest = fastest
+    track.begin(held, 0.0)
+    track.join_from_rest(np.array(shown))
+    over = max(JOIN, 1.875 * abs(held - shown[0]) / fastest)
+    times = np.linspace(0.0, over, 401)
+    return times, np.array([track._left(time)[0] for time in times])
+
+
+def one_quintic(shown, held, times):
+    """The same difference made up for by the one quintic with its place, rate and second rate."""
+    apart = np.array([held, 0.0, 0.0]) - shown
+    return BPoly.from_derivatives([0.0, times[-1]], [apart, np.zeros(3)])(times)
+
+
+def beyond_both(left):
+    return max(left.max() - max(0.0, left[0]), min(0.0, left[0]) - left.min())
+
+
+@pytest.mark.parametrize(("speed", "period"), [(2.0, 9.0), (2.0, 20.0)])
+def test_a_join_in_a_swell_leads_no_further_beyond_the_machines_range_than_one_quintic_does(speed, period):
+    w, rng = 2.0 * np.pi / period, np.random.default_rng(0)
+    size, found, apart = speed / w, [], []
+    for phase, held in zip(rng.uniform(0.0, 2.0 * np.pi, 60), rng.uniform(-size, size, 60), strict=True):
+        sine, cosine = np.sin(phase), np.cos(phase)
+        shown = (size * sine, speed * cosine, -speed * w * sine)
+        times, left = left_of(shown, held, speed)
+        quintic, way = one_quintic(shown, held, times), size * np.sin(w * times + phase)
+        apart.append(beyond_both(left) - beyond_both(quintic))
+        found.append([np.abs(way + one).max() - size for one in (left, quintic)])
+    ours, theirs = np.max(found, axis=0)
+    # With rates that always go within `JOIN` it was 1.2 m instead of 0.2 m, and 3.5 m instead of 0.5 m.
+    assert ours <= theirs + 1e-3
+    assert max(apart) <= 1e-3
+
+
+@pytest.mark.parametrize("speed", [0.7, 2.0])
+def test_a_leap_at_speed_leads_no_further_beyond_both_places_than_braking_within_the_shortest_join(speed):
+    shown, held = (23.1, speed, 0.0), 0.0
+    times, left = left_of(shown, held, 2.0)
+    # Braking evenly is v T / 2. One quintic goes 1.4 and 5.8 m beyond.
+    assert beyond_both(left) < 0.5 * speed * JOIN < beyond_both(one_quintic(shown, held, times))

@@ -493,3 +493,20 @@ def test_a_watched_residual_whose_sensor_is_misspelt_is_no_second_fault(rehearsa
     code, _, told = here("twin", SCENE, "--map", tmp_path / "map.yaml", "--source", rehearsal / "r.csv")
     (line,) = [one for one in told.splitlines() if "map.yaml" in one]
     assert code == 2 and "sensors[" in line and "did you mean 'winch.tension'?" in line
+
+
+def test_a_twin_in_which_nothing_was_ever_simulated_ends_with_3_and_why_and_keeps_result_and_state(rehearsal, here):
+    source, result, state = (rehearsal / name for name in ("at_block.csv", "at_block.nc", "at_block.state"))
+    rows = [f"{0.1 * k:.1f},{-26.0 + 1e-3 * (k % 3)},{1e-4 * k},49\n" for k in range(12)]
+    source.write_text("time [s],winch_pos [m],heave [m],rope_tension [kN]\n" + "".join(rows))
+    words = ["--map", rehearsal / "map.yaml", "--source", source, "-o", result, "--state", state]
+    code, out, told = here("twin", SCENE, *words)
+    assert code == 3
+    (why,) = [line for line in told.splitlines() if line.startswith("nothing was simulated: ")]
+    assert "boom tip: two-blocking" in why and why.endswith("Check zero, sign and unit of winch_pos")
+    assert "health is degraded at best" in told and "9000 kg" not in told + out
+    with xarray.open_dataset(result, engine="h5netcdf") as data:
+        assert data.sizes["time"] == len(rows) and data.attrs["status"] == "nothing simulated"
+    source.write_text(source.read_text() + "1.3,-26,0.002,49\n")
+    code, _, told = here("twin", SCENE, *words, "--resume", state)
+    assert code == 3 and "nothing was simulated: the simulation stopped" in told

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tautline.integrators.status import StoppedEarly
@@ -20,11 +22,14 @@ class Loss:
         What is told of it; empty where a simulation goes on.
     next_try : float
         Time from which on a simulation that has stopped may be begun again, s.
+    begun : bool
+        Whether a simulation has ever gone on.
     """
 
     def __init__(self) -> None:
         self.text, self.next_try = "", -np.inf
-        self._status = ""
+        self._status = self._told = self._where = self._cure = ""
+        self.begun = False
 
     def waits(self, time: float) -> bool:
         """Whether it is too early to try again."""
@@ -34,18 +39,39 @@ class Loss:
         """Let the next try be a pause later."""
         self.next_try = time + PAUSE
 
-    def lose(self, error: StoppedEarly, of_machine: bool) -> None:
-        """Take notice of what stopped the simulation: where the sensors are, or on a way that was made up."""
+    @property
+    def of_all(self) -> str:
+        """Why nothing was ever simulated; empty where something was, or nothing has stopped."""
+        return "" if self.begun or not self.text else f"{self._where}{self._cure}"
+
+    def lose(self, error: StoppedEarly, of_machine: bool, columns: Sequence[str] = ()) -> None:
+        """Take notice of what stopped the simulation: where the sensors are, or on a way that was made up.
+
+        Parameters
+        ----------
+        columns : sequence of str
+            Which say where the machine stands. As long as nothing was simulated they are the first to be doubted.
+        """
         self._status = error.status.name if of_machine else ""
         where = "the simulation stopped where the sensors are" if of_machine else "the simulation stopped again"
+        self._where = f"{where} ({why(error)})"
+        self._cure = f". Check zero, sign and unit of {' and '.join(columns)}" if columns and not self.begun else ""
         self.text = (
-            f"{where} ({why(error)}). Nothing is computed or foreseen. Estimates are kept, and what is measured is "
-            f"watched. Every {PAUSE:g} s the twin tries to begin the simulation again"
+            f"{self._where}. Nothing is computed or foreseen. Estimates are kept, and what is measured is watched. "
+            f"Every {PAUSE:g} s the twin tries to begin the simulation again{self._cure}"
         )
+
+    def news(self) -> list[str]:
+        """What is to be told of it: nothing where the same was told already, as it may last for a night."""
+        if self.text == self._told:
+            return []
+        self._told = self.text
+        return [self.text]
 
     def end(self) -> None:
         """Take notice that a simulation goes on."""
-        self.text = self._status = ""
+        self.text = self._status = self._told = ""
+        self.begun = True
 
     def ahead(self, time: float) -> Found | None:
         """What a run ahead would come to at a time: the stop, where it is one of the machine."""

@@ -297,7 +297,7 @@ class Twin:
                 begun = self._begin_at(row, inputs, at_rest)
             except StoppedEarly as error:
                 self.estimate.rest()
-                self.loss.lose(error, of_machine=True)
+                self.loss.lose(error, of_machine=True, columns=self.readings.placing)
             else:
                 self.loss.end()
                 if lost:
@@ -305,7 +305,7 @@ class Twin:
                     self._disturbed(row.time)
                 return begun
         self.loss.put_off(row.time)
-        self.notes.append(f"at {stamp_said(row.time)} {self.loss.text}")
+        self.notes += [f"at {stamp_said(row.time)} {news}" for news in self.loss.news()]
         return None
 
     def _begin_at(
@@ -376,6 +376,7 @@ class Twin:
         shows nothing, says nothing of the machine.
         """
         self.restarts += 1
+        self.loss.begun = True  # states of earlier versions do not tell it
         made_up, seen = self.readings.made_up, self.readings.seen
         own = ". An input was on a way of its own, as its sensor had shown nothing for a while" if made_up else ""
         text = f"the simulation stopped ({why(error)}{own}); it was begun again from rest where the sensors are"

@@ -297,6 +297,9 @@ class _Loop:
             if self.series is not None:
                 self._keep("result", partial(self.series.finish, stop.status.word))
             raise
+        if status == "done" and self.lines and self.twin.loss.of_all:
+            say(f"nothing was simulated: {self.twin.loss.of_all}", "red")
+            status = "nothing simulated"
         self._end(status)
 
     def _hear_all(self) -> None:
@@ -474,9 +477,11 @@ class _Loop:
         if self.last is None:
             self._say_why_nothing()
         else:
+            # Where nothing was simulated they are the map's guesses.
+            estimates = {} if self.twin.loss.of_all else self.last["estimates"]
             rows += [
                 (name, f"{said(one['value'], one['unit'], system)} ± {said(2.0 * one['sd'], one['unit'], system)}")
-                for name, one in self.last["estimates"].items()
+                for name, one in estimates.items()
             ]
             rows += [("not observable", text) for text in self.last["not_observable"]]
             rows += self.twin.operation.summary() if self.twin.operation is not None else []

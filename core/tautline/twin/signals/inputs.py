@@ -22,6 +22,8 @@ JOIN = 3.0
 """Shortest time in which a difference is made up for, s."""
 BOUNCES = 5.0
 """And at least in so many periods in which a load bounces: so slowly that it does not bounce by that."""
+INSTANTS = 51
+"""Instants at which it is looked how far a way leads: the time of a join for rates is a few of them at the least."""
 SPEED = 1.0
 """Speed at which a large difference is made up for where nothing faster was measured, SI."""
 SAME = 1e-9
@@ -243,12 +245,23 @@ class InputTrack:
         slowly = max(JOIN, BOUNCES * self.bounce)
         far = 0.0 if self.channel.is_set else 1.875 * abs(float(self._apart[0])) / self.fastest
         self._over, self._soon = max(slowly, far), slowly
+        if slowly < self._over:
+            split, self._soon = self._beyond(), self._over
+            if split < self._beyond():
+                self._soon = slowly
+
+    def _beyond(self) -> float:
+        """How far what is left of a difference leads beyond both of its places."""
+        left = [float(self._left(passed)[0]) for passed in np.linspace(0.0, self._over, INSTANTS)]
+        place = float(self._apart[0])
+        return max(max(left) - max(0.0, place), min(0.0, place) - min(left))
 
     def _left(self, passed: float) -> np.ndarray:
         """What is left of a difference (3,) a time after it began to be made up for.
 
-        Its rates go as soon as a motion comes to rest by itself: kept up over the time that a large difference of place
-        takes, they would lead metres beyond both places.
+        Its rates may go as soon as a motion comes to rest by itself: kept up over the time that a large difference of
+        place takes, those of a leap at speed would lead metres beyond both places. What swings has rates that lead
+        back, and there one quintic goes less far.
         """
         if self._soon >= self._over:
             return joined(self._apart, passed / self._over, self._over)

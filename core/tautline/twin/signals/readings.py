@@ -327,6 +327,12 @@ class Readings:
         """Inputs and the states (3,) that their sensors show now, or have shown last: nothing that was made up."""
         return [(track.channel.name, track.seen) for track in self.tracks]
 
+    @property
+    def placing(self) -> list[str]:
+        """Columns that say where the machine stands: those that begin far from the scene, or else all of them."""
+        places = [track.channel for track in self.tracks if self._moves(track)]
+        return [one.column for one in places if one.name in self.far] or [one.column for one in places]
+
     def resting(self, inputs: Sequence[tuple[str, np.ndarray]]) -> list[tuple[str, np.ndarray]]:
         """The same inputs at rest where they are; a speed or a torque that is set stays as it is."""
         both = zip(self.tracks, inputs, strict=True)
@@ -363,5 +369,5 @@ def _far_said(channel: Channel, begins: float, start: float) -> str:
     there, here = quantity(begins, channel.unit), quantity(start, channel.unit)
     return (
         f"{channel.column} begins at {there}; the scene begins at {here}: write `zero: first` where the machine stands "
-        f"as in the scene, or give its `zero`, or the scene's start. Until then health is degraded"
+        f"as in the scene, or give its `zero`, or the scene's start. Until then health is degraded at best"
     )
