@@ -10,17 +10,17 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-# How long an example takes on cores that others use too says nothing.
-hypothesis.settings.register_profile(
-    "shared cores", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
-)
-hypothesis.settings.load_profile("shared cores")
-
 # Workers have a core each. Linear algebra on all cores has its threads wait for one another there, and eigenvalues of
 # a hose take many times as long. It is asked for before NumPy is loaded.
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ.get("OPENBLAS_NUM_THREADS", "1")
 
 from tautline.kernels.machine.gc_tuning import RARELY
+
+# How long an example takes on cores that others use too says nothing.
+hypothesis.settings.register_profile(
+    "shared cores", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.load_profile("shared cores")
 
 TESTS = Path(__file__).parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent)]

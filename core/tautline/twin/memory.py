@@ -30,7 +30,7 @@ OF_TWIN = ("now", "unsettled", "unsure", "rests", "paused", "restarts", "_ends",
 OF_READINGS = ("zeros", "far", "stepped", "step_found")
 OF_ESTIMATE = (
     "from_rest", "_plain", "_passage", "_pending", "_gathered", "_slopes", "_bounce", "_steep", "_steep_at", "_begin",
-    "_held",
+    "_held", "_without_start",
 )  # fmt: skip
 OF_FAMILY = ("at", "apart", "mixed", "trust", "steady", "rough", "blows_due")
 OF_WATCH = ("_told_ahead", "_before", "_seen", "_seen_before_rest", "_irregular", "_down_from")

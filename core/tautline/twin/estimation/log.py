@@ -62,10 +62,10 @@ class Log:
     origin : float
         Time of the data at which the simulations' own time is zero, s; NaN before they have begun.
     began : float
-        Time of the row at which they began, s; NaN in a process that goes on from another's state.
+        Time of the row at which they began, s; NaN where it is not known, as of a state of an earlier version.
     """
 
-    MADE_ANEW = ("window", "every", "began")
+    MADE_ANEW = ("window", "every")
 
     def __init__(self, window: float) -> None:
         self.window, self.every = window, max(CHECKPOINT, window / MOST)
