@@ -53,13 +53,19 @@ def test_of_a_longer_step_the_error_of_a_snap_is_not_known(landed):
     assert told.blow is None and told.blow_said == "largest snap tension" and told.blow_size > 40e3
 
 
-def test_frames_that_are_too_few_to_show_the_height_of_a_snap_are_told(landed):
-    _, subject, run, exact = landed
-    fine = Subject(Crane(), subject.scene.replace({"output.interval": 5e-3})).run(Setting()).result.headline
-    assert fine["max_snap"]["value"] == pytest.approx(exact, rel=0.06) and "snap_frames" not in fine
-    rough = Subject(Crane(), subject.scene.replace({"output.interval": 50e-3})).run(Setting()).result.headline
-    assert rough["max_snap"]["value"] < 0.3 * exact and rough["snap_frames"]["value"] == 1
-    assert run.headline["snap_frames"]["value"] == 1
+@pytest.mark.parametrize(("more", "interval"), [({}, 50e-3), ({}, 20e-3), ({"bodies[0].mass": 50e3}, 20e-3)])
+def test_frames_that_are_too_few_to_show_the_height_of_a_snap_are_told(landed, more, interval):
+    """The last one is 24 % too low in two frames, of which neither stands out."""
+    _, subject, _, exact = landed
+
+    def told(interval):
+        scene = subject.scene.replace(more | {"output.interval": interval})
+        return Subject(Crane(), scene).run(Setting()).result.headline
+
+    fine, rough = told(5e-3), told(interval)
+    assert fine["max_snap"]["value"] == pytest.approx(exact, rel=0.06) or more
+    assert fine["snap_frames"]["value"] >= 3 and "too few" not in fine["snap_frames"]["text"]
+    assert rough["snap_frames"]["value"] < 3 and "too few" in rough["snap_frames"]["text"]
 
 
 def test_without_a_snap_nothing_is_told_of_one(landed):

@@ -25,8 +25,8 @@ SLACK = 0.01
 """Share of the largest tension at rest below which a span counts as slack."""
 MOST_SHEAVES = 4
 """Sheaves up to which the largest tension is told of each side; of more only the largest of all."""
-SMOOTH = 0.75
-"""Share of the largest snap that the next frame shows at least, where frames show how high it is."""
+FEWEST = 3
+"""Frames above half of a snap, below which they do not show how high it is: two may stand astride its top."""
 MOST_BODIES = 4
 BARELY = 0.05
 """Share of the tension of the load hanging free below which the rope hardly carries it at the start."""
@@ -281,16 +281,20 @@ def _slack(result: Any, layout: Layout) -> Iterator[Row]:
     if snaps:
         snap, event = max(snaps, key=lambda pair: pair[0])
         yield "max_snap", snap, "N", f"largest snap tension ({event.span}, at {event.snap_time:.4g} s)"
-        column = np.maximum(first, last)[:, spans.index(event.span)]
-        k = int(np.argmin(np.abs(np.asarray(result.time) - event.snap_time)))
-        if np.delete(column[max(k - 1, 0) : k + 2], min(k, 1)).max(initial=0.0) < SMOOTH * snap:
-            low = np.flatnonzero(np.append(column < 0.5 * snap, True))
-            frames = int(low[np.searchsorted(low, k)] - max(low[low < k], default=-1) - 1)
-            text = "frames above half of it: too few to show its height; take a shorter output.interval"
-            yield "snap_frames", frames, "", text
+        at = int(np.argmin(np.abs(np.asarray(result.time) - event.snap_time)))
+        frames = _frames_of(at, np.maximum(first, last)[:, spans.index(event.span)])
+        few = ": too few to show its height; take a shorter output.interval" if frames < FEWEST else ""
+        yield "snap_frames", frames, "", f"frames above half of that snap{few}"
         if _snaps_undamped(scene):
             text = "snaps of a rope without damping: tensions up to 1.5 times too high; remove rope.damping"
             yield "undamped_snaps", len(snaps), "", text
+
+
+def _frames_of(at: int, column: np.ndarray) -> int:
+    """How many frames in a row, of tensions (m,), are above half of that of one of them."""
+    low = np.flatnonzero(np.concatenate([[True], column < 0.5 * column[at], [True]])) - 1
+    after = int(np.searchsorted(low, at))
+    return int(low[after] - low[after - 1]) - 1
 
 
 def _sheaves(result: Any, scene: CraneScene) -> Iterator[Row]:

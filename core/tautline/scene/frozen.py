@@ -12,7 +12,7 @@ Class = TypeVar("Class")
 
 
 class Frozen(pydantic.BaseModel):
-    """A model of which only what is private can be set; whoever tries more is told what to do in its place."""
+    """A model of which only what is private can be set, and nothing deleted; who tries is told what to do instead."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Set what is private; raises SceneError for anything else."""
@@ -20,11 +20,9 @@ class Frozen(pydantic.BaseModel):
             _refuse(_key(type(self), name), repr(value))
         super().__setattr__(name, value)
 
-    def __delattr__(self, name: str) -> None:
-        """Delete what is private; raises SceneError for anything else."""
-        if not name.startswith("_"):
-            _refuse(_key(type(self), name), None)
-        super().__delattr__(name)
+    def __delattr__(self, name: str) -> NoReturn:
+        """Refuse with a SceneError."""
+        _refuse(_key(type(self), name), None)
 
 
 def says_what_to_do(cls: type[Class]) -> type[Class]:
