@@ -197,6 +197,14 @@ def test_a_record_that_lacks_what_has_a_default_is_one_of_an_earlier_program_and
     assert load(twin, tmp_path / "earlier.npz") == first.now and not twin.readings.rows.past[0].begins
 
 
+def test_a_twin_of_an_earlier_program_that_kept_nothing_of_losses_has_simulated_something(whole, tmp_path):
+    path, first, *_ = whole[1]["a gap"]
+    edited(path, tmp_path / "earlier.npz", without("whole", "loss"))
+    twin = made()
+    assert not twin.loss.begun
+    assert load(twin, tmp_path / "earlier.npz") == first.now and twin.loss.begun
+
+
 @pytest.mark.parametrize("name", ["tracks", "scene", "sample_y"])
 def test_a_state_that_lacks_something_is_refused_and_changes_nothing(whole, tmp_path, name):
     with np.load(whole[1]["a gap"][0]) as file:

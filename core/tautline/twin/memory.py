@@ -110,6 +110,8 @@ class Memory:
         for name, part in _whole(twin).items():
             if name in self._whole:
                 self._whole[name].put(part)
+        if "loss" not in self._whole:  # a twin of an earlier version ended where no simulation went on
+            twin.loss.begun = twin.estimate.log.begun or twin.paused
         twin.readings.rows.gone_on(clock.monotonic())
 
     def _named(self, part: str, names: tuple[str, ...]) -> dict[str, Any]:

@@ -120,6 +120,7 @@ def load(twin: Twin, path: Path) -> float:
         if memory is not None:
             memory.put_watch(twin)
         twin.notes += twin.watch.go_on_from(watched)
+        twin.loss.begun = bool(np.isfinite(words["origin"]))
         twin.go_on_from_rest()
         return float(words["now"])
     twin.estimate.family.restore([
