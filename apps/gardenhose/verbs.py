@@ -477,15 +477,14 @@ def _uncertain_curves(found: Stability, system: str) -> list[SceneWarning]:
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
     from gardenhose.view.figures import flutter_figure
 
-    first = found.critical[0] if found.critical else None
-    marked = (first.speed, first.frequency) if first else (None, None)
+    onsets = [(way.critical[0].speed, way.critical[0].frequency) for way in found.ways if way.critical]
     title = f"{hose.title or path.stem}: stability"
     drawn = found.curves or found
     more = {} if found.curves is None else {"sure": found.curves.sure, "marks": found.curves.marks}
     # A window without an end goes on to the fastest speed of its own way of flow.
     windows = [(one.begin, way.fastest if one.end is None else one.end) for way in found.ways for one in way.windows]
     figure = flutter_figure(
-        drawn.speed, drawn.eigenvalues, drawn.out_of_plane, *marked, title, hose.units, windows, **more
+        drawn.speed, drawn.eigenvalues, drawn.out_of_plane, onsets, title, hose.units, windows, **more
     )
     write_figure(figure, path)
 

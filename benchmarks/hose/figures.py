@@ -118,10 +118,9 @@ def static() -> None:
 def flutter() -> None:
     """Modes against speed, finely enough to follow them through where pairs meet."""
     found = stability(hoses.changed({}), np.linspace(0.0, 21.0, 85))
-    first = found.critical[0]
-    marked = (first.speed, first.frequency)
+    onset = (found.critical[0].speed, found.critical[0].frequency)
     figure = flutter_figure(
-        found.speed, found.eigenvalues, found.out_of_plane, *marked, "Garden hose: modes", windows=found.windows
+        found.speed, found.eigenvalues, found.out_of_plane, [onset], "Garden hose: modes", windows=found.windows
     )
     save(figure, IMAGES / "hose_flutter.png")
 

@@ -258,7 +258,7 @@ def modes():
 
 def test_an_argand_diagram_is_that_of_the_literature(tmp_path):
     speed, values, outside = modes()
-    figure = flutter_figure(speed, values, np.broadcast_to(outside, values.shape), 9.0, 3.0, "Hose")
+    figure = flutter_figure(speed, values, np.broadcast_to(outside, values.shape), [(9.0, 3.0)], "Hose")
     argand, growth = figure.axes
     curves = [line for line in argand.get_lines() if len(line.get_xdata()) == len(speed)]
     assert [line.get_linestyle() for line in curves] == ["-", "-", "--", "--"]
@@ -272,6 +272,15 @@ def test_an_argand_diagram_is_that_of_the_literature(tmp_path):
     assert {"2", "4", "10"} <= {text.get_text() for text in argand.texts}
     assert (argand.get_xlabel(), argand.get_ylabel()) == ("Re ω, frequency [rad/s]", "Im ω, damping [1/s]")
     check({"flutter": figure}, tmp_path, pixels=True)
+
+
+def test_the_critical_speed_of_each_way_of_flow_is_marked():
+    speed, values, outside = modes()
+    figure = flutter_figure(speed, values, np.broadcast_to(outside, values.shape), [(9.0, 3.0), (-2.0, 0.5)])
+    told = [text.get_text() for text in figure.legends[0].get_texts() if text.get_text().startswith("critical")]
+    assert told == ["critical: 9 m/s, 3 Hz", "critical: -2 m/s, 0.5 Hz"]
+    marks = [line for line in figure.axes[1].get_lines() if line.get_marker() in ("o", "s") and line.get_ls() == "None"]
+    assert [(line.get_marker(), *line.get_xdata()) for line in marks] == [("o", 9.0), ("s", -2.0)]
 
 
 def test_windows_of_instability_are_shaded_however_narrow(tmp_path):
@@ -385,8 +394,8 @@ def test_a_flutter_figure_is_drawn_of_little_too():
         for figure in (
             flutter_figure(speed, values, share),
             flutter_figure(speed[:1], values[:1], share[:1]),
-            flutter_figure(speed, values[:, :1] - 10.0, share[:, :1], None, None),
-            flutter_figure(speed, values[:, :1].real + 0j, share[:, :1], 9.0, 0.0),
+            flutter_figure(speed, values[:, :1] - 10.0, share[:, :1], ()),
+            flutter_figure(speed, values[:, :1].real + 0j, share[:, :1], [(9.0, 0.0)]),
         ):
             lay_out(figure)
             assert all(plot.get_lines() for plot in figure.axes)

@@ -120,8 +120,7 @@ def flutter_figure(
     speed: np.ndarray,
     eigenvalues: np.ndarray,
     out_of_plane: np.ndarray,
-    critical_speed: float | None = None,
-    critical_frequency: float | None = None,
+    critical: Sequence[tuple[float, float | None]] = (),
     title: str = "Stability",
     system: str = "si",
     windows: Sequence[tuple[float, float | None]] = (),
@@ -143,8 +142,8 @@ def flutter_figure(
         not known. Of a conjugate pair either will do.
     out_of_plane : (k, modes) array
         Bool, or share of the mode that is out of the plane.
-    critical_speed, critical_frequency : float, optional
-        Where the hose begins to flutter, m/s and Hz.
+    critical : list of (speed, frequency)
+        Where the hose begins to be unstable, m/s and Hz, the slowest speed of each way of flow.
     title : str
         Heading.
     system : str
@@ -174,8 +173,8 @@ def flutter_figure(
         _draw_mode(argand, growth, modes, mode, look)
     per_speed, rate = in_system(1.0, "m/s", system)
     _label_speeds(argand, modes, at, per_speed, [look["color"] for look in looks])
-    if critical_speed is not None:
-        _mark_critical(argand, growth, critical_speed, critical_frequency, system)
+    for onset, marker in zip(critical, "os", strict=False):
+        _mark_critical(argand, growth, *onset, system, marker)
     argand.set_xlabel("Re ω, frequency")
     argand.set_ylabel(label("Im ω, damping", "1/s"))
     argand.set_title(f"Argand diagram, flow speed in {rate}")
@@ -266,10 +265,10 @@ def _draw_mode(argand: Axes, growth: Axes, modes: _Modes, mode: int, looks: Mapp
         growth.plot(modes.speed, -up, **look)
 
 
-def _mark_critical(argand: Axes, growth: Axes, speed: float, frequency: float | None, system: str) -> None:
-    """A ring where the hose begins to flutter."""
+def _mark_critical(argand: Axes, growth: Axes, speed: float, frequency: float | None, system: str, marker: str) -> None:
+    """A ring where the hose begins to be unstable; a square for the other way of flow."""
     at = (shown(float(speed), "m/s", system), "" if frequency is None else f", {frequency:.3g} Hz")
-    dot: dict[str, Any] = {"ls": "", "marker": "o", "ms": 8, "mfc": "none", "mec": "black", "mew": 1.4, "zorder": 5}
+    dot: dict[str, Any] = {"ls": "", "marker": marker, "ms": 8, "mfc": "none", "mec": "black", "mew": 1.4, "zorder": 5}
     growth.plot(speed, 0.0, label="critical: " + "".join(at), **dot)
     if frequency is not None:
         argand.plot(2.0 * np.pi * frequency, 0.0, **dot)
