@@ -13,7 +13,7 @@ from tautline.cable.input.scene import with_values
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
-from tautline.scene.identity import model_hash
+from tautline.scene.identity.contents import model_hash
 from tautline.scene.model import validate
 from tautline.simulation import simulate
 from tautline.version import __version__

@@ -11,7 +11,7 @@ import numpy as np
 from tautline.results.assessment.balance import ENERGIES
 from tautline.results.on_demand import OnDemand
 from tautline.results.variable import Variable
-from tautline.scene.identity import BESIDES, model_hash
+from tautline.scene.identity.contents import BESIDES, model_hash
 from tautline.scene.solver import longest_step
 from tautline.system.model import SolverSettings
 
@@ -59,7 +59,7 @@ def attributes_of(scene: Any, application: str, conventions: str, besides: Any =
     conventions : str
         Signs, axes and the like.
     besides : collection of str
-        Fields that do not count in what the scene is; see `tautline.scene.identity.model_hash`.
+        Fields that do not count in what the scene is; see `tautline.scene.identity.contents.model_hash`.
     """
     document = scene.document
     folder: Path | None = getattr(scene, "folder", None)

@@ -15,8 +15,8 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
-from tautline.scene.frozen import Frozen
-from tautline.scene.identity import says_the_same
+from tautline.scene.identity.contents import says_the_same
+from tautline.scene.identity.frozen import Frozen
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
 from tautline.scene.refusal import KIND, must_be, nearest, nearest_key, one_of, refusal

@@ -30,7 +30,7 @@ from tautline.arguments import (
 from tautline.errors import ArgumentError, TautlineError
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
-from tautline.scene.identity import model_hash
+from tautline.scene.identity.contents import model_hash
 from tautline.scene.reading.document import join_key
 from tautline.sweeps.cases import DONE, UNFINISHED, Row, Runner, job_of
 from tautline.sweeps.execution import Execution

@@ -24,7 +24,7 @@ from tautline.cli.verbs import make_app
 from tautline.kernels import memory
 from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.jit import Kernel
-from tautline.scene.identity import model_hash
+from tautline.scene.identity.contents import model_hash
 
 DATA = Path(__file__).parents[3] / "data"
 WELL = """

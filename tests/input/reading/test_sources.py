@@ -13,7 +13,7 @@ from drillstring.scene.scene import DrillstringScene
 from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
 from tautline.cable.input.parts import CableScene
-from tautline.scene.identity import model_hash
+from tautline.scene.identity.contents import model_hash
 from tautline.scene.reading.document import Document
 from tautline.scene.reading.scalars import written_out
 

@@ -16,7 +16,7 @@ from tautline.arguments import MAPPING, check_given
 from tautline.cable.input.syntax.nodal import NodalPart, item_of
 from tautline.cable.input.syntax.solver import CableSolver
 from tautline.scene.errors import Problem, SceneError, SceneWarning
-from tautline.scene.frozen import says_what_to_do
+from tautline.scene.identity.frozen import says_what_to_do
 from tautline.scene.limits import Limit
 from tautline.scene.model import WITHOUT_TEXT
 from tautline.scene.reading.document import Document

@@ -16,7 +16,7 @@ from pydantic import model_validator
 
 from tautline.cable.input.syntax.entries import Id, Ids
 from tautline.errors import ArgumentError, ArgumentTypeError
-from tautline.scene.frozen import says_what_to_do
+from tautline.scene.identity.frozen import says_what_to_do
 from tautline.scene.model import Model
 from tautline.scene.refusal import fault
 
