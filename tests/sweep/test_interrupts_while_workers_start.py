@@ -31,6 +31,12 @@ def test_an_interrupt_while_workers_start_counts_when_they_have():
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
+def test_an_interrupt_counts_where_the_workers_could_not_be_started() -> None:
+    with pytest.raises(KeyboardInterrupt), _interrupted_later():
+        signal.raise_signal(signal.SIGINT)
+        raise OSError("no port is left")
+
+
 def test_workers_do_not_hear_the_interrupt_that_a_terminal_sends_to_all():
     assert hears_interrupts()
     with _interrupted_later(), ThreadPoolExecutor(1) as started:

@@ -269,9 +269,10 @@ def _interrupted_later() -> Iterator[None]:
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         signal.signal(signal.SIGINT, handler)
-    if heard:
-        # By the handler that was there: one of the caller, or none at all where he has it ignored, as by `command &`.
-        signal.raise_signal(signal.SIGINT)
+        if heard:
+            # By the handler that was there: one of the caller, or none at all where he has it ignored, as by
+            # `command &`. Also where no cluster could be started: what was asked then is to stop.
+            signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager
