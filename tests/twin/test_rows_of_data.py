@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tautline.twin.map import Channel
+from tautline.twin.map.plan import Channel
 from tautline.twin.signals.rows import Rows
 from tautline.twin.signals.sensors import Health
 from tautline.twin.sources.table import Header

@@ -24,7 +24,7 @@ from tautline.scene.errors import SceneError, option_error
 
 if TYPE_CHECKING:
     from tautline.application.protocol import Application
-    from tautline.twin.map import TwinMap
+    from tautline.twin.map.file import TwinMap
     from tautline.twin.sources.record import Record, Source
     from tautline.twin.twin import Twin
 
@@ -149,7 +149,7 @@ def _open(application: Application, scene: Any, read: TwinMap, given: TwinOption
 def _check_map(application: Application, scene: Any, read: TwinMap) -> None:
     """See that a map goes with its scene, whatever the source has; raises SceneError."""
     from tautline.integrators.status import StoppedEarly
-    from tautline.twin.map import checked
+    from tautline.twin.map.check import checked
 
     make = getattr(application, "operation", None)
     operation = make(scene, None) if make else None
