@@ -9,7 +9,8 @@ from typing import Annotated, Any, Literal
 
 import pydantic
 
-from tautline.scene.model import Model, Scene, Switch, word
+from tautline.scene.choices.words import word
+from tautline.scene.model import Model, Scene, Switch
 from tautline.scene.refusal import refusal
 from tautline.scene.values.quantity import quantity
 
