@@ -6,7 +6,7 @@ import pytest
 from tautline.twin.map.plan import Channel
 from tautline.twin.signals.rows import Rows
 from tautline.twin.signals.sensors import Health
-from tautline.twin.sources.table import Header
+from tautline.twin.sources.table.header import Header
 
 
 def given(stamps, delay=0.3, interval=0.1):
