@@ -19,7 +19,7 @@ import yaml
 import tautline
 from benchmarks import ROOT
 from benchmarks.page import table
-from tautline.twin.map import read_map
+from tautline.twin.map.file import read_map
 from tautline.twin.record import Sensing, record
 from tautline.twin.twin import Twin
 

@@ -16,9 +16,10 @@ from pydantic_core import PydanticCustomError
 from drillstring.scene.ends import Bit, Top
 from drillstring.scene.hole import MOST_ELEMENTS, Well
 from drillstring.scene.tubulars import EXAMPLE, INCH, NoSuchTubular, find
+from tautline.scene.choices.words import UnitSystem, word
 from tautline.scene.errors import SceneError
 from tautline.scene.limits import Limits
-from tautline.scene.model import Model, Scene, Switch, UnitSystem, Whole, word
+from tautline.scene.model import Model, Scene, Switch, Whole
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
