@@ -120,6 +120,11 @@ def torque_at(b: np.record, weight: float, spin: float) -> float:
     return float(held + (b.excess * weight * exp(-abs(spin) / b.decay) if b.decay > 0.0 else 0.0))
 
 
+def torque_at_rest(b: np.record, weight: float) -> float:
+    """Torque up to which a bit at rest is held, N m, at a weight on bit N."""
+    return torque_at(b, weight, 0.0) if b.decay > 0.0 else torque_at(b, weight, 0.0) + float(b.excess * weight)
+
+
 def rate_at(b: np.record, weight: float, spin: float) -> float:
     """Steady rate of penetration, m/s, at a weight on bit N and a rotary speed rad/s."""
     return float(b.cut * max(0.0, weight - b.threshold) ** b.weight_exponent * speed_factor(b, spin))
