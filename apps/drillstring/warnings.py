@@ -492,7 +492,7 @@ def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
         return
     lumps, limit = ready.lumps, RK4.reach_of_vibration
     b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, 0.0, True)[0]
-    inertia = float(lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)[-1])
+    inertia = float(lumps.of_lumps(lambda tube: tube.rotary_inertia)[-1])
     steepness = torque_at(b, scene.bit.weight or 0.0, 0.0) / inertia
     step = longest_step(scene.solver, scene.output.interval)
     if steepness * step > limit * scene.bit.slip_speed:

@@ -85,8 +85,8 @@ def bit_row(bit: Bit, hole_diameter: float, tubes: Sequence[Tube], spin: float, 
         # Static torque that is there at rest alone a function of the speed would not know.
         b.decay = b.decay or bit.slip_speed
     last = tubes[-1]
-    b.inertia = last.density * last.polar_moment * last.length
-    b.spring = last.shear_modulus * last.polar_moment / last.length
+    b.inertia = last.rotary_inertia * last.length
+    b.spring = last.torsional_stiffness / last.length
     b.settled = STICK if spin == 0.0 else SLIP
     b.c = 1.0
     return row
