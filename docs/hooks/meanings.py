@@ -13,10 +13,6 @@ MEANINGS = {
     "Limit.below": "A run fails below it.",
     "Limit.at_most": "The largest value that is allowed: the same as `above`.",
     "Limit.at_least": "The smallest value that is allowed: the same as `below`.",
-    "tool_joint_length": "Length of a tool joint, pin and box together. With `tool_joint_spacing` it counts in rotary "
-    "inertia and torsional stiffness, which else are the tube's: of 5 in 19.50 lb/ft pipe 1.31 and 1.05 times that.",
-    "tool_joint_spacing": "From one tool joint to the next.",
-    "tool_joint_id": "Bore of the tool joints whose length and spacing are given.",
     "frame": "What carries it: a frame, `vessel` or `ground`; without it the vessel where there is one.",
     "wrap": "The side of the centre that the rope passes; `left` and `right` of its travel where the axis is upright.",
     "Release.inertia": "Principal moments that remain; without it all of `inertia` stays.",

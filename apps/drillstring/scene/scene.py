@@ -46,7 +46,16 @@ class Section(Model):
     """A piece of the string of one kind; `length` is a number or ``rest``, what the hole leaves for it.
 
     `tubular` names one of the catalogue, which gives name, diameters, mass and yield load where they are not given.
-    Rotary inertia and torsional stiffness are with tool joints whose length and spacing are given, else the tube's.
+
+    Attributes
+    ----------
+    tool_joint_id : float, optional
+        Bore of the tool joints whose length and spacing are given, m.
+    tool_joint_length : float, optional
+        Of pin and box together, m. With `tool_joint_spacing` they count in rotary inertia and torsional stiffness
+        (which else are the tube's), of 5 in 19.50 lb/ft pipe 1.31 and 1.05 times as much.
+    tool_joint_spacing : float, optional
+        From one tool joint to the next, m.
     """
 
     model_config = ConfigDict(json_schema_extra=_either)
