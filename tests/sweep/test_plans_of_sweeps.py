@@ -189,6 +189,17 @@ def test_percentiles_of_a_linear_function_of_a_normal_variable_are_its_quantiles
         assert np.allclose(found, 16.0 + 6.0 * np.array([-1.28155, 0.0, 1.28155]), atol=0.05), name
 
 
+def test_percentiles_of_a_list_without_places_are_numbered_in_their_table(tmp_path):
+    from tautline.results.tables.finding import Finding
+    from tautline.sweeps.cases import Row
+    from tautline.sweeps.table import dataset, write_percentiles
+
+    cases = cases_of([spread("a", "normal", 5.0, 2.0)], Plan(LATIN, 4, 1))
+    lists = [Row(case, "done", values={"y": [1.0, 2.0]}) for case in range(4)]
+    path = write_percentiles(dataset(cases, {"y": Finding(None, "N", "y")}, lists, {}), tmp_path / "percentiles.csv")
+    assert path.read_text().splitlines()[1:] == ["y,N,y number,0.0,1.0,1.0,1.0,4", "y,N,y number,1.0,2.0,2.0,2.0,4"]
+
+
 def test_the_file_of_a_sweep_is_the_one_that_xarray_writes_of_its_dataset(tmp_path):
     import xarray
 

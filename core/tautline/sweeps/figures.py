@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.results.tables.netcdf import Column
 from tautline.scene.values.printed import printed_in
 from tautline.scene.values.printed import shown as printed
 from tautline.sweeps.indices import PARAMETER, samples_left
 from tautline.sweeps.missing import Missing, listed_shortly
 from tautline.sweeps.plans import AS_IN_THE_SCENE, GRID, ONE, Cases, Parameter, word_of
-from tautline.sweeps.table import DATASET, PERCENTILES, TABLE, TIMES, Column, Variables
+from tautline.sweeps.table import DATASET, PERCENTILES, TABLE, TIMES, Variables
 from tautline.view.figures.figure import (
     COLOURS,
     QUIET,

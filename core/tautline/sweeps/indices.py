@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tautline.results.errors import ResultError
+from tautline.results.tables.netcdf import Column
 from tautline.sweeps.plans import Cases
-from tautline.sweeps.table import TIMES, Column, Variables
+from tautline.sweeps.table import TIMES, Variables
 
 PARAMETER = "parameter"
 LEFT, MADE = "_indices_of", "samples_made"
