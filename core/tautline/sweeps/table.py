@@ -18,7 +18,7 @@ from tautline.results.tables.finding import Finding
 from tautline.results.tables.netcdf import Column, columns_of, write_columns
 from tautline.results.tables.rows import heads_of, write_rows
 from tautline.sweeps.cases import Row
-from tautline.sweeps.plans import CASE, SAMPLED, Cases, word_of
+from tautline.sweeps.plans import CASE, COUNTED, PERCENTILES, SAMPLED, Cases, word_of
 from tautline.version import __version__
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 NOT_RUN = "not run"
 RANKS = (10.0, 50.0, 90.0)
 """Percentiles over the cases of a plan that samples."""
-PERCENTILE, PERCENTILES, COUNTED = "percentile", "_percentiles", "_percentiles_of"
-"""Their dimension, and the end of their names."""
+PERCENTILE = "percentile"
+"""Their dimension."""
 TIMES = {
     "case_wall_time": ("wall_time", "run time of the case"),
     "case_cpu_time": ("cpu_time", "processor time of the case"),
@@ -155,17 +155,24 @@ def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
+def percentiles_of(data: Variables) -> dict[str, tuple[Column, Column]]:
+    """Percentiles of each number that has some, and how many cases have it, by its name.
+
+    They are known by their dimension: a name that was given may end as theirs do.
+    """
+    made = [name for name, one in data.data_vars.items() if one.dims[:1] == (PERCENTILE,)]
+    names = [name.removesuffix(PERCENTILES) for name in made]
+    return {name: (data[name + PERCENTILES], data[name + COUNTED]) for name in names}
+
+
 def write_percentiles(data: Variables, path: Path) -> Path | None:
     """Write percentiles as a table: a row for each number, or for each of its places; None where there are none.
 
     A table that another sweep left there is removed then: it would be taken for one of this sweep.
     """
     heads, rows = ["quantity", "unit", "along", "at", *(f"P{rank:g}" for rank in RANKS), "cases"], []
-    for name, one in data.data_vars.items():
-        if not str(name).endswith(PERCENTILES):
-            continue
-        about = [str(name).removesuffix(PERCENTILES), str(one.attrs.get("units") or "")]
-        counts = data[about[0] + COUNTED].values
+    for name, (one, cases) in percentiles_of(data).items():
+        about, counts = [name, str(one.attrs.get("units") or "")], cases.values
         if one.dims == (PERCENTILE,):
             rows.append([*about, "", "", *one.values.tolist(), int(counts)])
             continue
