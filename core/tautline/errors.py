@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Callable
+from typing import Any
 
 
 class TautlineError(Exception):
@@ -13,6 +15,14 @@ class TautlineError(Exception):
 
         The error stays the one that was raised, for it may carry more than words. Most name no option.
         """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """How it is pickled, and so goes to another process: by what it holds, and not by making it anew.
+
+        Python would call the class with the sentence alone, which is not what most are made of. A pool of processes
+        ends, or waits for ever, where an error cannot be read.
+        """
+        return copyreg.__newobj__, (type(self), *self.args), dict(self.__dict__)  # type: ignore[attr-defined]
 
 
 class ArgumentError(TautlineError, ValueError):

@@ -51,6 +51,11 @@ def whole_file(path: Path) -> Iterator[Path]:
                 waiting.unlink(missing_ok=True)
 
 
+def place_of(path: Path) -> Path:
+    """Where a file is, or will be: a link stays one, and what it leads to is written."""
+    return Path(os.path.realpath(path))
+
+
 def name_beside(path: Path) -> Path:
     """The name under which a file waits until it is whole; its own where it is no file on a disk.
 
@@ -63,7 +68,7 @@ def name_beside(path: Path) -> Path:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if path.exists() and not os.access(path, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
-    place = Path(os.path.realpath(path))  # a link stays one
+    place = place_of(path)
     if path.exists() and not (path.is_file() and os.access(place.parent, os.W_OK) and path.parts[:2] not in DEVICES):
         return path
     ending = path.suffix if len(os.fsencode(path.suffix)) <= LONGEST_ENDING else ""
@@ -86,7 +91,7 @@ def take_name(waiting: Path, path: Path) -> None:
     """Rename a file that is whole; it keeps the permissions of the one that it replaces. Raises OSError."""
     if waiting == path:
         return
-    place = os.path.realpath(path)
+    place = place_of(path)
     with contextlib.suppress(OSError):
         shutil.copymode(place, waiting)
     try:

@@ -9,8 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import tautline
 from drillstring.scene.scene import DrillstringScene, check_lengths, json_schema, read
 from drillstring.warnings import warnings
+from tautline.errors import ArgumentTypeError
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
@@ -668,3 +670,9 @@ def test_a_sea_without_its_height_or_period_is_told_one_that_a_sea_has(given, mi
     text = TEXT.replace("{constant: 0 rpm}", f"{{spectrum: {{{given}}}}}")
     with pytest.raises(SceneError, match=rf"{missing}: is missing; add `{missing}:`, such as {example}"):
         DrillstringScene.parse(text, "jwell.yaml")
+
+
+@pytest.mark.parametrize("text", ["", " "])
+def test_an_empty_text_is_no_scene_and_not_the_folder_here(text):
+    with pytest.raises(ArgumentTypeError, match="not an empty text"):
+        tautline.read(text)

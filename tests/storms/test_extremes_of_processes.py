@@ -201,3 +201,14 @@ def test_the_python_of_the_page_runs_as_it_stands():
     names = {}
     exec(block, names)
     assert names["fit"].percentile(0.9).value > names["fit"].most_probable().value > 52.0
+
+
+@pytest.mark.parametrize("bound", [np.inf, 3.0])
+@pytest.mark.parametrize("power", [-1000, 1, 1000])
+def test_maxima_near_the_ends_of_the_range_of_numbers_are_fitted_as_any_others(power, bound):
+    """The estimates are equivariant: of 2^k x they are 2^k times those of x, to the last digit."""
+    maxima = np.array([1.0, 2.0, 3.0, 2.5, 3.0])
+    one = fit_gumbel(maxima, bound=bound)
+    other = fit_gumbel(np.ldexp(maxima, power), bound=float(np.ldexp(bound, power)))
+    assert (other.location, other.scale) == (np.ldexp(one.location, power), np.ldexp(one.scale, power))
+    assert one.scale > 0.0 and other.count == one.count

@@ -17,7 +17,7 @@ from sweep.short_hoist import HOIST, MASS, PERIOD, hoist, write_sweep
 import tautline
 from crane.application import Crane
 from tautline.results.errors import ResultError
-from tautline.sweeps.journal import NAME
+from tautline.sweeps.journal import NAME, Journal
 
 CASES = 30
 VARY = {MASS: {"linspace": [2000, 8000, CASES]}}
@@ -89,7 +89,9 @@ def test_a_sweep_that_is_not_finished_is_not_lost_by_mistake(tmp_path):
     assert len(lines_of(out)) == 7
 
 
-@pytest.mark.parametrize("line", ["{}", "[]", "7", '{"case": "one"}', '{"case": 3, "status": "done", "more": 1}'])
+@pytest.mark.parametrize(
+    "line", ["{}", "[]", "7", '{"case": "one"}', '{"case": 3, "status": "done", "more": 1}', '{"case": 0', "\xff\0"]
+)
 def test_a_journal_with_a_line_that_no_sweep_writes_is_damaged_and_stays(tmp_path, line):
     out = tmp_path / "out"
     out.mkdir()
@@ -98,6 +100,16 @@ def test_a_journal_with_a_line_that_no_sweep_writes_is_damaged_and_stays(tmp_pat
         with pytest.raises(ResultError, match="is damaged: line 1 is none of a sweep"):
             run(out, resume=resume)
     assert (out / NAME).read_text() == line + "\n"
+
+
+@pytest.mark.parametrize("case", [-1, 2])
+def test_a_case_that_the_sweep_has_not_is_damage_told_with_its_line(tmp_path, case):
+    head = {"format": "tautline sweep 1", "sweep": "x", "cases": 2}
+    lines = [head, {"case": 0, "status": "done"}, {"case": case, "status": "done"}]
+    (tmp_path / NAME).write_text("".join(json.dumps(line) + "\n" for line in lines))
+    for resume in (False, True):
+        with pytest.raises(ResultError, match=f"is damaged: line 3 has case {case}, and the sweep only 2 cases"):
+            Journal(tmp_path, "x", 2, resume)
 
 
 def test_another_sweep_cannot_go_on_in_its_place(tmp_path):

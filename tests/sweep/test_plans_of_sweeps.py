@@ -189,6 +189,36 @@ def test_percentiles_of_a_linear_function_of_a_normal_variable_are_its_quantiles
         assert np.allclose(found, 16.0 + 6.0 * np.array([-1.28155, 0.0, 1.28155]), atol=0.05), name
 
 
+def test_percentiles_of_a_list_without_places_are_numbered_in_their_table(tmp_path):
+    from tautline.results.tables.finding import Finding
+    from tautline.sweeps.cases import Row
+    from tautline.sweeps.table import dataset, write_percentiles
+
+    cases = cases_of([spread("a", "normal", 5.0, 2.0)], Plan(LATIN, 4, 1))
+    lists = [Row(case, "done", values={"y": [1.0, 2.0]}) for case in range(4)]
+    path = write_percentiles(dataset(cases, {"y": Finding(None, "N", "y")}, lists, {}), tmp_path / "percentiles.csv")
+    assert path.read_text().splitlines()[1:] == ["y,N,y number,0.0,1.0,1.0,1.0,4", "y,N,y number,1.0,2.0,2.0,2.0,4"]
+
+
+@pytest.mark.parametrize("name", ["x_percentiles", "x_percentiles_of", "x_first", "x_indices_of"])
+def test_a_name_that_ends_as_those_of_made_columns_is_an_ordinary_one(name, tmp_path):
+    from tautline.results.tables.finding import Finding
+    from tautline.sweeps.cases import Row
+    from tautline.sweeps.indices import has_indices, samples_left
+    from tautline.sweeps.table import dataset, percentiles_of, write_percentiles
+
+    rows = [Row(case, "done", values={name: 2.0 + case}) for case in range(4)]
+    grid = dataset(cases_of([listed("a", 1, 2, 3, 4)], Plan(GRID)), {name: Finding(None, "N", "x")}, rows, {})
+    assert not percentiles_of(grid) and not has_indices(grid, "x") and samples_left(grid, "x") is None
+    assert write_percentiles(grid, tmp_path / "none.csv") is None
+    spread_over = cases_of([spread("a", "normal", 5.0, 2.0)], Plan(LATIN, 4, 1))
+    sampled = dataset(spread_over, {name: Finding(None, "N", "x")}, rows, {})
+    assert list(percentiles_of(sampled)) == [name]
+    assert sampled[name].values.tolist() == [2.0, 3.0, 4.0, 5.0]
+    (_, line) = write_percentiles(sampled, tmp_path / "some.csv").read_text().splitlines()
+    assert line.startswith(f"{name},N,,,") and line.endswith(",3.5,4.7,4")
+
+
 def test_the_file_of_a_sweep_is_the_one_that_xarray_writes_of_its_dataset(tmp_path):
     import xarray
 

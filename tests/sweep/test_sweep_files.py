@@ -50,6 +50,7 @@ def test_shapes_of_distributions_have_no_unit(tmp_path):
 
 
 VARY, MASSES = "vary:\n", "vary:\n  'bodies[0].mass': [2 t]\n"
+UNIFORM = "vary:\n  'bodies[0].mass': {uniform: [2 t, 3 t]}\n"
 REFUSED = {
     VARY + "  bodies[0].mas: [2 t]": ("limits.yaml:3", "vary.bodies[0].mas", "unknown key", "did you mean 'mass'"),
     VARY + "  'bodies[3].mass': [2 t]": ("limits.yaml:3", "bodies[3]", "there is no such entry"),
@@ -94,6 +95,17 @@ REFUSED = {
     MASSES + "collect: [{output: winch.tension, name: status}]": ("limits.yaml:4", "every result has", "another name"),
     MASSES + "collect: [{output: winch.tension, name: percentile}]": ("limits.yaml:4", "every result has"),
     MASSES + "collect: [{output: winch.tension, name: 'bodies[0].mass'}]": ("limits.yaml:4", "every result has"),
+    UNIFORM + "plan: {monte_carlo: {samples: 4}}\ncollect: [rise, {output: winch.tension, name: rise_percentiles}]": (
+        "limits.yaml:5",
+        "makes of 'rise'",
+    ),
+    UNIFORM + "plan: {monte_carlo: {samples: 4}}\n"
+    "collect: [{output: winch.tension, name: a_percentiles_of}, {output: rise, name: a}]": (
+        "makes of 'a'",
+        "another name",
+    ),
+    UNIFORM + "plan: {sobol: {samples: 4}}\nindices: sobol\n"
+    "collect: [rise, {output: winch.tension, name: rise_total_interval}]": ("limits.yaml:6", "makes of 'rise'"),
     MASSES + "collect: [rise, rise]": ("limits.yaml:4", "stands twice"),
     MASSES + "indices: sobol": ("no Sobol' indices", "sobol: {samples"),
     VARY + "  'bodies[0].mass': [2 t, 2000]": ("limits.yaml", "bodies[0].mass = 2000 twice", "each value once"),

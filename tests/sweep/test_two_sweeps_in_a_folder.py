@@ -46,6 +46,23 @@ def test_a_second_sweep_is_refused_before_the_first_case_of_the_one_that_is_runn
     assert len(refused) == 1 and (data["status"].values == "done").all() and len(rows_of(out)) == 2
 
 
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_sweep_in_a_folder_that_another_is_writing_to_is_told_so_and_not_to_go_on(tmp_path, resume):
+    out = tmp_path / "out"
+    with pytest.raises(ResultError, match=r"process \d+ is writing this sweep"):
+        running = Journal(out, "same", 2, False)
+        running.claim()
+        running.begin()
+        running.add(Row(0, "done", values={}))
+        try:
+            Journal(out, "same", 2, resume)
+        finally:
+            running.close()
+    # Who only looks takes no lock away, and leaves nothing.
+    assert Journal(out, "same", 2, True).done == {0}
+    assert [one.name for one in out.iterdir()] == [NAME]
+
+
 def test_an_unfinished_sweep_that_came_while_another_one_was_being_checked_is_not_written_over(tmp_path):
     out = tmp_path / "out"
     late = Journal(out, "late", 8, False)

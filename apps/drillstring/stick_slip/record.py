@@ -12,7 +12,8 @@ import numpy as np
 from drillstring.results.drilling import stalls_at
 from drillstring.stick_slip.dying_out import rounded_up
 from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
-from tautline.results.tables.rows import heads_of, write_dataset, write_rows
+from tautline.results.tables.netcdf import write_dataset
+from tautline.results.tables.rows import heads_of, write_rows
 from tautline.scene.values.printed import quantity, shown, significant
 from tautline.scene.values.units import RPM
 

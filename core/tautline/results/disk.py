@@ -12,6 +12,8 @@ from pathlib import Path
 from tautline.whole_file import for_hidden
 
 UNSUPPORTED = {errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES, errno.EPERM}
+HELD = {errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES}
+"""What is said of a lock that another holds."""
 
 
 def is_open_elsewhere(path: Path) -> bool:
@@ -62,11 +64,9 @@ class Lock:
             try:
                 fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:
-                held = os.read(number, 20)
+                held = _told_in(number)
                 os.close(number)
-                if error.errno in (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES):
-                    return int(held) if held.isdigit() else 0
-                return None
+                return held if error.errno in HELD else None
             # Who held it before may have removed the file between our opening and locking it: then it locks nothing.
             if os.fstat(number).st_nlink == 0:
                 os.close(number)
@@ -77,12 +77,34 @@ class Lock:
                 os.write(number, str(os.getpid()).encode())
         return None
 
+    def holder(self) -> int | None:
+        """Process that holds the lock (0 if that is not known); None where nobody does, or this object itself."""
+        try:
+            import fcntl
+
+            number = os.open(self.file, os.O_RDONLY)
+        except (ImportError, OSError):
+            return None
+        try:
+            fcntl.flock(number, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError as error:
+            return _told_in(number) if self._number is None and error.errno in HELD else None
+        finally:
+            os.close(number)
+        return None
+
     def give_back(self) -> None:
         """Remove the lock and its file."""
         if self._number is not None:
             self.file.unlink(missing_ok=True)
             os.close(self._number)
             self._number = None
+
+
+def _told_in(number: int) -> int:
+    """Process that an open file of a lock names; 0 for none."""
+    held = os.read(number, 20)
+    return int(held) if held.isdigit() else 0
 
 
 def cure_of(path: Path, cure: str) -> str:

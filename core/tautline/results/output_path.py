@@ -13,7 +13,7 @@ from shlex import quote
 from uuid import uuid4
 
 from tautline.results.errors import FULL, ResultError, WriteError
-from tautline.whole_file import for_hidden
+from tautline.whole_file import for_hidden, place_of
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of every HDF5 file, which NetCDF-4 is."""
@@ -69,6 +69,8 @@ def check_target(path: str | Path) -> Path:
         )
     check_folder(path)
     try:
+        place = place_of(path)
+        check_folder(place)
         if path.is_dir():
             raise ResultError(path, "is a folder", f"name a file in it, such as {path / 'result.nc'}")
         if path.exists():
@@ -76,7 +78,7 @@ def check_target(path: str | Path) -> Path:
         elif path.suffix.lower() in OTHER_KINDS:
             cure = f"name it {path.with_suffix('.nc').name}; `export --csv` writes tables, `plot` and `render` pictures"
             raise ResultError(path, "is the name of another kind of file, and a result is a NetCDF file", cure)
-        probe = path.parent / f".{for_hidden(path.name)}.{uuid4().hex[:8]}.part"
+        probe = place.parent / f".{for_hidden(place.name)}.{uuid4().hex[:8]}.part"
         probe.touch()
         probe.unlink()
     except OSError as error:

@@ -15,6 +15,8 @@ A reader may still hold the copy that is due next. The writer asks for it (`resu
 reader and makes a new one. All this is about killed processes: against a power cut no file is flushed to the disk
 before the operating system does so.
 
+A result that is named by a link is written where the link leads, with its copies beside it; the link stays.
+
 The result's name is not touched before the first batch is there: an earlier result survives a run that never starts.
 """
 
@@ -38,7 +40,7 @@ from tautline.results.errors import ResultError, WriteError
 from tautline.results.output_path import check_target
 from tautline.results.result import Result
 from tautline.results.variable import Variable
-from tautline.whole_file import for_hidden
+from tautline.whole_file import for_hidden, place_of
 
 TIME = Variable("time", ("time",), "s", "simulated time")
 
@@ -256,9 +258,9 @@ class Store:
 
     def _failure(self, copies: _Copies, error: Exception) -> WriteError:
         reason = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
-        kept = max(copies.held) if copies.path.parent.is_dir() else 0
+        kept = max(copies.held) if copies.place.parent.is_dir() else 0
         left = f"; {kept} frames are kept in it" if kept else "; nothing was stored"
-        cure = disk.cure_of(copies.path, "free some space, or name another folder with -o")
+        cure = disk.cure_of(copies.place, "free some space, or name another folder with -o")
         cure += f"; then go on with --resume {copies.path}" if kept and self.resumable else ""
         return WriteError(copies.path, f"cannot be written any more: {reason}{left}", cure)
 
@@ -286,18 +288,24 @@ class Store:
 
 
 class _Copies:
-    """The two hidden copies of a result, and which of them is due."""
+    """The two hidden copies of a result, and which of them is due.
+
+    Attributes
+    ----------
+    path, place : Path
+        The result as it was named, and where it is.
+    """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
+        self.path, self.place = path, place_of(path)
         host = re.sub(r"\W", "_", platform.node())[:32]
-        self.prefix = f".{for_hidden(path.name)}.{host}."
+        self.prefix = f".{for_hidden(self.place.name)}.{host}."
         stem = f"{self.prefix}{os.getpid()}-{next(_numbers)}"
-        self.files = [path.parent / f"{stem}{letter}.part" for letter in "ab"]
-        self.link = path.parent / f"{stem}n.part"
+        self.files = [self.place.parent / f"{stem}{letter}.part" for letter in "ab"]
+        self.link = self.place.parent / f"{stem}n.part"
         self.held = [0, 0]
         self.turn = 0
-        self.lock = disk.Lock(path)
+        self.lock = disk.Lock(self.place)
         writer = self.lock.take()
         if writer is not None:
             who = f"process {writer}" if writer else "another process"
@@ -359,7 +367,7 @@ class _Copies:
             os.link(self.due, self.link)
         except OSError:
             shutil.copyfile(self.due, self.link)  # a file system without hard links
-        os.replace(self.link, self.path)
+        os.replace(self.link, self.place)
         self.turn = 1 - self.turn
 
     def remove(self) -> None:
@@ -371,7 +379,7 @@ class _Copies:
     def _remove_stale(self) -> None:
         """Delete what runs of this machine that were killed have left for the same result."""
         pattern = re.compile(re.escape(self.prefix) + r"(\d+)-\d+[abn]\.part")
-        for file in self.path.parent.iterdir():
+        for file in self.place.parent.iterdir():
             match = pattern.fullmatch(file.name)
             if match and not _alive(int(match[1])):
                 file.unlink(missing_ok=True)

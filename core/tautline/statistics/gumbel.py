@@ -129,16 +129,25 @@ def fit_gumbel(maxima: np.ndarray, ratio: float = 1.0, bound: float = math.inf) 
         raise ArgumentError(f"maxima: {maxima.max():g} is above the bound, {bound:g}")
     if not (math.isfinite(ratio) and ratio > 0.0):
         raise ArgumentError(f"ratio = {ratio}: must be finite and above 0")
+    # A power of two loses no digit: numbers near the ends of the range of floats are fitted as others are.
+    power = math.frexp(float(np.abs(maxima).max()))[1]
+    maxima, bound = np.ldexp(maxima, -power), float(np.ldexp(bound, -power))
+    location, scale, count = _fit(maxima, bound)
+    return Gumbel(float(np.ldexp(location, power)), float(np.ldexp(scale, power)), count, ratio)
+
+
+def _fit(maxima: np.ndarray, bound: float) -> tuple[float, float, int]:
+    """Location and scale of maxima (n,) up to a bound, and the number of those that the intervals are of."""
     if float(np.ptp(maxima)) <= 1e-12 * float(np.abs(maxima).max()):
         # All the same: nothing is random.
-        return Gumbel(float(maxima[0]), 0.0, maxima.size, ratio)
+        return float(maxima[0]), 0.0, maxima.size
     free = maxima[maxima < bound]
     if free.size < 2:
-        return Gumbel(bound, 0.0, maxima.size, ratio)
+        return bound, 0.0, maxima.size
     if free.size < maxima.size:
-        return Gumbel(*_likeliest_censored(free, bound, maxima.size - free.size), max(free.size, FEWEST), ratio)
+        return *_likeliest_censored(free, bound, maxima.size - free.size), max(free.size, FEWEST)
     location, scale = _likeliest(maxima[None])
-    return Gumbel(float(location[0]), float(scale[0]), maxima.size, ratio)
+    return float(location[0]), float(scale[0]), maxima.size
 
 
 def _likeliest(samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

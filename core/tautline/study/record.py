@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tautline.results.tables.rows import heads_of, write_dataset, write_rows
+from tautline.results.tables.netcdf import write_dataset
+from tautline.results.tables.rows import heads_of, write_rows
 
 if TYPE_CHECKING:
     from tautline.study.accuracy.precision import Row, Study

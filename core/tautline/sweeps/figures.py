@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.results.tables.netcdf import Column
 from tautline.scene.values.printed import printed_in
 from tautline.scene.values.printed import shown as printed
-from tautline.sweeps.indices import PARAMETER, samples_left
+from tautline.sweeps.indices import PARAMETER, has_indices, samples_left
 from tautline.sweeps.missing import Missing, listed_shortly
-from tautline.sweeps.plans import AS_IN_THE_SCENE, GRID, ONE, Cases, Parameter, word_of
-from tautline.sweeps.table import DATASET, PERCENTILES, TABLE, TIMES, Column, Variables
+from tautline.sweeps.plans import AS_IN_THE_SCENE, GRID, ONE, PERCENTILES, Cases, Parameter, word_of
+from tautline.sweeps.table import DATASET, TABLE, TIMES, Variables, percentiles_of
 from tautline.view.figures.figure import (
     COLOURS,
     QUIET,
@@ -71,7 +72,7 @@ def draw(data: Variables, cases: Cases, folder: Path, ending: str = "png") -> li
     names = _names(data, cases)[:MOST_FIGURES]
     made: list[tuple[str, Any]] = []
     if cases.indices:
-        made = [(f"{name}_indices", _indices_figure(data, name)) for name in names if f"{name}_first" in data]
+        made = [(f"{name}_indices", _indices_figure(data, name)) for name in names if has_indices(data, name)]
     elif cases.plan.name == ONE:
         made = [(f"{name}_tornado", _tornado(data, cases, name)) for name in names]
     elif cases.plan.name == GRID and 1 <= len(_long(cases)) <= MOST_LONG:
@@ -138,7 +139,7 @@ def _names(data: Variables, cases: Cases) -> list[str]:
 
 def _bands(data: Variables) -> list[str]:
     """Names of percentiles along an axis."""
-    return [name for name, one in data.data_vars.items() if name.endswith(PERCENTILES) and len(one.dims) == 2]
+    return [name + PERCENTILES for name, (one, _) in percentiles_of(data).items() if len(one.dims) == 2]
 
 
 def _is_scattered(cases: Cases) -> bool:

@@ -106,13 +106,17 @@ class SweepFile(Scene):
 
     @pydantic.model_validator(mode="after")
     def _sound(self) -> SweepFile:
-        self.chosen_plan()
+        ends = self.chosen_plan().makes(self.indices is not None)
         names = [one.name for one in self.collected()]
         for i, name in enumerate(names):
             if name in names[:i]:
                 raise fault(("collect", i), f"'{name}' stands twice", "leave one of them out, or give it another name")
             if name in (*OWN_COLUMNS, *self.vary):
                 raise fault(("collect", i), f"'{name}' is a column that every result has", "give it another name")
+            other = next((one for one in names for end in ends if name == one + end), None)
+            if other is not None:
+                cause = f"'{name}' is a column that the plan makes of '{other}'"
+                raise fault(("collect", i), cause, "give one of them another name")
         return self
 
     def chosen_plan(self) -> Plan:

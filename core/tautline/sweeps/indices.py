@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from tautline.results.errors import ResultError
-from tautline.sweeps.plans import Cases
-from tautline.sweeps.table import TIMES, Column, Variables
+from tautline.results.tables.netcdf import Column
+from tautline.sweeps.plans import LEFT, Cases
+from tautline.sweeps.table import TIMES, Variables
 
 PARAMETER = "parameter"
-LEFT, MADE = "_indices_of", "samples_made"
-"""What the number of samples is called of which a result has its indices; and the attribute with those of the plan."""
+MADE = "samples_made"
+"""Attribute of the number of samples of which a result has its indices: those of the plan."""
 RESAMPLES, CONFIDENCE = 200, 0.95
 """Resamples of the confidence interval, and its probability."""
 
@@ -18,12 +19,13 @@ RESAMPLES, CONFIDENCE = 200, 0.95
 def samples_left(data: Variables, name: str) -> tuple[int, int] | None:
     """Samples that are left for the indices of a result, and those of the plan; None of what has no indices."""
     one = data.data_vars.get(name + LEFT)
-    return None if one is None else (int(one.values), int(one.attrs[MADE]))
+    return None if one is None or MADE not in one.attrs else (int(one.values), int(one.attrs[MADE]))
 
 
 def has_indices(data: Variables, name: str) -> bool:
     """Whether a result has indices: one that is the same in all samples has none."""
-    return f"{name}_first" in data.data_vars
+    one = data.data_vars.get(f"{name}_first")
+    return one is not None and one.dims == (PARAMETER,)
 
 
 def sobol_indices(data: Variables, cases: Cases) -> Variables:

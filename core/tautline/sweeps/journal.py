@@ -83,6 +83,8 @@ class Journal:
         check_folder(folder)
         if not os.access(folder if folder.exists() else folder.parent, os.W_OK):
             raise ResultError(folder, "cannot be written to", "name another with -o")
+        # What is there grows while it is read, and to go on with it would be no cure.
+        self._refuse_writer(self._lock.holder())
         if not self.path.exists():
             if folder.is_dir() and any(not _is_own(one.name) for one in folder.iterdir()):
                 raise ResultError(folder, "exists and holds other files", "name another folder with -o")
@@ -148,11 +150,14 @@ class Journal:
         folder = self.path.parent
         self._made = not folder.exists()
         make_folder(folder)
-        writer = self._guarded(self._lock.take)
+        self._refuse_writer(self._guarded(self._lock.take))
+        self._look()
+
+    def _refuse_writer(self, writer: int | None) -> None:
+        """Raise ResultError for a process that writes to the folder, 0 where its number is not known."""
         if writer is not None:
             who = f"process {writer}" if writer else "another process"
             raise ResultError(self.path, f"{who} is writing this sweep", "wait until it has ended, or name another")
-        self._look()
 
     def begin(self) -> None:
         """Open the journal of a folder that was claimed; what is there is kept where it is gone on with.
@@ -386,17 +391,31 @@ OWN = (f".{NAME}.lock", NAME)
 
 def _lines(path: Path) -> Iterator[dict[str, Any]]:
     """Whole lines of a journal."""
+    cases: Any = None
     try:
         with path.open("rb") as file:
             for number, text in enumerate(file, start=1):
                 if not text.endswith(b"\n"):
                     return
-                line = json.loads(text)
-                if not _is_line(line):
-                    raise ValueError(f"line {number} is none of a sweep")
+                line = _line(text)
+                damage = "" if line is not None else "is none of a sweep"
+                if line is not None and isinstance(cases, int) and not 0 <= line.get("case", 0) < cases:
+                    damage = f"has case {line['case']}, and the sweep only {cases} cases, from 0 on"
+                if damage or line is None:
+                    raise ResultError(path, f"is damaged: line {number} {damage}", "name another folder with -o")
+                cases = line.get("cases", cases)
                 yield line
-    except (ValueError, OSError) as error:
-        raise ResultError(path, f"is damaged: {error}", "name another folder with -o") from None
+    except OSError as error:
+        raise ResultError(path, f"cannot be read: {error}", "name another folder with -o") from None
+
+
+def _line(text: bytes) -> dict[str, Any] | None:
+    """What a line of a journal says; None for anything else."""
+    try:
+        line = json.loads(text.decode("utf8"))
+    except ValueError:
+        return None
+    return line if _is_line(line) else None
 
 
 def _is_line(line: Any) -> bool:

@@ -16,6 +16,10 @@ LATIN, SOBOL, RANDOM = "latin_hypercube", "sobol", "monte_carlo"
 PLAIN, SAMPLED = (GRID, ZIP, ONE), (LATIN, SOBOL, RANDOM)
 CASE = "case"
 """Dimension of every plan but a grid."""
+PERCENTILES, COUNTED = "_percentiles", "_percentiles_of"
+"""How columns end that a plan that samples makes of another."""
+LEFT, OF_INDICES = "_indices_of", ("_first", "_total", "_first_interval", "_total_interval")
+"""How those end that Sobol' indices are."""
 TAILS = (0.1, 0.9)
 """Probabilities of the two values that a distribution has in a plan of one parameter at a time."""
 
@@ -36,6 +40,12 @@ class Plan(NamedTuple):
     name: str = GRID
     samples: int = 0
     seed: int = 0
+
+    def makes(self, indices: bool) -> tuple[str, ...]:
+        """How columns end that it makes of others, with indices or without."""
+        if indices:
+            return (LEFT, *OF_INDICES)
+        return (PERCENTILES, COUNTED) if self.name in SAMPLED else ()
 
 
 @dataclass(frozen=True)

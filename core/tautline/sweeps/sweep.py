@@ -41,14 +41,17 @@ from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, RANKED, TABLE, Variables, dataset, write_csv, write_netcdf, write_percentiles
 from tautline.sweeps.verbs import check_figures, check_options, check_outputs, check_verb, of_all, unknown
 from tautline.sweeps.workers import (
+    LOCAL,
     Found,
     Measured,
+    NoWorkers,
     SchedulerLost,
     check_scheduler,
     how,
     in_cluster,
     in_this_thread,
     in_threads,
+    leave_if_starting,
 )
 
 if TYPE_CHECKING:
@@ -184,6 +187,7 @@ def sweep(
     """
     import tautline
 
+    leave_if_starting()
     vary = mapping_of(vary)
     check_given(vary=(vary, VARIED))
     check(
@@ -400,7 +404,13 @@ class _Sweep:
             yield from in_threads(self.runner, todo, self.jobs)
         else:
             self.runner.tried.clear()
-            yield from in_cluster(self.job, todo, self.jobs, dask or "local", measured, say)
+            try:
+                yield from in_cluster(self.job, todo, self.jobs, dask or LOCAL, measured, say)
+            except NoWorkers as error:
+                if dask is not None:
+                    raise
+                say(f"{error.problems[0].cause}: the other cases run on {self.jobs} threads")
+                yield from in_threads(self.runner, todo, self.jobs)
 
     def _take(self, row: Row, found: Mapping[str, Finding]) -> None:
         """Keep a row: in the journal, as soon as it is known that what is asked for is found."""

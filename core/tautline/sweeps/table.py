@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tautline.results.errors import WriteError
 from tautline.results.tables.finding import Finding
+from tautline.results.tables.netcdf import Column, columns_of, write_columns
 from tautline.results.tables.rows import heads_of, write_rows
 from tautline.sweeps.cases import Row
-from tautline.sweeps.plans import CASE, SAMPLED, Cases, word_of
+from tautline.sweeps.plans import CASE, COUNTED, PERCENTILES, SAMPLED, Cases, word_of
 from tautline.version import __version__
-from tautline.whole_file import reason_of, whole_file
 
 if TYPE_CHECKING:
     import xarray
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 NOT_RUN = "not run"
 RANKS = (10.0, 50.0, 90.0)
 """Percentiles over the cases of a plan that samples."""
-PERCENTILE, PERCENTILES, COUNTED = "percentile", "_percentiles", "_percentiles_of"
-"""Their dimension, and the end of their names."""
+PERCENTILE = "percentile"
+"""Their dimension."""
 TIMES = {
     "case_wall_time": ("wall_time", "run time of the case"),
     "case_cpu_time": ("cpu_time", "processor time of the case"),
@@ -37,19 +37,6 @@ TIMES = {
 CURE = "make room, and go on with --resume"
 """What helps where one of the files of a sweep cannot be written."""
 DATASET, TABLE, RANKED = "sweep.nc", "sweep.csv", "percentiles.csv"
-
-
-class Column(NamedTuple):
-    """An array with the names of its dimensions, and what it is: ``units`` and ``long_name``."""
-
-    dims: tuple[str, ...]
-    values: np.ndarray
-    attrs: Mapping[str, str]
-
-    @property
-    def is_number(self) -> bool:
-        """Whether it holds numbers that may be lacking, and one that is not."""
-        return self.values.dtype.kind == "f" and bool(np.isfinite(self.values).any())
 
 
 @dataclass
@@ -70,7 +57,7 @@ class Variables:
     @classmethod
     def of(cls, entries: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]) -> Variables:
         """Of variables and coordinates as xarray takes them: name -> (dimension or dimensions, values, attributes)."""
-        return cls(_columns(entries), _columns(coordinates), dict(attributes))
+        return cls(columns_of(entries), columns_of(coordinates), dict(attributes))
 
     def __getitem__(self, name: str) -> Column:
         """A variable or a coordinate."""
@@ -151,13 +138,6 @@ def dataset(
     return Variables.of(entries, coordinates, {**attributes, "version": __version__})
 
 
-def _columns(entries: Mapping[str, Any]) -> dict[str, Column]:
-    return {
-        name: Column((dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), about[0] if about else {})
-        for name, (dims, values, *about) in entries.items()
-    }
-
-
 def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
     """Percentiles over the cases that came to their end, of everything that is a number, place by place."""
     found = {}
@@ -175,22 +155,29 @@ def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
+def percentiles_of(data: Variables) -> dict[str, tuple[Column, Column]]:
+    """Percentiles of each number that has some, and how many cases have it, by its name.
+
+    They are known by their dimension: a name that was given may end as theirs do.
+    """
+    made = [name for name, one in data.data_vars.items() if one.dims[:1] == (PERCENTILE,)]
+    names = [name.removesuffix(PERCENTILES) for name in made]
+    return {name: (data[name + PERCENTILES], data[name + COUNTED]) for name in names}
+
+
 def write_percentiles(data: Variables, path: Path) -> Path | None:
     """Write percentiles as a table: a row for each number, or for each of its places; None where there are none.
 
     A table that another sweep left there is removed then: it would be taken for one of this sweep.
     """
     heads, rows = ["quantity", "unit", "along", "at", *(f"P{rank:g}" for rank in RANKS), "cases"], []
-    for name, one in data.data_vars.items():
-        if not str(name).endswith(PERCENTILES):
-            continue
-        about = [str(name).removesuffix(PERCENTILES), str(one.attrs.get("units") or "")]
-        counts = data[about[0] + COUNTED].values
+    for name, (one, cases) in percentiles_of(data).items():
+        about, counts = [name, str(one.attrs.get("units") or "")], cases.values
         if one.dims == (PERCENTILE,):
             rows.append([*about, "", "", *one.values.tolist(), int(counts)])
             continue
         along = one.dims[1]
-        places = data[along].values if along in data.coords else range(one.shape[1])
+        places = data[along].values if along in data.coords else range(one.values.shape[1])
         rows += [
             [*about, along, float(at), *column, int(count)]
             for at, column, count in zip(places, one.values.T.tolist(), counts, strict=True)
@@ -253,41 +240,7 @@ def write_netcdf(data: Variables, path: Path) -> Path:
     WriteError
         If it cannot be written.
     """
-    try:
-        with whole_file(path) as waiting:
-            _write_netcdf(data, waiting)
-    except OSError as error:
-        raise WriteError(path, f"cannot be written: {reason_of(error)}", CURE) from None
-    return path
-
-
-def _write_netcdf(data: Variables, path: Path) -> None:
-    """Write the file that xarray would write of the same dataset."""
-    import h5netcdf
-    import h5py
-
-    everything = data.coords | data.data_vars
-    aside = {name: one.dims for name, one in data.coords.items() if one.dims != (name,)}
-    with h5netcdf.File(path, "w") as file:
-        file.dimensions = {
-            dim: size
-            for one in everything.values()
-            for dim, size in zip(one.dims, one.values.shape, strict=True)
-        }  # fmt: skip
-        for name, one in everything.items():
-            text, numbers = one.values.dtype.kind in "OU", one.values.dtype.kind == "f"
-            kind = h5py.string_dtype() if text else one.values.dtype
-            stored = file.create_variable(name, one.dims, kind, fillvalue=np.nan if numbers else None)
-            if one.values.size:
-                stored[...] = one.values.astype(object) if text else one.values
-            for key, value in one.attrs.items():
-                stored.attrs[key] = value
-            # The convention by which a reader knows coordinates that are no axes.
-            beside = sorted(key for key, dims in aside.items() if set(dims) <= set(one.dims) and " " not in key)
-            if beside and name in data.data_vars:
-                stored.attrs["coordinates"] = " ".join(beside)
-        for key, value in data.attrs.items():
-            file.attrs[key] = value
+    return write_columns(data.data_vars, data.coords, data.attrs, path, CURE, WriteError)
 
 
 def write_csv(data: Variables, cases: Cases, path: Path) -> Path:

@@ -8,6 +8,7 @@ verb has no loop at all, processes are worth their start.
 from __future__ import annotations
 
 import logging
+import multiprocessing
 import pickle
 import signal
 import threading
@@ -21,7 +22,7 @@ from typing import Any, NamedTuple
 from tautline.errors import TautlineError
 from tautline.processes import without_current_folder
 from tautline.results.tables.finding import Finding
-from tautline.scene.errors import option_error
+from tautline.scene.errors import Problem, SceneError, option_error
 from tautline.sweeps.cases import LOST, Job, OtherProgram, Row, Runner, program
 from tautline.sweeps.inputs import InputChanged
 
@@ -40,6 +41,8 @@ LOCAL = "local"
 """In place of the address of a scheduler: a cluster on this machine."""
 TALKERS = tuple(f"distributed.{one}" for one in ("batched", "client", "comm", "comm.core", "comm.tcp"))
 """Loggers of Dask that tell how a scheduler is lost."""
+WORKER = "Dask Worker process"
+"""How the names of the processes of a cluster begin."""
 SILENT = logging.CRITICAL + 1
 """Level at which a logger says nothing."""
 PATIENCE = 10.0
@@ -49,6 +52,10 @@ Found = tuple[Row, Mapping[str, Finding]]
 Todo = Iterable[tuple[int, Mapping[str, Any]]]
 Piece = list[tuple[int, Mapping[str, Any]]]
 """Cases, with what is changed in the scene for each, that a worker is given together."""
+
+
+class NoWorkers(SceneError):
+    """Processes on this machine that could not be started."""
 
 
 class SchedulerLost(TautlineError):
@@ -275,11 +282,37 @@ def _interrupted_later() -> Iterator[None]:
             signal.raise_signal(signal.SIGINT)
 
 
+def _local_cluster(jobs: int) -> Any:
+    """A cluster of processes on this machine; raises NoWorkers where they cannot be started."""
+    from distributed import LocalCluster
+
+    try:
+        with _interrupted_later():
+            return LocalCluster(
+                n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0,
+                silence_logs=logging.CRITICAL,
+            )  # fmt: skip
+    except RuntimeError as error:
+        cause = f"its processes could not be started ({error})"
+        cure = 'a script is imported by each of them: put the call under `if __name__ == "__main__":`'
+        raise NoWorkers([Problem("--dask", None, "", LOCAL, cause, cure)]) from None
+
+
+def leave_if_starting() -> None:
+    """End this process where it is one of such a cluster, and its start has come to the sweep that starts it.
+
+    It imports the user's script, in which the call is not guarded. Who has started it says so in a sentence.
+    """
+    process = multiprocessing.current_process()
+    if getattr(process, "_inheriting", False) and process.name.startswith(WORKER):
+        raise SystemExit(1)
+
+
 @contextmanager
 def _client(address: str, jobs: int) -> Iterator[Any]:
     """A client of a scheduler, or of a cluster of our own, which ends with it."""
     try:
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ImportError:
         cure = "install it: pip install 'tautline[cluster]'"
         raise option_error("--dask", address, "needs dask.distributed, which is not installed", cure) from None
@@ -287,12 +320,7 @@ def _client(address: str, jobs: int) -> Iterator[Any]:
         if address == LOCAL:
             # Until the end: the cluster starts a worker anew where one was killed.
             stack.enter_context(without_current_folder())
-            with _interrupted_later():
-                cluster = LocalCluster(
-                    n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0,
-                    silence_logs=logging.CRITICAL,
-                )  # fmt: skip
-                place: Any = stack.enter_context(cluster)
+            place: Any = stack.enter_context(_local_cluster(jobs))
         else:
             place = address
         stack.enter_context(_quiet())

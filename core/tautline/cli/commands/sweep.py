@@ -245,17 +245,17 @@ def _along(outcome: Outcome) -> list[str]:
 
 def _without_number(outcome: Outcome) -> list[str]:
     """Quantities that some cases lack, though they came to their end: a string that locks up has no hook load."""
-    from tautline.sweeps.table import COUNTED
+    from tautline.sweeps.table import percentiles_of
 
     told = []
-    for name, one in outcome.data.data_vars.items():
-        if str(name).endswith(COUNTED) and (least := int(one.values.min())) < outcome.done:
+    for name, (_, one) in percentiles_of(outcome.data).items():
+        if (least := int(one.values.min())) < outcome.done:
             where = f" (at {one.dims[0]} {_place(outcome.data, one)}, where most lack it)" if one.dims else ""
             lack = "no case has a" if least == 0 else f"{outcome.done - least} of {outcome.done} cases have no"
             rest = (
                 "there are no percentiles" if least == 0 else "its percentiles are those of the others, and are biased"
             )
-            told.append(f"{str(name).removesuffix(COUNTED)}: {lack} number{where}; {rest}")
+            told.append(f"{name}: {lack} number{where}; {rest}")
     return told
 
 
@@ -269,12 +269,10 @@ def _place(data: Variables, one: Any) -> str:
 
 def _percentiles(data: Variables, system: str) -> list[tuple[str, str]]:
     """P10, P50 and P90 of each number; of what has an axis those at its last place."""
-    from tautline.sweeps.table import PERCENTILES, RANKS
+    from tautline.sweeps.table import RANKS, percentiles_of
 
     rows, ranks = [], ", ".join(f"P{rank:g}" for rank in RANKS)
-    for name, one in data.data_vars.items():
-        if not str(name).endswith(PERCENTILES):
-            continue
+    for name, (one, _) in percentiles_of(data).items():
         unit, place, values = str(one.attrs.get("units") or ""), "", one.values
         if values.ndim > 1:
             along, values = one.dims[1], values[:, -1]
@@ -283,7 +281,7 @@ def _percentiles(data: Variables, system: str) -> list[tuple[str, str]]:
             axis_unit = "" if axis is None else str(axis.attrs.get("units") or "")
             place = f" at {along} {shown(at, axis_unit, system)}"
         told = ", ".join(shown(float(value), unit, system) for value in values)
-        rows.append((f"{str(name).removesuffix(PERCENTILES)}{place}: {ranks}", told))
+        rows.append((f"{name}{place}: {ranks}", told))
     return rows
 
 

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from tautline.whole_file import place_of
+
 COPIES = 2
 """Files that a run keeps up in turn: one of them is whole whatever befalls the process."""
 WORTH_A_LOOK = 1e8
@@ -39,7 +41,7 @@ def bytes_ahead(model: Any) -> int:
 def room_warning(model: Any, target: Path) -> str | None:
     """Warn where the disk has not the room that a run's result will take; None where it has."""
     needed = COPIES * bytes_ahead(model)
-    free = shutil.disk_usage(target.parent.resolve()).free
+    free = shutil.disk_usage(place_of(target).parent).free
     if needed <= free:
         return None
     each, frames = needed / COPIES, 1 + round(model.solver.end / model.solver.interval)

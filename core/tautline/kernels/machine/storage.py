@@ -108,6 +108,14 @@ def folder_to_write() -> Path | None:
     return None
 
 
+def is_kept() -> bool:
+    """Whether what this process compiles is there for later ones; False once something could not be written."""
+    try:
+        return folder_to_write() == root() / name() and not _told
+    except OSError:
+        return False
+
+
 def base_to_write() -> Path | None:
     """What ``TAUTLINE_CACHE`` has to name for another process to write where this one does."""
     folder = folder_to_write()

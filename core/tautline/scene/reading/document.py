@@ -247,9 +247,6 @@ class PartlyReplacedError(SceneError):
         super().__init__(problems)
         self.document = document
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.problems, self.document)
-
 
 def in_turn(document: Document, *changes: Callable[[Document], Document]) -> Document:
     """The document with one change after another; PartlyReplacedError tells the faults of all of them."""

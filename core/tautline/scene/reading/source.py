@@ -42,6 +42,8 @@ def document_of(source: Any, folder: str | Path | None = None) -> Document:
         return Document.parse(written_out(plain(dict(source), origin=str(NAME))), NAME, home)
     if isinstance(source, str) and is_text(source):
         return Document.parse(source, NAME, home)
+    if isinstance(source, str) and not source.strip():
+        raise ArgumentTypeError("a scene, the path of its file, its text or a dict is wanted, not an empty text")
     if not isinstance(source, (str, os.PathLike)):
         raise ArgumentTypeError(
             f"a scene, the path of its file, its text or a dict is wanted, not {type(source).__name__}"
