@@ -275,17 +275,19 @@ def _ends(scene: HoseScene, speed: np.ndarray) -> Sentences:
 
 
 def _held_column(scene: HoseScene, hose: Average) -> Sentences:
-    """Water that gets faster between two held ends: who bears the force that it takes is the model's choice."""
+    """Water that gets faster and slower between two held ends: who bears that force is the model's choice."""
     support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
     if scene.water is None or support is None or support[2] is None or hose.bending == 0.0:
         return
-    quickest = float(np.abs(rates(scene)).max())
+    # What rises once pushes once: only a flow that comes and goes can shake the pipe.
+    changes = rates(scene)
+    quickest = max(0.0, min(float(changes.max()), -float(changes.min())))
     push = 0.5 * hose.water * quickest * hose.length
     share = push / (hose.bending * (support[2] / hose.length) ** 2)
     if share > SEEN_PUSH:
         text = (
-            f"changes by up to {quickest:.3g} m/s^2, and both ends are held. Here the wall alone moves the water, and "
-            "both ends share the force: N = M dU/dt (s - L/2). Where the pressure at the outlet stays as it is, the "
+            f"rises and falls by up to {quickest:.3g} m/s^2, and both ends are held. Here the wall alone moves the "
+            "water, and both ends share the force: N = M dU/dt (s - L/2). Where the pressure at the outlet stays as it is, the "
             f"pressure moves it, and N = -M dU/dt (L - s), smaller by {push:.3g} N all along. That is "
             f"{significant(100.0 * share, 2)} % of the force that buckles the pipe. A pulsating flow may then make a "
             "pipe swing that is quiet here. See docs/hose.md"
