@@ -287,7 +287,7 @@ def _held_column(scene: HoseScene, hose: Average) -> Sentences:
     if share > SEEN_PUSH:
         text = (
             f"rises and falls by up to {quickest:.3g} m/s^2, and both ends are held. Here the wall alone moves the "
-            "water, and both ends share the force: N = M dU/dt (s - L/2). Where the pressure at the outlet stays as it is, the "
+            "water, and both ends share the force: N = M dU/dt (s - L/2). Where the outlet keeps its pressure, the "
             f"pressure moves it, and N = -M dU/dt (L - s), smaller by {push:.3g} N all along. That is "
             f"{significant(100.0 * share, 2)} % of the force that buckles the pipe. A pulsating flow may then make a "
             "pipe swing that is quiet here. See docs/hose.md"
