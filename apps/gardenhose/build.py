@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from gardenhose.summary import FIGURES, JOINED, OTHERS, headline
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.model.build import Assembly
-from tautline.cable.model.handles import stiffnesses
+from tautline.cable.model.handles import at_ends, stiffnesses
 from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.integrators.statics.equilibrium import find_equilibrium
@@ -104,6 +105,9 @@ def _of_the_start(scene: HoseScene) -> list[str]:
 def _handles(made: Assembly, model: Model) -> Handles:
     """What can be driven, read and changed of a hose while it runs."""
     outputs = outputs_of(model.variables, model.coordinates)
+    s = model.coordinates["arc_length"][1]
+    reaches = [f"element {k}, {a:.4g} to {b:.4g} m" for k, (a, b) in enumerate(pairwise(s.tolist()), 1)]
+    outputs |= at_ends(outputs, labels=reaches)
     outputs["tip.position"] = same_as(outputs["tip"], "tip.position")
     outputs["tip.velocity"] = same_as(outputs["tip_velocity"], "tip.velocity")
     if "flow_speed" in outputs:

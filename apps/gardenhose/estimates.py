@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -109,12 +110,21 @@ class Average:
 
 def speeds(scene: HoseScene, count: int = SAMPLES) -> np.ndarray:
     """Speed of the water in the first segment at so many times through the run, m/s, (count,)."""
+    return _flow(scene, count, 1)
+
+
+def rates(scene: HoseScene) -> np.ndarray:
+    """Rates of that speed at as many times, m/s^2."""
+    return _flow(scene, SAMPLES, 2)
+
+
+def _flow(scene: HoseScene, count: int, order: int) -> np.ndarray:
     if scene.water is None:
         return np.zeros(1)
     end = scene.solver.end
     functions = compile_functions([FunctionRequest(scene.water.speed, integrate=True, end=end, key="water.speed")])
     # As in the run, which integrates the rate: a table of it is made of straight lines.
-    sampled = sample(functions, 0, np.linspace(0.0, end, count))[:, 1]
+    sampled = sample(functions, 0, np.linspace(0.0, end, count))[:, order]
     return np.clip(np.nan_to_num(sampled), -FASTEST, FASTEST)
 
 
@@ -130,6 +140,21 @@ def thrust(scene: HoseScene, piece: Segment, speed: float) -> float:
     if first is None or piece.water_mass_per_length is None:
         return 0.0
     return (first * speed) ** 2 / piece.water_mass_per_length
+
+
+def pushes(scene: HoseScene, speed: float) -> list[float]:
+    """Push on each piece of a straight hose with a free end, N, over |r'|, at a speed in the first.
+
+    Water that gets faster at the nozzle, or where the bore narrows, pushes back with what its momentum grows by; what
+    stands between that and the root bears it. Negative is a pull, of a bore that widens. Zero where the end is held:
+    that bears the nozzle.
+    """
+    pieces = scene.hose.pieces
+    if scene.water is None or scene.hose.end != "free":
+        return [0.0] * len(pieces)
+    momentum = [thrust(scene, piece, speed) for piece in pieces]
+    gained = [after - here for here, after in pairwise([*momentum, momentum[-1] * scene.water.outlet])]
+    return [sum(gained[k:]) for k in range(len(pieces))]
 
 
 def radians(scene: HoseScene, piece: Segment, speed: float) -> float:

@@ -15,9 +15,22 @@ def limits(result: Any) -> list[dict[str, Any]]:
 
     A hose of rubber may stretch: its strain is not judged.
     """
-    s, position, slope = (np.asarray(result[name]) for name in ("arc_length", "position", "slope"))
+    stretch, places = stretches(*(np.asarray(result[name]) for name in ("arc_length", "position", "slope")))
+    return stretch_limits(result.time, stretch, places)
+
+
+def stretches(s: np.ndarray, position: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, list[str]]:
+    """|r'| of shapes (m, k) at nodes and between them, and names of the k places.
+
+    Parameters
+    ----------
+    s : (nodes,) array
+        Unstretched distance of the nodes from the root, m.
+    position, slope : (m, nodes, 3) array
+        Of the nodes, m and 1.
+    """
     length = np.diff(s)
     inside = stretches_within(np.diff(position, axis=1), slope[:, :-1], slope[:, 1:], length)
     at = np.concatenate([s, *(s[:-1] + x * length for x in WITHIN)])
     stretch = np.concatenate([np.linalg.norm(slope, axis=-1), inside], axis=1)
-    return stretch_limits(result.time, stretch, [f"{x:.4g} m from the root" for x in at])
+    return stretch, [f"{x:.4g} m from the root" for x in at]

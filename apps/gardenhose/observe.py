@@ -35,6 +35,9 @@ class Observer:
         self.cables = made.observer
         self.arc_length = arc_lengths(scene)
         self.nodes, self.elements = len(self.arc_length), len(self.arc_length) - 1
+        # Water on nodes of its own hangs on the hose: its elements stand behind those of the hose, in the same order.
+        carrier = self.cables.carrier
+        carrier[self.elements :] = np.arange(len(carrier) - self.elements)
         self.flow = flow
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
@@ -55,7 +58,7 @@ class Observer:
             del made[name]
         for name in ("position", "slope", "velocity"):
             made[name] = made[name][:, : self.nodes]
-        for name in ("axial_force", "curvature"):
+        for name in ("axial_force", "end_force", "curvature"):
             made[name] = made[name][:, : self.elements]
         made["tip"], made["tip_velocity"] = made["position"][:, -1].copy(), made["velocity"][:, -1].copy()
         made["flow_speed"] = speed

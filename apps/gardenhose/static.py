@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gardenhose.cables import arc_lengths, assembled, step_limit
+from gardenhose.limits import stretches
 from gardenhose.scene import HoseScene, tied, with_speed
 from tautline.cable.model.build import Assembly
 from tautline.integrators.state import State, new_state
@@ -15,6 +16,9 @@ from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.hermite import SHAPE, table
+from tautline.results.assessment.limits import STRETCH
+from tautline.scene.errors import SceneWarning
+from tautline.scene.values.printed import shown
 from tautline.system.system import System
 
 POINTS_PER_ELEMENT = 8
@@ -129,3 +133,28 @@ def _form_of(made: Assembly, scene: HoseScene, speed: float, state: State) -> Fo
     starts = [made.layout.start[i + 1] for i in range(len(arc_lengths(scene)))]
     nodes = np.array(starts)[:, None] + np.arange(3)
     return Form(speed, state.full_q[nodes], state.full_q[nodes + 3], made.system, state)
+
+
+def stretched_at_rest(s: np.ndarray, forms: Sequence[Form], system: str) -> list[SceneWarning]:
+    """Warnings of shapes at rest that are squashed or stretched beyond what a run is judged by: the slowest of each."""
+    found: list[SceneWarning] = []
+    if not forms:
+        return found
+    stretch, places = stretches(s, np.array([one.position for one in forms]), np.array([one.slope for one in forms]))
+    low, high = STRETCH
+    for beyond, worst, words in (
+        (stretch < low, stretch.argmin(axis=1), f"less than {low:g}"),
+        (stretch > high, stretch.argmax(axis=1), f"more than {high:g}"),
+    ):
+        bad = np.flatnonzero(beyond.any(axis=1)).tolist()
+        if bad:
+            first = min(bad, key=lambda k: abs(forms[k].speed))
+            at = int(worst[first])
+            others = f". So it is in {len(bad) - 1} more of the shapes" if len(bad) > 1 else ""
+            text = (
+                f"the shape at {shown(forms[first].speed, 'm/s', system)} has {stretch[first, at]:.3g} of its "
+                f"unstretched length at {places[at]}, {words}{others}. No hose has such a shape. Give more EA, "
+                "a lower speed, or less of a nozzle"
+            )
+            found.append(SceneWarning("--speed", text))
+    return found

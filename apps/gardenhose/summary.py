@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from gardenhose.motion.limit_cycle import limit_cycle
+from tautline.cable.model.observe import extremes
 from tautline.results.variable import at_start
 from tautline.study.trials.errors import first_mode
 
@@ -50,7 +51,7 @@ def headline(result: Any) -> dict[str, dict[str, Any]]:
     """
     length = float(result["arc_length"][-1])
     cycle = limit_cycle(result["time"], result["tip"], result["tip_velocity"], length)
-    force, speed = result["axial_force"], np.linalg.norm(result["tip_velocity"], axis=1)
+    (least, most), speed = extremes(result), np.linalg.norm(result["tip_velocity"], axis=1)
     note = f" ({cycle.note})" if cycle.note else ""
     flow = float(result["flow_speed"][-1]) if "flow_speed" in result else None
     figures: dict[str, tuple[Any, str, str]] = {
@@ -60,8 +61,8 @@ def headline(result: Any) -> dict[str, dict[str, Any]]:
         "cycles": (cycle.cycles, "", "cycles evaluated"),
         "tip_speed_max": (float(speed.max()), "m/s", "largest speed of the tip"),
         "tip_mean": ([float(x) for x in cycle.mean], "m", "mean position of the tip, from the scene's origin"),
-        "axial_force_max": (float(force.max()), "N", "largest axial force"),
-        "axial_force_min": (float(force.min()), "N", "smallest axial force"),
+        "axial_force_max": (most, "N", "largest axial force"),
+        "axial_force_min": (least, "N", "smallest axial force"),
         "flow_speed": (flow, "m/s", "flow speed at the end"),
     }
     figures |= _between_ends(result, length) if cycle.kind == "rest" else {}

@@ -73,7 +73,7 @@ def static(
     negative = [one.negative for one in found]
     _print_forms(found, hose)
     _warn_of_unstable(hose, found, negative)
-    warnings = _of_shapes(hose, speeds, negative)
+    warnings = _of_shapes(hose, found, negative)
     print_warnings(warnings)
     _draw_forms(hose, found, figure)
     if as_json:
@@ -250,12 +250,16 @@ def _warn_of_unstable(hose: HoseScene, found: list[Form], negative: list[int]) -
             say(text, "yellow")
 
 
-def _of_shapes(hose: HoseScene, speeds: list[float], negative: list[int]) -> list[SceneWarning]:
+def _of_shapes(hose: HoseScene, found: list[Form], negative: list[int]) -> list[SceneWarning]:
     """Say of shapes at rest where the water is too fast for the hose or its elements, and what is not judged."""
+    from gardenhose.cables import arc_lengths
+    from gardenhose.static import stretched_at_rest
     from gardenhose.warnings import aspiration_at, mesh_at, momentum_at
     from tautline.scene.errors import SceneWarning
 
-    warnings = [*momentum_at(hose, speeds), *mesh_at(hose, speeds), *aspiration_at(hose, speeds)]
+    speeds = [one.speed for one in found]
+    stretched = stretched_at_rest(arc_lengths(hose), found, hose.units)
+    warnings = [*momentum_at(hose, speeds), *stretched, *mesh_at(hose, speeds), *aspiration_at(hose, speeds)]
     if hose.hose.end == "free" and any(count < 0 and speed for count, speed in zip(negative, speeds, strict=True)):
         text = (
             "whether the shapes are stable is not judged: water flows from a free end, and the hose may flutter about "
@@ -419,10 +423,30 @@ def _of_speeds(hose: HoseScene, found: Stability, speeds: list[float] | None) ->
     all_of_them = [*(one.speed for one in found.critical), *looked_at]
     return [
         *momentum_at(hose, all_of_them),
+        *_stretched(hose, all_of_them),
         *mesh_at(hose, all_of_them),
         *short_waves_at(hose, found.speed.tolist()),
         *aspiration_at(hose, found.speed.tolist()),
     ]
+
+
+def _stretched(hose: HoseScene, speeds: list[float]) -> list[SceneWarning]:
+    """Say where the shape whose stability was looked at is squashed or stretched beyond belief.
+
+    Each way of flow has its shapes from rest on. Where none is found the search has told it.
+    """
+    from gardenhose.cables import arc_lengths
+    from gardenhose.static import forms, stretched_at_rest
+    from tautline.integrators.status import StoppedEarly
+
+    found: list[Form] = []
+    for way in (1.0, -1.0):
+        asked = sorted({abs(one) for one in speeds if one * way > 0.0})
+        try:
+            found += forms(hose, [0.0, *(way * one for one in asked)]) if asked and hose.water is not None else []
+        except StoppedEarly:
+            continue
+    return stretched_at_rest(arc_lengths(hose), found, hose.units)
 
 
 def _between(found: Stability, speeds: list[float] | None, system: str) -> list[SceneWarning]:

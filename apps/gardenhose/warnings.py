@@ -15,7 +15,9 @@ from gardenhose.estimates import (
     average,
     first_frequency,
     onset,
+    pushes,
     radians,
+    rates,
     rk4_limit,
     speeds,
     thrust,
@@ -29,6 +31,10 @@ LAYERS_PER_ELEMENT = 1.5
 """Length of an element over that in which a clamp's direction gives way to the hanging hose's, sqrt(EJ / tension)."""
 SOFTENED = 0.2
 """Share of EA that the flow's momentum may take away without a word."""
+MOST_PUSH = 0.5
+"""Share of EA from which a push P |r'| squashes a hose of Green's strain to nothing: |r'|^2 = 1 - 2 P / EA."""
+SEEN_PUSH = 0.01
+"""Share of the force that buckles a pipe up to which a push of water that gets faster is not told."""
 STEPS_PER_PERIOD = 10.0
 NEAR_ONSET = 0.9
 """Share of the estimated critical speed from which a hose is taken to flutter."""
@@ -59,7 +65,7 @@ def warnings(scene: HoseScene) -> list[SceneWarning]:
     # Statics and flutter look at speeds of their own: `momentum_at`, `mesh_at` and `aspiration_at` warn of these.
     of_a_run = (
         [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed)],
-        list(_rest(scene)),
+        [*_held_column(scene, hose), *_rest(scene)],
     )
     before, behind = ([SceneWarning(*one, of_a_run=True) for one in found] for found in of_a_run)
     return [*before, *(SceneWarning(*one) for one in _ends(scene, speed)), *behind]
@@ -112,6 +118,33 @@ def _at(scene: HoseScene, i: int, key: str) -> str:
 
 
 def _momentum(scene: HoseScene, speed: np.ndarray) -> Sentences:
+    """Water whose momentum, or the push of a nozzle, is large against the hose's axial stiffness."""
+    yield from _softened(scene, speed)
+    yield from _pushed(scene, speed)
+
+
+def _pushed(scene: HoseScene, speed: np.ndarray) -> Sentences:
+    """A straight hose that its nozzle squashes: P |r'| against the force of the strain, EA by its measure."""
+    fastest = float(np.abs(speed).max())
+    pieces = scene.hose.pieces
+    shares = [push / piece.axial_stiffness for push, piece in zip(pushes(scene, fastest), pieces, strict=True)]
+    i = int(np.argmax(shares))
+    if shares[i] <= SOFTENED:
+        return
+    green = scene.hose.strain == "green"
+    whose = "the nozzle's push, M U^2 (outlet - 1)" if len(pieces) == 1 else "the push of nozzle and narrower bores"
+    text = f"{whose}, is {100.0 * shares[i]:.0f} % of EA at {fastest:.3g} m/s. "
+    if green and shares[i] >= MOST_PUSH:
+        most = fastest * math.sqrt(MOST_PUSH / shares[i])
+        text += f"From {100.0 * MOST_PUSH:.0f} % on, {most:.4g} m/s, no straight hose bears it. "
+    else:
+        left = math.sqrt(1.0 - 2.0 * shares[i]) if green else 1.0 / (1.0 + shares[i])
+        text += f"It squashes a straight hose to {100.0 * left:.0f} % of its length. "
+    of_nozzle = scene.water is not None and scene.water.outlet > 1.0
+    yield "water.outlet" if of_nozzle else _at(scene, i, "axial_stiffness"), text + "Give more EA, or a lower speed"
+
+
+def _softened(scene: HoseScene, speed: np.ndarray) -> Sentences:
     """Water whose momentum is large against the hose's axial stiffness."""
     fastest = float(np.abs(speed).max())
     pieces = scene.hose.pieces
@@ -155,7 +188,7 @@ def short_waves_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarni
 
 
 def momentum_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarning]:
-    """Warnings of water whose momentum is large against the axial stiffness at the fastest of some speeds, m/s."""
+    """Warnings of water whose momentum, or push, is large against the axial stiffness at the fastest of speeds, m/s."""
     if scene.water is None or not any(speeds):
         return []
     return [SceneWarning(where, text) for where, text in _momentum(scene, np.array(speeds, float))]
@@ -239,6 +272,27 @@ def _ends(scene: HoseScene, speed: np.ndarray) -> Sentences:
             "separate and keep its speed. Give 1 for a plain end, or more for a nozzle"
         )
         yield "water.outlet", text
+
+
+def _held_column(scene: HoseScene, hose: Average) -> Sentences:
+    """Water that gets faster and slower between two held ends: who bears that force is the model's choice."""
+    support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
+    if scene.water is None or support is None or support[2] is None or hose.bending == 0.0:
+        return
+    # What rises once pushes once: only a flow that comes and goes can shake the pipe.
+    changes = rates(scene)
+    quickest = max(0.0, min(float(changes.max()), -float(changes.min())))
+    push = 0.5 * hose.water * quickest * hose.length
+    share = push / (hose.bending * (support[2] / hose.length) ** 2)
+    if share > SEEN_PUSH:
+        text = (
+            f"rises and falls by up to {quickest:.3g} m/s^2, and both ends are held. Here the wall alone moves the "
+            "water, and both ends share the force: N = M dU/dt (s - L/2). Where the outlet keeps its pressure, the "
+            f"pressure moves it, and N = -M dU/dt (L - s), smaller by {push:.3g} N all along. That is "
+            f"{significant(100.0 * share, 2)} % of the force that buckles the pipe. A pulsating flow may then make a "
+            "pipe swing that is quiet here. See docs/hose.md"
+        )
+        yield "water.speed", text
 
 
 def _aspiration(water: Water, slowest: float) -> Sentences:

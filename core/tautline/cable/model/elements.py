@@ -76,7 +76,7 @@ def steady_flow(layout: Layout) -> list[int]:
 def element_groups(layout: Layout, sections: Sections) -> list[Any]:
     """Groups of inertia, tension, bending and open ends, of the kinds that the scene has.
 
-    ``sections`` is told which rows hold the stiffnesses and the damping of which elements.
+    ``sections`` is told which rows are of which elements.
     """
     scene, all_still = layout.scene, _all_still(layout)
     sorts: dict[tuple, list[Element]] = {}
@@ -93,7 +93,7 @@ def element_groups(layout: Layout, sections: Sections) -> list[Any]:
     for (kind, flow), elements in sorts.items():
         massive = [e for e in elements if e.rhoA > 0.0 or any(e.load)]
         if massive:
-            groups.append(_inertia(layout, kind, flow, massive))
+            groups.append(sections.of(_inertia(layout, kind, flow, massive), massive))
         # At a constant length only damping sees the material move: without it the stored energy is all there is.
         for moving in (False, True):
             some = [e for e in elements if (flow == MOVING or (flow == SHARED and e.damping > 0.0)) == moving]

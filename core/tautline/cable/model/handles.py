@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tautline.cable.model.layout import Layout
-from tautline.system.handles import Handles, Parameter, inputs_of, number, outputs_of, prepared_of
+from tautline.cable.model.observe import extreme_force
+from tautline.system.handles import Handles, Output, Parameter, inputs_of, number, outputs_of, prepared_of
 
 OF_NODES = {
     "position": "position", "velocity": "velocity", "slope": "slope", "material_coordinate": "material_coordinate",
     "material_velocity": "material_velocity",
 }  # fmt: skip
 OF_ELEMENTS = {"axial_force": "axial_force", "curvature": "curvature"}
+LARGEST, LEAST = "largest_axial_force", "least_axial_force"
+"""Outputs of each element by which bounds on `axial_force` are judged."""
 STIFFNESSES = (
     ("axial_stiffness", "N", "EA", {"engineering": "stiffness"}),
     ("bending_stiffness", "N m^2", "EJ", {"engineering": "bending", "smoothing": "stiffness"}),
@@ -33,12 +37,48 @@ def handles(layout: Layout, groups: tuple[Any, ...], model: Any) -> Handles:
         "element": [f"element {x}" for x in model.coordinates["element"][1]],
     }
     outputs = outputs_of(model.variables, model.coordinates, OF_NODES | OF_ELEMENTS, names)
+    outputs |= at_ends(outputs, names["element"])
     for name, start in zip(names["node"], layout.starts, strict=True):
         for what, vector in (("position", "q"), ("velocity", "v")):
             output = f"{name}.{what}"
             outputs[output] = replace(outputs[output], places=(vector, start + np.arange(3)))
     parameters = {one.name: one for one in stiffnesses(groups, "cables")}
     return Handles(inputs_of(layout.requests), outputs, parameters, prepared_of(layout.requests))
+
+
+def at_ends(
+    outputs: Mapping[str, Output], elements: Sequence[str] = (), labels: Sequence[str] = ()
+) -> dict[str, Output]:
+    """Largest and least axial force of each element, by which bounds on `axial_force` are judged, and it itself.
+
+    Parameters
+    ----------
+    elements : sequence of str
+        Names of the elements, where each has an output of its own too: ``element 3`` of ``element 3.axial_force``.
+    labels : sequence of str
+        What the place of each is called, where that is more than its number.
+    """
+    middle = outputs["axial_force"]
+    made = {"axial_force": replace(middle, judged_by=(LARGEST, LEAST))}
+    for name, word in ((LARGEST, "largest"), (LEAST, "least")):
+        of_frames = partial(extreme_force, least=name == LEAST)
+        made[name] = replace(
+            middle, name=name, text=f"{word} axial force at the ends and in the middle of an element", variable="",
+            labels=tuple(labels), value=partial(_first, of_frames), series=of_frames,
+        )  # fmt: skip
+    for k, element in enumerate(elements):
+        own = f"{element}.axial_force"
+        judges = f"{element}.{LARGEST}", f"{element}.{LEAST}"
+        made[own] = replace(outputs[own], judged_by=judges)
+        made |= {
+            judge: replace(made[name].part((k,)), name=judge)
+            for judge, name in zip(judges, (LARGEST, LEAST), strict=True)
+        }
+    return made
+
+
+def _first(series: Callable[[Any], np.ndarray], frame: Mapping[str, np.ndarray]) -> np.ndarray:
+    return series(frame)[0]
 
 
 def stiffnesses(groups: tuple[Any, ...], thing: str) -> Iterator[Parameter]:

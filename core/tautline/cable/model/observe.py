@@ -13,6 +13,7 @@ from tautline.cable.model.layout import Layout
 from tautline.cable.model.sections import Sections
 from tautline.cable.model.ties import WORDS
 from tautline.constraints.multiplier import Multipliers
+from tautline.elements.apart import Apart
 from tautline.kernels.hermite import FIRST, SECOND, THIRD, table
 from tautline.results.variable import Variable, at_start, late_start
 
@@ -31,6 +32,7 @@ SHORTEST_SLOPE = 1.0e-90
 
 
 AXIAL = "axial force of the section, of strain and bending, in the middle of an element, with damping"
+AT_ENDS = "axial force at both ends of an element, by the balance of its stresses with its inertia and loads"
 
 
 TIE = "of a tie on its first node, along the global axis that is named; its opposite on the second"
@@ -55,6 +57,7 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("velocity", (*node, "axis"), "m/s", "velocity"),
         Variable("material_velocity", node, "m/s", "rate of the material coordinate"),
         Variable("axial_force", element, "N", AXIAL),
+        Variable("end_force", (*element, "end"), "N", AT_ENDS),
         *(curved if observer.cubic_nodes.size else []),
         *_multipliers(observer),
         *energy_variables(
@@ -85,6 +88,9 @@ class Observer:
         self.slack = np.array([not e.compression for e in scene.elements])
         self.bending = BendingForce(layout, scene.elements)
         self.middle = table(np.array([0.5]), np.ones(1))[0]
+        sizes = np.where(self.cubic, 7, 4)
+        self.apart = Apart(sections.members, layout.starts[layout.ends], sizes, list(layout.flow.values()))
+        self.carrier = carriers(scene)
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
@@ -96,6 +102,7 @@ class Observer:
             "node": ("node", self.ids, "", "node's id in the scene"),
             "element": ("element", self.element_ids, "", "element's id in the scene"),
             "axis": ("axis", np.array(["x", "y", "z"]), "", "axis"),
+            "end": ("end", np.array(["first end", "last end"]), "", "end of an element"),
             **named,
         }
 
@@ -113,6 +120,7 @@ class Observer:
         places = self.start[self.cubic_nodes][:, None] + 3 + three
         slope[:, self.cubic_nodes], slope_rate[:, self.cubic_nodes] = q[:, places], v[:, places]
         made["axial_force"], curvature = self._forces(made, slope, slope_rate)
+        made["end_force"] = self._at_ends(frames, made["position"], slope)
         if self.cubic_nodes.size:
             made["slope"], made["curvature"] = slope, curvature
         if self.multipliers is not None:
@@ -159,6 +167,21 @@ class Observer:
         across = np.linalg.norm(np.cross(e, turn), axis=-1)
         return force, across / np.maximum(size, SHORTEST_SLOPE) ** 3
 
+    def _at_ends(self, frames: Any, position: np.ndarray, slope: np.ndarray) -> np.ndarray:
+        """Axial force (m, elements, 2) N at both ends of elements, by the balance of each."""
+        i, j = self.ends.T
+        chord = position[:, j] - position[:, i]
+        along = np.where(self.cubic[:, None, None], slope[:, self.ends], chord[:, :, None])
+        along = along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), SHORTEST_SLOPE)
+        # What holds the first end of an element pulls backwards there.
+        force = (self.apart.forces(frames) * along).sum(axis=-1) * np.array([-1.0, 1.0])
+        whole = np.zeros_like(force)
+        index: Any = (slice(None), self.carrier)
+        np.add.at(whole, index, force)
+        stiff = self.sections.numbers().stiffness > 0.0
+        # What takes no push lets the weight of a slack end lie on what is beyond it.
+        return np.where(stiff[:, None] & ~(self.slack[:, None] & (whole < 0.0)), whole, 0.0)
+
     def _carried(
         self, ends: list[np.ndarray], turn: np.ndarray, length: np.ndarray, grown: np.ndarray, u: np.ndarray
     ) -> np.ndarray:
@@ -172,6 +195,17 @@ class Observer:
         """Derivative by p of an order in the middle of cubic elements."""
         parts = [shape[0] * x[0], length * shape[1] * x[1], shape[2] * x[2], length * shape[3] * x[3]]
         return (parts[0] + parts[1] + parts[2] + parts[3]) / length**order
+
+
+def carriers(scene: CableScene) -> np.ndarray:
+    """Which element bears what one weighs (elements,): itself, or where it has no EA one that has, along its curve."""
+    stiff: dict[tuple[int, ...], int] = {}
+    for k, element in enumerate(scene.elements):
+        if element.EA > 0.0:
+            stiff.setdefault(tuple(element.nodes), k)
+    return np.array(
+        [k if e.EA > 0.0 else stiff.get(tuple(e.nodes), k) for k, e in enumerate(scene.elements)], dtype=int
+    )
 
 
 def figure_units(scene: CableScene) -> dict[str, str]:
@@ -237,14 +271,28 @@ def _sprung(scene: CableScene, first: np.ndarray, second: np.ndarray, what: int)
     return free[first] | free[second]
 
 
+def extreme_force(frames: Any, least: bool) -> np.ndarray:
+    """Largest or least axial force (m, elements) N at either end or in the middle of each element."""
+    both, middle = np.asarray(frames["end_force"]), np.asarray(frames["axial_force"])
+    return np.minimum(both.min(axis=2), middle) if least else np.maximum(both.max(axis=2), middle)
+
+
+def extremes(result: Any) -> tuple[float, float]:
+    """Smallest and largest axial force of a run, N; of a file without `end_force`, in the middles of elements."""
+    if "end_force" not in result:
+        return float(result["axial_force"].min()), float(result["axial_force"].max())
+    return tuple(float(f(extreme_force(result, least))) for f, least in ((np.min, True), (np.max, False)))  # type: ignore[return-value]
+
+
 def headline(result: Any, scene: CableScene) -> dict[str, dict[str, Any]]:
     """Figures that sum a run up."""
-    force, position = result["axial_force"], result["position"]
+    position = result["position"]
+    least, most = extremes(result)
     moved, late = np.linalg.norm(position - at_start(result, "position"), axis=-1), late_start(result)
     since = f" since {late}" if late else ""
     figures = {
-        "axial_force_max": (force.max(), "N", "largest axial force"),
-        "axial_force_min": (force.min(), "N", "smallest axial force"),
+        "axial_force_max": (most, "N", "largest axial force"),
+        "axial_force_min": (least, "N", "smallest axial force"),
         "displacement_max": (moved.max(), "m", f"largest displacement of a node{since}"),
         "speed_max": (np.linalg.norm(result["velocity"], axis=-1).max(), "m/s", "largest speed of a node"),
     }

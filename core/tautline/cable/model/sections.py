@@ -20,7 +20,7 @@ class Numbers(NamedTuple):
 
 
 class Sections:
-    """Where the numbers of each element stand.
+    """Where the numbers of each element stand: ``members`` are groups, each with the places of its rows' elements.
 
     The groups' rows are what the equations use, what parameters change, and what a state that is restored brings back.
     """
@@ -28,17 +28,18 @@ class Sections:
     def __init__(self, elements: Sequence[Element]) -> None:
         # Two elements may be alike in all they say: which of them a row is of is known by the object alone.
         self._place = {id(element): k for k, element in enumerate(elements)}
-        self._rows: list[tuple[np.ndarray, np.ndarray]] = []
+        self.members: list[tuple[Any, np.ndarray]] = []
 
     def of(self, group: Any, elements: Sequence[Element]) -> Any:
         """A group, whose rows from now on count as those of so many elements, in this order."""
-        self._rows.append((group.rows, np.array([self._place[id(element)] for element in elements], dtype=int)))
+        self.members.append((group, np.array([self._place[id(element)] for element in elements], dtype=int)))
         return group
 
     def numbers(self) -> Numbers:
         """As they are now; zero of what an element has not."""
         found = Numbers(*np.zeros((4, len(self._place))))
-        for rows, places in self._rows:
+        for group, places in self.members:
+            rows = group.rows
             names = rows.dtype.names or ()
             # By fields that only its records have: of tension (in pipes with bending), of bending, of damping of it.
             if "engineering" in names:
