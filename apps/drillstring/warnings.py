@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.drilling.bit_numbers import bit_row, rate_at, torque_at, weight_at
+from drillstring.drilling.bit_numbers import bit_row, rate_at, torque_at, torque_at_rest, weight_at
 from drillstring.drilling.end_groups import BLOCK, ROTATION
 from drillstring.hole_warnings import OF_THE_HOLE, STATIONS, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
@@ -15,6 +15,7 @@ from drillstring.model.build import requests
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared
 from drillstring.results.limits import SNUG
+from drillstring.scene.ends import Controller
 from drillstring.scene.hole import DRILLED
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics.buckled import buckled_at_rest
@@ -397,6 +398,31 @@ def _torque_on_bit(scene: DrillstringScene, ready: Prepared) -> Sentences:
         yield "bit.torque", f"{cause}; {cure}"
 
 
+def _weak_drive(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A drive whose torque limit is less than its bit needs, to turn on or to begin to turn; the wall takes more."""
+    drive = scene.top.rotation
+    if not scene.bit.on_bottom or not isinstance(drive, Controller) or drive.torque_limit is None:
+        return
+    functions = compile_functions(requests(scene))
+    spin = float(np.abs(sample(functions, ROTATION, np.linspace(0.0, scene.solver.end, 201))[:, 1]).max())
+    if spin == 0.0:
+        return
+    weight = scene.bit.weight or 0.0
+    b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, spin, False)[0]
+    turning, resting = torque_at(b, weight, spin), torque_at_rest(b, weight)
+    limit, needed, held = (shown(torque, "N m", scene.units) for torque in (drive.torque_limit, turning, resting))
+    on = shown(weight, "N", scene.units)
+    if drive.torque_limit < turning:
+        cause = (
+            f"{limit} is less than the {needed} that the bit takes at its full speed with {on} on it: the drive stalls"
+        )
+    elif drive.torque_limit < resting:
+        cause = f"{limit} is less than the {held} that hold a bit at rest with {on} on it: the drive may stall there"
+    else:
+        return
+    yield "top.rotation.controller.torque_limit", f"{cause}. Give more torque or less weight"
+
+
 def _penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A block that is not lowered as fast as the bit drills."""
     if not scene.bit.on_bottom:
@@ -466,7 +492,7 @@ def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
         return
     lumps, limit = ready.lumps, RK4.reach_of_vibration
     b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, 0.0, True)[0]
-    inertia = float(lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)[-1])
+    inertia = float(lumps.of_lumps(lambda tube: tube.rotary_inertia)[-1])
     steepness = torque_at(b, scene.bit.weight or 0.0, 0.0) / inertia
     step = longest_step(scene.solver, scene.output.interval)
     if steepness * step > limit * scene.bit.slip_speed:
@@ -530,12 +556,24 @@ def _mesh(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 CHECKS: tuple[Check, ...] = (
     _steps, *OF_THE_HOLE, _upside_down, _floating, soft_wall, _friction, _block, _shoe,
-    _past_the_shoe, _yielding, _relaxed, _off_bottom, _weight_on_bit, _torque_on_bit, _penetration, _sticking, _chatter,
-    _buckling, _mesh,
+    _past_the_shoe, _yielding, _relaxed, _off_bottom, _weight_on_bit, _torque_on_bit, _weak_drive, _penetration,
+    _sticking, _chatter, _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
 OF_A_RUN = frozenset(
-    {_relaxed, _steps, _friction, _block, _past_the_shoe, _torque_on_bit, _penetration, _sticking, _chatter, _buckling}
+    {
+        _relaxed,
+        _steps,
+        _friction,
+        _block,
+        _past_the_shoe,
+        _torque_on_bit,
+        _weak_drive,
+        _penetration,
+        _sticking,
+        _chatter,
+        _buckling,
+    }
 )
 """Those of what the run of a scene does or does not show: its steps, its motions, and how the bit answers them."""
 

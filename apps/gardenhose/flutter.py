@@ -5,48 +5,41 @@ diverges where a real one does. The motion is in the plane of the static shape (
 
 Over the mass ratio the boundary folds back (R. W. Gregory and M. P. Paidoussis, Proc. R. Soc. A 293, 1966): a hose may
 be unstable in a window of speeds, stable once more, and unstable for good much later. Between the speeds at which
-eigenvalues are computed such windows are looked for with the hose's motions in few shapes (`gardenhose.reduced`).
+eigenvalues are computed such windows are looked for with the hose's motions in few shapes: see
+`gardenhose.vibration.reduced`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from gardenhose.estimates import direction_of, fine_up_to, near_onset
 from gardenhose.estimates import speeds as speeds_of
-from gardenhose.reduced import Reduced, peaks
-from gardenhose.scene import HoseScene, tied
-from gardenhose.static import Form, form
+from gardenhose.scene import HoseScene
+from gardenhose.stability import Critical, Curves, Stability, Way, Window
+from gardenhose.static import form
+from gardenhose.vibration.linear_hose import MODES, STILL, LinearHose, Plane, growths
+from gardenhose.vibration.reduced import Reduced, peaks
 from tautline.integrators.status import StoppedEarly
-from tautline.integrators.vibration.following import Paths, apart, follow
-from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
+from tautline.integrators.vibration.following import Paths, follow
 from tautline.scene.errors import SceneError
 from tautline.scene.values.printed import shown
 from tautline.scene.values.systems import in_system
 from tautline.threads import one_thread
 
-MODES = 8
-"""Pairs of eigenvalues that are followed."""
-SLOWEST = 30
-"""Pairs, at least, that are sought of a hose that has too many for all: twice as many as are followed, and some."""
 SPEEDS = 48
 """Intervals, about, of a range of speeds that is not told, from zero to half as much again as the critical one."""
 PRECISION = 1.0e-10
 """Relative precision of the critical speed."""
-STILL, ROUNDING = 1.0e-7, 10.0
-"""Growth over the size of the eigenvalue, and over what it may be off by rounding, that is none."""
 BEYOND = 1.0e-3
 """How far past a critical speed the way in which it becomes unstable is looked at, relative to it."""
 REAL = 1.0e-6
 """Frequency over the size of the eigenvalue below which a hose diverges and does not flutter."""
-ALIKE = 1.0e-6
-"""Relative difference of the eigenvalues of two planes in which a straight hose moves alike."""
 TRIALS = 10
 """Speeds up to the estimated critical one at which it is looked for."""
 FARTHEST = 4.0
@@ -65,224 +58,6 @@ SAME = 1.0e-12
 """Distance of two speeds over the largest one up to which they are one speed that was rounded in two ways."""
 ROUND = 8
 """Intervals, at most, between round speeds of a range."""
-
-
-Plane = Literal["in", "out", "any"]
-
-
-class Critical(NamedTuple):
-    """A speed, m/s, at which a motion in or out of the plane begins to grow, its frequency Hz, and the way it does."""
-
-    speed: float
-    frequency: float
-    plane: Plane
-    kind: Literal["flutter", "divergence"]
-
-
-class Window(NamedTuple):
-    """Speeds, m/s, between which a hose is unstable, the slower first.
-
-    It begins at the slowest speed looked at where the hose is unstable there, and has no end where it is at the
-    fastest.
-    """
-
-    begin: float
-    end: float | None
-
-
-class Way(NamedTuple):
-    """What a hose does as its water flows faster one way.
-
-    ``sign`` 1 from root to tip, -1 from tip to root. ``speed`` (k,) m/s, rising, those asked for that go this way, and
-    0 between those of both ways; ``grows`` (k,) as in `Stability`. ``critical``, ``windows`` and ``stable_from`` as
-    there, but of this way, the slowest first.
-    """
-
-    sign: float
-    speed: np.ndarray
-    grows: np.ndarray
-    critical: list[Critical]
-    windows: list[Window]
-    stable_from: float | None
-
-    @property
-    def direction(self) -> Literal["root to tip", "tip to root"]:
-        """From where to where the water flows."""
-        return "root to tip" if self.sign > 0.0 else "tip to root"
-
-    @property
-    def slowest(self) -> float:
-        """The slowest speed that was looked at, m/s."""
-        return float(min(self.speed, key=abs))
-
-    @property
-    def fastest(self) -> float:
-        """The fastest speed that was looked at, m/s."""
-        return float(max(self.speed, key=abs))
-
-
-class Curves(NamedTuple):
-    """Modes along all speeds at which they were computed to be followed, those asked for among them.
-
-    ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, the columns those of `Stability`; ``out_of_plane`` (k, m);
-    ``sure`` (k - 1, m) whether a mode goes on from a speed to the next without doubt; ``marks`` the round ones, in the
-    scene's units, of which each is one of the speeds but for rounding.
-    """
-
-    speed: np.ndarray
-    eigenvalues: np.ndarray
-    out_of_plane: np.ndarray
-    sure: np.ndarray
-    marks: Sequence[float]
-
-    def doubtful(self) -> list[tuple[int, float, float]]:
-        """Modes, from 0, and the two speeds between which it is not sure what they go on as."""
-        places = zip(*np.nonzero(~self.sure), strict=True)
-        return [(int(mode), float(self.speed[k]), float(self.speed[k + 1])) for k, mode in places]
-
-
-class Stability(NamedTuple):
-    """Eigenvalues against speed.
-
-    ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed: those
-    asked for and all that grow at a speed, not a number where one is no more found, and of a straight hose, which moves
-    in all planes alike, those of one plane;
-    ``out_of_plane`` (k, m) the share of the motion that is; ``grows`` (k,) whether any motion does, by more than what
-    may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once for each way of flow, and
-    once more where it is unstable without flow; ``stable_from`` the speed, m/s, from which nothing grows that does at
-    the slowest one, None where nothing does there or it never ceases; of speeds of both signs that from root to tip.
-    ``windows`` between which speeds the hose is unstable, whatever the plane, the slowest first, way after way.
-    ``ways`` holds these for each way of flow. ``resolution`` m/s is how far apart the speeds are at which windows were
-    looked for: a growth rate that rises above zero and falls again within less may be missed; None where one speed was
-    looked at. ``curves`` are the modes at more speeds than were asked for. ``fine_up_to`` m/s is the speed up to which
-    elements are short enough for the waves of the flow.
-    """
-
-    speed: np.ndarray
-    eigenvalues: np.ndarray
-    out_of_plane: np.ndarray
-    grows: np.ndarray
-    critical: list[Critical]
-    stable_from: float | None = None
-    windows: Sequence[Window] = ()
-    resolution: float | None = None
-    curves: Curves | None = None
-    ways: Sequence[Way] = ()
-    fine_up_to: float = np.inf
-
-    @property
-    def unstable_at(self) -> Literal["none", "part", "all", "unknown"]:
-        """At which of the speeds looked at, rest between those of both signs among them, the hose is unstable.
-
-        Unknown where nothing grows at any, and elements are too coarse for the fastest.
-        """
-        grows = np.concatenate([way.grows for way in self.ways]) if self.ways else self.grows
-        if grows.any():
-            return "all" if grows.all() else "part"
-        return "unknown" if np.abs(self.speed).max() > self.fine_up_to else "none"
-
-
-def normal_of(scene: HoseScene) -> np.ndarray | None:
-    """Unit normal of the plane of direction and gravity; None where these are parallel, or there is no gravity."""
-    across = np.cross(scene.hose.unit_direction, scene.gravity)
-    size = float(np.linalg.norm(across))
-    return across / size if size > 1e-9 * float(np.linalg.norm(scene.gravity)) and size > 0.0 else None
-
-
-class _Linear:
-    """Eigenvalues at any speed of a hose that shares r and r' with its water, each static shape from the nearest."""
-
-    def __init__(self, scene: HoseScene, modes: int = MODES) -> None:
-        # Multipliers change no motion, and make too many unknowns of a few elements. Springs are so stiff that bending
-        # would be lost in the rounding of eigenvalues.
-        self.scene, self.normal = tied(scene), normal_of(scene)
-        self.count = max(SLOWEST, 3 * modes)
-        self.known: dict[float, Form] = {}
-        self.solved: dict[float, tuple[Vibrations, np.ndarray]] = {}
-
-    @cached_property
-    def slow(self) -> float:
-        """Size, 1/s, of the slowest eigenvalue without flow; differences of smaller ones are measured by it.
-
-        At a speed next to a divergence the slowest is next to zero, and measures nothing. Where no shape at rest is
-        found without flow it is that of the slowest speed that is known.
-        """
-        try:
-            motions, _ = self.at(0.0)
-        except StoppedEarly:
-            motions, _ = self.solved[min(self.solved, key=abs)]
-        size = np.abs(motions.value)
-        return float(size[size > ROUNDING * motions.rounding].min(initial=size.max(initial=0.0)))
-
-    def at(self, speed: float) -> tuple[Vibrations, np.ndarray]:
-        """The motions that grow fastest or are slowest, and which share of each is out of the plane."""
-        if speed in self.solved:
-            return self.solved[speed]
-        near = min(self.known.values(), key=lambda one: abs(one.speed - speed), default=None)
-        found = form(self.scene, speed, near)
-        self.known[speed] = found
-        motions = vibrations(found.system, found.state, None if found.system.size <= DENSE else self.count)
-        if self.normal is None:
-            motions = _of_one_plane(motions)
-        self.solved[speed] = motions, self._share(motions.shape)
-        return self.solved[speed]
-
-    def _share(self, shape: np.ndarray) -> np.ndarray:
-        if self.normal is None:
-            return np.zeros(shape.shape[1])
-        count = len(self.known[next(iter(self.known))].position)
-        nodes = shape[: 7 * count].reshape(count, 7, -1)[:, :3]
-        across = np.einsum("nck,c->nk", nodes, self.normal)
-        whole = (np.abs(nodes) ** 2).sum(axis=(0, 1))
-        return (np.abs(across) ** 2).sum(axis=0) / np.where(whole > 0.0, whole, 1.0)
-
-    def unlike(self, before: Vibrations, after: Vibrations) -> np.ndarray:
-        """How unlike motions (n,) are others (m,), by eigenvalue and by shape, never below zero; (n, m)."""
-        one, other = before.shape, after.shape
-        if self.normal is None:
-            # A straight hose moves alike in all planes, and which one a shape lies in is chance.
-            count = len(self.known[next(iter(self.known))].position)
-            one, other = (
-                shape[: 7 * count].reshape(count, 7, -1)[:, :6].reshape(2 * count, 3, -1) for shape in (one, other)
-            )
-            both = np.einsum("sai,sbj->ijab", one.conj(), other, optimize=True)
-            alike, sizes = np.linalg.norm(both, axis=(2, 3)), [np.linalg.norm(x, axis=(0, 1)) for x in (one, other)]
-        else:
-            alike, sizes = np.abs(one.conj().T @ other), [np.linalg.norm(x, axis=0) for x in (one, other)]
-        # Of one shape with itself rounding leaves less than nothing.
-        other_shape = np.maximum(1.0 - alike / np.maximum(np.outer(*sizes), 1e-300), 0.0)
-        return apart(before, after, self.slow) + other_shape
-
-    def growth(self, speed: float, plane: Plane) -> tuple[float, complex]:
-        """Largest growth rate of motions in a plane less what may be rounding, 1/s, and the eigenvalue that has it."""
-        motions, share = self.at(speed)
-        those = np.full(share.size, True) if plane == "any" else (share > 0.5) == (plane == "out")
-        chosen = motions.value[those]
-        if not chosen.size:
-            return -np.inf, 0j
-        grows = _growths(motions)[those]
-        fastest = int(np.argmax(grows))
-        return float(grows[fastest]), complex(chosen[fastest])
-
-
-def _growths(motions: Vibrations) -> np.ndarray:
-    """Growth rates (k,) less what may be rounding, 1/s."""
-    return motions.value.real - STILL * np.abs(motions.value) - ROUNDING * motions.rounding
-
-
-def _of_one_plane(motions: Vibrations) -> Vibrations:
-    """The motions of a straight hose, each that it makes in two planes once.
-
-    What stretches it has no like. Of two pairs that meet, as where they are about to flutter, two are left.
-    """
-    value, kept = motions.value, np.full(motions.value.size, True)
-    for i in range(value.size):
-        if kept[i]:
-            apart = np.abs(value[i + 1 :] - value[i])
-            near = kept[i + 1 :] & (apart <= ALIKE * np.abs(value[i]) + ROUNDING * motions.rounding[i])
-            if near.any():
-                kept[i + 1 + np.argmin(np.where(near, apart, np.inf))] = False
-    return Vibrations(value[kept], motions.shape[:, kept], motions.rounding[kept])
 
 
 @one_thread()
@@ -310,7 +85,7 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     if scene.water is None:
         cure = "add `water: {mass_per_length: ..., speed: ...}`"
         raise SceneError([scene.problem("water", "is missing: nothing can flow", cure)])
-    linear = _Linear(scene, modes)
+    linear = LinearHose(scene, modes)
     grid = np.unique(np.array(speeds, float)) if speeds is not None else _range(linear)
     planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
     looked_at = _through_rest(grid)
@@ -352,7 +127,7 @@ def _signs(speeds: np.ndarray) -> list[float]:
 
 
 def _way(
-    linear: _Linear,
+    linear: LinearHose,
     sign: float,
     looked_at: np.ndarray,
     tried: dict[Plane, np.ndarray],
@@ -387,9 +162,9 @@ def falls_from(scene: HoseScene, speed: float) -> float:
     StoppedEarly
         Where no static shape is found.
     """
-    linear = _Linear(scene)
+    linear = LinearHose(scene)
     motions, _ = linear.at(speed)
-    grows = motions.value[_growths(motions) > 0.0]
+    grows = motions.value[growths(motions) > 0.0]
     if grows.size and form(linear.scene, 0.0, linear.known[speed]).negative <= 0:
         grows = grows[grows.imag == 0.0]
     return float(grows.real.max(initial=0.0))
@@ -427,7 +202,7 @@ class _Scan(NamedTuple):
     speed: np.ndarray
 
 
-def _scans(linear: _Linear, grid: np.ndarray, planes: Sequence[Plane]) -> dict[Plane, _Scan | None]:
+def _scans(linear: LinearHose, grid: np.ndarray, planes: Sequence[Plane]) -> dict[Plane, _Scan | None]:
     """What tells where to look between speeds, for each plane; nothing where there is but one speed."""
     if grid.size < 2:
         return dict.fromkeys(planes)
@@ -436,7 +211,7 @@ def _scans(linear: _Linear, grid: np.ndarray, planes: Sequence[Plane]) -> dict[P
     step = max(guess / SCANNED, float(grid[-1] - grid[0]) / MOST_SCANNED)
     rows = [linear.at(float(speed)) for speed in nodes]
     forms = [linear.known[float(speed)] for speed in nodes]
-    direction, made = np.array(linear.scene.hose.unit_direction), {}
+    direction, made = np.array(linear.scene.hose.unit_direction), dict[Plane, _Scan | None]()
     for plane in planes:
         motions, share = [one for one, _ in rows], [one for _, one in rows]
         reduced = Reduced(forms, motions, share, linear.normal, direction, plane == "out", STILL)
@@ -459,7 +234,7 @@ def _filled(speeds: np.ndarray, gap: float) -> np.ndarray:
     return np.concatenate([*parts, speeds[-1:]])
 
 
-def _with_witnesses(linear: _Linear, grid: np.ndarray, plane: Plane, scan: _Scan | None) -> np.ndarray:
+def _with_witnesses(linear: LinearHose, grid: np.ndarray, plane: Plane, scan: _Scan | None) -> np.ndarray:
     """Speeds, and among them one of each window of growth, and of decay, that lies between them."""
     if scan is None:
         return grid
@@ -483,7 +258,7 @@ def _with_witnesses(linear: _Linear, grid: np.ndarray, plane: Plane, scan: _Scan
 
 
 def _windows(
-    linear: _Linear, speeds: np.ndarray, plane: Plane, begin: list[_Passage], end: list[_Passage]
+    linear: LinearHose, speeds: np.ndarray, plane: Plane, begin: list[_Passage], end: list[_Passage]
 ) -> list[Window]:
     """Between which speeds of one way motions of a plane grow, by where they begin to and cease to."""
     slowest = float(min(speeds, key=abs))
@@ -537,10 +312,10 @@ def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any", c
     list of Critical
         The slowest first.
     """
-    return _crossings(_Linear(scene), np.array(speeds, float), plane, ceasing)
+    return _crossings(LinearHose(scene), np.array(speeds, float), plane, ceasing)
 
 
-def _range(linear: _Linear) -> np.ndarray:
+def _range(linear: LinearHose) -> np.ndarray:
     """Speeds from zero to half as much again as the first critical one, those that were tried among them, rising.
 
     A hose that falls without flow may be held up by more of it: the first critical speed is beyond that.
@@ -564,13 +339,13 @@ def _range(linear: _Linear) -> np.ndarray:
     return np.sort(found)
 
 
-def _crossings(linear: _Linear, grid: np.ndarray, plane: Plane, ceasing: bool = False) -> list[Critical]:
+def _crossings(linear: LinearHose, grid: np.ndarray, plane: Plane, ceasing: bool = False) -> list[Critical]:
     """Where motions begin to grow, or cease to, as the water goes faster, to either side, the slowest first."""
     found = [_locate(linear, *pair, plane) for pair in _passed(linear, grid, plane, not ceasing)]
     return sorted(found, key=lambda one: abs(one.speed))
 
 
-def _passed(linear: _Linear, grid: np.ndarray, plane: Plane, begins: bool) -> list[tuple[float, float]]:
+def _passed(linear: LinearHose, grid: np.ndarray, plane: Plane, begins: bool) -> list[tuple[float, float]]:
     """Neighbours among speeds between which motions begin to grow as the water goes faster, or cease to."""
     grows = [_grows(linear, speed, plane) for speed in grid]
     return [
@@ -588,14 +363,14 @@ class _Passage(NamedTuple):
     speed: float
 
 
-def _passages(linear: _Linear, grid: np.ndarray, plane: Plane, begins: bool, scan: _Scan | None) -> list[_Passage]:
+def _passages(linear: LinearHose, grid: np.ndarray, plane: Plane, begins: bool, scan: _Scan | None) -> list[_Passage]:
     """Where motions begin to grow or cease to by one step of Newton's from where they do in few shapes."""
     pairs = _passed(linear, grid, plane, begins)
     found = [_Passage(*pair, _stepped(linear, *pair, plane, scan)) for pair in pairs]
     return sorted(found, key=lambda one: abs(one.speed))
 
 
-def _stepped(linear: _Linear, left: float, right: float, plane: Plane, scan: _Scan | None) -> float:
+def _stepped(linear: LinearHose, left: float, right: float, plane: Plane, scan: _Scan | None) -> float:
     size = max(abs(left), abs(right))
     if scan is not None and scan.reduced.growth(left) * scan.reduced.growth(right) < 0.0:
         near = _near(scan, left, right)
@@ -613,11 +388,11 @@ def _near(scan: _Scan, left: float, right: float) -> float:
     return float(brentq(scan.reduced.growth, left, right, xtol=PRECISION * size, rtol=1e-12))
 
 
-def _grows(linear: _Linear, speed: float, plane: Plane) -> bool:
+def _grows(linear: LinearHose, speed: float, plane: Plane) -> bool:
     return linear.growth(float(speed), plane)[0] > 0.0
 
 
-def _locate(linear: _Linear, left: float, right: float, plane: Plane, scan: _Scan | None = None) -> Critical:
+def _locate(linear: LinearHose, left: float, right: float, plane: Plane, scan: _Scan | None = None) -> Critical:
     """Critical speed between one at which nothing grows and one at which something does."""
     size = max(abs(left), abs(right))
     left, right = _narrowed(linear, left, right, plane, scan)
@@ -625,7 +400,7 @@ def _locate(linear: _Linear, left: float, right: float, plane: Plane, scan: _Sca
     return _kind(linear, speed, plane)
 
 
-def _narrowed(linear: _Linear, left: float, right: float, plane: Plane, scan: _Scan | None) -> tuple[float, float]:
+def _narrowed(linear: LinearHose, left: float, right: float, plane: Plane, scan: _Scan | None) -> tuple[float, float]:
     """The speeds to either side of where growth begins or ceases in few shapes, if it does so between them."""
     if scan is None or scan.reduced.growth(left) * scan.reduced.growth(right) > 0.0:
         return left, right
@@ -638,7 +413,7 @@ def _narrowed(linear: _Linear, left: float, right: float, plane: Plane, scan: _S
     return left, right
 
 
-def _kind(linear: _Linear, speed: float, plane: Plane) -> Critical:
+def _kind(linear: LinearHose, speed: float, plane: Plane) -> Critical:
     """In which way a hose becomes unstable at a speed, or is where nothing flows."""
     # The speed that a search ends with is one at which it has solved.
     _, value = linear.growth(speed, plane)
@@ -650,7 +425,7 @@ def _kind(linear: _Linear, speed: float, plane: Plane) -> Critical:
     )
 
 
-def _curves(linear: _Linear, grid: np.ndarray, modes: int) -> Curves:
+def _curves(linear: LinearHose, grid: np.ndarray, modes: int) -> Curves:
     """Modes followed from the slowest flow on, where they are told apart, over speeds that are near enough for it."""
     marks = _round_between(float(grid[0]), float(grid[-1]), linear.scene.units)
     # What has been computed already costs nothing.
@@ -662,7 +437,7 @@ def _curves(linear: _Linear, grid: np.ndarray, modes: int) -> Curves:
         (speeds[::-1] if backwards else speeds).tolist(),
         modes,
         linear.unlike,
-        lambda motions: _growths(motions) > 0.0,
+        lambda motions: growths(motions) > 0.0,
         BETWEEN,
     )
     if backwards:

@@ -12,10 +12,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, model_validator
 
+from tautline.scene.choices.words import UnitSystem, word
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
 from tautline.scene.limits import Limits
-from tautline.scene.model import Model, Scene, UnitSystem, Whole, validate, word
+from tautline.scene.model import Model, Scene, Whole, validate
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault, raise_all
 from tautline.scene.solver import Output, Solver, check_output

@@ -17,8 +17,8 @@ from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
-    from gardenhose.flutter import Critical, Stability, Way, Window
     from gardenhose.scene import HoseScene
+    from gardenhose.stability import Critical, Stability, Way, Window
     from gardenhose.static import Form
     from tautline.results.tables.finding import Finding
     from tautline.scene.errors import SceneWarning

@@ -1,4 +1,4 @@
-"""How true the deviations, the alarms and the health of twins are, over many seeds of noise: into docs/twin.md.
+"""How true deviations, alarms and health of twins are, over many seeds of noise: into docs/twin_accuracy.md.
 
 ``python -m benchmarks.accuracy.twin_seeds [--seeds 40] [--only SCENE]``. The machine is a finer model than the twin's:
 more elements, shorter steps, another load or other friction. It runs once; its sensors get another noise by every seed.
@@ -22,7 +22,7 @@ from drillstring.twin.records import Connecting, connections
 from tautline.integrators.status import StoppedEarly
 from tautline.twin.twin import Twin
 
-PAGE = ROOT / "docs" / "twin.md"
+PAGE = ROOT / "docs" / "twin_accuracy.md"
 BEGIN, END = "<!-- seeds: written by benchmarks/accuracy/twin_seeds.py -->\n", "<!-- end of seeds -->\n"
 SEEDS = 40
 QUIET = 4.0

@@ -1,4 +1,4 @@
-"""How long a twin takes for a row, and what an hour of data does to it: written into docs/twin.md.
+"""How long a twin takes for a row, and what an hour of data does to it: written into docs/twin_accuracy.md.
 
 ``python -m benchmarks.speed.twins [--hour | --noise]``. Time is that of the thread: what else runs is not in it.
 """
@@ -19,11 +19,11 @@ import yaml
 import tautline
 from benchmarks import ROOT
 from benchmarks.page import table
-from tautline.twin.map import read_map
+from tautline.twin.map.file import read_map
 from tautline.twin.record import Sensing, record
 from tautline.twin.twin import Twin
 
-PAGE = ROOT / "docs" / "twin.md"
+PAGE = ROOT / "docs" / "twin_accuracy.md"
 RATE = 20.0
 HOIST = """
 sensors:

@@ -11,7 +11,7 @@ from figures.synthetic_crane import forces_in
 import tautline
 from crane.warnings import warnings
 from drillstring.application import Drillstring
-from gardenhose.flutter import Critical
+from gardenhose.stability import Critical
 from gardenhose.verbs import words_of
 from tautline.application.installed import Installed
 

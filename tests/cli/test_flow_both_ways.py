@@ -9,7 +9,7 @@ from references import hose as reference
 from scipy.optimize import brentq
 
 from gardenhose.application import Gardenhose
-from gardenhose.flutter import Stability, Way
+from gardenhose.stability import Stability, Way
 from tautline.integrators.status import Status, StoppedEarly
 
 BETA, M, C = 0.3, 0.3, 0.02

@@ -8,7 +8,7 @@ from cli.in_process import commands_of, leave_out_pixels, only_object
 
 import tautline
 from gardenhose.application import Gardenhose
-from gardenhose.flutter import Curves, Stability
+from gardenhose.stability import Curves, Stability
 from gardenhose.verbs import _uncertain_curves
 
 SCENE = """\

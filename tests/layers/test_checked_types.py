@@ -7,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 CHECKED = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf8"))["tool"]["mypy"]
 MODULES = [path.relative_to(ROOT).as_posix() for room in ("core", "apps") for path in (ROOT / room).rglob("*.py")]
-LEFT_OUT = 98
+LEFT_OUT = 97
 """Modules that are not checked yet. The number may only fall."""
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import yaml
 
 import tautline
-from tautline.twin.map import read_map
+from tautline.twin.map.file import read_map
 from tautline.twin.record import Sensing, record
 from tautline.twin.twin import Twin
 

@@ -27,7 +27,7 @@ ahead: 0 s
 """
 MORE, LESS, NONE = 48.5, 47.5, 40.0
 CLEAR = 1.0
-"""How long a condition has to be over for its alarm to end, s, by docs/twin.md."""
+"""How long a condition has to be over for its alarm to end, s, by docs/twin_alarms.md."""
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_an_overload_begins_and_ends_in_the_same_rows_whether_it_is_certain_or_n
 def test_an_overload_whose_sensor_fails_is_in_doubt_at_once_where_what_is_computed_is_near_the_bound(
     shown, silent, judged
 ):
-    """By docs/twin.md the last reading of a sensor that is silent counts for a second; one of -5 kN is out of range."""
+    """By docs/twin_alarms.md the last reading of a silent sensor counts for a second; one of -5 kN is out of range."""
     found = judged([MORE] * 20 + [shown] * 40)
     assert all(alarm.known == (time < 2.0 + silent - 0.05) for time, alarm in found)
     assert all("That is not certain" in alarm.text for time, alarm in found if time > 2.0 + silent)

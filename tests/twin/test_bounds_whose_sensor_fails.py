@@ -94,7 +94,7 @@ def test_what_is_computed_and_begun_again_from_rest_has_followed_no_overload_and
 
 
 STANDS = 1.0
-"""For how long a load has to stand on the ground, on a slack rope, s, by docs/twin.md."""
+"""For how long a load has to stand on the ground, on a slack rope, s, by docs/twin_alarms.md."""
 
 
 @pytest.mark.parametrize("down", [7.0, 8.5])

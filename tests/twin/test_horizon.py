@@ -5,7 +5,7 @@ import pytest
 from of_the_suite import studies
 
 from tautline.twin.estimation.horizon import Horizon, Sample
-from tautline.twin.map import Channel, Unknown
+from tautline.twin.map.plan import Channel, Unknown
 
 
 def unknown(name, start, sd, drift=0.0, low=-np.inf, high=np.inf):

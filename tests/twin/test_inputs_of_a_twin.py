@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tautline.twin.map import Channel
+from tautline.twin.map.plan import Channel
 from tautline.twin.signals.inputs import InputTrack
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.smoothing import joined, smooth

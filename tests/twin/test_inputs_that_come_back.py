@@ -12,7 +12,8 @@ from twin.rehearsal import HOIST, SENSORS, alarms, changed
 
 import tautline
 from tautline.twin.forecast import Found
-from tautline.twin.map import Channel, read_map
+from tautline.twin.map.file import read_map
+from tautline.twin.map.plan import Channel
 from tautline.twin.record import Sensing, record
 from tautline.twin.settling import Settling
 from tautline.twin.signals.inputs import InputTrack

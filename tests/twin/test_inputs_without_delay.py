@@ -7,7 +7,7 @@ import pytest
 from twin.rehearsal import HOIST
 from twin.test_inputs_that_come_back import MAP, finer_rows, rows_until
 
-from tautline.twin.map import Channel
+from tautline.twin.map.plan import Channel
 from tautline.twin.signals.inputs import InputTrack
 from tautline.twin.signals.row import Row
 from tautline.twin.twin import Twin

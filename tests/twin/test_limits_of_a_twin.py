@@ -8,7 +8,9 @@ from twin.rehearsal import CALM, SENSORS, alarms, at, changed, hoist, lines_of, 
 
 import tautline
 from tautline.live.simulation import Simulation
-from tautline.twin.map import bare_bounds, names_of, plan_of, read_map
+from tautline.twin.map.check import bare_bounds, plan_of
+from tautline.twin.map.file import read_map
+from tautline.twin.map.names import names_of
 from tautline.twin.twin import Twin
 from tautline.twin.watch import Watch
 

@@ -8,7 +8,7 @@ from twin.test_inputs_that_come_back import MAP, QUIET, RATE, UNTRUE
 import tautline
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
-from tautline.twin.map import read_map
+from tautline.twin.map.file import read_map
 from tautline.twin.record import Sensing, read_input_noise, record
 from tautline.twin.signals.smoothing import smooth_widely
 from tautline.twin.signals.steps import Steps

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tautline.twin.map import Channel
+from tautline.twin.map.plan import Channel
 from tautline.twin.signals.rows import Rows
 from tautline.twin.signals.sensors import Health
-from tautline.twin.sources.table import Header
+from tautline.twin.sources.table.header import Header
 
 
 def given(stamps, delay=0.3, interval=0.1):

@@ -10,7 +10,7 @@ from twin.rehearsal import SENSORS, hoist
 import tautline
 from crane.application import Crane
 from tautline.results.result import Result
-from tautline.twin.map import read_map
+from tautline.twin.map.file import read_map
 from tautline.twin.record import Sensing, record
 from tautline.twin.twin import Twin
 

@@ -16,7 +16,7 @@ from scipy.interpolate import BPoly
 from twin.rehearsal import NOT_AHEAD, RATE, WEIGHT, alarms, changed, hoist, rows_of
 
 import tautline
-from tautline.twin.map import Channel
+from tautline.twin.map.plan import Channel
 from tautline.twin.signals.inputs import JOIN, InputTrack
 from tautline.twin.signals.row import Row
 from tautline.twin.storage import load, save

@@ -277,7 +277,17 @@ def test_a_file_of_ten_thousand_bad_rows_stops_at_a_thousand_problems(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "title", ["Azi Magnetic (deg)", "Azimuth, mag [deg]", "Azi_Mag (deg)", "Magnetic Azimuth (deg)"]
+    "title",
+    [
+        "Azi Magnetic (deg)",
+        "Azimuth, mag [deg]",
+        "Azi_Mag (deg)",
+        "Magnetic Azimuth (deg)",
+        "Azi (deg mag)",
+        "Azimuth (Magnetic) [deg]",
+        "Azi [deg, magnetic]",
+        "azi (mag)",
+    ],
 )
 def test_azimuths_from_magnetic_north_are_refused_and_told_to_be_corrected(title, tmp_path):
     with pytest.raises(SceneError) as caught:
@@ -285,6 +295,30 @@ def test_azimuths_from_magnetic_north_are_refused_and_told_to_be_corrected(title
     (problem,) = caught.value.problems
     assert problem.line == 1 and problem.key == "azi" and problem.value == title
     assert "magnetic north" in problem.cause and "declination" in problem.cure
+
+
+@pytest.mark.parametrize(
+    ("head", "key", "words"),
+    [
+        ("MD [m];Inc [deg];Azi (deg from south)", "azi", ("from south", "add 180 deg")),
+        ("Depth (m TVD);Inc [deg];Azi [deg]", "md", ("vertical depths", "measured depths")),
+        ("Vertical Depth [m];Inc [deg];Azi [deg]", "md", ("vertical depths", "measured depths")),
+        ("MD;Inc;Azi\nm;deg;deg mag", "azi", ("magnetic north", "declination")),
+    ],
+)
+def test_columns_that_are_like_those_of_a_survey_are_refused_as_what_they_are(head, key, words, tmp_path):
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, lines(head, "0;0;0", "30;1.5;350")))
+    (problem,) = caught.value.problems
+    assert problem.key == key and words[0] in problem.cause and words[1] in problem.cure
+    assert "unit" not in problem.cause
+
+
+@pytest.mark.parametrize("title", ["Azi (deg mag)", "Azi [deg] (from south)"])
+def test_a_survey_is_read_beside_columns_that_are_like_its_own(title, tmp_path):
+    head = f"MD (m),Incl (°),{title},Azi True (°),TVD (m),Depth (m TVD)"
+    survey = read_survey(write(tmp_path, lines(head, "0,0,0,0,0,0", "30,1.5,348,350,30,30", "60,3,8,10,60,60")))
+    assert np.allclose(survey.azi, AZI, atol=1e-15) and np.allclose(survey.md, MD, atol=1e-12)
 
 
 def test_azimuths_from_true_north_are_read_beside_magnetic_ones(tmp_path):

@@ -82,8 +82,8 @@ def _bending(layout: Layout, spans: Spans) -> tuple[Bends, Arcs]:
     smoothing = SMOOTHING / longest if damping > 0.0 else 0.0
     stored = isinstance(path[0], Drum), isinstance(path[-1], Drum)
     return (
-        new_bends(spans.rows, spans.wheels, rope.bending_stiffness, damping, smoothing),
-        new_arcs(spans.rows, spans.wheels, rope.bending_stiffness, stored),
+        new_bends(spans.rows, spans.wheels, rope.bending_stiffness, damping, smoothing, spans.turned),
+        new_arcs(spans.rows, spans.wheels, rope.bending_stiffness, stored, spans.turned),
     )
 
 

@@ -1,9 +1,9 @@
 """The taut line between two wheels or points, and how its length follows them, inside compiled code.
 
 The line of direction e touches a wheel of signed radius rho about the unit axis a at rho w, w = e x a / |e x a|; psi is
-the angle about a from the wheel's mark m to w. A rope from mark to mark is Lambda = l + rho1 psi1 - rho2 psi2 long.
-With e' the part of e in a wheel's plane, of length c = cos(fleet angle), dw = e' dpsi / c and dpsi = -w.de / c (the
-axis standing still), and so de = E dd for d = c2 - c1, with
+the angle about a from the wheel's mark m to w, whole turns among it: a line may go round its wheel. A rope from mark to
+mark is Lambda = l + rho1 psi1 - rho2 psi2 long. With e' the part of e in a wheel's plane, of length c = cos(fleet
+angle), dw = e' dpsi / c and dpsi = -w.de / c (the axis standing still), and so de = E dd for d = c2 - c1, with
 
     E = A^-1 (1 - e e^T),  A = l + (1 - e e^T) (rho2 e2' w2^T / c2^2 - rho1 e1' w1^T / c1^2),
 
@@ -16,7 +16,7 @@ in general: without the second term a rope that leaves its sheave askew would ma
 
 from __future__ import annotations
 
-from math import atan2, sqrt
+from math import atan2, floor, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -276,8 +276,10 @@ def vary_gradient(rho1, rho2, line, move, de, y, dg):
 
 
 @kernel(forceinline=True)
-def _psi(rim, axis, mark):
-    return atan2(dot(rim.w, cross(axis, mark)), dot(rim.w, mark))
+def _psi(rim, axis, mark, before):
+    """psi of a rim, by whole turns as near as can be to what it was before: a line may go round its wheel."""
+    psi = atan2(dot(rim.w, cross(axis, mark)), dot(rim.w, mark))
+    return psi + 2.0 * pi * floor((before - psi) / (2.0 * pi) + 0.5)
 
 
 @kernel
@@ -297,7 +299,7 @@ def _find_straight(d, start, line):
 
 
 @kernel
-def find_line(a, b, wheel1, wheel2, wheels, q, v, start, line):
+def find_line(a, b, wheel1, wheel2, wheels, q, v, start, turned, line):
     """Find the line between two stations, and how it follows them.
 
     Parameters
@@ -310,6 +312,8 @@ def find_line(a, b, wheel1, wheel2, wheels, q, v, start, line):
     q, v : full vectors
     start : (3,) array
         Direction to begin with, or zeros; the direction found is left there.
+    turned : (2,) array
+        Both psi of the last accepted state: those found are less than half a turn away from them.
     line : Line
         What is found, but for ``turn``.
     """
@@ -336,8 +340,8 @@ def find_line(a, b, wheel1, wheel2, wheels, q, v, start, line):
     if not found:
         l = NO_LENGTH
     write(e if found else ZERO, start)
-    psi1 = _psi(one, axis1, mark1) if rho1 != 0.0 else 0.0
-    psi2 = _psi(two, axis2, mark2) if rho2 != 0.0 else 0.0
+    psi1 = _psi(one, axis1, mark1, turned[0]) if rho1 != 0.0 else 0.0
+    psi2 = _psi(two, axis2, mark2, turned[1]) if rho2 != 0.0 else 0.0
     bend = _bend(e, l, one, two)
     # g = e - E^T (k1 w1 - k2 w2): the second part is that of the fleet angles.
     k1, k2 = rho1 * (1.0 - one.c) / one.c, rho2 * (1.0 - two.c) / two.c

@@ -41,13 +41,15 @@ N m^2, and whether all the rope beyond the mark lies on the wheel, as on a drum.
 class Arcs(NamedTuple):
     """Arcs (n,) of ``ARC`` on spans of ``SPAN``, over ``wheels`` of ``WHEEL``.
 
-    ``start`` (spans, 3) holds directions; the rest is scratch: ``vector`` and ``middle`` (3, 3), ``block`` (8, 8).
+    ``start`` (spans, 3) holds directions, ``turned`` (spans, 2) psi of the accepted lines; the rest is scratch:
+    ``vector`` and ``middle`` (3, 3), ``block`` (8, 8).
     """
 
     rows: np.recarray
     spans: np.recarray
     wheels: np.recarray
     start: np.ndarray
+    turned: np.ndarray
     line: Line
     vector: np.ndarray
     middle: np.ndarray
@@ -58,7 +60,7 @@ class Arcs(NamedTuple):
 def _write_arc(g, row, q, v):
     """The line of an arc; returns dV/dpsi."""
     s = g.spans[row.span]
-    find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, g.start[row.span], g.line)
+    find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, g.start[row.span], g.turned[row.span], g.line)
     write_turn(g.line)
     if row.side == 0:
         return 0.5 * row.stiffness / g.wheels[s.wheel1].radius
@@ -138,8 +140,9 @@ register(Arcs, residual=_arc_residual, tangent=_arc_tangent, energy=_arc_energy,
 
 
 def new_arcs(
-    spans: np.recarray, wheels: np.recarray, stiffness: float, stored: tuple[bool, bool] = (True, True)
-) -> Arcs:
+    spans: np.recarray, wheels: np.recarray, stiffness: float, stored: tuple[bool, bool] = (True, True),
+    turned: np.ndarray | None = None,
+) -> Arcs:  # fmt: skip
     """Rope on all wheels that spans touch.
 
     Parameters
@@ -151,7 +154,10 @@ def new_arcs(
         EJ, N m^2.
     stored : (bool, bool)
         Whether all the rope beyond its first and its last mark lies on the wheel there.
+    turned : (n, 2) array, optional
+        Both psi of each span's accepted line, that of :class:`crane.groups.span.Spans`; zeros where nothing goes round.
     """
+    turned = np.zeros((len(spans), 2)) if turned is None else turned
     rows = []
     for n, s in enumerate(spans):
         if s.wheel1 != POINT:
@@ -159,6 +165,6 @@ def new_arcs(
         if s.wheel2 != POINT:
             rows.append((n, 1, stiffness, int(n == len(spans) - 1 and stored[1])))
     return Arcs(
-        np.array(rows, ARC).view(np.recarray), spans, wheels, np.zeros((len(spans), 3)), new_line(), np.zeros((3, 3)),
-        np.zeros((3, 3)), np.zeros((2 * STATION, 2 * STATION)),
+        np.array(rows, ARC).view(np.recarray), spans, wheels, np.zeros((len(spans), 3)), turned, new_line(),
+        np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((2 * STATION, 2 * STATION)),
     )  # fmt: skip

@@ -45,16 +45,17 @@ end cause (m/s)."""
 class Bends(NamedTuple):
     """Kinks (n,) of ``BEND`` between spans of ``SPAN``, over ``wheels`` of ``WHEEL``.
 
-    The stations of a kink are equally far from one another in the full vectors. ``start`` (spans, 3) holds directions.
-    Scratch: ``before``, ``after`` the lines; ``number`` (6,); ``kink`` (3,) is e2 - e1, ``share`` (2,) dh/dh_i,
-    ``reach`` (2, 3) dh/de_i; ``gradient`` (4, 8) and ``hessian`` (2, 8, 8) go by (d1, L1, d2, L2); ``vector`` (3, 3),
-    ``middle`` (3, 3), ``block`` (12, 12).
+    The stations of a kink are equally far from one another in the full vectors. ``start`` (spans, 3) holds directions,
+    ``turned`` (spans, 2) psi of the accepted lines. Scratch: ``before``, ``after`` the lines; ``number`` (6,); ``kink``
+    (3,) is e2 - e1, ``share`` (2,) dh/dh_i, ``reach`` (2, 3) dh/de_i; ``gradient`` (4, 8) and ``hessian`` (2, 8, 8) go
+    by (d1, L1, d2, L2); ``vector`` (3, 3), ``middle`` (3, 3), ``block`` (12, 12).
     """
 
     rows: np.recarray
     spans: np.recarray
     wheels: np.recarray
     start: np.ndarray
+    turned: np.ndarray
     before: Line
     after: Line
     number: np.ndarray
@@ -76,7 +77,7 @@ FORCE, BY_U, BY_H, SPEED = range(4)
 def _write_side(g, n, side, line, q, v):
     """Line of one element, and how h follows its direction; returns its part of h."""
     s = g.spans[n]
-    find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, g.start[n], line)
+    find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, g.start[n], g.turned[n], line)
     write_turn(line)
     number, reach = line.number, g.reach[side]
     share = 0.5 if s.wheel1 == POINT and s.wheel2 == POINT else 1.0
@@ -331,8 +332,9 @@ register(
 
 
 def new_bends(
-    spans: np.recarray, wheels: np.recarray, stiffness: float, damping: float = 0.0, smoothing: float = 0.0
-) -> Bends:
+    spans: np.recarray, wheels: np.recarray, stiffness: float, damping: float = 0.0, smoothing: float = 0.0,
+    turned: np.ndarray | None = None,
+) -> Bends:  # fmt: skip
     """Kinks of a rope at all stations between two spans that touch no wheel there.
 
     Parameters
@@ -346,6 +348,8 @@ def new_bends(
         c, s.
     smoothing : float
         k0, 1/m; needed where there is damping.
+    turned : (n, 2) array, optional
+        Both psi of each span's accepted line, that of :class:`crane.groups.span.Spans`; zeros where nothing goes round.
 
     Raises
     ------
@@ -354,6 +358,7 @@ def new_bends(
     """
     if damping != 0.0 and not smoothing > 0.0:
         raise ValueError("damping of bending needs a smoothing > 0")
+    turned = np.zeros((len(spans), 2)) if turned is None else turned
     rows = []
     for n in range(len(spans) - 1):
         one, two = spans[n], spans[n + 1]
@@ -362,9 +367,9 @@ def new_bends(
                 raise ValueError(f"stations {one.a}, {one.b} and {two.b} are not equally far apart")
             rows.append((n, n + 1, stiffness, damping, smoothing))
     return Bends(
-        np.array(rows, BEND).view(np.recarray), spans, wheels, np.zeros((len(spans), 3)), new_line(), new_line(),
-        np.zeros(6), np.zeros(3), np.zeros(2), np.zeros((2, 3)), np.zeros((4, PAIR)), np.zeros((2, PAIR, PAIR)),
-        np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3 * STATION, 3 * STATION)),
+        np.array(rows, BEND).view(np.recarray), spans, wheels, np.zeros((len(spans), 3)), turned, new_line(),
+        new_line(), np.zeros(6), np.zeros(3), np.zeros(2), np.zeros((2, 3)), np.zeros((4, PAIR)),
+        np.zeros((2, PAIR, PAIR)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3 * STATION, 3 * STATION)),
     )  # fmt: skip
 
 

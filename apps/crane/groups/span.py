@@ -100,10 +100,11 @@ class Spans(NamedTuple):
     (n + 1,) m is p of the stations where the run begins, from which turns and rope paid out are counted.
 
     ``found`` (n, 14) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
-    ``is_slack`` (n,) whether each is slack, and ``kinks`` (1,) how many have come to be so, or taut again, since
-    somebody asked. ``seen`` (2, m) are the positions and velocities of which ``found`` tells, as far as the spans reach
-    into the full vectors, and ``brought_in`` (1,) W is what turning wheels put in there: who asks of the same state
-    need not look again. Scratch: ``line``, ``motion``, ``change`` (14, 3) and ``block`` (8, 8).
+    ``turned`` (n, 2) both psi of the last accepted state, from which turns are counted: a wild attempt must not leave a
+    turn too many. ``is_slack`` (n,) says whether each is slack, and ``kinks`` (1,) how many have come to be so, or taut
+    again, since somebody asked. ``seen`` (2, m) are the positions and velocities of which ``found`` tells, as far as
+    the spans reach into the full vectors, and ``brought_in`` (1,) W is what turning wheels put in there: who asks of
+    the same state need not look again. Scratch: ``line``, ``motion``, ``change`` (14, 3) and ``block`` (8, 8).
     """
 
     rows: np.recarray
@@ -112,6 +113,7 @@ class Spans(NamedTuple):
     wheels: np.recarray
     found: np.ndarray
     start: np.ndarray
+    turned: np.ndarray
     is_slack: np.ndarray
     kinks: np.ndarray
     seen: np.ndarray
@@ -126,7 +128,7 @@ class Spans(NamedTuple):
 def _stretch(g, n, q, v, start):
     """Line, lambda and force of a span; the line is looked for from the direction ``start``, and left there."""
     s, line, number = g.rows[n], g.line, g.motion.number
-    find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, start, line)
+    find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, start, g.turned[n], line)
     size, size_d = q[s.b + MATERIAL] - q[s.a + MATERIAL], v[s.b + MATERIAL] - v[s.a + MATERIAL]
     lam = line.number[PATH] / size
     path_d = line.number[RATE] + dot(line.g, difference(s.b, s.a, v))
@@ -441,7 +443,7 @@ def _mass(g, q, matrix, dofs):
     g.seen[0, 0] = np.nan
     for n in range(g.rows.size):
         s = g.rows[n]
-        find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, q, g.start[n], g.line)
+        find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, q, g.start[n], g.turned[n], g.line)
         size = q[s.b + MATERIAL] - q[s.a + MATERIAL]
         lam = g.line.number[PATH] / size
         g.found[n, STRETCH] = lam
@@ -455,6 +457,13 @@ def _mass(g, q, matrix, dofs):
                     block[i * STATION + MATERIAL, j * STATION + c] = -m * lam * g.line.e[c]
                 block[i * STATION + MATERIAL, j * STATION + MATERIAL] = m * lam * lam
         add_block(matrix, dofs, s.a, s.b - s.a, STATION, block)
+
+
+@kernel
+def _commit(g, t, h, q, v, a):
+    # What was evaluated last is all but the accepted state, which is near enough to count turns by.
+    for n in range(g.rows.size):
+        g.turned[n, 0], g.turned[n, 1] = g.found[n, FIRST_PSI], g.found[n, LAST_PSI]
 
 
 @kernel
@@ -534,7 +543,8 @@ def _met(g, q, alarm):
         if apart > (FAR_APART * radii) ** 2:
             continue
         direction.fill(0.0)
-        find_line(item.a, item.b, item.wheel1, item.wheel2, g.wheels, q, q, direction, g.line)
+        # Nobody asks for its psi.
+        find_line(item.a, item.b, item.wheel1, item.wheel2, g.wheels, q, q, direction, g.turned[0], g.line)
         left = g.line.number[LENGTH] if g.line.number[FOUND] == 1.0 else 0.0
         for wheel in (item.wheel1, item.wheel2):
             if wheel != POINT and left < MET * abs(g.wheels[wheel].radius):
@@ -552,7 +562,7 @@ def _alarm(g, t, q, alarm):
     for n in range(g.rows.size):
         s = g.rows[n]
         if not seen:
-            find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, q, g.start[n], g.line)
+            find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, q, g.start[n], g.turned[n], g.line)
             _keep_length(g, n)
         straight, on_wheels = g.found[n, STRAIGHT], g.found[n, ON_WHEELS]
         # Without a line the sum is no number.
@@ -589,7 +599,7 @@ def _record(g, out, at):
 
 register(
     Spans, residual=_residual, tangent=_tangent, mass=_mass, kink=_kink, energy=_energy, dissipation=_dissipation,
-    supply=_supply, alarm=_alarm, record=_record,
+    supply=_supply, commit=_commit, alarm=_alarm, record=_record,
 )  # fmt: skip
 
 
@@ -600,7 +610,7 @@ def new_spans(rows: np.recarray, wheels: np.recarray, items: np.recarray | None 
     reach = max(STATION + max(rows["a"].max(), rows["b"].max()), FRAME + wheels["frame"].max(initial=-FRAME))
     return Spans(
         rows, items, np.zeros(n + 1), wheels, np.zeros((n, SIZE)), np.zeros((n, 3)),
-        np.zeros(n, np.int64), np.zeros(1, np.int64), np.full((2, reach), np.nan), np.zeros(1),
+        np.zeros((n, 2)), np.zeros(n, np.int64), np.zeros(1, np.int64), np.full((2, reach), np.nan), np.zeros(1),
         new_line(), Motion(np.zeros((13, 3)), np.zeros(14)), np.zeros((14, 3)), np.zeros((8, 8)),
     )  # fmt: skip
 

@@ -32,6 +32,7 @@ from crane.results.summary import (
     possible_figures,
 )
 from crane.results.two_blocking import two_blocking
+from crane.results.wound_up import wound_up
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.limits import with_limits
@@ -103,7 +104,9 @@ def build(scene: CraneScene) -> Model:
         memory={"hangs": observer.hangs},
         other_start="as drawn",
         handles=lambda: handles(made, stored, places),
-        cause=lambda state, status: two_blocking(layout, system, state, status),
+        cause=lambda state, status: (
+            two_blocking(layout, system, state, status) or wound_up(layout, system, state, status)
+        ),
         statistics={
             "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
             "names": OF_PIECES,

@@ -8,8 +8,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, model_validator
 
+from tautline.scene.choices.branches import Branch, OneOf
+from tautline.scene.choices.words import word
 from tautline.scene.functions import Constant, FunctionOfTime, Ramp, Table, time_function
-from tautline.scene.model import Branch, Model, OneOf, Switch, Whole, word
+from tautline.scene.model import Model, Switch, Whole
 from tautline.scene.refusal import fault, raise_all, refusal
 from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Position, Vector, not_zero, three, unit

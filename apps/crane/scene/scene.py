@@ -29,8 +29,9 @@ from crane.scene.surroundings import Limits as Limits
 from crane.scene.surroundings import Motion as Motion
 from crane.scene.surroundings import MotionFile as MotionFile
 from crane.scene.surroundings import SeaMotion as SeaMotion
+from tautline.scene.choices.words import UnitSystem, word
 from tautline.scene.limits import Limits as LimitsOfRun
-from tautline.scene.model import MARK, Model, Scene, UnitSystem, Whole, word
+from tautline.scene.model import MARK, Model, Scene, Whole
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output

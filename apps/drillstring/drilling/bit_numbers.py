@@ -85,8 +85,8 @@ def bit_row(bit: Bit, hole_diameter: float, tubes: Sequence[Tube], spin: float, 
         # Static torque that is there at rest alone a function of the speed would not know.
         b.decay = b.decay or bit.slip_speed
     last = tubes[-1]
-    b.inertia = last.density * last.polar_moment * last.length
-    b.spring = last.shear_modulus * last.polar_moment / last.length
+    b.inertia = last.rotary_inertia * last.length
+    b.spring = last.torsional_stiffness / last.length
     b.settled = STICK if spin == 0.0 else SLIP
     b.c = 1.0
     return row
@@ -118,6 +118,11 @@ def torque_at(b: np.record, weight: float, spin: float) -> float:
     """Torque that resists a bit that turns steadily, N m, at a weight on bit N and a rotary speed rad/s."""
     held = b.below * min(weight, b.limit) + b.above * max(0.0, weight - b.limit)
     return float(held + (b.excess * weight * exp(-abs(spin) / b.decay) if b.decay > 0.0 else 0.0))
+
+
+def torque_at_rest(b: np.record, weight: float) -> float:
+    """Torque up to which a bit at rest is held, N m, at a weight on bit N."""
+    return torque_at(b, weight, 0.0) if b.decay > 0.0 else torque_at(b, weight, 0.0) + float(b.excess * weight)
 
 
 def rate_at(b: np.record, weight: float, spin: float) -> float:

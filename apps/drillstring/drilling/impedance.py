@@ -1,6 +1,7 @@
 """Torsional waves in a string: the impedance of its pipe, its first frequency, and a drive that lets no wave come back.
 
-A torsional wave in a pipe carries a torque of ``zeta`` times its speed, zeta = J_p sqrt(rho G). A drive of impedance
+A torsional wave in a pipe of inertia I and stiffness K per length carries a torque of ``zeta`` times its speed,
+zeta = sqrt(I K), of a bare tube J_p sqrt(rho G). A drive of impedance
 Z = K_p + i (omega J - K_i / omega) sends back the part (Z - zeta) / (Z + zeta) of the speed's wave, reversed: none at
 the frequency at which its inertia and its integral gain cancel if K_p = zeta. With that the string's first mode leaves
 through the drive (Kyllingstad and Nessjoen, A new stick-slip prevention system, SPE 119660, 2009).
@@ -30,7 +31,12 @@ class Gains(NamedTuple):
 
 def pipe_impedance(tube: Tube) -> float:
     """Torque over speed of a torsional wave in a pipe, N m s/rad."""
-    return tube.polar_moment * sqrt(tube.density * tube.shear_modulus)
+    return sqrt(tube.rotary_inertia * tube.torsional_stiffness)
+
+
+def delay_of(tube: Tube) -> float:
+    """Time that a torsional wave takes along a section, s."""
+    return tube.length * sqrt(tube.rotary_inertia / tube.torsional_stiffness)
 
 
 def torsional_frequency(tubes: Sequence[Tube]) -> float:
@@ -42,7 +48,7 @@ def torsional_frequency(tubes: Sequence[Tube]) -> float:
     def torque(omega: float) -> float:
         turn, twist = 0.0, 1.0
         for tube in tubes:
-            angle, wave = omega * tube.length * sqrt(tube.density / tube.shear_modulus), omega * pipe_impedance(tube)
+            angle, wave = omega * delay_of(tube), omega * pipe_impedance(tube)
             turn, twist = (
                 turn * cos(angle) + twist / wave * sin(angle),
                 twist * cos(angle) - turn * wave * sin(angle),
@@ -51,7 +57,7 @@ def torsional_frequency(tubes: Sequence[Tube]) -> float:
 
     from scipy.optimize import brentq
 
-    delay = sum(tube.length * sqrt(tube.density / tube.shear_modulus) for tube in tubes)
+    delay = sum(map(delay_of, tubes))
     ratio = max(map(pipe_impedance, tubes)) / min(map(pipe_impedance, tubes))
     # A uniform string has pi / 2 over its delay; that of a stepped one can be lower, about as the ratio is, or higher.
     low, high = atan(1.0 / sqrt(ratio)) / ratio / delay, 2.0 * pi * len(tubes) / delay

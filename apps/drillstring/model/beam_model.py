@@ -105,13 +105,13 @@ def _elements(scene: DrillstringScene, mesh: Lumps) -> list:
             stiff = 4.0 * rigidity / mesh.length
             welds = WELDED * np.maximum(stiff[below - 1], stiff[below])
             groups.append(Welds(nodes.twins[:, 1] + AXES, nodes.twins[:, 0] + AXES, welds))
-    inertia = 0.5 * mesh.length * mesh.of_links(lambda tube: tube.density * tube.polar_moment)
+    inertia = 0.5 * mesh.length * mesh.of_links(lambda tube: tube.rotary_inertia)
     drag = 0.5 * mesh.length * damping.rotation * per_metre + damping.mass_proportional * inertia
     groups.append(
         Twist(
             records(
                 n, TWISTED, a=ends["a"] + TURN, b=ends["b"] + TURN, damping=damping.structural, inertia=inertia,
-                stiffness=mesh.of_links(lambda tube: tube.shear_modulus * tube.polar_moment) / mesh.length, drag=drag,
+                stiffness=mesh.of_links(lambda tube: tube.torsional_stiffness) / mesh.length, drag=drag,
             )
         )
     )  # fmt: skip
@@ -149,7 +149,7 @@ def _contact(scene: DrillstringScene, hole: Hole, points: Points, fluid: Fluid, 
     scale = od / max(tube.od for tube in mesh.tubes) * share
     radius = 0.5 * contact_od
     mass = points.of(lambda tube: tube.mass_per_length)
-    polar = points.of(lambda tube: tube.density * tube.polar_moment)
+    polar = points.of(lambda tube: tube.rotary_inertia)
     lateral = points.of(lambda tube: mass_beside(fluid, tube, scene.well.diameter))
     place = mesh.measured_depth[points.element] + points.place * mesh.length[points.element]
     # The stiffness that holds a point along the string: that of half elements up and down.

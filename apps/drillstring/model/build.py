@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from drillstring.drilling.end_groups import notes_of_ends
+import numpy as np
+
+from drillstring.drilling.end_groups import ROTATION, notes_of_ends
 from drillstring.model.handles import handles, requests
 from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.break_away import ON_BOTTOM
-from drillstring.results.drilling import creep_of, variables_of_ends
+from drillstring.results.drilling import creep_of, last_part, stalled_drive, variables_of_ends
 from drillstring.results.limits import limits, pushed_at_the_top
 from drillstring.results.observe import (
     COORDINATE_UNITS,
@@ -21,6 +23,7 @@ from drillstring.results.observe import (
     variables,
     whirl_remarks,
 )
+from drillstring.scene.ends import Controller
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
 from drillstring.string.lumps import Lumps
@@ -28,6 +31,7 @@ from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.groups import may_switch
+from tautline.kernels.time_function import sample
 from tautline.results.variable import Variable
 from tautline.scene.functions import Constant
 from tautline.scene.solver import error_of_steps, unused_alphas
@@ -91,8 +95,18 @@ def build(scene: DrillstringScene) -> Model:
 
 def _remarks(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[str]:
     """Sentences on what is seen in a run."""
-    # Of a run that keeps statistics it is told already that they have no whirl ratio.
-    return pushed_at_the_top(result, scene) + ([] if scene.output.statistics else whirl_remarks(result, lumps))
+    found = pushed_at_the_top(result, scene)
+    # Of a run that keeps statistics it is told already that they have no whirl ratio, nor how the bit turns.
+    return found if scene.output.statistics else found + _stalled(result, scene) + whirl_remarks(result, lumps)
+
+
+def _stalled(result: Any, scene: DrillstringScene) -> list[str]:
+    """A sentence where the drive stalls; none of one that something else drives, which asks what is not known."""
+    if not isinstance(scene.top.rotation, Controller) or scene.driven:
+        return []
+    times = np.asarray(result.time)[last_part(np.asarray(result.time))]
+    asked = float(sample(compile_functions(requests(scene)), ROTATION, times)[:, 1].mean())
+    return stalled_drive(result, asked, scene.bit.on_bottom, scene.units)
 
 
 def _possible(scene: DrillstringScene, lumps: Lumps, stored: list[Variable]) -> tuple[str, ...]:

@@ -54,7 +54,7 @@ def bodies_of(
     arc, so the lump's m s'^2 / 2 is the whole kinetic energy and a rod's m l^2 / 12 would count it twice.
     """
     mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
-    polar = lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)
+    polar = lumps.of_lumps(lambda tube: tube.rotary_inertia)
     e1, e2 = (lumps.of_lumps(lambda tube, k=k: tube.mass_per_length * tube.eccentricity[k]) / mass for k in (0, 1))
     rows = records(
         mass.size, LUMP, mass=mass, polar=polar, transverse=0.5 * polar, lateral_mass=lateral, weight=weight,
@@ -74,7 +74,7 @@ def links_of(lumps: Lumps, curve: Curve, structural_damping: float) -> Links:
         STRING_SPRING,
         length=lumps.length,
         axial=lumps.of_links(lambda tube: tube.youngs_modulus * tube.area) / lumps.length,
-        torsional=lumps.of_links(lambda tube: tube.shear_modulus * tube.polar_moment) / lumps.length,
+        torsional=lumps.of_links(lambda tube: tube.torsional_stiffness) / lumps.length,
     )
     return Links(curve, springs, float(structural_damping), link_slopes(), np.zeros((3, 6, 6)))
 
@@ -122,7 +122,7 @@ def contact_of(
     scale = (od / od.max() * share)[below]
     n = scale.size
     mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
-    polar = lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)
+    polar = lumps.of_lumps(lambda tube: tube.rotary_inertia)
     radius = 0.5 * contact_od[below]
     stiffness = np.append(links.springs.axial, 0.0) + np.append(0.0, links.springs.axial)
     return WallContact(

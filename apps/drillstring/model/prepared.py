@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from drillstring.scene.hole import DRILLED, Build, Hold
-from drillstring.scene.scene import DrillstringScene, check_lengths
+from drillstring.scene.scene import DrillstringScene, Section, check_lengths
 from drillstring.string.buoyancy import check_weight
-from drillstring.string.lumps import Lumps, Tube, cut
+from drillstring.string.lumps import Lumps, ToolJoints, Tube, cut
 from drillstring.well import wellbore
 from drillstring.well.sections import dogleg_severity
 from drillstring.well.survey import MAX_DOGLEG_SEVERITY, Survey, read_survey
@@ -153,7 +153,10 @@ def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:
     for section, length in zip(scene.string, check_lengths(scene, well_length), strict=True):
         steel = scene.material
         density = section.density or steel.density
+        joints = _joints_of(section)
         area = np.pi / 4.0 * (section.od**2 - section.id**2)
+        if joints is not None:
+            area += joints.share * (np.pi / 4.0 * (joints.od**2 - joints.id**2) - area)
         tubes.append(
             Tube(
                 name=section.name,
@@ -168,7 +171,16 @@ def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:
                 second_moment=section.second_moment or np.pi / 64.0 * (section.od**4 - section.id**4),
                 eccentricity=tuple(section.eccentricity),
                 elements=section.elements,
+                joints=joints,
             )
         )
     check_weight(scene, tubes)
     return tubes
+
+
+def _joints_of(section: Section) -> ToolJoints | None:
+    """Tool joints that count in mass and torsion; None where their length and spacing are not given."""
+    if section.tool_joint_length is None or section.tool_joint_spacing is None:
+        return None
+    bore = section.id if section.tool_joint_id is None else section.tool_joint_id
+    return ToolJoints(section.contact_diameter, bore, section.tool_joint_length / section.tool_joint_spacing)

@@ -145,7 +145,7 @@ def _of_a_rod(scene: DrillstringScene, kind: str, highest: float) -> tuple[list[
     well = well_of(scene)
     tubes = tubes_of(scene, well.length)
     if kind == "torsional":
-        slowest = min(np.sqrt(tube.shear_modulus / tube.density) for tube in tubes)
+        slowest = min(np.sqrt(tube.torsional_stiffness / tube.rotary_inertia) for tube in tubes)
     else:
         slowest = min(np.sqrt(tube.youngs_modulus * tube.area / tube.mass_per_length) for tube in tubes)
     # In torsion the elements of a beam are no better than links.

@@ -131,7 +131,7 @@ def _mode(
         plane = names[int(np.argmax(main))] if main.max() >= ALONG else "oblique"
     shape = shape / shape.flat[np.abs(shape).argmax()]
     lumps = linear.lumps
-    polar = lumps.of_links(lambda tube: tube.density * tube.polar_moment)
+    polar = lumps.of_links(lambda tube: tube.rotary_inertia)
     slopes = (polar[:, None] * np.diff(shape, axis=0) ** 2 / lumps.length[:, None])[at:].sum()
     turning = float(slopes / (mass[:, None] * shape**2).sum())
     return Mode("lateral", plane, frequency, np.nan, lumps.measured_depth[at:], shape[at:], turning)

@@ -24,6 +24,14 @@ ROCKING = 0.05
 """Mean rotary speed over half the swing, both ways counted alike, below which a bit rocks and does not turn: of rocking
 so much of a mean can be left by one cycle that is cut at the end of some ten."""
 
+HALTED = 0.05
+"""Mean speed of a drive over the one asked for, below which it stalls if its torque does not rise either: on its limit
+it swings on the string to and fro."""
+RISEN = 1.02
+"""Mean torque of a drive in a run's last quarter over that in the one before, from which it rises."""
+NOT_TURNING = 1.0e-3
+"""Share of the rotary speed asked for below which a bit that never was faster has not turned."""
+
 
 def variables_of_ends(groups: Sequence[Any]) -> list[Variable]:
     """What is stored of a bit on bottom and of a drive."""
@@ -56,6 +64,40 @@ def observed_at_ends(frames: Any, groups: Sequence[Any]) -> dict[str, np.ndarray
             names = ("weight_on_bit", "torque_on_bit", "rate_of_penetration", "hole_depth")
             found |= {name: frames.own[:, after + k].copy() for k, name in enumerate(names)}
     return found
+
+
+def stall_of(result: Mapping[str, Any] | Any, speed: float) -> float:
+    """Torque of a drive that neither turns nor gains torque any more in the last part of a run, N m; NaN of another.
+
+    The rotary speed that is asked of it is ``speed``, rad/s; its way round counts as the positive one.
+    """
+    if "drive_torque" not in result or speed == 0.0:
+        return np.nan
+    last, way = last_part(result["time"]), np.sign(speed)
+    torque, turned = way * result["drive_torque"][last], result["drive_speed"][last]
+    before, after = np.array_split(torque, 2)
+    halts = abs(turned.mean()) < HALTED * abs(speed) and after.mean() < RISEN * before.mean()
+    return float(torque.mean()) if halts else np.nan
+
+
+def stalled_drive(result: Mapping[str, Any] | Any, speed: float, on_bottom: bool, system: str) -> list[str]:
+    """A sentence where the bit does not turn in the last part of a run because its drive stalls.
+
+    The mean rotary speed that is asked of the drive there is ``speed``, rad/s.
+    """
+    last = last_part(result["time"])
+    if np.abs(result["rotation_rate"][last, -1]).max() > NOT_TURNING * abs(speed):
+        return []
+    torque = stall_of(result, speed)
+    if np.isnan(torque):
+        return []
+    told = f"in the last half of the run the bit does not turn. {stalls_at(shown(torque, 'N m', system, digits=3))}"
+    return [f"{told}. Give more torque{' or less weight' if on_bottom else ''}"]
+
+
+def stalls_at(torque: str) -> str:
+    """That a drive stalls at a torque, in words."""
+    return f"The drive stalls at {torque}"
 
 
 def _per_hour(rate: float, result: Any) -> str:

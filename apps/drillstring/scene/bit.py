@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from tautline.scene.model import Model, Switch, Whole, word
+from tautline.scene.choices.words import word
+from tautline.scene.model import Model, Switch, Whole
 from tautline.scene.refusal import fault
 from tautline.scene.values.quantity import quantity
 

@@ -7,8 +7,10 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from drillstring.scene.bit import Bit as Bit
+from tautline.scene.choices.branches import Branch
+from tautline.scene.choices.words import word
 from tautline.scene.functions import Constant, FunctionOfTime, Position, time_function
-from tautline.scene.model import Branch, Model, word
+from tautline.scene.model import Model
 from tautline.scene.refusal import fault
 from tautline.scene.values.quantity import quantity
 

@@ -6,7 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from tautline.scene.model import Branch, Model, OneOf, Whole, word
+from tautline.scene.choices.branches import Branch, OneOf
+from tautline.scene.choices.words import word
+from tautline.scene.model import Model, Whole
 from tautline.scene.reading.files import FileName
 from tautline.scene.refusal import fault, refusal
 from tautline.scene.values.quantity import quantity

@@ -124,7 +124,7 @@ class Tubular:
         if self.mass_per_length is not None:
             keys["mass_per_length"] = self.mass_per_length + STEEL * (area - self.area)
         if self.tool_joint_od is not None:
-            keys["tool_joint_od"] = self.tool_joint_od
+            keys |= {"tool_joint_od": self.tool_joint_od, "tool_joint_id": self.tool_joint_id}
         return keys
 
 

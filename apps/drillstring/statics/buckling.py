@@ -54,7 +54,7 @@ def limits(
     clearance : (n,) array
         Radial clearance r, m.
     weight : (n,) array
-        Buoyed weight per length, N/m.
+        Buoyed weight per length, N/m, negative where the string floats.
     down : (n,) array
         Vertical component of the tangent, t_z: the cosine of the inclination.
     turn : (n,) array
@@ -80,12 +80,13 @@ def limit(
 ) -> np.ndarray:
     """Buckling limits of one kind, sinusoidal or helical, at n places (n,), N; see `limits`."""
     sine = np.sqrt(np.maximum(0.0, 1.0 - down**2))
-    across = weight * np.where(sine > ROUNDING, sine, 0.0)
+    # A string that floats lies on the high side, which holds it as the low side holds one that sinks.
+    across = np.abs(weight) * np.where(sine > ROUNDING, sine, 0.0)
     found = np.full(np.shape(across), np.inf)
     free = np.asarray(clearance) > 0.0
     # F^2 over N(F).
     ratio = INCLINED[kind] * rigidity[free] / clearance[free]
-    curved = _least_roots(weight[free], across[free], ratio, curvature[free], (weight * turn)[free])
+    curved = _least_roots(np.abs(weight[free]), across[free], ratio, curvature[free], (weight * turn)[free])
     found[free] = np.maximum(curved, VERTICAL[kind] * np.cbrt(rigidity * (weight * down) ** 2)[free])
     return found
 
@@ -94,6 +95,8 @@ def _least_roots(
     weight: np.ndarray, across: np.ndarray, ratio: np.ndarray, curvature: np.ndarray, turn: np.ndarray
 ) -> np.ndarray:
     """Least F > 0 of F^2 = c N(F), N^2 = k^2 F^2 - 2 F w t'_z + w^2 (1 - t_z^2), of n places at once (n,).
+
+    ``weight`` is |w| and ``across`` its part across the hole, while ``turn`` is w t'_z with its sign.
 
     N is the length of a vector that goes straight with F, so it is convex, and nowhere below its tangent. From an F
     that is below the root, the place where F^2 meets the tangent is therefore never beyond the root, and the next F.

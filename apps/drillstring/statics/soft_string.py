@@ -32,7 +32,12 @@ from drillstring.well.wellbore import Wellbore
 
 STEP = 5.0
 """Longest step of the integration, m. It is of fourth order, but for the step in which the string passes from one side
-of the hole to the other and |q| has a kink: that leaves an error of a millionth of the hook load."""
+of the hole to the other and |q| has a kink: that leaves an error of a millionth of the hook load. A step in which it
+becomes a helix, or one no longer, is split there."""
+INSIDE = 1.0e-9
+"""Part of a step by which a place at its end lies within it: at a joint the hole has two curvatures."""
+SHARE = 1.0e-9
+"""Share of a step that its split is off."""
 KEPT = 4
 """Solutions, and courses of other shoes, that a string in a hole keeps: three motions, and that without friction."""
 
@@ -88,7 +93,8 @@ class _Course(NamedTuple):
 
 
 class _Helices(NamedTuple):
-    """Of each step: tension N up to which the pipe is a helix (n,), and that helix's N/m over F^2, 1/N/m (n,)."""
+    """Of each step: tensions N up to which the pipe is a helix, at its lower end, middle and upper end (3, n), and that
+    helix's N/m over F^2, 1/N/m (n,)."""
 
     tension: np.ndarray
     force: np.ndarray
@@ -149,7 +155,7 @@ class StringInHole:
     def _integrated(self, factors: Factors, moved: Motion, bit_force: float, crosses: bool) -> SoftString:
         if factors.shoe not in self._courses:
             made = _course(self.well, self.tubes, self.weight, factors.shoe, self.step)
-            _keep(self._courses, factors.shoe, (made, np.full(made.length.size, np.nan)))
+            _keep(self._courses, factors.shoe, (made, np.full((2, made.length.size), np.nan)))
         course, helical = self._courses[factors.shoe]
         down, around = moved.friction(course.radius)
         mu = factors.over(course.depth[:-1], course.depth[1:])
@@ -161,7 +167,7 @@ class StringInHole:
         # The limits take time, and most strings are nowhere near them.
         near = pushed > 0.0
         self._limit(course, helical, near)
-        if not (pushed[near] < helical[near]).all():
+        if not (pushed[near] < helical[:, near]).all():
             helices = self._helices(course, helical)
             found = _integrate(course, slide, helices, bit_force)
         if crosses and found.locked is None:
@@ -178,19 +184,22 @@ class StringInHole:
         return np.array([tube.youngs_modulus * tube.second_moment for tube in self.tubes])[section]
 
     def _limit(self, course: _Course, helical: np.ndarray, some: np.ndarray) -> None:
-        """Find the compression (n,), N, from which some of the steps are helices, where it is not known yet."""
-        places = np.flatnonzero(some & np.isnan(helical))
-        if places.size:
-            section = course.section[places]
-            helical[places] = limit_at(
-                "helical", self.well, course.middle[places], self._rigidity(section), course.weight[places],
-                self._clearance(section),
-            )  # fmt: skip
+        """Find the compression, N, from which some of the steps are helices, at lower and upper ends (2, n), where it
+        is not known yet."""
+        steps = np.flatnonzero(some & np.isnan(helical[0]))
+        if steps.size == 0:
+            return
+        section, way = course.section[steps], INSIDE * course.length[steps]
+        places = np.concatenate([course.depth[steps + 1] - way, course.depth[steps] + way])
+        columns = self._rigidity(section), course.weight[steps], self._clearance(section)
+        found = limit_at("helical", self.well, places, *(np.tile(column, 2) for column in columns))
+        helical[:, steps] = found.reshape(2, -1)
 
     def _helices(self, course: _Course, helical: np.ndarray) -> _Helices:
-        self._limit(course, helical, np.ones(helical.size, bool))
+        self._limit(course, helical, np.ones(course.length.size, bool))
+        lower, upper = -helical
         force = helix_force(1.0, self._clearance(course.section), self._rigidity(course.section))
-        return _Helices(-helical, force)
+        return _Helices(np.array([lower, 0.5 * (lower + upper), upper]), force)
 
 
 def soft_string(
@@ -266,15 +275,9 @@ def _integrate(
     slides = bool(slide.along.any())
     tension = _slid(course, slide, helices, bit_force, lacking) if slides else _turned(course, bit_force)
     locked = np.flatnonzero(np.isnan(tension))
-    low, high = tension[1:], tension[:-1]
-    first = _load(low, course, helices, 0, slide.lifted)
-    half = 0.5 * course.length
-    second = _load(low + half * (course.along[0] + slide.along * first), course, helices, 1, slide.lifted)
-    middle = low + half * (course.along[1] + slide.along * second)
-    loads = first, _load(middle, course, helices, 1, slide.lifted), _load(high, course, helices, 2, slide.lifted)
-    force = course.length / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2]) - lacking
-    torque = _summed(0.0, -course.radius * slide.around * force)
-    side = np.append(loads[2], np.nan if np.isnan(high[-1]) else loads[0][-1])
+    force, lower, upper = _wall_forces(tension, course, helices, slide)
+    torque = _summed(0.0, -course.radius * slide.around * (force - lacking))
+    side = np.append(upper, np.nan if np.isnan(tension[-2]) else lower[-1])
     for values in (tension, torque, side):
         values.flags.writeable = False
     return SoftString(course.depth, tension, torque, side, float(course.depth[locked[-1]]) if locked.size else None)
@@ -296,37 +299,42 @@ def _slid(
     """Tension (n + 1,), N, of a string with friction along the hole; NaN from where it has locked up.
 
     Each step needs the one below, so this is a loop. It runs over plain numbers, with the load on the wall written out
-    at each stage: NumPy would take ten times as long, and calls as long as what they do.
+    at each stage: NumPy would take ten times as long, and calls as long as what they do. A step that begins as a helix
+    is one throughout, but where it ends as none, or the other way: `_switched`.
     """
     none = np.zeros(course.length.size)
-    up_to, helix = (none - np.inf, none) if helices is None else helices
+    (up_to, _, up_to_end), helix = ((none - np.inf,) * 3, none) if helices is None else helices
     columns = (
         course.length, 0.5 * course.length, course.length / 6.0, course.square, course.double, course.locking,
-        slide.along, slide.lifted, slide.along * lacking, up_to, helix,
+        slide.along, slide.lifted, slide.along * lacking, up_to, up_to_end, helix,
         *(values[place] for place in range(3) for values in (course.along, course.turn, course.across)),
     )  # fmt: skip
     low, found = float(bit_force), [float(bit_force)]
     for (
-        length, half, sixth, k, w, locking, mu, up, lost, helical, force, down0, turn0, flat0, down1, turn1, flat1,
+        length, half, sixth, k, w, locking, mu, up, lost, begin, end, force, down0, turn0, flat0, down1, turn1, flat1,
         down2, turn2, flat2,
     ) in zip(*(values[::-1].tolist() for values in columns), strict=True):  # fmt: skip
+        coiled = low <= begin
         square = low * low * k + low * w * turn0 + flat0
         load = sqrt(square) / up if square > 0.0 else 0.0
-        a = down0 + mu * (load if low > helical else max(load, force * low * low))
+        a = down0 + mu * (max(load, force * low * low) if coiled else load)
         x = low + half * a
         square = x * x * k + x * w * turn1 + flat1
         load = sqrt(square) / up if square > 0.0 else 0.0
-        b = down1 + mu * (load if x > helical else max(load, force * x * x))
+        b = down1 + mu * (max(load, force * x * x) if coiled else load)
         x = low + half * b
         square = x * x * k + x * w * turn1 + flat1
         load = sqrt(square) / up if square > 0.0 else 0.0
-        c = down1 + mu * (load if x > helical else max(load, force * x * x))
+        c = down1 + mu * (max(load, force * x * x) if coiled else load)
         x = low + length * c
         square = x * x * k + x * w * turn2 + flat2
         load = sqrt(square) / up if square > 0.0 else 0.0
-        d = down2 + mu * (load if x > helical else max(load, force * x * x))
-        low += sixth * (a + 2.0 * b + 2.0 * c + d)
-        low -= lost
+        d = down2 + mu * (max(load, force * x * x) if coiled else load)
+        high = low + sixth * (a + 2.0 * b + 2.0 * c + d)
+        if (high <= end) != coiled and high >= locking:
+            places = (down0, down1, down2), (turn0, turn1, turn2), (flat0, flat1, flat2)
+            high = _switched(low, _Step(length, k, w, mu, up, force, begin, end, *places), coiled)
+        low = high - lost
         if low < locking:
             break
         found.append(low)
@@ -335,13 +343,116 @@ def _slid(
     return tension
 
 
-def _load(tension: np.ndarray, course: _Course, helices: _Helices | None, place: int, lifted: np.ndarray) -> np.ndarray:
+class _Step(NamedTuple):
+    """One step of the loop: length, k^2, twice the weight, friction along, the root by which N falls, the helix's N/m
+    over F^2, its tensions at the lower and upper end; w t_z, t'_z and w^2 (1 - t_z^2) at lower end, middle and upper
+    end."""
+
+    length: float
+    square: float
+    double: float
+    along: float
+    lifted: float
+    force: float
+    begin: float
+    end: float
+    down: tuple[float, float, float]
+    turn: tuple[float, float, float]
+    flat: tuple[float, float, float]
+
+
+def _switched(low: float, step: _Step, coiled: bool) -> float:
+    """Tension at the upper end of a step, N, in which the string becomes a helix, or one no longer.
+
+    The wall force jumps there, and an error of the first order would be left: the step is taken in two parts.
+    """
+
+    # Few strings switch, and it takes long to load.
+    from scipy.optimize import brentq
+
+    def beyond(share: float) -> float:
+        return _part(low, step, 0.0, share, coiled) - (step.begin + share * (step.end - step.begin))
+
+    # Where the limit jumps at the lower end of the step it is past it from there on.
+    share = brentq(beyond, 0.0, 1.0, xtol=SHARE) if beyond(0.0) * beyond(1.0) < 0.0 else 0.0
+    return _part(_part(low, step, 0.0, share, coiled), step, share, 1.0, not coiled)
+
+
+def _part(low: float, step: _Step, begin: float, end: float, coiled: bool) -> float:
+    """Tension, N, at the end of a part of a step, from a share of its length to another, from that at its beginning."""
+
+    def growth(x: float, at: float) -> float:
+        down, turn, flat = (_parabola(*values, at) for values in (step.down, step.turn, step.flat))
+        load = sqrt(max(0.0, x * x * step.square + x * step.double * turn + flat)) / step.lifted
+        return down + step.along * (max(load, step.force * x * x) if coiled else load)
+
+    length, middle = (end - begin) * step.length, 0.5 * (begin + end)
+    a = growth(low, begin)
+    b = growth(low + 0.5 * length * a, middle)
+    c = growth(low + 0.5 * length * b, middle)
+    d = growth(low + length * c, end)
+    return low + length / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+
+
+def _parabola(lower: float, middle: float, upper: float, at: float) -> float:
+    """Of a quantity at lower end, middle and upper end of a step, what it is at a share of its length."""
+    return lower + at * (4.0 * middle - 3.0 * lower - upper) + 2.0 * at * at * (lower - 2.0 * middle + upper)
+
+
+def _up_to(loads: tuple[np.ndarray, ...], share: np.ndarray) -> np.ndarray:
+    """Integral of loads at lower ends, middles and upper ends (n,), N/m, up to a share of each step (n,), over its
+    length; Simpson's rule up to all of it."""
+    lower, middle, upper = loads
+    rise, bend = 4.0 * middle - 3.0 * lower - upper, lower - 2.0 * middle + upper
+    return share * (lower + share * (0.5 * rise + share * (2.0 / 3.0) * bend))
+
+
+def _wall_forces(
+    tension: np.ndarray, course: _Course, helices: _Helices | None, slide: _Slide
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of each step from its tension at both ends (n + 1,), N: force on the wall (n,), N, and that per length at its
+    lower and at its upper end (n,), N/m."""
+    low, high, half = tension[1:], tension[:-1], 0.5 * course.length
+    coiled = np.zeros(low.size, bool) if helices is None else low <= helices.tension[0]
+    first = _load(low, course, helices, 0, slide.lifted, coiled)
+    second = _load(low + half * (course.along[0] + slide.along * first), course, helices, 1, slide.lifted, coiled)
+    middle = low + half * (course.along[1] + slide.along * second)
+    stages = low, middle, high
+
+    def loads(helix: np.ndarray) -> tuple[np.ndarray, ...]:
+        return tuple(_load(x, course, helices, place, slide.lifted, helix) for place, x in enumerate(stages))
+
+    whole, before = np.ones(low.size), loads(coiled)
+    if helices is None:
+        return course.length * _up_to(before, whole), before[0], before[2]
+    after = loads(high <= helices.tension[2])
+    lower, inner, upper = (x - limit for x, limit in zip(stages, helices.tension, strict=True))
+    share = _share_before(lower, inner, (lower > 0.0) != (upper > 0.0))
+    force = _up_to(before, share) + _up_to(after, whole) - _up_to(after, share)
+    return course.length * force, before[0], after[2]
+
+
+def _share_before(lower: np.ndarray, middle: np.ndarray, switches: np.ndarray) -> np.ndarray:
+    """Share of each step (n,) up to which it is what it is at its lower end; all of it where it does not switch.
+
+    Tensions over the helix's limit are those of what it is there, also in the middle, for at the switch they have a
+    kink.
+    """
+    ones = np.ones_like(lower)
+    # Where the pipe fills the hole they are infinite.
+    way = np.divide(lower, np.subtract(lower, middle, out=ones.copy(), where=switches), out=ones.copy(), where=switches)
+    return np.where(switches, np.clip(0.5 * way, 0.0, 1.0), 1.0)
+
+
+def _load(
+    tension: np.ndarray, course: _Course, helices: _Helices | None, place: int, lifted: np.ndarray, coiled: np.ndarray
+) -> np.ndarray:
     """Force on the wall per length (n,), N/m: |q|, less where friction carries a part of it, or that of a helix."""
     square = tension * tension * course.square + tension * course.double * course.turn[place] + course.across[place]
     lying: np.ndarray = np.sqrt(np.maximum(0.0, square)) / lifted
     if helices is None:
         return lying
-    return np.where(tension > helices.tension, lying, np.maximum(lying, helices.force * tension * tension))
+    return np.where(coiled, np.maximum(lying, helices.force * tension * tension), lying)
 
 
 def _summed(bit: float, growth: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drillstring.results.drilling import stalls_at
 from drillstring.stick_slip.dying_out import rounded_up
 from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
 from tautline.results.tables.rows import heads_of, write_dataset, write_rows
@@ -126,7 +127,7 @@ def _unjudged(cells: Sequence[Cell], system: str) -> Iterator[str]:
     if stalled:
         least, most = (shown(pick(c.stall for c in stalled), "N m", system, digits=3) for pick in (min, max))
         torque = most if least == most else f"{least} to {most}"
-        cause = f"the bit does not turn{_at(stalled, cells)}. The drive stalls at {torque}"
+        cause = f"the bit does not turn{_at(stalled, cells)}. {stalls_at(torque)}"
         yield f"{cause}. Give more torque or less weight"
     waiting = [cell for cell in cells if not cell.turns and isnan(cell.stall)]
     if waiting:

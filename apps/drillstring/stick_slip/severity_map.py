@@ -11,7 +11,7 @@ import math
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -24,7 +24,7 @@ from drillstring.drilling.bit_numbers import bit_row, rate_at
 from drillstring.drilling.impedance import torsional_frequency
 from drillstring.model.build import build
 from drillstring.model.prepared import tubes_of, well_of
-from drillstring.results.drilling import creep_of, last_part, stick_slip
+from drillstring.results.drilling import NOT_TURNING, creep_of, last_part, stall_of, stick_slip
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
 from drillstring.stick_slip.dying_out import CYCLES, brief, dying_out
@@ -40,13 +40,6 @@ from tautline.simulation import simulate
 START_PERIODS = 1.0
 """Time in which a drive comes to its speed, over the period of the string's first torsional mode."""
 NOT_RUN = "not run"
-STILL = 1.0e-3
-"""Share of the rotary speed below which a bit that never was faster has not turned."""
-HALTED = 0.05
-"""Mean speed of a drive over the one asked for, below which it stalls if its torque does not rise either: on its limit
-it swings on the string to and fro."""
-RISEN = 1.02
-"""Mean torque of a drive in a run's last quarter over that in the one before, from which it rises."""
 
 
 class Cell(NamedTuple):
@@ -93,7 +86,7 @@ class Cell(NamedTuple):
     @property
     def turns(self) -> bool:
         """Whether the bit turns at all in the part that is judged; False where that is not known."""
-        return max(self.largest, -self.least) > STILL * self.speed
+        return max(self.largest, -self.least) > NOT_TURNING * self.speed
 
     @property
     def judged(self) -> bool:
@@ -226,22 +219,11 @@ def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | 
         speed, weight, found["severity"], found["stuck"], found["mean"], found["least"], found["largest"],
         float(result["torque_on_bit"][last].mean()), float(result["weight_on_bit"][last].mean()),
         rate, "done", "", time.perf_counter() - begun,
-        late=not (np.abs(spin[~last]) > STILL * speed).any(), short=short,
+        late=not (np.abs(spin[~last]) > NOT_TURNING * speed).any(), short=short,
     )  # fmt: skip
     if cell.judged:
         return cell._replace(severity=math.nan, so_far=fading[0], enough=fading[1]) if fading else cell
-    return cell._replace(severity=math.nan, stall=math.nan if cell.turns else _stall(result, speed))
-
-
-def _stall(result: Mapping[str, Any], speed: float) -> float:
-    """Torque of a drive that neither turns nor gains torque any more while the bit stands, N m; NaN of another."""
-    if "drive_torque" not in result:
-        return math.nan
-    last = last_part(result["time"])
-    torque, turned = result["drive_torque"][last], result["drive_speed"][last]
-    before, after = np.array_split(torque, 2)
-    halts = abs(turned.mean()) < HALTED * speed and after.mean() < RISEN * before.mean()
-    return float(torque.mean()) if halts else math.nan
+    return cell._replace(severity=math.nan, stall=math.nan if cell.turns else stall_of(result, speed))
 
 
 def _empty(speed: float, weight: float, status: str = NOT_RUN, sentence: str = "", wall: float = 0.0) -> Cell:

@@ -6,15 +6,28 @@ import heapq
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 
 from tautline.errors import ArgumentError
 
 
+class ToolJoints(NamedTuple):
+    """Tool joints of a section, of its material: diameters in m, and their share of the section's length."""
+
+    od: float
+    id: float
+    share: float
+
+
 @dataclass(frozen=True)
 class Tube:
-    """One section of the string: dimensions in m, moduli in Pa, densities in kg/m^3."""
+    """One section of the string: dimensions in m, moduli in Pa, densities in kg/m^3.
+
+    Its torsion is that of tube and ``joints`` on average: waves of drill pipe are a hundred times as long as a joint of
+    pipe.
+    """
 
     name: str
     length: float
@@ -28,6 +41,7 @@ class Tube:
     second_moment: float
     eccentricity: tuple[float, float] = (0.0, 0.0)
     elements: int | None = None
+    joints: ToolJoints | None = None
 
     @property
     def area(self) -> float:
@@ -37,7 +51,28 @@ class Tube:
     @property
     def polar_moment(self) -> float:
         """Polar second moment of area of the round tube, m^4."""
-        return pi / 32.0 * (self.od**4 - self.id**4)
+        return _ring(self.od, self.id)
+
+    @property
+    def rotary_inertia(self) -> float:
+        """About the axis, per length, kg m: the mean of tube and tool joints."""
+        if self.joints is None:
+            return self.density * self.polar_moment
+        od, bore, share = self.joints
+        return self.density * ((1.0 - share) * self.polar_moment + share * _ring(od, bore))
+
+    @property
+    def torsional_stiffness(self) -> float:
+        """Torque over twist per length, N m^2: of tube and tool joints one behind the other."""
+        if self.joints is None:
+            return self.shear_modulus * self.polar_moment
+        od, bore, share = self.joints
+        return self.shear_modulus / ((1.0 - share) / self.polar_moment + share / _ring(od, bore))
+
+
+def _ring(od: float, bore: float) -> float:
+    """Polar second moment of area of a ring, m^4, of diameters m."""
+    return pi / 32.0 * (od**4 - bore**4)
 
 
 def share_elements(tubes: list[Tube], total: int) -> list[int]:

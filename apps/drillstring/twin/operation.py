@@ -32,7 +32,7 @@ from drillstring.twin.sticking_limit import sticking_limit
 from drillstring.twin.torsional_line import line_of
 from tautline.scene.errors import SceneError
 from tautline.scene.values.printed import quantity
-from tautline.twin.map import Plan
+from tautline.twin.map.plan import Plan
 from tautline.twin.operation import Guidance, Operation
 
 ASKED = {

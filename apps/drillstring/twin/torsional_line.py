@@ -70,9 +70,9 @@ class TorsionalLine:
         omega = np.asarray(omega, float)
         whole = np.broadcast_to(np.eye(2, dtype=complex), (omega.size, 2, 2))
         for tube in self.tubes:
-            inertia = tube.density * tube.polar_moment
+            inertia = tube.rotary_inertia
             across = 1j * omega * inertia + damped * (self.viscous + self.mass_proportional * inertia)
-            stiffness = tube.shear_modulus * tube.polar_moment * (1.0 + 1j * omega * damped * self.structural)
+            stiffness = tube.torsional_stiffness * (1.0 + 1j * omega * damped * self.structural)
             gamma = np.sqrt(across * 1j * omega / stiffness)
             impedance = across / gamma
             cosh, sinh = np.cosh(gamma * tube.length), np.sinh(gamma * tube.length)

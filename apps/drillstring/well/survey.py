@@ -51,8 +51,37 @@ NAMES = {
 NORTH = r"(?:\s?[\[(]?(?:true|grid|tn|gn)\b(?: north)?[\])]?)?"
 """Which north an azimuth counts from, as some headers say; all of a survey counts from the same one."""
 
-MAGNETIC = re.compile(r"(?=.*az[im])(?=.*mag(?:n|[^a-z]|$))", re.IGNORECASE)
-"""Header of an azimuth from magnetic north."""
+
+class _Unlike(NamedTuple):
+    """Headers of a quantity that is like one of a survey and is not it, why, and what to do."""
+
+    titles: re.Pattern[str]
+    cause: str
+    cure: str
+
+
+UNLIKE = {
+    "md": (
+        _Unlike(
+            re.compile(r"\btvd|vertical.*depth|depth.*vertical", re.IGNORECASE),
+            "vertical depths: stations stand at measured depths, along the hole",
+            "give a column of measured depths, and name it md [m]",
+        ),
+    ),
+    "azi": (
+        _Unlike(
+            re.compile(r"(?=.*az[im])(?=.*mag(?:n|[^a-z]|$))", re.IGNORECASE),
+            "azimuths from magnetic north: those of a hole count from true or grid north",
+            "correct them for the declination, and for grid north for the convergence; then name the column azi [deg]",
+        ),
+        _Unlike(
+            re.compile(r"(?=.*az[im])(?=.*south)", re.IGNORECASE),
+            "azimuths from south: those of a hole count from north",
+            "add 180 deg to them; then name the column azi [deg]",
+        ),
+    ),
+}
+"""Of each column, wherever the header says it: as a word of its own, or in the brackets of the unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,19 +179,21 @@ def _columns(table: Columns) -> dict[str, _Column]:
             table.stop(table.header_line, key, title, cause, "rename the one that is not meant")
         columns[key] = _Column(place, unit or "", title)
     missing = [key for key in NAMES if key not in columns]
-    magnetic = [title for title in table.titles if MAGNETIC.search(title)]
-    if "azi" in missing and magnetic:
-        cause = "azimuths from magnetic north: those of a hole count from true or grid north"
-        cure = (
-            "correct them for the declination, and for grid north for the convergence; then name the column azi [deg]"
-        )
-        table.stop(table.header_line, "azi", magnetic[0], cause, cure)
+    for key in missing:
+        for title in table.titles:
+            if unlike := _unlike(key, title):
+                table.stop(table.header_line, key, title, unlike.cause, unlike.cure)
     if missing:
         table.refuse_title_lines()
         cure = "write a header such as: md [m], inc [deg], azi [deg]; comma, semicolon or tab between the names"
         text = " | ".join(table.titles)[:80]
         table.stop(table.header_line, ", ".join(missing), text, "no such column in the header", cure)
     return columns
+
+
+def _unlike(key: str, title: str) -> _Unlike | None:
+    """What a header cell holds in place of a column that it is like; None if it is not."""
+    return next((unlike for unlike in UNLIKE.get(key, ()) if unlike.titles.search(title)), None)
 
 
 def _survey_column(title: str) -> tuple[str, str | None] | None:
@@ -174,6 +205,8 @@ def _survey_column(title: str) -> tuple[str, str | None] | None:
                 break
         else:
             continue
+        if _unlike(key, title):
+            return None
         north = NORTH if key == "azi" else ""
         rest = re.fullmatch(r"\s?".join(name.split()) + north + r"\s?(?:[\[(]\s*(.*?)\s*[\])]|(.*))", plain)
         if rest is None:
@@ -210,6 +243,8 @@ def _factors(
     factors = {}
     for key, column in columns.items():
         header, below = column.unit, row_units.get(key, "")
+        if unlike := _unlike(key, f"{column.title} {below}"):
+            table.stop(table.header_line, key, f"{column.title} {below}", unlike.cause, unlike.cure)
         if header and below and table.factor((0, header), key, LIKE[key]) != table.factor((0, below), key, LIKE[key]):
             cause = f"two units: the header says {header}, the row of units says {below}"
             table.add(table.header_line, key, column.title, cause, "keep the right one")

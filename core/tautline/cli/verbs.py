@@ -497,7 +497,7 @@ def record(
     quiet: Quiet = False,
 ) -> None:
     """Write what sensors would show of a scene: a record to rehearse a twin with."""
-    from tautline.cli.commands import twin as verb
+    from tautline.cli.commands import record as verb
 
     given = verb.RecordOptions(
         end=end, rate=rate, noise=noise, delay=delay, dropout=dropout, jitter=jitter, gap=gap, fault=fault, seed=seed,

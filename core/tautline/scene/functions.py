@@ -25,9 +25,11 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
+from tautline.scene.choices.branches import Branch, OneOf
+from tautline.scene.choices.words import word
 from tautline.scene.curves import beyond
 from tautline.scene.errors import SceneError
-from tautline.scene.model import Branch, Model, OneOf, Whole, word
+from tautline.scene.model import Model, Whole
 from tautline.scene.reading.columns import HEADER, NUMBER, Columns
 from tautline.scene.reading.files import FileName
 from tautline.scene.reading.time_columns import TIMES, is_of_days, time_columns, time_head, unit_of_time

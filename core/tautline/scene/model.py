@@ -7,11 +7,11 @@ import functools
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeVar
 
 import pydantic
-from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
-from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
+from pydantic import ConfigDict, PrivateAttr, Strict, ValidationError
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from tautline.arguments import MAPPING, check_given
 from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
@@ -19,7 +19,8 @@ from tautline.scene.identity.contents import says_the_same
 from tautline.scene.identity.frozen import Frozen
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
-from tautline.scene.refusal import KIND, must_be, nearest, nearest_key, one_of, refusal
+from tautline.scene.reading.slips import decimal_comma, without_blank
+from tautline.scene.refusal import KIND, must_be, nearest_key, refusal
 from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import Quantity, is_written_in, suited
 
@@ -42,10 +43,6 @@ MOST_FAULTS = 100
 
 BASED = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
 """A number of YAML that nobody writes for a quantity."""
-AFTER_COMMA = re.compile(r"[0-9]+([eE][+-]?[0-9]+)?(\s+\S.*|[^\W\d].*|\s*%)?", re.ASCII)
-"""What stands behind a decimal comma: digits, and a unit."""
-WITHOUT_BLANK = re.compile(r"([^\W\d]\w*):(\S.*)")
-"""A key and its value with no blank behind the colon: in braces YAML reads all of it as a key."""
 ENTRIES = "each entry of a list begins with `- `"
 """Said where a mapping stands in place of a list: the dashes were forgotten."""
 
@@ -131,9 +128,9 @@ def _drop_consequential_errors(model: type[Model], errors: Sequence[Any], data: 
     A missing key is there, and misspelt. What stands before a decimal comma is not the number that was meant.
     """
     unknown = [str(e["loc"][0]) for e in errors if len(e["loc"]) == 1 and e["type"] == "extra_forbidden"]
-    cut = {before for key in unknown if (before := _decimal_comma(data, key)[1])}
-    meant = {nearest_key(key, model._keys(), model.model_fields) for key in unknown if not _decimal_comma(data, key)[0]}
-    run_in = {key for one in unknown if (key := _without_blank(model, one)[0])}
+    cut = {before for key in unknown if (before := decimal_comma(data, key)[1])}
+    meant = {nearest_key(key, model._keys(), model.model_fields) for key in unknown if not decimal_comma(data, key)[0]}
+    run_in = {key for one in unknown if (key := without_blank(model._keys(), one)[0])}
 
     def follows(error: Any) -> bool:
         place = error["loc"]
@@ -145,38 +142,6 @@ def _drop_consequential_errors(model: type[Model], errors: Sequence[Any], data: 
     return [error for error in errors if not follows(error)]
 
 
-def _without_blank(model: type[Model], key: str) -> tuple[str, str]:
-    """Key and cure of ``step:5 ms`` in braces, of which the whole is an unknown key; empty where it is none of ours."""
-    parts = WITHOUT_BLANK.fullmatch(key)
-    if parts is None or parts[1] not in model._keys():
-        return "", ""
-    return parts[1], f"a blank is missing after the colon: write {parts[1]}: {parts[2]}"
-
-
-def _decimal_comma(data: Any, key: str) -> tuple[str, str]:
-    """What to write for ``friction: 0,25``, which in braces is the key friction with 0, and the key 25 with nothing.
-
-    Returns
-    -------
-    cure, before : str
-        Empty where it is no decimal comma. `before` is the key in front: of ``-0`` its value has lost the sign, which
-        the document still has.
-    """
-    after = AFTER_COMMA.fullmatch(key)
-    if after is None or not isinstance(data, dict) or data.get(key, data) is not None:
-        return "", ""
-    keys = list(data)
-    before = data[keys[keys.index(key) - 1]] if keys.index(key) > 0 else None
-    whole = isinstance(before, int) and not isinstance(before, bool)
-    if not whole and not (isinstance(before, str) and re.fullmatch(r"-0+", before)):
-        return "", ""
-    name = str(keys[keys.index(key) - 1])
-    cure = f"is it a decimal comma? Write {before}.{key} with a point, for {name}"
-    if re.match(r"\d{3}(?!\d)", key) and re.fullmatch(r"-?[1-9]\d{0,2}", str(before)):
-        cure += f". Does it mark thousands? Then write {before}{key}"
-    return cure, name
-
-
 def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetails:
     """Rebuild one of pydantic's errors, with a cure that only the model knows; `data` is what was validated."""
     kind, place, context = error["type"], error["loc"], error.get("ctx") or {}
@@ -185,8 +150,8 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
         example = model._example(str(place[0]))
         known = refusal("is missing", f"add `{place[0]}:`" + (f", such as {example}" if example else ""))
     elif len(place) == 1 and kind == "extra_forbidden":
-        cure, before = _decimal_comma(data, str(place[0]))
-        cure = cure or _without_blank(model, str(place[0]))[1] or model.elsewhere.get(str(place[0]), ("", ""))[1]
+        cure, before = decimal_comma(data, str(place[0]))
+        cure = cure or without_blank(model._keys(), str(place[0]))[1] or model.elsewhere.get(str(place[0]), ("", ""))[1]
         words = {"cause": "unknown key", "cure": cure or nearest_key(str(place[0]), model._keys(), model.model_fields)}
         known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
@@ -531,170 +496,3 @@ def _truth(given: Any) -> str:
         return "write true or false, without quotes"
     why = "" if said == meant else f"; {given} is a {'number' if said in ('0', '1') else 'word'} in YAML 1.2"
     return f"write {meant}, without quotes{why}"
-
-
-def word(*known: str, aliases: dict[str, str] | None = None, forms: Sequence[str] = ()) -> BeforeValidator:
-    """Annotate a choice of words: capitals, spaces and underscores do not matter, aliases are understood.
-
-    `forms` are what else may be written in place of a word, for messages: ``{efficiency: 0.98}``.
-    """
-    return BeforeValidator(lambda value: read_word(value, known, aliases or {}, forms))
-
-
-def fold(text: str) -> str:
-    """A word without what does not matter in it: capitals, and whether its parts stand between blanks or dashes."""
-    return text.lower().replace("_", "-").replace(" ", "-")
-
-
-def _spelt(word: str) -> str:
-    """Regular expression of all spellings of a word that `fold` makes the same."""
-    ways = (f"[{c}{c.upper()}]" if c.isalpha() else "[-_ ]" if c == "-" else re.escape(c) for c in fold(word))
-    return "".join(ways)
-
-
-def read_word(value: Any, known: Sequence[str], aliases: Mapping[str, str], forms: Sequence[str] = ()) -> str:
-    """The known word that is meant; refuses anything else with the nearest."""
-    words = {fold(w): w for w in known} | {fold(a): w for a, w in aliases.items()}
-    if not isinstance(value, str):
-        raise refusal("must be a word", f"give {one_of([*known, *forms])}")
-    if fold(value) in words:
-        return words[fold(value)]
-    inside = next((form for form in forms if form.startswith("{" + value.strip() + ":")), "")
-    close = difflib.get_close_matches(fold(value[:LONGEST]), list(words), n=1)
-    guess = inside or (words[close[0]] if close else "")
-    raise refusal("is not known here", must_be([*known, *forms], guess))
-
-
-UnitSystem = Annotated[Literal["si", "metric", "field"], word("si", "metric", "field")]
-"""Units in which figures of a scene are printed and drawn; numbers without a unit are SI in each."""
-
-
-class WordOf:
-    """Annotation of a choice of words that may grow: names and aliases are asked for when a value is read."""
-
-    def __init__(self, names: Callable[[], Sequence[str]], aliases: Callable[[], Mapping[str, str]]) -> None:
-        self.names, self.aliases = names, aliases
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Read a word before anything else is made of it."""
-        return core_schema.no_info_before_validator_function(
-            lambda value: read_word(value, self.names(), self.aliases()), handler(source)
-        )
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
-        """The words that there are now, and how else they may be written."""
-        spellings = "|".join(_spelt(word) for word in (*self.names(), *self.aliases()))
-        return handler(schema) | {"anyOf": [{"enum": list(self.names())}, {"pattern": f"^({spellings})$"}]}
-
-
-class Branch:
-    """One way to write a value: its type, what to make of it (by default, the value itself), and an example."""
-
-    def __init__(self, kind: Any, make: Callable[[Any], Any] | None = None, example: str = "") -> None:
-        self.kind, self.make, self.example = kind, make, example
-
-    def schema(self, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Schema of the value, made into what it stands for."""
-        schema = handler.generate_schema(self.kind)
-        return core_schema.no_info_after_validator_function(self.make, schema) if self.make else schema
-
-
-class OneOf:
-    """Annotation of a value that can be written in several ways, each a mapping of a single key.
-
-    ``{ramp: {to: 2.0, over: 1.0}}`` goes to the branch `ramp`, and errors are those of that branch alone.
-
-    Parameters
-    ----------
-    what : str
-        What is to be given, for messages: ``a function of time``.
-    keyed : dict
-        Key -> `Branch`.
-    plain : Branch, optional
-        For anything that is not a mapping: a bare number, a word.
-    whole : Branch, optional
-        For a mapping whose keys are none of `keyed`.
-    example : str
-        How it can be written.
-    """
-
-    def __init__(
-        self,
-        what: str,
-        keyed: dict[str, Branch],
-        plain: Branch | None = None,
-        whole: Branch | None = None,
-        example: str = "",
-    ) -> None:
-        self.what, self.keyed, self.plain, self.whole = what, keyed, plain, whole
-        self.example = example or f"{{{next(iter(keyed), what)}: ...}}"
-
-    def select(self, value: Any) -> str:
-        """Tag of the branch that a value goes to.
-
-        Raises
-        ------
-        PydanticCustomError, ValidationError
-            If it is none of them, or more than one.
-        """
-        cure = f"give {self.what} such as {self.example}"
-        if not isinstance(value, dict):
-            if self.plain is None or value is None:
-                raise refusal("is empty" if value is None else f"is not {self.what}", cure)
-            return f"{MARK}plain"
-        chosen = [key for key in value if key in self.keyed]
-        if len(value) == 1 and chosen:
-            return f"{MARK}{chosen[0]}"
-        if self.whole is not None and not chosen:
-            return f"{MARK}whole"
-        if len(chosen) > 1:
-            raise refusal(f"gives both {chosen[0]} and {chosen[1]}", f"keep one: {cure}")
-        if chosen:
-            odd = next(key for key in value if key not in self.keyed)
-            comma, _ = _decimal_comma(value, str(odd))
-            if comma:
-                raise refusal(f"'{odd}' stands beside {chosen[0]}", comma)
-            meant = nearest(str(odd), chosen) if str(odd).lower() != chosen[0] else ""
-            example = self.keyed[chosen[0]].example
-            inside = (
-                f"{chosen[0]} holds its keys in braces: write {chosen[0]}: {example}"
-                if example
-                else (f"make it a key of {chosen[0]}, or remove it")
-            )
-            cure = meant if meant.startswith("did") else inside
-            raise refusal(f"'{odd}' stands beside {chosen[0]}", cure)
-        if not value:
-            raise refusal("is an empty mapping", cure)
-        odd = next(iter(value))
-        raise refusal(f"unknown key '{odd}'", nearest_key(str(odd), self.keyed))
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        choices: dict[Any, CoreSchema] = {}
-        for key, branch in self.keyed.items():
-            only = {key: core_schema.typed_dict_field(branch.schema(handler), required=True)}
-            mapping = core_schema.typed_dict_schema(only, extra_behavior="forbid")
-            choices[f"{MARK}{key}"] = core_schema.no_info_after_validator_function(_Content(key), mapping)
-        if self.plain:
-            choices[f"{MARK}plain"] = self.plain.schema(handler)
-        if self.whole:
-            choices[f"{MARK}whole"] = self.whole.schema(handler)
-        union = core_schema.tagged_union_schema(choices, discriminator=self.select)
-
-        def enter(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
-            return value if isinstance(value, Model) else inner(value)
-
-        def dump(value: Any) -> Any:
-            return value.model_dump() if isinstance(value, Model) else value
-
-        plain = core_schema.plain_serializer_function_ser_schema(dump)
-        return core_schema.no_info_wrap_validator_function(enter, union, serialization=plain)
-
-
-class _Content:
-    """Takes the value out of its one-key mapping."""
-
-    def __init__(self, key: str) -> None:
-        self.key = key
-
-    def __call__(self, mapping: dict[str, Any]) -> Any:
-        return mapping[self.key]

@@ -8,7 +8,8 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from tautline.scene import methods
-from tautline.scene.model import Model, Whole, WordOf, word
+from tautline.scene.choices.words import WordOf, word
+from tautline.scene.model import Model, Whole
 from tautline.scene.refusal import fault
 from tautline.scene.values.quantity import quantity
 

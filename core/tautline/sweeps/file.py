@@ -11,8 +11,9 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic_core import PydanticCustomError, ValidationError
 
+from tautline.scene.choices.words import word
 from tautline.scene.errors import Problem, SceneError
-from tautline.scene.model import MARK, Scene, word
+from tautline.scene.model import MARK, Scene
 from tautline.scene.reading.document import Path_, join_key, key_named, split_key
 from tautline.scene.refusal import fault, nearest, refusal
 from tautline.scene.unit_slips import DOUBT

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tautline.integrators.status import StoppedEarly
-from tautline.twin.map import Alarm
+from tautline.twin.map.plan import Alarm
 
 if TYPE_CHECKING:
     from tautline.live.memory import State

@@ -16,7 +16,9 @@ import numpy as np
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
 from tautline.scene.refusal import nearest
-from tautline.twin.map import Channel, Plan, TwinMap, checked
+from tautline.twin.map.check import checked
+from tautline.twin.map.file import TwinMap
+from tautline.twin.map.plan import Channel, Plan
 from tautline.twin.operation import Operation
 
 KINDS = ("stuck", "lost", "bias", "drift", "scale", "clip", "spike")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tautline.twin.forecast import Forecast, Found, other_speed
-from tautline.twin.map import Plan
+from tautline.twin.map.plan import Plan
 from tautline.twin.signals.smoothing import joined
 from tautline.twin.signals.waves import Waves
 

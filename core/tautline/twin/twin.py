@@ -24,7 +24,9 @@ from tautline.twin.estimation.horizon import MISSED, SEEN_OFF, Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import EARLY, Forecast, Found
 from tautline.twin.loss import Loss, why
-from tautline.twin.map import Plan, TwinMap, bare_bounds, checked, driven_by, read_map
+from tautline.twin.map.check import bare_bounds, checked
+from tautline.twin.map.file import TwinMap, driven_by, read_map
+from tautline.twin.map.plan import Plan
 from tautline.twin.operation import Operation
 from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling

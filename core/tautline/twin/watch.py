@@ -11,7 +11,7 @@ import numpy as np
 from tautline.scene.values.printed import in_words, quantity, shown
 from tautline.twin.alarms import CLEAR, NOT_KNOWN, Alarms, beyond, bound_said
 from tautline.twin.forecast import Found, extreme
-from tautline.twin.map import Alarm, Plan
+from tautline.twin.map.plan import Alarm, Plan
 from tautline.twin.operation import Operation
 from tautline.twin.signals.sensors import EDGE, Health
 

@@ -13,8 +13,9 @@ from physics.pipes.hoses import COUPLINGS, WATER, at_rest, orders, pipe, scene
 from references import hose as reference
 from scipy.optimize import brentq
 
-from gardenhose.flutter import _Linear, crossings, stability
+from gardenhose.flutter import crossings, stability
 from gardenhose.static import form
+from gardenhose.vibration.linear_hose import LinearHose
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.vibration import vibrations as found_by
 
@@ -335,13 +336,13 @@ def test_where_a_hose_has_no_shape_without_flow_its_modes_are_followed_by_those_
 
     hose, speeds = scene({"elements": 6}), [4.0, 6.0, 8.0]
     usual = stability(hose, speeds)
-    monkeypatch.setattr("gardenhose.flutter.form", without)
+    monkeypatch.setattr("gardenhose.vibration.linear_hose.form", without)
     assert stability(hose, speeds).eigenvalues == pytest.approx(usual.eigenvalues)
 
 
 def test_a_motion_is_never_less_than_not_at_all_unlike_itself():
     for hose in (supported(("clamped", "clamped"), 8), scene({"elements": 6})):
-        linear = _Linear(hose)
+        linear = LinearHose(hose)
         motions, _ = linear.at(9.0)
         costs = linear.unlike(motions, motions)
         assert costs.min() >= 0.0 and np.diag(costs) == pytest.approx(0.0, abs=1e-12)
@@ -388,8 +389,8 @@ def test_more_modes_than_there_are_at_some_speed_are_as_many_as_there_are():
 def test_hose_of_many_elements_flutters_where_one_of_few_does(monkeypatch):
     plain = crossings(scene({"elements": 9}), [13.5, 14.2], "in")
     for coupling in ("linear", "lagrange"):
-        monkeypatch.setattr("gardenhose.flutter.DENSE", 50)
-        monkeypatch.setattr("gardenhose.flutter.SLOWEST", 30)
+        monkeypatch.setattr("gardenhose.vibration.linear_hose.DENSE", 50)
+        monkeypatch.setattr("gardenhose.vibration.linear_hose.SLOWEST", 30)
         monkeypatch.setattr(found_by, "DENSE", 50)
         (long,) = crossings(scene({"elements": 9}, coupling=coupling), [13.5, 14.2], "in")
         assert long.speed == pytest.approx(plain[0].speed, rel=1e-7)

@@ -10,7 +10,7 @@ from tautline.twin.signals.rows import Rows
 from tautline.twin.sources.csv_file import CsvFile
 from tautline.twin.sources.record import SourceStopped
 from tautline.twin.sources.stream import Stream
-from tautline.twin.sources.table import Header
+from tautline.twin.sources.table.header import Header
 
 UNITS = {"winch": "m", "rope": "kN"}
 FIRST = "time [s],winch [m],rope [kN]\n0,1,50\n"

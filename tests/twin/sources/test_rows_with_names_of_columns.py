@@ -8,11 +8,11 @@ import io
 import pytest
 from twin.sources.test_sources_of_data import written
 
-from tautline.twin.sources import lines
 from tautline.twin.sources.csv_file import CsvFile
-from tautline.twin.sources.lines import Lines
 from tautline.twin.sources.stream import Stream
-from tautline.twin.sources.table import Header
+from tautline.twin.sources.table import lines
+from tautline.twin.sources.table.header import Header
+from tautline.twin.sources.table.lines import Lines
 
 
 def read(tmp_path, of, text, columns):

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from tautline.twin.map import Sensor
+from tautline.twin.map.file import Sensor
 
 WRONG = {
     "an input and an output": ({"input": "a", "output": "b"}, "gives input and output", "keep one"),

@@ -22,7 +22,7 @@ from tautline.twin.estimation.family import Blow, Family, steps_to
 from tautline.twin.estimation.horizon import BENT, Horizon, Sample, mean_of
 from tautline.twin.estimation.log import Checkpoint, Log, Logged
 from tautline.twin.estimation.passage import Passage
-from tautline.twin.map import Plan, Unknown
+from tautline.twin.map.plan import Plan, Unknown
 from tautline.twin.operation import Operation
 from tautline.twin.signals.rows import Rows
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tautline.twin.map import Channel, Unknown
+from tautline.twin.map.plan import Channel, Unknown
 
 LARGEST_RESIDUAL = 4.0
 """Residuals beyond so many scales of the window count less (Huber)."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from tautline.twin.map import Channel
+from tautline.twin.map.plan import Channel
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth, smooth_widely, third_of
 from tautline.twin.signals.steps import Steps

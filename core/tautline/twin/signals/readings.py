@@ -11,7 +11,7 @@ import numpy as np
 
 from tautline.errors import ArgumentError
 from tautline.scene.values.printed import quantity
-from tautline.twin.map import Channel, Plan
+from tautline.twin.map.plan import Channel, Plan
 from tautline.twin.signals.inputs import SLOW, InputTrack
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.rows import DELAY, Rows

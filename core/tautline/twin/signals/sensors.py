@@ -14,7 +14,7 @@ import numpy as np
 
 from tautline.scene.values.moments import stamp_said
 from tautline.twin.alarms import CLEAR
-from tautline.twin.map import Channel
+from tautline.twin.map.plan import Channel
 from tautline.twin.signals.smoothing import FIFTH
 
 SAME = 5

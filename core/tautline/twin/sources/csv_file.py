@@ -11,10 +11,11 @@ from pathlib import Path
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import SEPARATOR_LINE
 from tautline.scene.reading.text import LEGACY
-from tautline.twin.sources.lines import Lines, Row
 from tautline.twin.sources.record import Record, SourceStopped
 from tautline.twin.sources.strays import Strays
-from tautline.twin.sources.table import Header, has_end
+from tautline.twin.sources.table.cells import has_end
+from tautline.twin.sources.table.header import Header
+from tautline.twin.sources.table.lines import Lines, Row
 
 PATIENT = 0.5
 """Longest sleep while a row is waited for, s."""

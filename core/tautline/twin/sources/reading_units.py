@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from tautline.errors import TautlineError
-from tautline.scene.reading.columns import NO_UNIT, NUMBER, may_mark_thousands, unit_named
+from tautline.scene.reading.columns import NO_UNIT, unit_named
 from tautline.scene.values.unclear import several
 from tautline.scene.values.units import TABLE, Uncounted, Unit, UnknownUnit, converted, read_unit
 
@@ -153,62 +151,3 @@ def _by_gravity(stated: str, plain: str, written: Unit, wanted: Unit) -> tuple[f
 
 def _ratio(written: Unit, wanted: Unit) -> float:
     return float(written.factor / wanted.factor) * math.pi ** (written.turns - wanted.turns)
-
-
-@dataclass
-class Marks:
-    """Decimal marks of a column where commas do not separate cells.
-
-    Attributes
-    ----------
-    table, asked : dict of str
-        By mark, a cell that shows it to be decimal: of any column, and of the stamp and the columns of the map. Both
-        are the same for all columns.
-    decimal, unsure : dict of str
-        By mark, a cell of this column that shows it to be decimal, and one in which it may mark thousands as well.
-    """
-
-    table: dict[str, str] = field(default_factory=dict)
-    asked: dict[str, str] = field(default_factory=dict)
-    decimal: dict[str, str] = field(default_factory=dict)
-    unsure: dict[str, str] = field(default_factory=dict)
-
-    def take(self, cell: str, beside: Sequence[str] = (), asked: Sequence[str] = ()) -> tuple[bool, str]:
-        """Learn from a number what its mark means.
-
-        Gives whether the mark is taken as decimal, and what is to be said of it and of those before, empty for nothing.
-        Numbers `beside` it in its row, also in columns that nobody asks for, may show which mark is decimal. Where they
-        show both to be, such as a version `2.1` among decimal commas, only those that are `asked` for do.
-        """
-        mark, other = (",", ".") if "," in cell else (".", ",")
-        if mark in self.decimal:
-            return True, ""
-        if not may_mark_thousands(cell):
-            self.decimal[mark] = cell
-            self._learn([cell], self.table)
-            self._learn([cell], self.asked)
-            wrong = self.unsure.pop(other, "")
-            said = (
-                "the second may have a mark of thousands. Cells like it were read as decimals before, and may be wrong"
-            )
-            return True, f"'{cell}' and '{wrong}': {said}; from here on they are left out" if wrong else ""
-        self._learn(beside, self.table)
-        self._learn(asked, self.asked)
-        anywhere = self.asked if mark in self.table else self.table
-        shown = self.decimal.get(other) or anywhere.get(other)
-        before = shown or self.unsure.get(other)
-        if before is None:
-            self.unsure.setdefault(mark, cell)
-            return True, ""
-        one = "the second" if shown else "one of the two"
-        said = f"{one} may have a mark of thousands. Cells like the second are left out"
-        read = "; those before were read as decimals, and may be wrong" if mark in self.unsure else ""
-        return False, f"'{before}' and '{cell}': {said}{read}"
-
-    @staticmethod
-    def _learn(cells: Sequence[str], shown: dict[str, str]) -> None:
-        """Keep the marks that numbers show to be decimal."""
-        for cell in cells:
-            mark = "," if "," in cell else "."
-            if mark in cell and NUMBER.fullmatch(cell.replace(",", ".")) and not may_mark_thousands(cell):
-                shown.setdefault(mark, cell)

@@ -11,12 +11,13 @@ from typing import IO, Any
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import SEPARATOR_LINE
-from tautline.twin.sources.lines import Lines, Row
 from tautline.twin.sources.objects import ObjectReadings
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps
 from tautline.twin.sources.strays import Strays
-from tautline.twin.sources.table import Header, has_end
+from tautline.twin.sources.table.cells import has_end
+from tautline.twin.sources.table.header import Header
+from tautline.twin.sources.table.lines import Lines, Row
 
 MOST = 100_000
 """Records that may wait; beyond, the writer waits."""

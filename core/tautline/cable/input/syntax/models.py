@@ -37,10 +37,12 @@ from tautline.cable.input.syntax.entries import (
 from tautline.cable.input.syntax.nodal import NODAL
 from tautline.cable.input.syntax.plots import SubPlot
 from tautline.cable.input.syntax.solver import CableSolver
+from tautline.scene.choices.branches import Branch, OneOf
+from tautline.scene.choices.words import word
 from tautline.scene.extensions import load_extensions
 from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.limits import Limits
-from tautline.scene.model import Branch, Model, OneOf, Switch, Whole, word
+from tautline.scene.model import Model, Switch, Whole
 from tautline.scene.refusal import fault
 from tautline.scene.values.magnitude import SMALLEST
 from tautline.scene.values.quantity import quantity

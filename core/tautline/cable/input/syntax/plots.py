@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from tautline.cable.input.syntax.entries import Dof, Id, listed
-from tautline.scene.model import Model, word
+from tautline.scene.choices.words import word
+from tautline.scene.model import Model
 from tautline.scene.refusal import fault
 
 OF_CABLES = ("N", "kappa")

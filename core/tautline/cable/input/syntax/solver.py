@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from tautline.scene.choices.words import word
 from tautline.scene.methods import method_of
-from tautline.scene.model import Model, Switch, Whole, word
+from tautline.scene.model import Model, Switch, Whole
 from tautline.scene.refusal import fault
 from tautline.scene.solver import (
     METHODS,

@@ -43,9 +43,10 @@ from dataclasses import dataclass
 from tautline.scene.errors import shorten
 from tautline.scene.reading.columns import NO_UNIT
 from tautline.scene.reading.long_rows import NO_WORDS, STATES, filled, is_number_or_date, kind_of, shows_nothing
-from tautline.twin.sources.rows_in_doubt import RowInDoubt
 from tautline.twin.sources.stamps import heads, is_unit, number_of, stamp_of
-from tautline.twin.sources.table import Header, cells_of, separator_of
+from tautline.twin.sources.table.cells import cells_of, separator_of
+from tautline.twin.sources.table.header import Header
+from tautline.twin.sources.table.rows_in_doubt import RowInDoubt
 
 Row = tuple[float, Mapping[str, float]]
 """Stamp and readings by column."""

@@ -1,8 +1,7 @@
-"""Rows of a table with a header, cell by cell, as a CSV file or a stream of lines has them."""
+"""The header of a table, and its rows read by it, cell by cell, as a CSV file or a stream of lines has them."""
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections import Counter
@@ -23,50 +22,15 @@ from tautline.scene.reading.long_rows import (
     usual_kinds,
 )
 from tautline.scene.reading.time_columns import unit_of_time
-from tautline.scene.refusal import nearest
-from tautline.twin.sources.reading_units import Marks, OtherQuantity, factor_between
-from tautline.twin.sources.record import Later, NewHeader, NoColumn
-from tautline.twin.sources.rows_in_doubt import RowInDoubt, RowsBefore
-from tautline.twin.sources.stamps import Stamps, heads, is_unit, is_unit_of_time, number_of, stamp_column, stamp_of
+from tautline.twin.sources.record import Later, NewHeader
+from tautline.twin.sources.stamps import heads, is_unit, is_unit_of_time, number_of, stamp_column, stamp_of
+from tautline.twin.sources.table.cells import cells_of, separator_of, titles_of
+from tautline.twin.sources.table.columns import Columns, Wanted, places_of
+from tautline.twin.sources.table.numbers import Numbers
+from tautline.twin.sources.table.rows_in_doubt import RowInDoubt, RowsBefore
 
-SEPARATORS = ";\t,"
 FEW = 10
 """Of so many rows, one that is shorter than most broke off."""
-
-
-def has_end(line: str) -> bool:
-    """Whether a line, as it was read, has a line end: one that has none may go on in what is not there yet."""
-    return line.endswith(("\n", "\r"))
-
-
-def separator_of(line: str) -> str:
-    """What separates the cells of a header: a comma before a blank only where nothing else does: ``t, s;x, N``."""
-    counts = {mark: line.count(mark) - (line.count(", ") if mark == "," else 0) for mark in SEPARATORS}
-    return max(SEPARATORS, key=counts.__getitem__) if any(counts.values()) else ","
-
-
-def titles_of(line: str, separator: str) -> list[str]:
-    """Cells of a header: a separator at its end makes no column."""
-    titles = cells_of(line, separator)
-    while titles and not titles[-1]:
-        titles.pop()
-    return titles
-
-
-def cells_of(line: str, separator: str) -> list[str]:
-    """Cells of a line, without spaces around them."""
-    try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
-    except csv.Error:  # a cell of more than 100,000 letters
-        return []
-
-
-def _are_alike(one: str, other: str) -> bool:
-    """Whether two units are the same, however they are written."""
-    try:
-        return one == other or factor_between(one, other) == 1.0
-    except OtherQuantity:
-        return False
 
 
 class Header:
@@ -112,14 +76,14 @@ class Header:
         self, line: str, columns: Sequence[str], time: str, where: str, units: Mapping[str, str] | None = None,
         notes: list[str] | None = None, number: int = 1, below: Sequence[Sequence[str]] = (),
     ) -> None:  # fmt: skip
-        self._given, self._line, self._number_of_line = (columns, time, where, units), line, number
+        self._wanted = Wanted(columns, time, where, units or {})
+        self._line, self._number_of_line = line, number
         # Whether the next line may have its units: no row was read by it. And whether rows came before it.
         self._bare, self._behind, self._below = not below, False, below
         self._kept = False  # whether the units below are of the same titles before: others take their place
         self.separator = separator_of(line)
         titles = self.titles = titles_of(line, self.separator)
         self.columns, self.where = columns, where
-        self.names, self.units = heads(titles)
         self.width = self._before = len(titles)
         self._cells = max(len(cells_of(line, self.separator)), 1)  # with those that have no title, at its end
         self.notes: list[str] = [] if notes is None else notes
@@ -131,96 +95,11 @@ class Header:
         self.doubted: RowInDoubt | None = None
         # Whether a whole row had a time of the day, and whether words were in the first cell beyond the header.
         self._whole_times = self._status = False
-        self._marks: dict[str, Marks] = {}  # by column
         self._told: set[str] = set()  # what is said once, of this header and those behind it
-        self._stamps = Stamps(time, self.notes, columns)
-        stamp = self._stamps.column(self.names) or self._stamps.column(titles) or self._stamps.timed(self.names)
-        problems = []
-        if stamp is None:
-            cause = f"there is no column '{time}'" if time else "there is no column of time"
-            cure = nearest(time, sorted(self.names)) if time else "call it `time`, or name it in the map under `time:`"
-            problems.append(Problem(where, number, "", None, cause, cure))
-        self.places: dict[str, int] = {}
-        self.factors: dict[str, float] = {}
-        if stamp is not None:
-            problems += self._twice(stamp, titles, where, number)
-            self.stamp = self._places(stamp, titles)[0]
-            problems += self._other_units(stamp, self.stamp)
-            if dated := self._stamps.dated(stamp, self.names):
-                problems.append(Problem(where, number, "", None, *dated))
-        for column in columns:
-            problems += self._twice(column, titles, where, number) if column != stamp else []
-            place = next(iter(self._places(column, titles)), None)
-            if place is None:
-                cure = nearest(column, sorted(name for name in self.names if name))
-                problems.append(NoColumn(where, number, "", None, f"there is no column '{column}'", cure, column))
-            elif others := self._other_units(column, place):
-                problems += others
-            else:
-                self.places[column] = place
-                try:
-                    self.factors[column] = self._factor(column, self.units[place], (units or {}).get(column))
-                except OtherQuantity as error:
-                    asked = (units or {})[column]
-                    cause = (
-                        f"its unit is [{self.units[place]}], and the map says {asked}: '{self.units[place]}' {error}"
-                    )
-                    cure = f"correct `unit` of this column in the map, or write [{asked}] in the header"
-                    problems.append(Problem(where, number, f"column '{column}'", None, cause, cure))
-        if problems:
-            raise SceneError(problems)
-        self.factor = self._stamps.factor_of(self.names[self.stamp] or titles[self.stamp], self.units[self.stamp])
-
-    def _places(self, column: str, titles: Sequence[str]) -> list[int]:
-        """Where a column is, by its name or by its whole title, ``rope [kN]``."""
-        return [i for i, (one, name) in enumerate(zip(titles, heads(titles)[0], strict=True)) if column in (one, name)]
-
-    def _twice(self, column: str, titles: Sequence[str], where: str, number: int) -> list[Problem]:
-        """That a column is there more than once: nothing shows which of them is meant."""
-        places = self._places(column, titles)
-        if len(places) < 2:
-            return []
-        shown = ", ".join(f"cell {i + 1} ('{titles[i]}')" for i in places)
-        cause = f"there are {len(places)} columns '{column}' in the header: {shown}"
-        return [Problem(where, number, "", None, cause, "give each column a name of its own")]
-
-    def _other_units(self, column: str, place: int) -> list[Problem]:
-        """Take the unit of a column from the lines below the header; faults where two of these lines differ."""
-        for line in self._below:
-            one, before = line[place] if place < len(line) else "", self.units[place]
-            if one and place == self.stamp:
-                one, before = self._time_below(one), unit_of_time(before) or before
-            if not one:
-                continue
-            if before and not _are_alike(before, one):
-                cause = f"the unit is [{before}] in the header and {one} in the line below it"
-                where, number = self._given[2], self._number_of_line
-                return [Problem(where, number, f"column '{column}'", None, cause, "give one of both")]
-            self.units[place] = one
-        return []
-
-    @staticmethod
-    def _time_below(cell: str) -> str:
-        """A unit of time below a header; empty for anything else: in the place of the stamp it may say anything.
-
-        `m` stays: metres are no times, and minutes or months are not clear.
-        """
-        if cell.casefold() == "m":
-            return cell
-        return unit_of_time(cell) or (cell if is_unit_of_time(cell) else "")
-
-    def _factor(self, column: str, header: str, asked: str | None) -> float:
-        """What readings of a column are multiplied by; 1 where the header or nobody gives a unit."""
-        if asked is None:
-            return 1.0
-        factor = factor_between(header, asked)
-        if factor is None:
-            said = f"its readings are taken in {asked}" if asked else "its readings are taken in SI units"
-            why = "which is no known unit" if asked else "and the map gives no unit"
-            note = f"column '{column}' has the unit [{header}] in the header, {why}: {said}"
-            self.notes += [note] if note not in self.notes else []
-            return 1.0
-        return factor
+        found = Columns(titles, self._wanted, number, below, self.notes)
+        self.names, self.units, self.stamp, self.factor = found.names, found.units, found.stamp, found.factor
+        self.places, self.factors, self._stamps = found.places, found.factors, found.stamps
+        self._numbers = Numbers(self.separator, (self.stamp, *self.places.values()), self.tell_once)
 
     def next_header(self, line: str, number: int, whole: bool = True) -> Header | None:
         """The header that a line is, from which on rows are read by it; None for a line that is none.
@@ -239,7 +118,7 @@ class Header:
         whole : bool
             Whether it ends: half a line is none.
         """
-        where = self._given[2]
+        where = self.where
         if self._has_stamp(line):
             return None
         if whole and (below := self._units_in(line)):
@@ -262,7 +141,7 @@ class Header:
                 self._later = later
             return self if sure else None
         found._behind = True
-        found._told, found._marks = self._told, self._marks
+        found._told, found._numbers.marks = self._told, self._numbers.marks
         if found.titles == self.titles:
             found.offsets = self.offsets
             if found._cells == self._cells:
@@ -277,9 +156,8 @@ class Header:
 
         A logger may write its titles on each page, and the units below them once.
         """
-        columns, time, where, units = self._given
         same = titles_of(line, separator_of(line)) == self.titles
-        found = Header(line, columns, time, where, units, self.notes, number, self._below if same else ())
+        found = Header(line, *self._wanted, self.notes, number, self._below if same else ())
         found._bare, found._kept = True, same and bool(self._below)
         return found
 
@@ -336,7 +214,7 @@ class Header:
         known = sum(is_unit(one) for one in words)
         if not self._bare or len(cells) > self.width + 1 or 2 * known <= len(words):
             return []
-        if {*cells}.issuperset(self._given[0]) or not all(math.isnan(number_of(one)) for one in cells):
+        if {*cells}.issuperset(self.columns) or not all(math.isnan(number_of(one)) for one in cells):
             return []
         return cells
 
@@ -348,19 +226,18 @@ class Header:
         SceneError
             Where they cannot be, and no row came before. Else `read` raises at the next row.
         """
-        columns, time, where, units = self._given
         lines = [below] if self._kept else [*self._below, below]
         try:
-            found = Header(self._line, columns, time, where, units, self.notes, self._number_of_line, lines)
+            found = Header(self._line, *self._wanted, self.notes, self._number_of_line, lines)
         except SceneError as error:
             if not self._behind:
                 raise
             self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
             return self
-        found._told, found._marks, found._behind, found.offsets = self._told, self._marks, self._behind, self.offsets
-        found.before = self.before
+        found._told, found._numbers.marks, found._behind = self._told, self._numbers.marks, self._behind
+        found.offsets, found.before = self.offsets, self.before
         if self._kept and self._way != found._way:
-            self.notes.append(f"{where}:{number}: other units than before. Rows from here on are read by them")
+            self.notes.append(f"{self.where}:{number}: other units than before. Rows from here on are read by them")
         return found
 
     def _described(self, line: str, number: int, told: bool) -> Header | None:
@@ -374,7 +251,7 @@ class Header:
         SceneError
             As for a line of units.
         """
-        columns, _, where, _ = self._given
+        columns, where = self.columns, self.where
         cells = cells_of(line, self.separator)
         names, units = heads(cells)
         if self._begun or len(cells) != self.width or not {*names, *cells}.isdisjoint(columns):
@@ -383,7 +260,7 @@ class Header:
             return None  # its columns are in another order
         if not all(math.isnan(number_of(one)) for one in cells):
             return None
-        asked = self._given[3] or {}
+        asked = self._wanted.units
         known = list(units)
         if line == line.upper():  # in a line of capitals [KN] is the header's [kN], or that of the map
             own = {place: (self.units[place], asked.get(name, "")) for name, place in self.places.items()}
@@ -415,7 +292,7 @@ class Header:
         than the header and no stamp is in doubt: a remark may read `stop [s], crane 2`. But where all its cells have
         units, one of them of time, it is a header.
         """
-        columns, *_ = self._given
+        columns = self.columns
         separator = separator_of(line)
         titles = titles_of(line, separator)
         found, units = heads(titles)
@@ -446,7 +323,7 @@ class Header:
 
     def _are_moved(self, titles: Sequence[str]) -> bool:
         """Whether as many cells as this header has name columns of the map in other places than it does."""
-        moved = any(self._places(column, titles) != [place] for column, place in self.places.items())
+        moved = any(places_of(column, titles) != [place] for column, place in self.places.items())
         return len(titles) == self.width and moved
 
     def _is_named(self, titles: Sequence[str]) -> bool:
@@ -495,7 +372,7 @@ class Header:
             self._refuse_doubtful(cells[self.stamp])
             stamp = self._stamps.read(name, cells[self.stamp], self.factor)
             cell = cells[self.stamp]
-            if not math.isnan(number_of(cell)) and math.isnan(self._number(name, cell, cells)):
+            if not math.isnan(number_of(cell)) and math.isnan(self._numbers.read(name, cell, cells)):
                 stamp = math.nan  # it may be one of thousands
         doubtful = self._later is not None and self._is_in_doubt(line, count, math.isfinite(stamp))
         if math.isfinite(stamp) and number > self._cells:
@@ -528,7 +405,7 @@ class Header:
     def _values(self, cells: Sequence[str]) -> dict[str, float]:
         """Readings by column; NaN where there is none."""
         return {
-            name: self.factors[name] * self._number(name, cells[place], cells) if place < len(cells) else math.nan
+            name: self.factors[name] * self._numbers.read(name, cells[place], cells) if place < len(cells) else math.nan
             for name, place in self.places.items()
         }
 
@@ -558,7 +435,7 @@ class Header:
         if math.isfinite(self.factor) or math.isnan(number_of(cell)):
             return
         cause, cure = self._stamps.unclear(self.titles[self.stamp])
-        refused = SceneError([Problem(self._given[2], self._number_of_line, "", None, cause, cure)])
+        refused = SceneError([Problem(self.where, self._number_of_line, "", None, cause, cure)])
         raise NewHeader(refused) if self._behind else refused
 
     def _has_remark(self, line: str, cells: Sequence[str]) -> bool:
@@ -592,7 +469,7 @@ class Header:
         SceneError
             Where no row was read yet: by such a header none can be.
         """
-        where, number = self._given[2], filled(cells)
+        where, number = self.where, filled(cells)
         if self.separator == "," and has_half_a_second(cells, self.stamp):
             self._told.add("half")  # seconds have a comma here: a stamp without one is that of a whole second
         cause = f"the row '{shorten(line)}' fills {number} cells, and the header has {self._cells}"
@@ -657,42 +534,3 @@ class Header:
         cells = titles_of(line, self.separator)
         numbers = len(cells) > 1 and not any(math.isnan(number_of(one)) for one in cells)
         return another and not later.sure and numbers
-
-    def _number(self, name: str, cell: str, beside: Sequence[str]) -> float:
-        """A cell's number; NaN for one with a comma or a point that may be a mark of thousands.
-
-        So it is with a comma in a table that commas separate; and in a table that has both, where the first is taken.
-        `beside` are all cells of the row.
-        """
-        if self.separator != ",":
-            return number_of(cell) if self._is_of_one_mark(name, cell, beside) else math.nan
-        if "," not in cell:
-            return number_of(cell)
-        self.tell_once(
-            "comma",
-            f"column '{name}' has cells such as \"{cell}\". In a table with commas between its cells this may be a "
-            "mark of thousands or a decimal comma. Such cells are left out: write numbers without marks of "
-            "thousands and with a decimal point, or put ; between the cells if these are decimal commas",
-        )
-        return math.nan
-
-    def _is_of_one_mark(self, name: str, cell: str, beside: Sequence[str]) -> bool:
-        """Whether the mark of a cell, if any, is taken as decimal; tells once where the table leaves that in doubt.
-
-        `999.5` shows that its mark is decimal, in any column, and `1,001` shows nothing: where the other mark came
-        before, or is beside it, it is left out until a cell shows its mark to be decimal, too. Then other columns that
-        nobody asks for show nothing more.
-        """
-        if not ("," in cell or "." in cell) or math.isnan(number_of(cell)):
-            return True
-        marks = self._marks.get(name)
-        if marks is None:
-            same = next(iter(self._marks.values()), Marks())
-            marks = self._marks[name] = Marks(same.table, same.asked)
-        asked = [beside[place] for place in (self.stamp, *self.places.values()) if place < len(beside)]
-        decimal, note = marks.take(cell, beside, asked)
-        if note:
-            self.tell_once(
-                "marks", f"column '{name}' has cells such as {note}: write numbers without marks of thousands"
-            )
-        return decimal

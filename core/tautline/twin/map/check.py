@@ -1,312 +1,29 @@
-"""The map of a twin: which sensor is which input or output, what is estimated, what is watched."""
+"""A map checked against a scene: texts become numbers in SI, and what is wrong is told by line, key and cure."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Collection, Mapping, Sequence
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-import pydantic
 from pydantic_core import PydanticCustomError
 
 from tautline.live.errors import UnknownName
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import Problem, SceneError
-from tautline.scene.model import Model, Scene, Switch, word
-from tautline.scene.refusal import meant, nearest, refusal
-from tautline.scene.values.printed import quantity as printed
-from tautline.scene.values.printed import significant
-from tautline.scene.values.quantity import Quantity, quantity
+from tautline.scene.refusal import meant, nearest
+from tautline.scene.values.quantity import Quantity
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
-from tautline.system.handles import PART
-from tautline.twin.map_faults import other_quantity, outside
+from tautline.twin.map.faults import other_quantity, outside
+from tautline.twin.map.file import Estimate, Sensor, TwinMap, Watch, Written, driven_by
+from tautline.twin.map.names import Names, names_of
+from tautline.twin.map.plan import Alarm, Channel, Plan, Unknown
 
-Seconds = Annotated[float, quantity("s", positive=True)]
-Wait = Annotated[float, quantity("s", nonnegative=True)]
-Written = pydantic.StrictBool | float | str
-"""A number, or a text with a unit; it is read when the quantity that it belongs to is known. True is told as none."""
 TIMES_SD = re.compile(r"\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*sd\s*")
 PER_CENT = re.compile(r"\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*%\s*")
 WINDOW = 3.0
 """Of the estimate, s, where the map gives none and the application's operation none either."""
-OFFSET = "offset "
-"""Begins the name of an estimated offset: ``offset winch.tension``."""
-
-
-class Sensor(Model):
-    """A column of the data, and what it is in the scene.
-
-    ``value = scale * (reading - zero)``, both in the unit of the column; so are `sd` and `range` without a unit. A
-    `signal` is what only the application asks for, to know what the machine is at: the flow of a rig's pumps.
-    """
-
-    column: str
-    unit: str = ""
-    input: str | None = None
-    output: str | None = None
-    signal: str | None = None
-    sd: Written | None = None
-    scale: float = 1.0
-    zero: Annotated[float | Literal["first"], pydantic.Field(union_mode="left_to_right")] = 0.0
-    range: tuple[Written, Written] | None = None
-    forecast: Annotated[Literal["hold", "waves"] | None, word("hold", "waves")] = None
-    lost_after: Seconds | None = None
-
-    @pydantic.model_validator(mode="after")
-    def _one_of(self) -> Sensor:
-        kinds = {"input": self.input, "output": self.output, "signal": self.signal}
-        given = [name for name, value in kinds.items() if value is not None]
-        if not given:
-            cure = (
-                "write what the column is in the scene, as input: or output:, or signal: for what the application reads"
-            )
-            raise refusal("gives none of input, output and signal", cure)
-        if len(given) > 1:
-            raise refusal(f"gives {' and '.join(given)}", "a column is one of them: keep one")
-        if self.scale == 0.0 or not math.isfinite(self.scale):
-            cure = "give the factor by which readings are multiplied, such as -1"
-            raise refusal(f"has a scale of {self.scale:g}, by which no reading can be multiplied", cure)
-        return self
-
-    @property
-    def kind(self) -> Literal["input", "output", "signal"]:
-        """The key that says what it is in the scene."""
-        return "input" if self.input is not None else "output" if self.output is not None else "signal"
-
-    @property
-    def name(self) -> str:
-        """What it measures in the scene."""
-        return self.input or self.output or self.signal or ""
-
-
-class Estimate(Model):
-    """A number that is not known: a parameter of the scene, or the offset of a sensor."""
-
-    parameter: str | None = None
-    offset: str | None = None
-    start: Written | None = None
-    sd: Written
-    range: tuple[Written, Written] | None = None
-    drift: Written = 0.0
-
-    @pydantic.model_validator(mode="after")
-    def _one_of(self) -> Estimate:
-        if (self.parameter is None) == (self.offset is None):
-            raise refusal(
-                "needs either parameter or offset", "name a parameter of the scene, or the output of a sensor"
-            )
-        return self
-
-    @property
-    def name(self) -> str:
-        """Its name in the lines that come out."""
-        return self.parameter or OFFSET + (self.offset or "")
-
-
-class Watch(Model):
-    """Something that raises an alarm."""
-
-    output: str | None = None
-    residual: str | None = None
-    above: Written | None = None
-    below: Written | None = None
-    ahead: Wait = 0.0
-    for_: Wait = pydantic.Field(0.0, alias="for")
-    name: str = ""
-
-    @pydantic.model_validator(mode="after")
-    def _sound(self) -> Watch:
-        if (self.output is None) == (self.residual is None):
-            raise refusal("needs either output or residual", "name an output, or the residual of a sensor")
-        if self.above is None and self.below is None:
-            raise refusal("has no bound", "write above: or below:")
-        if self.residual is not None and self.ahead:
-            raise refusal("looks ahead at a residual", "there is none before the data are there: leave out `ahead`")
-        return self
-
-
-class TwinMap(Scene):
-    """The whole file."""
-
-    sensors: Annotated[list[Sensor], pydantic.Field(min_length=1)]
-    time: str = ""
-    estimate: tuple[Estimate, ...] = ()
-    window: Seconds | None = None
-    delay: Wait | None = None
-    watch: tuple[Watch, ...] = ()
-    keep: tuple[str, ...] = ()
-    lost: Seconds = 5.0
-    forecast_every: Seconds = 0.5
-    restrict: Switch | None = None
-    run_in: Seconds = 10.0
-    ahead: Wait = 2.0
-
-
-class Names(pydantic.BaseModel):
-    """Names and units of a simulation: all that a map can refer to.
-
-    Attributes
-    ----------
-    limits : tuple of Watch
-        Limits that the scene gives itself, as far as a twin can watch them.
-    unwatched : tuple of str
-        Names of those that it cannot: of figures of a whole run, and of single numbers of an array.
-    rivals : dict of str to list of str
-        Inputs that drive the same as another one does, as a winch's place and its speed, by its name.
-    judged_by : dict of str to (str, str)
-        Outputs that are watched in place of others, above and below a bound, as the limits of a scene are judged.
-    """
-
-    inputs: dict[str, str]
-    outputs: dict[str, str]
-    shapes: dict[str, tuple[int, ...]]
-    parameters: dict[str, str]
-    limits: tuple[Watch, ...] = ()
-    unwatched: tuple[str, ...] = ()
-    rivals: dict[str, list[str]] = {}
-    judged_by: dict[str, tuple[str, str]] = {}
-
-    def elements(self, read: TwinMap) -> dict[str, str]:
-        """Units of the single numbers of arrays that a map names, such as ``tip.position[0]``, by name."""
-        outputs = [*(one.output for one in read.sensors), *(one.output for one in read.watch), *read.keep]
-        found = {}
-        for name in outputs:
-            parts = PART.fullmatch(name or "")
-            shape = self.shapes.get(parts[1], ()) if parts else ()
-            at = [int(place) for place in parts[2].split(",")] if parts else []
-            if parts and len(at) == len(shape) and all(place < size for place, size in zip(at, shape, strict=True)):
-                found[parts[0]] = self.outputs[parts[1]]
-        return found
-
-
-class Channel(pydantic.BaseModel):
-    """A sensor with its numbers in SI.
-
-    Attributes
-    ----------
-    sd : float
-        Standard deviation, SI; with `relative` a share of what is computed; NaN where none is given.
-    scale, zero : float
-        ``value = scale * (reading - zero)``: SI out of a reading in the column's unit.
-    low, high : float
-        What the sensor can show, SI.
-    column_unit, factor : str, float
-        Unit that the map gives the column, and how many SI units it is; empty and 1 where it gives none.
-    """
-
-    model_config = pydantic.ConfigDict(frozen=True)
-    column: str
-    name: str
-    is_input: bool
-    is_output: bool = True
-    unit: str
-    scale: float
-    zero: float
-    zero_first: bool
-    sd: float
-    relative: bool
-    low: float
-    high: float
-    waves: bool
-    lost_after: float
-    column_unit: str = ""
-    factor: float = 1.0
-
-    @property
-    def is_set(self) -> bool:
-        """Whether it drives the simulation as a speed or a torque that a machine is set to, and stays at."""
-        return self.is_input and (self.unit.endswith("/s") or self.unit == "N m")
-
-    def told(self, value: float) -> str:
-        """A value, SI, in words: in the column's unit."""
-        if not self.column_unit:
-            return printed(float(value), self.unit)
-        return f"{significant(float(value) / self.factor)} {self.column_unit}"
-
-    @property
-    def shown(self) -> tuple[float, float]:
-        """Its range in the column's unit: what readings can be; infinite where the first of them says what is zero."""
-        if self.zero_first:
-            return -math.inf, math.inf
-        low, high = (one / self.scale + self.zero for one in (self.low, self.high))
-        return min(low, high), max(low, high)
-
-
-class Unknown(pydantic.BaseModel):
-    """A quantity that is estimated, in SI."""
-
-    model_config = pydantic.ConfigDict(frozen=True)
-    name: str
-    target: str
-    is_offset: bool
-    unit: str
-    start: float
-    sd: float
-    low: float
-    high: float
-    drift: float
-
-
-class Alarm(pydantic.BaseModel):
-    """A bound on an output or a residual, in SI; a bound on a residual may be a multiple of its standard deviation."""
-
-    model_config = pydantic.ConfigDict(frozen=True)
-    name: str
-    target: str
-    is_residual: bool
-    above: float
-    below: float
-    times_sd: bool
-    ahead: float
-    lasting: float
-    unit: str
-
-
-class Plan(pydantic.BaseModel):
-    """A map that was checked against a scene: everything in SI."""
-
-    channels: list[Channel]
-    unknowns: list[Unknown]
-    alarms: list[Alarm]
-    keep: list[str]
-    time: str
-    window: float
-    delay: float | None
-    lost: float
-    forecast_every: float
-    restrict: bool
-    run_in: float
-    ahead: float
-
-    @property
-    def inputs(self) -> list[Channel]:
-        """Sensors that drive the scene."""
-        return [one for one in self.channels if one.is_input]
-
-    @property
-    def measured(self) -> list[Channel]:
-        """Sensors that are compared with the scene."""
-        return [one for one in self.channels if one.is_output]
-
-
-def read_map(path: str | Path | Mapping[str, Any]) -> TwinMap:
-    """Read a map from a file, a YAML text or a dict.
-
-    Raises
-    ------
-    SceneError
-        Listing every fault with its line, key and cure.
-    """
-    from tautline.scene.reading.source import document_of
-
-    return TwinMap.read(document_of(path, None))
-
-
-def driven_by(read: TwinMap) -> list[str]:
-    """Names of the inputs that a map drives."""
-    return [sensor.input for sensor in read.sensors if sensor.input is not None]
 
 
 def plan_of(
@@ -609,50 +326,8 @@ def _sides(one: Watch) -> list[str]:
     return [side for side in ("above", "below") if getattr(one, side) is not None]
 
 
-def watches_of(bounds: Sequence[Any], outputs: Collection[str]) -> tuple[list[Watch], list[str]]:
-    """Limits of a scene as entries of ``watch``, and the names of those that no twin can watch.
-
-    Parameters
-    ----------
-    bounds : sequence of tautline.results.assessment.bounds.Bound
-    outputs : collection of str
-        Names of what can be read while a simulation runs.
-    """
-    from tautline.results.assessment.limits import AT_MOST
-
-    entries = [
-        Watch.model_validate({
-            "output": one.output, "above" if one.sense == AT_MOST else "below": one.limit, "for": one.lasting,
-            "name": one.name,
-        })
-        for one in bounds if one.of_frames and one.output in outputs
-    ]  # fmt: skip
-    kept = {one.name for one in entries}
-    return entries, [one.name for one in bounds if one.name not in kept]
-
-
 def _is_number(text: str) -> bool:
     try:
         return math.isfinite(float(text))
     except ValueError:
         return False
-
-
-def names_of(sim: Simulation) -> Names:
-    """Names and units of what a simulation has."""
-
-    def units(told: Mapping[str, Any]) -> dict[str, str]:
-        return {name: one["unit"] for name, one in told.items()}
-
-    outputs = sim.outputs.describe()
-    limits, unwatched = watches_of(sim.model.bounds, outputs)
-    return Names(
-        limits=tuple(limits),
-        unwatched=tuple(unwatched),
-        inputs=units(sim.inputs.describe()),
-        rivals={name: others for name in sim.inputs if (others := sim.inputs.rivals(name))},
-        outputs=units(outputs),
-        parameters=units(sim.parameters.describe()),
-        shapes={name: tuple(one["shape"]) for name, one in outputs.items()},
-        judged_by={name: one.judged_by for name, one in sim.outputs.handles.items() if all(one.judged_by)},
-    )

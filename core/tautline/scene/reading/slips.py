@@ -1,0 +1,44 @@
+"""Slips of the pen that make a key, in YAML, of what was meant as a value: a decimal comma, and a missing blank."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+AFTER_COMMA = re.compile(r"[0-9]+([eE][+-]?[0-9]+)?(\s+\S.*|[^\W\d].*|\s*%)?", re.ASCII)
+"""What stands behind a decimal comma: digits, and a unit."""
+WITHOUT_BLANK = re.compile(r"([^\W\d]\w*):(\S.*)")
+"""A key and its value with no blank behind the colon: in braces YAML reads all of it as a key."""
+
+
+def without_blank(known: Sequence[str], key: str) -> tuple[str, str]:
+    """Key and cure of ``step:5 ms`` in braces, where all of it is read as a key; empty for one that is not `known`."""
+    parts = WITHOUT_BLANK.fullmatch(key)
+    if parts is None or parts[1] not in known:
+        return "", ""
+    return parts[1], f"a blank is missing after the colon: write {parts[1]}: {parts[2]}"
+
+
+def decimal_comma(data: Any, key: str) -> tuple[str, str]:
+    """What to write for ``friction: 0,25``, which in braces is the key friction with 0, and the key 25 with nothing.
+
+    Returns
+    -------
+    cure, before : str
+        Empty where it is no decimal comma. `before` is the key in front: of ``-0`` its value has lost the sign, which
+        the document still has.
+    """
+    after = AFTER_COMMA.fullmatch(key)
+    if after is None or not isinstance(data, dict) or data.get(key, data) is not None:
+        return "", ""
+    keys = list(data)
+    before = data[keys[keys.index(key) - 1]] if keys.index(key) > 0 else None
+    whole = isinstance(before, int) and not isinstance(before, bool)
+    if not whole and not (isinstance(before, str) and re.fullmatch(r"-0+", before)):
+        return "", ""
+    name = str(keys[keys.index(key) - 1])
+    cure = f"is it a decimal comma? Write {before}.{key} with a point, for {name}"
+    if re.match(r"\d{3}(?!\d)", key) and re.fullmatch(r"-?[1-9]\d{0,2}", str(before)):
+        cure += f". Does it mark thousands? Then write {before}{key}"
+    return cure, name
