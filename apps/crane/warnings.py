@@ -19,6 +19,7 @@ from crane.assembly.prepared import compensation_of
 from crane.geometry.quaternion import quaternion_of
 from crane.results.drawn_askew import drawn_askew
 from crane.results.limits import LEAST_RATIO
+from crane.results.narrow_bights import narrow_bights
 from crane.results.slack_feet import foreseen
 from crane.scene.carried import idle
 from crane.scene.keys import where
@@ -76,7 +77,8 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
-        *_sheaves(scene), *_steps(found), *_mesh(found), *foreseen(found), *_undamped(scene), *_compression(scene),
+        *_sheaves(scene), *_steps(found), *_mesh(found), *foreseen(found), *narrow_bights(found),
+        *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),

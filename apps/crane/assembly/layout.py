@@ -209,6 +209,7 @@ def _laid_out(scene: CraneScene, motion: FrameMotion) -> tuple[Layout, list[Whee
     _refuse_load_above(scene, wheels)
     path = _reeved(scene, wheels)
     _refuse_short(scene, path)
+    _refuse_loose(scene, path)
     builder = _Builder(scene, frames, entries, requests)
     records = np.zeros(len(wheels), WHEEL).view(np.recarray)
     for i, (wheel, k) in enumerate(zip(wheels, on, strict=True)):
@@ -452,3 +453,15 @@ class _Builder:
             else:
                 arms = np.subtract(drawn, self.frames[k].pivot).tolist()
                 self.masters[place + c] = [(f + c, 1.0), *((f + 3 + 3 * j + c, arms[j]) for j in range(AXES))], 0.0
+
+
+def _refuse_loose(scene: CraneScene, path: Path) -> None:
+    """Refuse to look for the rest of a rope that neither gravity nor its own tension gives a shape."""
+    length, way = scene.rope.length, float(path.chords.sum())
+    if length is None or any(scene.gravity) or scene.start != "static" or length < way:
+        return
+    cause = (
+        f"{length:.6g} m of rope are slack along the path of {way:.6g} m, and without gravity slack rope has no rest"
+    )
+    cure = f"give less than {way:.6g} m, or give gravity, or start: as drawn"
+    raise SceneError([scene.problem("rope.length", cause, cure)])

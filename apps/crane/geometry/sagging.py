@@ -14,6 +14,8 @@ STATIONS = 400
 """Points at which the length of a parabola is measured."""
 PLUMB = 1.0e-9
 """Level over upright distance below which a rope hangs plumb."""
+ASIDE = 1.0e-3
+"""Share of its length by which the ends of a slack rope are drawn apart where they are plumb above one another."""
 ROUNDS, HALVINGS = 8, 60
 """By which a catenary finds its stretch, and its shape."""
 
@@ -47,8 +49,11 @@ def sagging(ends: np.ndarray, length: float, count: int, weight: np.ndarray, sti
     load = float(np.linalg.norm(weight))
     across = float(np.linalg.norm(weight - (weight @ e) * e))
     share = np.linspace(0.0, 1.0, STATIONS + 1)
-    if load == 0.0 or across <= 1.0e-9 * load:
-        # It hangs along its chord; what is too long of it finds its own way.
+    plumb = across <= PLUMB * load
+    if plumb and load > 0.0 and length > distance:
+        return _bight(ends, length, count, weight, stiffness)
+    if load == 0.0 or plumb:
+        # It hangs along its chord.
         level = max(0.0, stiffness * (distance / length - 1.0))
         return Sag(ends[0] + np.linspace(0.0, 1.0, count + 1)[:, None] * chord, _ends(level, e, weight * length))
 
@@ -73,6 +78,17 @@ def sagging(ends: np.ndarray, length: float, count: int, weight: np.ndarray, sti
     at = np.linspace(0.0, along[-1], count + 1)
     points = np.column_stack([np.interp(at, along, line[:, c]) for c in range(3)])
     return Sag(points, _ends(pull(sag), e, weight * length))
+
+
+def _bight(ends: np.ndarray, length: float, count: int, weight: np.ndarray, stiffness: float) -> Sag:
+    """Slack rope between two points that are plumb above one another: that of points a little aside, drawn together.
+
+    Along its chord the rope would stand pressed together, from where no search finds down to a bight.
+    """
+    side = np.cross(weight, np.eye(3)[np.argmin(np.abs(weight))])
+    aside = ASIDE * length * side / np.linalg.norm(side)
+    drawn = sagging(ends + np.array([np.zeros(3), aside]), length, count, weight, stiffness)
+    return drawn._replace(points=drawn.points - np.linspace(0.0, 1.0, count + 1)[:, None] * aside)
 
 
 def _ends(pull: float, e: np.ndarray, weight: np.ndarray) -> np.ndarray:

@@ -226,8 +226,12 @@ def _ground(scene: Scene) -> Iterator[Fault]:
 
 
 def _start(scene: Scene) -> Iterator[Fault]:
-    if scene.start == "static" and not any(scene.gravity):
-        yield ("start",), "there is no rest to be found without gravity", "give gravity, or start: as drawn"
+    if scene.start != "static" or any(scene.gravity):
+        return
+    # A rope between fixed places that is shorter than its path pulls itself straight.
+    if scene.bodies or scene.rope.length is None:
+        cause = "there is no rest to be found without gravity"
+        yield ("start",), cause, "give gravity, or start: as drawn"
 
 
 def _level(scene: Scene) -> Iterator[Fault]:

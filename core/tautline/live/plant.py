@@ -39,6 +39,9 @@ STENCIL = ((1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0))
 """Central differences of fourth order: steps, and the weight of the difference over each."""
 SMALL = 1.0e-5
 """Step of differences, m or rad, and the same times a frequency for speeds."""
+STEPS = SMALL, SMALL, 1.0
+"""Steps of the residual's differences along positions, m or rad, speeds and accelerations. It is linear in the last of
+these: any step is right, and a small one would leave the rounding of the elastic forces, which grows with stiffness."""
 FINER, FINEST = 0.1, 1.0e-5
 """By how much a step is made smaller where it meets a kink, and share of the first one that it stays above."""
 KINK = 1.0e-4
@@ -180,6 +183,7 @@ class _Linearisation:
         self.told = outputs
         self.inputs: list[Input] = [sim.inputs.handle(name) for name in self.names]
         self.outputs: list[Output] = [sim.outputs.handle(name) for name in outputs]
+        self._refuse_rivals(sim)
         self._refuse_sums()
         self.sim = sim.copy()
         self.system, self.state, self.t = self.sim.model.system, self.sim.parts.state, sim.time
@@ -207,6 +211,13 @@ class _Linearisation:
                 "frequencies well above that change",
                 stacklevel=4,
             )
+
+    def _refuse_rivals(self, sim: Any) -> None:
+        """Refuse two inputs that drive the same, as an FMU does: no run follows both at once."""
+        for name in self.names:
+            for other in sim.inputs.rivals(name):
+                if other in self.names:
+                    raise SimulationError(f"{name} and {other} drive the same", "leave one of them out of the inputs")
 
     def _refuse_sums(self) -> None:
         """Refuse outputs that are sums over time: no state and no input says what they are."""
@@ -288,7 +299,8 @@ class _Linearisation:
             moved = [self._full(still, held[d, order]) for d in range(3)]
             largest = max(float(np.abs(each).max(initial=0.0)) for each in moved)
             # A force or a set value stands in the equations once: any step will do.
-            step = SMALL / largest if largest > 0.0 else 1.0e-3 * max(1.0, *(abs(f[order]) for _, _, f in at))
+            own = 1.0e-3 * max(1.0, *(abs(f[order]) for _, _, f in at))
+            step = STEPS[order] / largest if largest > 0.0 else own
 
             def steer(h: float, order: int = order) -> None:
                 for steering, function, f in at:
@@ -340,7 +352,7 @@ class _Linearisation:
             full = self._full(np.eye(1, self.n, int(moving))[0], held)
             for order in range(3):
                 moved = [full if d == order else still for d in range(3)]
-                found[order, :, j] = self._slope(moved, SMALL / np.abs(full).max(), lambda h: None)[self.n :]
+                found[order, :, j] = self._slope(moved, STEPS[order] / np.abs(full).max(), lambda h: None)[self.n :]
         return found
 
     # -- the plant -----------------------------------------------------------------------------------------------------
@@ -417,6 +429,7 @@ class _Linearisation:
         """C, D and E: derivatives of the outputs along every state, every input and the rate of every input."""
         states, inputs = np.eye(len(self.a)), np.eye(len(self.inputs))
         nothing = np.zeros(len(self.a)), np.zeros(len(self.inputs)), np.zeros(len(self.inputs))
+        self.extremes = self._places_of_extremes()
         c = [self._along(self._motion(x, *nothing[1:])) for x in states]
         d = [self._along(self._motion(nothing[0], u, nothing[2])) for u in inputs]
         e = [self._along(self._motion(*nothing[:2], rate)) for rate in inputs]
@@ -490,25 +503,33 @@ class _Linearisation:
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def _differences(self, change: _Change) -> dict[str, np.ndarray]:
-        """Derivatives of the compiled outputs along a direction, by steps that no kink lies in."""
+        """Derivatives of the compiled outputs along a direction, each by a step that no kink lies in.
+
+        A smaller step brings one and two steps together where a kink parted them, and further apart where rounding
+        did, such as of the tension of a stiff rope in a direction that leaves it as it is. Where no step brings them
+        together, that counts where they are nearest.
+        """
         q, v, a = (float(np.abs(part).max(initial=0.0)) for part in change[:3])
         largest = max(q, v / self._rate) or a / self._rate**2 or 1.0
         step, least = SMALL / largest, FINEST * SMALL / largest
+        found: dict[str, np.ndarray] = {}
+        apart: dict[str, float] = {}
         while True:
             (one, size), (two, _) = (self._central(times * step, change) for times in (1.0, 2.0))
-            kinked = any(
-                (np.abs(one[name] - two[name]) > KINK * np.abs(one[name]).max() + ROUNDED * size[name] / step).any()
-                for name in one
-                if np.size(one[name])
-            )
+            kinked = False
+            for name, slope in one.items():
+                off = float(np.abs(slope - two[name]).max(initial=0.0))
+                if off < apart.get(name, np.inf):
+                    found[name], apart[name] = (4.0 * slope - two[name]) / 3.0, off
+                kinked |= apart[name] > KINK * np.abs(found[name]).max(initial=0.0) + ROUNDED * size[name] / step
             if not kinked or step * FINER < least:
-                return {name: (4.0 * one[name] - two[name]) / 3.0 for name in one}
+                return found
             step *= FINER
 
     def _central(self, h: float, change: _Change) -> tuple[dict[str, np.ndarray], dict[str, float]]:
         """Central differences of the compiled outputs along a direction, and how large these are."""
         state = self.state
-        _, method, frames, memory, _ = self.sim.parts
+        memory = self.sim.parts.memory
         noted = memory.read()
         kept = [array.copy() for array in (state.full_q, state.full_v, state.full_a, state.residual)]
         compiled = [one for one in self.outputs if one.places is None]
@@ -524,14 +545,9 @@ class _Linearisation:
             for function, steering, i in steered:
                 moved = sign * h * steering.factor * change.functions[:, i]
                 self.sim.inputs.hold(function, self.t, at[function] + moved)
-            self._residual()
-            # What a law notes at the end of a step, such as a drive its torque and a contact its force, is of now.
-            settle(self.laws, state, self.t, 0.0)
-            # The first frame of a run may tell of what was before any motion; a plant is of a state that moves.
-            record_now(method, self.system, state, self.t or LATER, frames.rows[0])
-            frame = self.sim.model.observe(frames)
+            frame = self._observed()
             for one in compiled:
-                value = np.array(one.value(frame), dtype=float)
+                value = self._value(one, frame)
                 found[one.name] = found[one.name] + 0.5 * sign / h * value
                 size[one.name] = max(size[one.name], float(np.abs(value).max(initial=0.0)))
             memory.write(noted)
@@ -540,6 +556,35 @@ class _Linearisation:
         for function in at:
             self.sim.inputs.hold(function, self.t, at[function])
         return found, size
+
+    def _observed(self) -> Any:
+        """Variables of one frame of the state as it stands; laws note what they note at the end of a step."""
+        _, method, frames, _, _ = self.sim.parts
+        self._residual()
+        # What a law notes at the end of a step, such as a drive its torque and a contact its force, is of now.
+        settle(self.laws, self.state, self.t, 0.0)
+        # The first frame of a run may tell of what was before any motion; a plant is of a state that moves.
+        record_now(method, self.system, self.state, self.t or LATER, frames.rows[0])
+        return self.sim.model.observe(frames)
+
+    def _value(self, one: Output, frame: Any) -> np.ndarray:
+        """A compiled output of a frame; of a largest or smallest one the value where it is found now."""
+        if one.source:
+            return np.array(np.ravel(frame[one.source][0])[self.extremes[one.name]], dtype=float)
+        return np.array(one.value(frame), dtype=float)
+
+    def _places_of_extremes(self) -> dict[str, int]:
+        """Where each largest or smallest value stands among those that it is taken of.
+
+        A change that is as small as one likes leaves it there. One of 1e-5 m changes the tension of a stiff rope by
+        more than the tensions of its elements differ, and the largest would leap from one to another.
+        """
+        memory = self.sim.parts.memory
+        noted = memory.read()
+        frame = self._observed()
+        memory.write(noted)
+        some = [one for one in self.outputs if one.source]
+        return {one.name: int(np.argmin(np.abs(frame[one.source][0] - one.value(frame)))) for one in some}
 
     @property
     def _rate(self) -> float:

@@ -687,7 +687,8 @@ class Simulation:
         UnknownName
             For a name that there is not.
         SimulationError
-            Where an output follows the rate of an input at once: then its speed has to be the input.
+            For two inputs that drive the same, and where an output follows the rate of an input at once: then its speed
+            has to be the input.
         """
         from tautline.live.plant import linearise
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,6 +16,8 @@ PART = re.compile(r"(.+)\[(\d+(?:\s*,\s*\d+)*)\]")
 """One of the numbers of an output: ``payload.position[2]``."""
 COMPONENTS = frozenset({"axis", "side", "part"})
 """Dimensions of components, such as those of a force: the largest of them together means nothing."""
+LAST_DIGITS = 4.0e-16
+"""Share of a number by which two products of the same factors differ."""
 
 
 @dataclass(frozen=True)
@@ -365,7 +368,10 @@ def number(
     factors = [1.0] * len(places) if factor is None else list(factor)
 
     def get() -> float:
-        return float(places[0].flat[0] / factors[0])
+        # To divide by what a value was multiplied by does not give it back: 0.005 came as 0.004999999999999999.
+        stands, times = float(places[0].flat[0]), factors[0]
+        short = float(f"{stands / times:.15g}")
+        return short if math.isclose(short * times, stands, rel_tol=LAST_DIGITS) else stands / times
 
     def change(value: float) -> None:
         for place, times in zip(places, factors, strict=True):

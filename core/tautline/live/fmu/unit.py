@@ -228,7 +228,7 @@ class Core:
             with suppress(SimulationError):
                 self.begun()
             value = self.sim[output]
-            return float(value[at]) if at else float(value)
+            return float(value[at] if at else value) + 0.0
         with suppress(SimulationError):
             # Of two that set the same, such as both friction factors and one of them, the later one counts for both.
             return float(self.begun().parameters[name])
@@ -283,7 +283,7 @@ class Core:
         if sim.stopped:
             # Before the time, which a host that goes on after a failure has no longer from here.
             cure = "set a state that was saved before"
-            raise SimulationError(f"the simulation has stopped: {sim.stopped}", cure)
+            raise SimulationError(f"the simulation has stopped: {sim.stopped}{self._clock()}", cure)
         if not self.timed:
             self.start_at(time)
         rounding = SHORTEST * sim.model.solver.interval
@@ -295,14 +295,28 @@ class Core:
             stands = f"{self.begin + sim.time:.15g} s, {abs(off):.3g} s {side}"
             cause = f"the host steps from {time:.15g} s, and the unit stands at {stands}"
             raise SimulationError(cause, "set the state that was saved there")
+        if not 0.0 < length < math.inf:
+            raise SimulationError(f"a communication step of {length:g} s", "give one above zero")
         end = time - self.begin + length
-        if length > 0.0 and end - sim.time < rounding:
+        if end - sim.time < rounding:
             return
         for name, way in self._given_ways().items():
             sim.inputs[name] = way
         self.sent.update(self.given)
         self.given.clear()
-        sim.advance_to(end)
+        try:
+            sim.advance_to(end)
+        except TautlineError as error:
+            if not self.begin:
+                raise
+            raise SimulationError(f"{error}{self._clock()}") from error
+
+    def _clock(self) -> str:
+        """Whose time is told by what the simulation says; nothing where the host counts from the scene's start."""
+        if not self.begin:
+            return ""
+        side = "less" if self.begin > 0.0 else "more"
+        return f" (by the scene's time, which is {abs(self.begin):.15g} s {side} than the host's)"
 
     def _given_ways(self) -> dict[str, float | tuple[float, ...]]:
         """What inputs are to have at the end of the next step: a value, with rates where the host gives them.
