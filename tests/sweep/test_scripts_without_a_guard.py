@@ -45,6 +45,8 @@ def test_where_the_program_chose_processes_that_do_not_start_threads_go_on(monke
     read = read_sweep({"scene": "s", "vary": {MASS: [2000, 3000, 4000, 5000]}, "collect": ["rise"]})
     outcome = run_sweep(read, tautline._installed().of(scene), scene, Execution(jobs=2, say=said.append))
     assert outcome.done == 4
-    assert [one for one in said if "could not be started (Nanny failed to start.): the other cases run on 2 threads" in one]
+    assert [
+        one for one in said if "could not be started (Nanny failed to start.): the other cases run on 2 threads" in one
+    ]
     with pytest.raises(workers.NoWorkers):
         run_sweep(read, tautline._installed().of(scene), scene, Execution(jobs=2, dask="local"))
