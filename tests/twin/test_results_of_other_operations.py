@@ -59,6 +59,16 @@ def test_a_result_that_was_begun_later_in_the_operation_is_gone_on_with(twin, tm
     assert Result.read(path)["time"] == pytest.approx(np.arange(4.0, 8.0, 0.5))
 
 
+def test_an_operation_that_begins_as_its_state_is_not_there_replaces_no_result(twin, tmp_path):
+    """`--resume` begins anew where there is no state yet, and also where it was lost or named wrongly."""
+    path = tmp_path / "own.nc"
+    assert twin(0, 4, "--resume", tmp_path / "s.st", "-o", path)[0] == 0
+    code, told = twin(4, 6, "--resume", tmp_path / "mistyped.st", "-o", path)
+    assert code == 2 and "holds what a twin has found: it would be lost" in told
+    assert len(Result.read(path)["time"]) == 8
+    assert twin(4, 6, "--resume", tmp_path / "new.st", "-o", path, "--force")[0] == 0
+
+
 def test_what_a_result_has_more_than_the_map_asks_for_is_not_dropped(twin, tmp_path):
     state, path = tmp_path / "s.st", tmp_path / "own.nc"
     (tmp_path / "map.yaml").write_text(MAP + "keep: [payload.position]\n")

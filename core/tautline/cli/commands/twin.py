@@ -97,7 +97,8 @@ def twin(
 
     application, scene = catalogue.read(path, change_of(changes))
     read, resume = read_sensors(map), given.resume
-    if given.output is not None and given.resume is None and not given.force:
+    goes_on = resume is not None and (resume.exists() or given.state != resume)
+    if given.output is not None and not goes_on and not given.force:
         check_found(given.output)
     print_warnings(application.warnings(scene))
     silence_library_logs()
@@ -108,7 +109,7 @@ def twin(
         try:
             made = Twin(scene, read, live=opened.live, account=given.account)
             made.readings.rows.factors = opened.factors
-            begin = load(made, resume) if resume is not None and (resume.exists() or given.state != resume) else None
+            begin = load(made, resume) if resume is not None and goes_on else None
             if begin is not None and opened.again and made.readings.rows.shift and not made.heard:
                 _refuse_unknown_rows(resume)
             if begin is not None:
