@@ -111,3 +111,28 @@ def test_two_sensors_of_one_output_are_told_at_the_key_that_stands_there():
     assert [one[:2] for one in problems(more=("estimate", second))] == [
         ("sensors[2].output", "'winch.tension' stands twice")
     ]
+
+
+def watched(text):
+    """Problems of a map with such a watch, and such further keys."""
+    sensors = MAP.partition("estimate:")[0].replace("UNIT", "kN")
+    with pytest.raises(tautline.SceneError) as found:
+        Twin(STILL, sensors + text)
+    return [(one.key, one.cause) for one in found.value.problems]
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("watch: [{output: winch.tension, above: 80 kN, ahead: 1e9 s}]\n", "watch[0].ahead"),
+        ("ahead: 1000 s\n", "ahead"),
+    ],
+)
+def test_a_look_ahead_of_longer_than_ten_minutes_is_refused_in_the_map(text, key):
+    ((where, cause),) = watched(text)
+    assert where == key and "must not be more than 600 s" in cause
+
+
+def test_bounds_that_leave_nothing_between_them_are_refused():
+    ((key, cause),) = watched("watch: [{output: winch.tension, above: 80 kN, below: 90 kN}]\n")
+    assert key == "watch[0].above" and "every value is beyond one of both" in cause

@@ -19,7 +19,7 @@ def test_what_a_part_with_a_slash_in_its_name_measures_is_found_by_all_readers(t
     beside = name.replace("/", "_")  # a name that another part has already
     plan = SimpleNamespace(unknowns=[of(name)], inputs=[], measured=[of(beside), of(name)], keep=[])
     names = SimpleNamespace(shapes={})
-    twin = SimpleNamespace(plan=plan, plan_names=names, units={}, scene=SimpleNamespace(units="si"))
+    twin = SimpleNamespace(mark="", plan=plan, plan_names=names, units={}, scene=SimpleNamespace(units="si"))
     series = Series(tmp_path / "tw.nc", twin)
     numbers = {
         "measured": {beside: 1.0, name: 2.0}, "residuals": {beside: 3.0, name: 4.0},

@@ -10,6 +10,7 @@ from of_the_suite import studies
 
 from tautline.cli.commands import twin as command
 from tautline.twin.signals.rows import Rows
+from tautline.twin.sources.connection import Silence
 from tautline.twin.sources.record import Record
 from tautline.twin.twin import Twin
 
@@ -101,8 +102,11 @@ def test_a_stream_that_is_silent_has_not_ended_and_rows_in_doubt_wait_on(memory,
         came.extend(twin.answers())
 
     source.poll = poll
+    told = {"silence": Silence("a stream", 5.0), "_notice": lambda _: None, "_watch_silence": lambda: None}
     command._Loop._hear_all(
-        SimpleNamespace(source=source, twin=twin, rereading=None, _add=add, _give=came.extend, _pass_on=lambda: None)
+        SimpleNamespace(
+            source=source, twin=twin, rereading=None, _add=add, _give=came.extend, _pass_on=lambda: None, **told
+        )
     )
     came.extend(Twin.finish(twin))
     assert len(came) == 200 and not rows.counts["late"] and rows.counts["clock set back"] == 1

@@ -1,4 +1,4 @@
-"""What is known while no simulation goes on where the sensors are: why, and when that is tried again."""
+"""What is known while no simulation goes on where the sensors are: why, when that is tried again, and when it ends."""
 
 from __future__ import annotations
 
@@ -6,11 +6,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tautline.errors import TautlineError
 from tautline.integrators.status import StoppedEarly
 from tautline.twin.forecast import Found
 
 PAUSE = 5.0
 """Time between two tries to begin a simulation that has stopped, s: a try may take as long as many rows."""
+
+
+class SceneEnded(TautlineError):
+    """A row later than what the scene moves by itself; ``time`` is its stamp, s."""
+
+    def __init__(self, time: float, until: float, key: str) -> None:
+        self.time = time
+        cause = f"the scene moves `{key}` by itself, and it is known up to {until:g} s only"
+        super().__init__(f"{cause}; give it a sensor, or the scene a later solver.end")
 
 
 class Loss:

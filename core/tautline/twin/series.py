@@ -13,6 +13,7 @@ from tautline.results.errors import ResultError, WriteError
 from tautline.results.result import Result
 from tautline.results.store import Store
 from tautline.results.variable import Variable
+from tautline.scene.values.moments import stamp_said
 from tautline.version import __version__
 
 if TYPE_CHECKING:
@@ -43,7 +44,8 @@ class Series:
     Raises
     ------
     ResultError
-        For a path that cannot be written to, and for one that holds something else than the operation so far.
+        For a path that cannot be written to, and for one that holds something else than the operation so far: the state
+        and the result of an operation have the same mark.
     """
 
     def __init__(self, path: Path, twin: Twin, begin: float | None = None) -> None:
@@ -85,24 +87,37 @@ class Series:
         attributes = {
             "title": f"Twin of {title}" if (title := getattr(twin.scene, "title", "")) else "",
             "scene": document.text if document else "", "version": __version__, "application": "twin",
+            "operation": twin.mark,
             "printed_in": getattr(twin.scene, "units", "si"),
         }  # fmt: skip
-        earlier = None if begin is None or not path.exists() else self._earlier(path, begin)
+        earlier = None if begin is None or not path.exists() else self._earlier(path, begin, twin.mark)
         self._store = Store(path, variables, coordinates, attributes, resumable=False)
         self._lines: list[Mapping[str, Any]] = []
         self.behind = False
         if earlier is not None:
             self._store.append(earlier)
 
-    def _earlier(self, path: Path, begin: float) -> dict[str, np.ndarray]:
-        """Frames of the operation so far, up to a time."""
+    def _earlier(self, path: Path, begin: float, mark: str) -> dict[str, np.ndarray]:
+        """Frames of the operation so far, up to a time; refuses a file of which anything would be lost by that."""
         result = Result.read(path)
-        names = set(result.variables)
-        if result.attributes.get("application") != "twin" or not {"time", *self._columns} <= names:
+        names = {name for name, one in result.variables.items() if "time" in one.dims}
+        wanted = {"time", *self._columns}
+        cure = "name another file with -o, or the one of that operation"
+        if result.attributes.get("application") != "twin" or not wanted <= names:
             cause = "does not hold what this twin tells, and the operation that is gone on with would replace it"
-            raise ResultError(path, cause, "name another file with -o, or the one of that operation")
-        known = np.asarray(result["time"]) <= begin
-        return {name: np.asarray(result[name])[known] for name in ("time", *self._columns)}
+            raise ResultError(path, cause, cure)
+        if result.attributes.get("operation", "") != mark:
+            cause = "is the result of another operation than the one that is gone on with, which would replace it"
+            raise ResultError(path, cause, cure)
+        if further := sorted(names - wanted):
+            cause = f"holds {', '.join(further)}, which this map does not ask for, and they would be lost"
+            raise ResultError(path, cause, "name another file with -o, or let the map keep the same as before")
+        times = np.asarray(result["time"])
+        known = times <= begin
+        if times.size and not known.any():
+            cause = f"begins at {stamp_said(float(times[0]))}, after {stamp_said(begin)}, from where the twin goes on"
+            raise ResultError(path, cause, cure)
+        return {name: np.asarray(result[name])[known] for name in wanted}
 
     def add(self, line: Mapping[str, Any]) -> None:
         """Take a line."""

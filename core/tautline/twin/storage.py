@@ -53,7 +53,7 @@ def save(twin: Twin, path: Path) -> None:
         "alarms": twin.watch.alarms.memory(), "blows_due": estimate.family.blows_due,
         "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
         "settling": twin.settling.memory(), "far": readings.far, "heard": twin.heard,
-        "stepped": sorted(readings.stepped), "watch": twin.watch.watched(),
+        "stepped": sorted(readings.stepped), "watch": twin.watch.watched(), "mark": twin.mark,
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
@@ -184,6 +184,7 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     twin.paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
     twin.heard = dict(words.get("heard", {}))
+    twin.mark = str(words.get("mark", ""))  # states of earlier versions have none, nor have results beside them
     readings.far, readings.stepped = dict(words.get("far", {})), set(words.get("stepped", []))
     twin.settling.recall(words.get("settling", twin.settling.memory()))
     readings.zeros = {int(k): float(v) for k, v in words["zeros"].items()}

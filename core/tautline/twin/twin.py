@@ -6,6 +6,7 @@ alarms, the outlook, and what the application knows of the work.
 
 from __future__ import annotations
 
+import secrets
 import time as clock
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
@@ -13,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from tautline.errors import TautlineError
 from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
@@ -23,7 +23,7 @@ from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import MISSED, SEEN_OFF, Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import EARLY, Forecast, Found
-from tautline.twin.loss import Loss, why
+from tautline.twin.loss import Loss, SceneEnded, why
 from tautline.twin.map.check import bare_bounds, checked
 from tautline.twin.map.file import TwinMap, driven_by, read_map
 from tautline.twin.map.plan import Plan
@@ -51,15 +51,6 @@ BEYOND, NO_LONGER_BEYOND = 5.0, 1.0
 which they are right again."""
 SETTLING = 1.0
 """Time after which samples count again when an input has been made up for, s."""
-
-
-class SceneEnded(TautlineError):
-    """A row later than what the scene moves by itself; ``time`` is its stamp, s."""
-
-    def __init__(self, time: float, until: float, key: str) -> None:
-        self.time = time
-        cause = f"the scene moves `{key}` by itself, and it is known up to {until:g} s only"
-        super().__init__(f"{cause}; give it a sensor, or the scene a later solver.end")
 
 
 class Twin:
@@ -113,6 +104,8 @@ class Twin:
         self.settling, self.unsure, self.rests, self.starved = Settling(), False, False, False
         self._ends, self._ends_told = dict[str, float](), set[str]()
         self.restarts = 0
+        # No other operation has it: what it keeps in files is known by it.
+        self.mark = secrets.token_hex(8)
         self.loss = Loss()
         self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
         self.notes = self.estimate.notes  # one list

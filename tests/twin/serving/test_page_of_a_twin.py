@@ -72,6 +72,15 @@ def test_the_page_ends_at_once_and_without_a_word_though_readers_do_not_read(cap
         one.close()
 
 
+def test_readers_are_told_that_no_rows_come_also_late_ones_and_no_more_once_they_do(page):
+    page.publish(line(1.0))
+    page.tell("no rows for 14 s")
+    assert events(page.address, 3)[1:] == [("lines", [line(1.0)]), ("silent", {"text": "no rows for 14 s"})]
+    page.publish(line(2.0))
+    threading.Timer(0.3, page.publish, [line(3.0)]).start()
+    assert [kind for kind, _ in events(page.address, 3)] == ["about", "lines", "line"]
+
+
 def test_one_who_comes_late_gets_all_lines_so_far_and_then_those_that_come(page):
     for k in range(5):
         page.publish(line(0.1 * k))
@@ -162,6 +171,18 @@ def opened(browser, page):
 
 def shown(tab, where):
     return float(tab.locator(where).get_attribute("data-value"))
+
+
+def test_the_page_is_grey_while_no_rows_come(browser, page):
+    page.publish(line(1.0))
+    tab, _, wrong = opened(browser, page)
+    tab.wait_for_selector("#health[data-health=good]")
+    page.tell("no rows for 14 s")
+    tab.wait_for_selector("body.old #health[data-health=none]", timeout=2000)
+    assert tab.locator("#health").inner_text() == "no rows for 14 s"
+    page.publish(line(2.0))
+    tab.wait_for_selector("body:not(.old) #health[data-health=good]", timeout=2000)
+    assert not wrong
 
 
 def test_the_numbers_on_the_page_are_those_of_the_stream_within_a_second(browser, page):

@@ -97,7 +97,8 @@ def twin(
 
     application, scene = catalogue.read(path, change_of(changes))
     read, resume = read_sensors(map), given.resume
-    if given.output is not None and given.resume is None and not given.force:
+    goes_on = resume is not None and (resume.exists() or given.state != resume)
+    if given.output is not None and not goes_on and not given.force:
         check_found(given.output)
     print_warnings(application.warnings(scene))
     silence_library_logs()
@@ -108,7 +109,7 @@ def twin(
         try:
             made = Twin(scene, read, live=opened.live, account=given.account)
             made.readings.rows.factors = opened.factors
-            begin = load(made, resume) if resume is not None and (resume.exists() or given.state != resume) else None
+            begin = load(made, resume) if resume is not None and goes_on else None
             if begin is not None and opened.again and made.readings.rows.shift and not made.heard:
                 _refuse_unknown_rows(resume)
             if begin is not None:
@@ -234,6 +235,7 @@ class _Loop:
     def __init__(
         self, made: Twin, source: Source, series: Any, page: Any, state: Path | None, as_json: bool, quiet: bool
     ) -> None:
+        from tautline.twin.sources.connection import Silence
         from tautline.twin.sources.rereading import Rereading
 
         self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
@@ -244,6 +246,7 @@ class _Loop:
         self.begin = self.twin.now
         rows = made.readings.rows
         self.rereading = Rereading(made.heard, self.begin, rows.shift) if source.again else None
+        self.silence = Silence(source.name, made.plan.lost)
         self.known = Counter(self.twin.readings.rows.counts)
         self.saved = clock.monotonic()
         self.lines = 0
@@ -258,8 +261,8 @@ class _Loop:
             Where the twin cannot go on; what it has found until then is stored.
         """
         from tautline.integrators.status import Interrupted, StoppedEarly
+        from tautline.twin.loss import SceneEnded
         from tautline.twin.sources.record import SourceStopped
-        from tautline.twin.twin import SceneEnded
 
         status = "done"
         try:
@@ -295,11 +298,22 @@ class _Loop:
             if record is None:
                 if clock.monotonic() - heard > SILENCE:
                     self._give(self.twin.answers(silent=True))
+                    self._watch_silence()
                     heard = clock.monotonic()
                 continue
             heard = clock.monotonic()
+            self._notice(self.silence.heard())
             for one in (record,) if self.rereading is None else self.rereading.new(record):
                 self._add(one)
+            self.silence.rested()
+
+    def _watch_silence(self) -> None:
+        """Tell that rows have stopped coming, where they should come while they are measured."""
+        if self.source.ended or not self.source.live:
+            return
+        self._notice(self.silence.watch(self.twin.readings.rows.interval))
+        if self.silence.lasts and self.page is not None:
+            self.page.tell(f"no rows for {self.silence.seconds:.0f} s")
 
     def _add(self, record: Record) -> None:
         """Answer a record, and what waited for it.
@@ -317,12 +331,16 @@ class _Loop:
 
     def _pass_on(self) -> None:
         """Print what the source has to say, such as that nobody answers."""
-        from tautline.twin.sources.connection import Notice
-
         while self.rereading is not None and self.rereading.notes:
             say(self.rereading.notes.pop(0), "yellow")
         while self.source.notes:
-            note = self.source.notes.pop(0)
+            self._notice([self.source.notes.pop(0)])
+
+    def _notice(self, notes: Sequence[str]) -> None:
+        """Print sentences, and for programs those on the connection."""
+        from tautline.twin.sources.connection import Notice
+
+        for note in notes:
             say(note, "yellow")
             if isinstance(note, Notice):
                 # Whoever reads the time of each line finds it: that of the last row.

@@ -16,6 +16,9 @@ from tautline.scene.values.quantity import quantity
 
 Seconds = Annotated[float, quantity("s", positive=True)]
 Wait = Annotated[float, quantity("s", nonnegative=True)]
+LONGEST_AHEAD = 600.0
+"""Longest that can be looked ahead, s: nobody knows what a machine is made to do by then, and a run takes memory."""
+Ahead = Annotated[float, quantity("s", nonnegative=True, at_most=LONGEST_AHEAD)]
 Written = pydantic.StrictBool | float | str
 """A number, or a text with a unit; it is read when the quantity that it belongs to is known. True is told as none."""
 OFFSET = "offset "
@@ -99,7 +102,7 @@ class Watch(Model):
     residual: str | None = None
     above: Written | None = None
     below: Written | None = None
-    ahead: Wait = 0.0
+    ahead: Ahead = 0.0
     for_: Wait = pydantic.Field(0.0, alias="for")
     name: str = ""
 
@@ -128,7 +131,7 @@ class TwinMap(Scene):
     forecast_every: Seconds = 0.5
     restrict: Switch | None = None
     run_in: Seconds = 10.0
-    ahead: Wait = 2.0
+    ahead: Ahead = 2.0
 
 
 def read_map(path: str | Path | Mapping[str, Any]) -> TwinMap:

@@ -345,17 +345,20 @@ function listen() {
   const source = new EventSource("events");
   const on = (kind, what) => source.addEventListener(kind, (e) => { what(JSON.parse(e.data)); changed = true; });
   on("about", (about) => { units = about.units; $("title").textContent = document.title = about.title; });
-  on("lines", (all) => { trouble = ""; lines.length = 0; all.forEach(take); });
-  on("line", (line) => { trouble = ""; take(line); });
+  on("lines", (all) => { lost(""); lines.length = 0; all.forEach(take); });
+  on("line", (line) => { lost(""); take(line); });
+  on("silent", (told) => lost(told.text));
   on("shape", (made) => { shape = made; begin(); $("notes").textContent = made.notes.join("; "); });
   on("picture", (made) => { picture = made; });
   on("ended", () => { source.close(); lost("the data have ended"); });
   source.onerror = () => lost("no connection to the twin");
 }
 
-/** Say that nothing comes any more; what came last stays on the page. */
+/** Say that nothing comes any more; what came last stays on the page, grey. An empty text: something comes again. */
 function lost(text) {
   trouble = text;
+  document.body.classList.toggle("old", text !== "");
+  if (!text) return;
   $("health").textContent = text;
   $("health").dataset.health = "none";
 }

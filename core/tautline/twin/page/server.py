@@ -69,6 +69,7 @@ class Page:
         self.port = int(self._socket.getsockname()[1])
         self._picture = Picture(application)
         self._lines: deque[str] = deque(maxlen=LATEST)
+        self._trouble = ""
         self._watching: set[asyncio.Queue[tuple[str, str]]] = set()
         self._newest: tuple[Any, np.ndarray] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -98,10 +99,17 @@ class Page:
         """
         text = json.dumps(line, allow_nan=False)
         self._lines.append(text)
+        self._trouble = ""
         if model is not None and row is not None:
             self._newest = model, row.copy()
         if self._loop is not None and self._watching:
             self._loop.call_soon_threadsafe(self._send, "line", text)
+
+    def tell(self, trouble: str) -> None:
+        """Say why no line comes, until one does; returns at once."""
+        self._trouble = json.dumps({"text": trouble})
+        if self._loop is not None and self._watching:
+            self._loop.call_soon_threadsafe(self._send, "silent", self._trouble)
 
     def close(self) -> None:
         """End the server; browsers are told that it has ended."""
@@ -160,6 +168,8 @@ class Page:
         about = {"title": self.title, "units": self.units}
         yield _event("about", json.dumps(about))
         yield _event("lines", "[" + ",".join(list(self._lines)) + "]")
+        if self._trouble:
+            yield _event("silent", self._trouble)
         if self._picture.shape:
             yield _event("shape", json.dumps(self._picture.shape))
         self._watching.add(queue)

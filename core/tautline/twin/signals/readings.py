@@ -13,6 +13,7 @@ from tautline.errors import ArgumentError
 from tautline.scene.values.printed import quantity
 from tautline.twin.map.plan import Channel, Plan
 from tautline.twin.signals.inputs import SLOW, InputTrack
+from tautline.twin.signals.knocks import knocked
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.rows import DELAY, Rows
 from tautline.twin.signals.sensors import Health
@@ -213,6 +214,7 @@ class Readings:
                 track.begin(self.start[track.channel.name], row.time)
             values = np.array([self._in_si(one, track.number) for one in around])
             if self.health[track.number].is_place:
+                values = self._without_knocks(np.array([one.time for one in around]), values, row, track.number)
                 values = self._without_stops(np.array([one.time for one in around]), values, self.health[track.number])
                 self._look_for_steps(track, np.array([one.time for one in around]), values)
             if begun:
@@ -259,6 +261,19 @@ class Readings:
         health = self.health[i]
         repeated = health.repeats(value)
         return value if channel.low <= value <= channel.high and not repeated else np.nan
+
+    def _without_knocks(self, times: np.ndarray, values: np.ndarray, row: Row, i: int) -> np.ndarray:
+        """Values (n,) without those to come that their sensor was knocked away by.
+
+        Of the last no row behind it tells; it is not looked at where another one does, for until then it may be one.
+        """
+        sure, doubtful = knocked(times, values, self.health[i].unseen_bend)
+        coming = times > self.rows.reached
+        values = np.where(sure & coming, np.nan, values)
+        others = np.isfinite(values) & ~doubtful
+        if others[times >= row.time - 1e-9].any() and others[times <= row.time + 1e-9].any():
+            values = np.where(doubtful & coming, np.nan, values)
+        return values
 
     def _without_stops(self, times: np.ndarray, values: np.ndarray, health: Health) -> np.ndarray:
         """Values (n,) without those to come that stand still more abruptly than the motion ever changed."""

@@ -15,6 +15,7 @@ import numpy as np
 from tautline.scene.values.moments import stamp_said
 from tautline.twin.alarms import CLEAR
 from tautline.twin.map.plan import Channel
+from tautline.twin.signals.knocks import is_knock
 from tautline.twin.signals.smoothing import FIFTH
 
 SAME = 5
@@ -37,6 +38,8 @@ GAP = 4.0
 """Time since the last value, over that before it, that is a gap."""
 ABRUPT = 4.0
 """Change of the step from value to value, over the largest seen, that no motion makes."""
+UNSEEN = 2.0
+"""The same of a place that is back on its way in the next rows, by which it is no beginning of a motion."""
 LEAP = 4.0
 """Speed from value to value, SI, from which on a place that moves `ABRUPT` times as far as ever has been set by no
 machine. If it stands there, such as at the zero of a wire that has come off, its sensor is stuck."""
@@ -116,7 +119,7 @@ class Health:
         self._values: deque[float] = deque(maxlen=HISTORY)
         self._changes: deque[float] = deque(maxlen=HISTORY)
         self._same, self._same_from, self._abrupt, self._stopped = 1, np.nan, False, False
-        self._last, self._last_at, self._step = np.nan, np.nan, np.nan
+        self._last, self._last_at, self._step, self._took = np.nan, np.nan, np.nan, np.nan
         self._leapt, self._furthest = False, 0.0
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
@@ -175,11 +178,15 @@ class Health:
             return np.nan
         if self.fault == "out of range":
             self._set("", "")
-        if self._jumps_away(reading, following, stamps or [time + (k + 1) * passed for k in range(AWAY)]):
+        coming = stamps or [time + (k + 1) * passed for k in range(AWAY)]
+        way = self._knocked(time, reading, following, coming) if self.is_place else np.nan
+        if np.isfinite(way) or self._jumps_away(reading, following, coming):
             self._jumps_before = self.jumps, self._jumped, self.jump
             self.jumps, self.left_out, self._jumped = self.jumps + 1, reading, time
-            way = f"from {self.channel.told(self._last)} to {self.channel.told(reading)} and back"
-            self.jump = f"{self.channel.column} jumped {way} at {stamp_said(time)}; left out so far: {self.jumps}"
+            told = f"from {self.channel.told(self._last)} to {self.channel.told(reading)} and back"
+            self.jump = f"{self.channel.column} jumped {told} at {stamp_said(time)}; left out so far: {self.jumps}"
+            if np.isfinite(way):
+                self._last, self._last_at = way, time  # where it was on its way to: the next reading goes on from there
             return np.nan
         return self._repeated(time, reading, low, high, width)
 
@@ -245,8 +252,9 @@ class Health:
     def _jumps_away(self, reading: float, following: Sequence[float], stamps: Sequence[float]) -> bool:
         """Whether a reading is dozens of standard deviations off the one before it, and the next are not.
 
-        All of it takes no longer than `AWAY_TIME`, so at two readings a second and slower nothing jumps. A place or a
-        speed that drives the scene breaks where no motion is as fast; that is seen to elsewhere.
+        All of it takes no longer than `AWAY_TIME`, so at two readings a second and slower nothing jumps. Of a place
+        that drives the scene `_knocked` tells. Where no motion is as fast, it and a speed break, which is seen to
+        elsewhere.
         """
         if self.channel.is_input or not np.isfinite(self._last):
             return False
@@ -269,6 +277,24 @@ class Health:
             # What never changed tells nothing of what a change is.
             return bool(sd > 0.0 and jump > max(DOZENS * sd, TINY))
         return bool(jump > max(DOZENS * sd, DIGITS * digit, TINY))
+
+    @property
+    def unseen_bend(self) -> float:
+        """Change of a place from one interval to the next, SI, that its motion never came near; infinite till known."""
+        # While it stands its readings count; what never changed tells nothing of what a change is.
+        if len(self._values) < ENOUGH or len(self._changes) < SAME:
+            return np.inf
+        return max(UNSEEN * max(self._changes), DIGITS * self._digit())
+
+    def _knocked(self, time: float, reading: float, following: Sequence[float], stamps: Sequence[float]) -> float:
+        """Where a place was on its way to, SI, where its reading was knocked away from there; else NaN."""
+        speed = 0.0 if self._same > 1 else self._step / self._took
+        if not np.isfinite(speed):
+            return np.nan
+        known = [(at, one) for one, at in zip(following, stamps, strict=False) if np.isfinite(one)]
+        if not is_knock((self._last_at, self._last), speed, time, reading, known, self.unseen_bend):
+            return np.nan
+        return float(self._last + speed * (time - self._last_at))
 
     def explained(self, time: float, computed: float) -> bool:
         """Whether the reading that was just left out is what the machine does, for what is computed jumps as well.
@@ -307,7 +333,7 @@ class Health:
             self._leap(step)
             if np.isfinite(step) and np.isfinite(self._step) and self._same == 1:
                 self._changes.append(abs(step - self._step))
-            self._same, self._same_from, self._step = 1, time, step
+            self._same, self._same_from, self._step, self._took = 1, time, step, time - self._last_at
             if self.fault in ("stuck", "out of range") or (self.fault == "clipped" and time >= self._until):
                 self._set("", "")
         if same and self._same == 2:

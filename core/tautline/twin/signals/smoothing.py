@@ -23,6 +23,11 @@ WIDELY = 2.0
 """The same of a cubic that is laid widely: how large noise is is known to a half only."""
 CUBIC = 7
 """And samples that a cubic takes which is laid widely."""
+HIGHEST, RESOLVED = 10, 11
+"""Highest order that is tried, and so many samples nearest to the instant that no fewer are taken where it is too low:
+orders near the number of many samples swing between them, and each costs a decomposition of them all."""
+MOST = 41
+"""Samples nearest to the instant of which none further away are taken: noise over ten intervals is averaged by them."""
 AT_EDGE = 4
 """Highest order where samples are on one side only."""
 UNRESOLVED = 0.02
@@ -58,25 +63,44 @@ def smooth(times: np.ndarray, values: np.ndarray, at: float, reach: float, noise
     t = times - at
     near = np.abs(t) <= reach + 1e-9
     if near.sum() < FEWEST and t.size > near.sum():
-        near = np.zeros(t.size, bool)
-        near[np.argsort(np.abs(t), kind="stable")[:FEWEST]] = True
+        near = _nearest(t, FEWEST)
     t, x = t[near], values[near]
     if t.size == 0:
         return np.full(3, np.nan)
+    count = min(t.size, MOST)
+    while True:
+        closest = _nearest(t, count)
+        found, met = _laid(t[closest], x[closest], noise)
+        if met or count <= RESOLVED:
+            return found
+        count = max(RESOLVED, count // 2)
+
+
+def _nearest(t: np.ndarray, count: int) -> np.ndarray:
+    """Which of the samples (n,) are so many that are nearest to the instant, which is at zero."""
+    near = np.zeros(t.size, bool)
+    near[np.argsort(np.abs(t), kind="stable")[:count]] = True
+    return near
+
+
+def _laid(t: np.ndarray, x: np.ndarray, noise: float) -> tuple[np.ndarray, bool]:
+    """Value, rate, second rate (3,) at zero of a polynomial through samples (n,); and whether it leaves but noise."""
     both = t[0] < 0.0 < t[-1]
     outside = t[0] > 1e-9 or t[-1] < -1e-9
     lowest = min(1 if outside else 3 if both else 2, t.size - (1 if t.size < FEWEST else 2))
-    highest = t.size - 1 if both else lowest if outside else max(lowest, min(t.size - 1, AT_EDGE))
+    highest = min(t.size - 1, HIGHEST) if both else lowest if outside else max(lowest, min(t.size - 1, AT_EDGE))
     h = max(float(np.abs(t).max()), 1e-9)
     powers = (t / h)[:, None] ** np.arange(highest + 1)
     # The value is subtracted before the fit, so that a large offset costs no digits.
     y = x - x[0]
     rates: list[float] = []
+    met = False
     for order in range(lowest, highest + 1):
         fit = np.linalg.lstsq(powers[:, : order + 1], y, rcond=None)[0]
         left = y - powers[:, : order + 1] @ fit
         rates.append(float(fit[1]) / h if order else 0.0)
-        if left @ left <= (ACCEPTED * noise) ** 2 * max(t.size - order - 1, 0):
+        met = bool(left @ left <= (ACCEPTED * noise) ** 2 * max(t.size - order - 1, 0))
+        if met:
             break
     else:
         k = int(np.argmin(np.abs(t)))
@@ -88,10 +112,10 @@ def smooth(times: np.ndarray, values: np.ndarray, at: float, reach: float, noise
         elif k == 0 and t.size > 1 and _unresolved(t, y, rates, WILD):
             rate = float((y[1] - y[0]) / (t[1] - t[0]))
         if np.isfinite(rate):
-            return np.array([float(y[k] + x[0]), rate, 0.0])
+            return np.array([float(y[k] + x[0]), rate, 0.0]), met
     found = np.zeros(3)
     found[: min(3, fit.size)] = fit[:3]
-    return np.array([found[0] + x[0], found[1] / h, 2.0 * found[2] / h**2])
+    return np.array([found[0] + x[0], found[1] / h, 2.0 * found[2] / h**2]), met
 
 
 def smooth_widely(

@@ -1,4 +1,4 @@
-"""Addresses of brokers and servers, and what the user is told of the connection to one."""
+"""Addresses of brokers and servers, and what the user is told of connections to them and of rows that stop coming."""
 
 from __future__ import annotations
 
@@ -6,14 +6,21 @@ import errno
 import socket
 import ssl
 import time as clock
+from collections import deque
 from collections.abc import Callable
 from urllib.parse import SplitResult, urlsplit
+
+import numpy as np
 
 from tautline.scene.errors import option_error, shorten
 
 LARGEST_PORT = 65535
 PATIENCE = 5.0
 """After how long without any answer this is told, s."""
+USUAL = 2.5
+"""Usual time between rows for which none may come before this is told."""
+NOTICED, PAUSES, FEW = 1.0, 20, 3
+"""Shortest pause that is kept, s; how many of the last are; and how many tell what is usual of rows in bursts."""
 REFUSED = "the connection is refused"
 
 
@@ -49,7 +56,7 @@ def split_address(text: str, written: str, example: str) -> SplitResult:
 
 
 class Notice(str):
-    """A sentence on a connection, and in a word how it is: ``connected`` or ``lost``."""
+    """A sentence on a connection, and in a word how it is: ``connected``, ``lost``, ``silent`` or ``heard``."""
 
     status: str
 
@@ -108,6 +115,62 @@ class Connection:
         """Tell where there was no answer for long, not even that the connection is refused."""
         if not (self._was_there or self._told) and self._now() - self._begun > PATIENCE:
             self.failed(f"no answer for {PATIENCE:g} s")
+
+
+class Silence:
+    """Tells once that rows have stopped coming, and once that they come again, by this computer's clock.
+
+    A logger that hangs, or a publisher that has died behind a broker that lives, breaks no connection: what was told of
+    the last row would stand as if it were of now.
+
+    Parameters
+    ----------
+    name : str
+        Of the source.
+    patience : float
+        For how long none may come before this is told, s, where rows are not so far apart anyway.
+    now : callable
+        The clock, s.
+    """
+
+    def __init__(self, name: str, patience: float, now: Callable[[], float] = clock.monotonic) -> None:
+        self._name, self._patience, self._now = without_password(name), patience, now
+        self._heard, self._pauses, self._told = now(), deque[float](maxlen=PAUSES), False
+        self._begun = False
+
+    def heard(self) -> list[Notice]:
+        """Take notice of a row; what is to be told of it."""
+        passed = self.seconds
+        if self._begun and passed > NOTICED:
+            self._pauses.append(passed)
+        told, self._told, self._begun, self._heard = self._told, False, True, self._now()
+        return [Notice(f"{self._name}: rows come again, after {passed:.0f} s", "heard")] if told else []
+
+    def rested(self) -> None:
+        """Take notice that the twin was busy with a row, and did not listen."""
+        self._heard = self._now()
+
+    def watch(self, interval: float) -> list[Notice]:
+        """What is to be told as no row comes now, of a source whose rows are so far apart by their stamps, s or NaN."""
+        usual = USUAL * float(np.nan_to_num(interval))
+        if len(self._pauses) >= FEW:
+            usual = max(usual, USUAL * float(np.median(self._pauses)))
+        if self._told or self.seconds <= max(self._patience, usual):
+            return []
+        self._told = True
+        last = "What is shown is of the last row" if self._begun else "Nothing is known of the machine yet"
+        text = f"{self._name}: no row has come for {self.seconds:.0f} s. {last}, and no alarm can come before the next"
+        return [Notice(text, "silent")]
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it was told that no rows come, and none has come since."""
+        return self._told
+
+    @property
+    def seconds(self) -> float:
+        """Since the last row, s."""
+        return self._now() - self._heard
 
 
 def without_password(address: str) -> str:

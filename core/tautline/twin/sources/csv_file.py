@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time as clock
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -19,6 +20,8 @@ from tautline.twin.sources.table.lines import Lines, Row
 
 PATIENT = 0.5
 """Longest sleep while a row is waited for, s."""
+KNOWN_BY = 4096
+"""Bytes at the begin of a file by which it is seen that another one was written in its place."""
 
 
 class CsvFile:
@@ -60,6 +63,7 @@ class CsvFile:
                 "there is no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
             )
             raise SceneError([Problem(str(path), None, "", None, cause, "check the name of --source")]) from None
+        self._begin = self._first_bytes(KNOWN_BY)
         self._headed, self._strays = False, Strays(self.name, self.notes)
         self._ready: deque[Record] = deque()
         line = self._line()
@@ -81,6 +85,7 @@ class CsvFile:
             raise
         self._headed, self.factors = True, dict(self._lines.header.factors)
         self._stopped: SourceStopped | None = None
+        self._replaced = False
         try:
             self._next, self._later = self._taken(), self._taken()
         except SceneError:  # units in the line below the header that cannot be
@@ -106,8 +111,12 @@ class CsvFile:
     def _read(self) -> Record | None:
         while not self._ready and self._stopped is None:
             line = self._line()
+            if self._is_another():
+                self._stop_reading()
+                break
             try:
                 if line is None:
+                    self._tell_replaced()
                     self._keep(self._lines.rest(), False)  # what comes behind it later may show another thing
                     break
                 self._keep(self._lines.rows(line, self._whole, self._number), self._whole)
@@ -116,9 +125,43 @@ class CsvFile:
                 self._keep(self._lines.rest(), True)
         return self._ready.popleft() if self._ready else None
 
+    def _is_another(self) -> bool:
+        """Whether the file was written anew since it was opened: what is read then is no row of either."""
+        file = self._file.fileno()
+        if os.fstat(file).st_size < os.lseek(file, 0, os.SEEK_CUR):
+            return True
+        return self._first_bytes(len(self._begin)) != self._begin
+
+    def _first_bytes(self, count: int) -> bytes:
+        """Bytes at the begin of the file; it is read on where it was."""
+        file = self._file.fileno()
+        place = os.lseek(file, 0, os.SEEK_CUR)
+        os.lseek(file, 0, os.SEEK_SET)
+        found = os.read(file, count)
+        os.lseek(file, place, os.SEEK_SET)
+        return found
+
+    def _tell_replaced(self) -> None:
+        """Say, at its end, where another file has the name of this one by now, as where logs are renamed in turn."""
+        try:
+            other = not os.path.samestat(os.fstat(self._file.fileno()), os.stat(self.name))
+        except OSError:  # removed, and nothing in its place
+            return
+        if other and not self._replaced:
+            self._replaced = True
+            self.notes.append(f"{self.name}: another file has this name by now, and its rows were not read")
+
+    def _stop_reading(self) -> None:
+        """Give no row more: not the one that was read just now, and none that waits for it."""
+        self._stopped = SourceStopped(
+            f"{self.name}: the file was written anew while it was read, and the twin ends with the last row of before"
+        )
+
     def _keep(self, lines: Sequence[tuple[str, Row | None]], whole: bool) -> None:
         """Keep rows that were read, and count lines that cannot be."""
-        self.refused += sum(row is None for _, row in lines)
+        for line, row in lines:
+            self._strays.judge(line, row is not None)
+            self.refused += row is None
         self._ready.extend(Record(row[0], row[1], 0.0, whole) for _, row in lines if row is not None)
 
     def _taken(self) -> tuple[Record, dict[str, float]] | None:

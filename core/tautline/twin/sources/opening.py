@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from tautline.scene.errors import option_error
+from tautline.scene.errors import Problem, SceneError, option_error
 from tautline.scene.reading.text import LEGACY
 from tautline.twin.sources.record import Source
 
@@ -23,7 +23,7 @@ def open_source(
     Parameters
     ----------
     address : str
-        A CSV file; ``-`` for standard input; ``mqtt://[user:password@]host[:port]/topic``;
+        A CSV file, or a pipe in its place; ``-`` for standard input; ``mqtt://[user:password@]host[:port]/topic``;
         ``opc.tcp://host[:port]/path``.
     columns : sequence of str
         Those that are wanted.
@@ -57,6 +57,24 @@ def open_source(
         return OpcUa(address, columns, units)
     if "://" in address:
         raise option_error("--source", address, "is of no known kind", f"known: a file, -, {', '.join(SCHEMES)}")
+    path = Path(address)
+    if path.exists() and not path.is_file() and not path.is_dir():
+        return _of_pipe(path, columns, time, units)
     from tautline.twin.sources.csv_file import CsvFile
 
-    return CsvFile(Path(address), columns, time, speed, units=units)
+    return CsvFile(path, columns, time, speed, units=units)
+
+
+def _of_pipe(path: Path, columns: Sequence[str], time: str, units: Mapping[str, str] | None) -> Source:
+    """A named pipe, or a device: what comes is written meanwhile, and is no file that is replayed.
+
+    Opening it waits until somebody writes there.
+    """
+    from tautline.twin.sources.stream import Stream
+
+    try:
+        file = path.open(encoding="utf-8", errors=LEGACY, newline="")
+    except OSError as error:
+        cause = f"cannot be read: {error.strerror}"
+        raise SceneError([Problem(str(path), None, "", None, cause, "check the name of --source")]) from None
+    return Stream(file, columns, time, str(path), units)

@@ -84,7 +84,7 @@ class Stream:
 
     def _take(self, line: str, whole: bool = True) -> None:
         row: Row | None
-        if line.lstrip().startswith("{") or self._objects:
+        if self._objects or (self._lines is None and line.lstrip().startswith("{")):
             self._objects, whole = True, True  # half an object is none
             row = read_object(line, self._columns, self._stamps, self._readings)
         elif self._lines is None and SEPARATOR_LINE.fullmatch(line):
@@ -105,6 +105,7 @@ class Stream:
 
     def _give(self, line: str, row: Row | None, whole: bool) -> None:
         """Put a row into the queue, or count a line that cannot be read."""
+        self._strays.judge(line, row is not None)
         if row is None:
             self.refused, self.last = self.refused + 1, line[:80]
             return

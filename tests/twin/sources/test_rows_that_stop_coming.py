@@ -1,0 +1,95 @@
+"""Rows that stop coming while no connection breaks: told once, and so is that they come again."""
+
+import json
+
+import pytest
+from cli.in_process import commands_of
+from twin.rehearsal import STILL
+
+from crane.application import Crane
+from tautline.twin.sources.connection import Silence
+from tautline.twin.sources.record import Record
+
+MAP = """
+sensors:
+  - {column: winch_pos, unit: m, input: winch.pay_out}
+  - {column: rope_tension, unit: kN, output: winch.tension, sd: 0.5 kN}
+lost: 1.2 s
+ahead: 0 s
+"""
+
+
+class Clock:
+    time = 0.0
+
+    def __call__(self):
+        return self.time
+
+
+def said(pauses, interval, patience=5.0, after=100.0):
+    """For each pause, s, whether it was told; the last one is looked at until `after`."""
+    clock, found = Clock(), []
+    silence = Silence("a", patience, clock)
+    silence.heard()
+    for pause in [*pauses, after]:
+        told, begun = [], clock.time
+        while clock.time < begun + pause - 1e-9:
+            clock.time += min(0.5, begun + pause - clock.time)
+            told += [one.status for one in silence.watch(interval)]
+        told += [one.status for one in silence.heard()]
+        found.append(told)
+    return found
+
+
+def test_rows_that_have_stopped_are_told_once_and_when_they_come_again():
+    assert said([0.1, 0.1, 8.0, 0.1, 3.0], 0.1) == [[], [], ["silent", "heard"], [], [], ["silent", "heard"]]
+
+
+@pytest.mark.parametrize("interval", [10.0, 60.0])
+def test_a_slow_logger_is_not_silent_between_its_rows(interval):
+    found = said(5 * [interval], interval, after=4.0 * interval)
+    assert found[:5] == 5 * [[]] and found[5] == ["silent", "heard"]
+
+
+def test_packets_of_a_radio_are_no_silences_once_they_are_usual():
+    found = said(10 * [8.0], 0.1)
+    assert found[3:10] == 7 * [[]] and found[10] == ["silent", "heard"]
+
+
+class Hangs:
+    """A live source whose rows stop for a while."""
+
+    name, live, again, ended, refused, left_out, dropped, waiting = "logger", True, False, False, 0, 0, 0, 0
+
+    def __init__(self, pause):
+        self.notes, self.factors, self._pause = [], {}, pause
+        self._rows = [(0.1 * k, {"winch_pos": 0.0, "rope_tension": 49.0}) for k in range(12)]
+
+    def poll(self, timeout):
+        import time
+
+        if len(self._rows) == 4 and self._pause > 0.0:
+            time.sleep(min(0.2, self._pause))
+            self._pause -= 0.2
+            return None
+        if self._rows:
+            return Record(*self._rows.pop(0), time.monotonic())
+        self.ended = True
+        return None
+
+    def close(self):
+        pass
+
+
+def test_the_command_tells_people_and_programs_that_nothing_is_known_any_more(tmp_path, capsys, monkeypatch):
+    (tmp_path / "map.yaml").write_text(MAP)
+    (tmp_path / "s.yaml").write_text(STILL)
+    monkeypatch.setattr("tautline.twin.sources.opening.open_source", lambda *_, **__: Hangs(3.0))
+    code, out, told = commands_of(Crane(), capsys)(
+        "twin", tmp_path / "s.yaml", "--map", tmp_path / "map.yaml", "--source", "x", "--json"
+    )
+    assert code == 0, told
+    words = [one for one in map(json.loads, out.splitlines()) if "connection" in one]
+    assert [one["connection"] for one in words] == ["silent", "heard"]
+    assert words[0]["time"] == pytest.approx(0.7) and "no row has come for" in words[0]["text"]
+    assert "logger: no row has come for" in told and "logger: rows come again" in told
