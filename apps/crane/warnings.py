@@ -15,9 +15,10 @@ from crane.assembly.held_loads import CLOSED, lacks
 from crane.assembly.layout import orientation_of
 from crane.assembly.loads import buoyancy_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
-from crane.assembly.prepared import compensation_of
+from crane.assembly.prepared import answers_no_heave, compensation_of, heave_point
 from crane.geometry.quaternion import quaternion_of
 from crane.results.drawn_askew import drawn_askew
+from crane.results.laid_by_turning import turning_foreseen, unwound
 from crane.results.limits import LEAST_RATIO
 from crane.results.narrow_bights import narrow_bights
 from crane.results.slack_feet import foreseen
@@ -77,10 +78,10 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
-        *_sheaves(scene), *_steps(found), *_mesh(found), *foreseen(found), *narrow_bights(found),
-        *_undamped(scene), *_compression(scene),
-        *_winches(found, actuator), *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
-        *_held_back(scene, actuator), *_dry(scene), *_floating(found),
+        *_sheaves(scene), *_steps(found), *_mesh(found), *foreseen(found), *turning_foreseen(found),
+        *narrow_bights(found), *_undamped(scene), *_compression(scene), *_winches(found, actuator),
+        *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
+        *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator), *_dry(scene), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
         *doubts_of_motion(scene), *idle(scene), *drawn_askew(found),
     ]  # fmt: skip
@@ -450,6 +451,18 @@ def _compression(scene: CraneScene) -> Sentences:
         yield "rope.compression", text
 
 
+def _nothing_to_answer(scene: CraneScene, actuator: Compensation | None) -> Sentences:
+    """A heave compensation of a point that the vessel does not carry."""
+    if actuator is not None and answers_no_heave(scene):
+        point = heave_point(scene)
+        text = (
+            f"it answers the heave of {point.name}, which rides on {scene.frame_of(point)}. That stands on the ground, "
+            f"so no heave is answered and `compensator` stays 0. Put {scene.frame_of(point)} on the vessel "
+            "(`parent: vessel`), or remove the compensation"
+        )
+        yield "heave_compensation", text
+
+
 def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:
     """What keeps the actuator from its command: its limits, or a command that begins with a jump."""
     if scene.heave_compensation is None or actuator is None or actuator.away <= HELD_BACK:
@@ -520,8 +533,11 @@ def _winches(found: Estimate, actuator: Compensation | None) -> Sentences:
         if supply is None:
             continue
         whole = _compensated(supply, actuator)
-        yield from _empty(scene, drum, whole)
-        yield from _full(scene, drum, whole)
+        off = unwound(found.layout, scene.path.index(drum), supply.time)
+        if off is not None:
+            whole = whole._replace(paid_out=whole.paid_out + off)
+        yield from _empty(scene, drum, whole, off is not None)
+        yield from _full(scene, drum, whole, off is not None)
     yield from _too_high(found)
 
 
@@ -567,25 +583,28 @@ def _compensated(supply: Supply, actuator: Compensation | None) -> Supply:
     return supply._replace(paid_out=supply.paid_out + answered)
 
 
-def _empty(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
-    """A drum that runs out of rope."""
+def _empty(scene: CraneScene, drum: Drum, supply: Supply, turned: bool) -> Sentences:
+    """A drum that runs out of rope; ``turned`` where something turns about it."""
     held, most = drum.rope_on_drum, float(supply.paid_out.max())
     if held is not None and most > held:
         k = int(np.argmax(supply.paid_out > held))
+        way = "come off it, by turning too" if turned else "are paid out"
+        cure = "turn or pay out less" if turned else "pay out less"
         text = (
-            f"{held:.4g} m, and {most:.4g} m are paid out. The run will stop at about t = {supply.time[k]:.3g} s, when "
-            "the drum is empty. Give more rope, or pay out less"
+            f"{held:.4g} m, and {most:.4g} m {way}. The run will stop at about t = {supply.time[k]:.3g} s, when "
+            f"the drum is empty. Give more rope, or {cure}"
         )
         yield where(scene, drum, "rope_on_drum"), text
 
 
-def _full(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
-    """A drum that heave compensation fills; one that its operator fills is refused."""
+def _full(scene: CraneScene, drum: Drum, supply: Supply, turned: bool) -> Sentences:
+    """A drum that heave compensation fills, or what turns about it; one that its operator fills is refused."""
     capacity, held = capacity_of(scene, drum), (drum.rope_on_drum or 0.0) - supply.paid_out
     if capacity is not None and held.max() > capacity:
         k = int(np.argmax(held > capacity))
+        what = "what turning lays on" if turned else "heave compensation"
         text = (
-            f"the layers hold {capacity:.4g} m, and with heave compensation it comes to {float(held.max()):.4g} m. The "
+            f"the layers hold {capacity:.4g} m, and with {what} it comes to {float(held.max()):.4g} m. The "
             f"run will stop at about t = {supply.time[k]:.3g} s, when the drum is full. Give it more turns or layers"
         )
         yield where(scene, drum, "layers"), text
@@ -619,6 +638,7 @@ def figures(scene: CraneScene) -> dict[str, Any]:
         "wraps": [{"sheave": items[i].name, "angle": float(path.wraps[i])} for i in sheaves],
         "fleet_angles": [{"sheave": items[i].name, "angle": fleet_angle(found, i)} for i in sheaves],
         "path_length": path.length,
+        **({} if scene.heave_compensation is None else {"heave_of": heave_point(scene).name}),
         "damping": {"largest": max(damping_of(scene, path)), "given": scene.rope.damping is not None},
         "printed_in": scene.units,
     }
@@ -632,6 +652,8 @@ def describe(found: dict[str, Any]) -> list[tuple[str, str]]:
         angles = shown(wrap["angle"], "rad", system), shown(fleet["angle"], "rad", system, digits=2)
         rows.append((f"around {wrap['sheave']}", f"{angles[0]}, fleet angle {angles[1]}"))
     rows.append(("length of the path", shown(found["path_length"], "m", system)))
+    if "heave_of" in found:
+        rows.append(("heave that is answered", f"that of {found['heave_of']}"))
     if not found["damping"]["given"]:
         rows.append(("damping of the rope", f"{found['damping']['largest']:.2g} s: rope.damping is not given"))
     return rows

@@ -57,7 +57,7 @@ def groups_of(layout: Layout) -> tuple[list[Maker], list[np.ndarray]]:
     made += [make for make in (_wound(layout, spans), _drums(layout, spans)) if make is not None]
     made += _bodies(layout)
     for group in (
-        _rims(layout), _springs(layout), _supplies(layout), _rigids(layout), _sockets(layout)
+        _rims(layout), _springs(layout), _supplies(layout, spans), _rigids(layout), _sockets(layout)
     ):  # fmt: skip
         if group is not None:
             made.append(partial(_constant, group))
@@ -308,7 +308,7 @@ def _springs(layout: Layout) -> Springs | None:
     return Springs(np.array(place, dtype=np.int64), *(np.array(x, dtype=float) for x in (stiffness, damping, rest)))
 
 
-def _supplies(layout: Layout) -> Supplies | None:
+def _supplies(layout: Layout, spans: Spans) -> Supplies | None:
     rows = []
     for i, item in enumerate(layout.scene.path):
         if not isinstance(item, Drum):
@@ -316,15 +316,18 @@ def _supplies(layout: Layout) -> Supplies | None:
         held, capacity = item.rope_on_drum, capacity_of(layout.scene, item)
         if held is None and capacity is None:
             continue
-        sign = 1.0 if i == 0 else -1.0
-        begin = layout.degrees.value[layout.supply.get(i, layout.material(i))]
+        at = _at_drum(layout, spans, i)
+        sign, begin = at["sign"], at["begin"]
         least = begin - sign * (np.inf if held is None else held)
         most = begin + sign * (np.inf if capacity is None else capacity - (held or 0.0))
-        rows.append((layout.material(i), least, most, sign))
+        rho = float(layout.wheels.radius[i]) if layout.turns_about(i) else 0.0
+        rows.append((at["p"], at["span"], 0 if i == 0 else 1, least, most, sign, rho))
     if not rows:
         return None
-    place, *ends = zip(*rows, strict=True)
-    return Supplies(np.array(place, dtype=np.int64), *(np.array(x, dtype=float) for x in ends))
+    place, span, side, *numbers = zip(*rows, strict=True)
+    p, beside, ends = (np.array(x, dtype=np.int64) for x in (place, span, side))
+    least, most, signs, radii = (np.array(x, dtype=float) for x in numbers)
+    return Supplies(p, least, most, signs, beside, ends, radii, np.full(len(p), np.nan), spans.found)
 
 
 def _wet(layout: Layout, spans: Spans) -> Wet | None:

@@ -127,6 +127,31 @@ class Layout:
         """First and last station of every span of the path, by their numbers."""
         return list(zip(self.item[:-1], self.item[1:], strict=True))
 
+    def turns_about(self, item: int) -> bool:
+        """Whether frames move an item against what the rope goes to from there: its line may go round the item.
+
+        What swings on a rope beside an item that stands still does not count.
+        """
+        own = self._stands_on(item)
+        beside = [i for i in (item - 1, item + 1) if 0 <= i < len(self.item)]
+        return any(self._moves(frame) for i in beside for frame in own ^ self._stands_on(i))
+
+    def _stands_on(self, item: int) -> set[int]:
+        """Frames that carry an item, each with its parents; none of what rides on a body."""
+        places = {frame.name: k for k, frame in enumerate(self.frames)}
+        name = self.scene.frame_of(self.scene.path[item])
+        k, found = GROUND if name is None else places[name], set()
+        while k != GROUND:
+            found.add(k)
+            k = self.frames[k].parent
+        return found
+
+    def _moves(self, k: int) -> bool:
+        """Whether a frame moves in its parent, or may be moved while the run goes on."""
+        frame = self.frames[k]
+        steered = any(f"{frame.name}.{word}" in self.scene.driven for word in frame.words)
+        return steered or any(not isinstance(motion, Constant) for motion in frame.motion)
+
     def material(self, item: int) -> int:
         """Place of the material coordinate at an item."""
         return self.station[self.item[item]] + MATERIAL

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from crane.scene.scene import Anchor, CraneScene, Drum
+from crane.scene.scene import Anchor, CraneScene, Drum, PathItem
 from crane.sea.compensation import Compensation, compensate, lift_of, unlimited
-from crane.sea.frames import Frame, requests_of
+from crane.sea.frames import GROUND, Frame, requests_of
 from crane.sea.vessel import frames_of
 from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample_all
@@ -88,7 +88,7 @@ def _check_files(scene: CraneScene) -> None:
 
 
 def compensation_of(scene: CraneScene) -> Compensation | None:
-    """What the heave compensation does, found once: it answers the heave of the last point that rides on the vessel.
+    """What the heave compensation does, found once: it answers the heave of `heave_point`.
 
     Raises
     ------
@@ -110,15 +110,42 @@ def heave_of(scene: CraneScene) -> FrameLift | Constant:
     return lift_of(motion_of(scene).requests, *_led(scene, motion_of(scene)))
 
 
-def _led(scene: CraneScene, motion: FrameMotion) -> tuple[int, int, tuple[float, ...]]:
-    """Numbers of the frame of the point whose heave is answered, and of the vessel; where the point is drawn, m."""
-    places = {frame.name: k for k, frame in enumerate(motion.frames)}
-    order = scene.path if isinstance(scene.path[0], Drum) else scene.path[::-1]
+def heave_point(scene: CraneScene) -> PathItem:
+    """The item of the path whose heave is answered: counted from the drum, the last that rides on vessel or frame.
+
+    With a drum at either end it is the last before the load, of the way from the first drum that the compensation
+    drives. A drum is it only where nothing else rides on vessel or frame.
+
+    Raises
+    ------
+    SceneError
+        Where nothing does.
+    """
+    path, two = scene.path, isinstance(scene.path[0], Drum) and isinstance(scene.path[-1], Drum)
+    backwards = not path[0].prescribed if two else not isinstance(path[0], Drum)
+    order = path[::-1] if backwards else path
+    if two:
+        loads = [k for k, item in enumerate(order) if getattr(item, "body", None) is not None]
+        order = order[: loads[0]] if loads else order
     led = [item for item in order if scene.frame_of(item) is not None]
     if not led:
         cause = "nothing of the path rides on the vessel: there is no heave to answer"
         raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
-    tip = led[-1]
+    return next((item for item in led[::-1] if not isinstance(item, Drum)), led[-1])
+
+
+def answers_no_heave(scene: CraneScene) -> bool:
+    """Whether the point whose heave is answered rides on a frame that does not stand on the vessel."""
+    motion = motion_of(scene)
+    k = motion.places[scene.frame_of(heave_point(scene))]
+    while k not in (GROUND, motion.places["vessel"]):
+        k = motion.frames[k].parent
+    return k == GROUND
+
+
+def _led(scene: CraneScene, motion: FrameMotion) -> tuple[int, int, tuple[float, ...]]:
+    """Numbers of the frame of the point whose heave is answered, and of the vessel; where the point is drawn, m."""
+    places, tip = motion.places, heave_point(scene)
     return places[scene.frame_of(tip)], places["vessel"], tip.position if isinstance(tip, Anchor) else tip.center
 
 

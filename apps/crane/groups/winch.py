@@ -6,7 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.groups.span import FIRST, LAST, MATERIAL, STRAIN_ENERGY, STRETCH, STRETCH_RATE, add_by_tension
+from crane.groups.span import (
+    FIRST,
+    FIRST_PSI,
+    LAST,
+    MATERIAL,
+    STRAIN_ENERGY,
+    STRETCH,
+    STRETCH_RATE,
+    add_by_tension,
+)  # fmt: skip
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import DRUM_FULL, RUN_OUT, Integral, register
 from tautline.kernels.jit import kernel
@@ -270,23 +279,53 @@ register(
 
 class Supplies(NamedTuple):
     """Rope on drums (n,): place of p at the mark, p where none is left and where no more fits, infinite where there is
-    no such end, and +1 where p falls as rope is paid out."""
+    no such end, and +1 where p falls as rope is paid out.
+
+    The rope leaves a drum at p + rho psi / lambda: what has turned round it, or what it leads to, has laid that on or
+    taken it off as well. ``span`` is the number of the span there, ``side`` 0 where the drum is at its beginning and 1
+    at its end, ``rho`` its signed radius m, or 0 where nothing turns; ``begin`` psi at the start rad, and ``found`` as
+    in `Slips`. What lies beyond the mark is the span's in everything else, its inertia too: no drum has that again.
+    """
 
     p: np.ndarray
     least: np.ndarray
     most: np.ndarray
     sign: np.ndarray
+    span: np.ndarray
+    side: np.ndarray
+    rho: np.ndarray
+    begin: np.ndarray
+    found: np.ndarray
+
+
+@kernel
+def _supply_commit(g, t, h, q, v, a):
+    if h > 0.0:
+        return
+    for i in range(g.p.size):
+        if np.isnan(g.begin[i]):
+            g.begin[i] = g.found[g.span[i], FIRST_PSI + g.side[i]]
+
+
+@kernel
+def _leaves(g, i, q):
+    """p where the rope leaves a drum, as far as turning has moved it since the start."""
+    if g.rho[i] == 0.0 or np.isnan(g.begin[i]):
+        return q[g.p[i]]
+    turned = g.found[g.span[i], FIRST_PSI + g.side[i]] - g.begin[i]
+    return q[g.p[i]] + g.rho[i] * turned / max(1.0, g.found[g.span[i], STRETCH])
 
 
 @kernel
 def _supply_alarm(g, t, q, alarm):
     for i in range(g.p.size):
-        if g.sign[i] * (q[g.p[i]] - g.least[i]) < 0.0:
+        at = _leaves(g, i, q)
+        if g.sign[i] * (at - g.least[i]) < 0.0:
             alarm[0], alarm[1] = RUN_OUT, g.p[i]
             return
-        if g.sign[i] * (q[g.p[i]] - g.most[i]) > 0.0:
+        if g.sign[i] * (at - g.most[i]) > 0.0:
             alarm[0], alarm[1] = DRUM_FULL, g.p[i]
             return
 
 
-register(Supplies, alarm=_supply_alarm)
+register(Supplies, alarm=_supply_alarm, commit=_supply_commit)

@@ -15,6 +15,7 @@ from crane.assembly.static_start import draw_true, finds_rope, stretch_of
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.span import MATERIAL, STATION
 from crane.model.handles import handles
+from crane.results.laid_by_turning import laid_by_turning
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
 from crane.results.ropes_that_lift import ropes_that_lift
@@ -88,7 +89,7 @@ def build(scene: CraneScene) -> Model:
         limits=lambda result: limits(result, scene),
         remarks=lambda result: [
             *set_down_askew(result, scene), *remarks(result, scene), *ropes_that_lift(result, layout),
-            *slack_feet(result, scene),
+            *slack_feet(result, scene), *laid_by_turning(result, layout),
         ],
         figures=told,
         figure_units=layout.once(f"figure units, {bool(scene.rope.diameter)}", lambda: figure_units(scene)),

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.layout import Layout, entries_of, lay_out
+from crane.results.observe import LEAD_ANGLE, WRAP_MIDDLE
 from crane.rope_life.bending import Contact, drum_contact
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.surroundings import Motion
@@ -163,17 +164,27 @@ def _tangents(d: np.ndarray, a1: np.ndarray, rho1: np.ndarray, a2: np.ndarray, r
 def _middle(
     result: Any, frames: Any, layout: Layout, mark: np.ndarray, axis: np.ndarray, comes: np.ndarray, leaves: np.ndarray
 ) -> np.ndarray:
-    """Angles from the marks to the middle of the wraps; to where the rope touches at an end of the path."""
-    rho = np.array(layout.wheels.radius)
+    """Angles from the marks to the middle of the wraps; to where the rope touches at an end of the path.
+
+    Whole turns are those that the run has counted; of a scene in which nothing turns about a wheel there are none.
+    """
+    rho, path = np.array(layout.wheels.radius), layout.scene.path
     sigma = np.sign(rho)
     side = _beside(np.where(np.any(comes != 0.0, axis=-1, keepdims=True), comes, leaves), axis, sigma)
     across = np.einsum("mic,mic->mi", axis, np.cross(mark, side))
     angle = np.arctan2(across, np.einsum("mic,mic->mi", mark, side))
-    sheaves = [i for i, item in enumerate(layout.scene.path) if isinstance(item, Sheave)]
+    counted = np.zeros_like(angle)
+    sheaves = [i for i, item in enumerate(path) if isinstance(item, Sheave)]
     if sheaves:
         # From where it runs on, half the wrap further; of this sum only what is left of whole turns is known.
         angle[:, sheaves] += 0.5 * sigma[sheaves] * result["wrap_angle"][frames]
-    angle = (angle + np.pi) % TURN - np.pi
+        if WRAP_MIDDLE in result:
+            counted[:, sheaves] = result[WRAP_MIDDLE][frames]
+    drums = [i for i, item in enumerate(path) if isinstance(item, Drum)]
+    if drums and LEAD_ANGLE in result:
+        takes_off = sigma[drums] * np.where(np.array(drums) == 0, -1.0, 1.0)
+        counted[:, drums] = takes_off * result[LEAD_ANGLE][frames]
+    angle = counted + (angle - counted + np.pi) % TURN - np.pi
     return np.where(rho == 0.0, 0.0, angle)
 
 

@@ -37,6 +37,8 @@ OF_DRUMS = (
     "drum_tension", "paid_out", "pay_out_speed", "drum_rotation", "winch_torque", "winch_power", "drum_fleet_angle"
 )  # fmt: skip
 """Variables that are made together."""
+LEAD_ANGLE, WRAP_MIDDLE = "lead_angle", "wrap_middle"
+"""Variables of scenes in which the rope's line may go round a drum or a sheave."""
 PER_SPAN = RECORDED + AXES
 
 
@@ -80,6 +82,8 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("tension", span, "N", "tension at the beginning and at the end of a span"),
         *(of_sheaves if observer.sheaves else []),
         *(of_drums if observer.drums else []),
+        *([_lead_angle()] if observer.turning_drums else []),
+        *([_wrap_middle()] if observer.turning_sheaves else []),
         *(of_hook if observer.hung is not None else []),
         *(of_bodies if observer.scene.bodies else []),
         *(
@@ -101,6 +105,22 @@ def variables(observer: Observer) -> list[Variable]:
     ]
 
 
+def _lead_angle() -> Variable:
+    text = (
+        "how far the point where the rope leaves the drum has gone round it since the drawing, whole turns among it; "
+        "positive where that takes rope off the drum"
+    )
+    return Variable(LEAD_ANGLE, ("time", "drum"), "rad", text)
+
+
+def _wrap_middle() -> Variable:
+    text = (
+        "how far the middle of what lies on the sheave has gone round it since the drawing, whole turns among it; "
+        "right-handed about the axis"
+    )
+    return Variable(WRAP_MIDDLE, ("time", "sheave"), "rad", text)
+
+
 def layers_of(drum: Drum, diameter: float | None, stretch: float) -> DrumLayers:
     """Rope on a drum: in layers where these, the rope's diameter, m, and how much of it there is are known."""
     layers, held = drum.layers, drum.rope_on_drum
@@ -119,6 +139,8 @@ class Observer:
         self.elements = len(self.stations) - 1
         self.sheaves = [i for i, item in enumerate(self.scene.path) if isinstance(item, Sheave)]
         self.drums = [i for i, item in enumerate(self.scene.path) if isinstance(item, Drum)]
+        self.turning_sheaves = any(layout.turns_about(i) for i in self.sheaves)
+        self.turning_drums = any(layout.turns_about(i) for i in self.drums)
         self.spans = next((g for g in groups if isinstance(g, Spans)), None)
         self.slips = next((g for g in groups if isinstance(g, Slips)), None)
         motors = next((g for g in groups if isinstance(g, Drums)), None)
@@ -201,6 +223,10 @@ class Observer:
             made |= together(OF_SHEAVES, lambda: self._sheaves(frames, found))
         if self.drums:
             made |= together(OF_DRUMS, lambda: self._drums(frames, found, tension["tension"]()))
+        if self.turning_drums:
+            made[LEAD_ANGLE] = lambda: self._lead_angle(found)
+        if self.turning_sheaves:
+            made[WRAP_MIDDLE] = lambda: self._wrap_middle(found)
         if self.hung is not None:
             made |= together(("offlead", "sidelead"), lambda: self._leads(q, found))
         if self.layout.turn:
@@ -302,6 +328,20 @@ class Observer:
             "slipping": self._slipping(frames),
         }
 
+    def _wrap_middle(self, found: np.ndarray) -> np.ndarray:
+        """Right-handed angle from the marks of sheaves to the middle of what lies on them, (m, sheaves) rad."""
+        after = np.array([self.layout.item[i] for i in self.sheaves])
+        return 0.5 * (found[:, after - 1, LAST_PSI] + found[:, after, FIRST_PSI])
+
+    def _lead_angle(self, found: np.ndarray) -> np.ndarray:
+        """Angle by which turning has taken rope off drums, (m, drums) rad.
+
+        Between its mark and where it leaves lie rho psi on a drum at the beginning of the path, -rho psi at its end.
+        """
+        rho = self.layout.wheels.radius
+        ends = [(-np.sign(rho[i]), 0, FIRST_PSI) if i == 0 else (np.sign(rho[i]), -1, LAST_PSI) for i in self.drums]
+        return np.stack([sign * found[:, element, psi] for sign, element, psi in ends], axis=-1)
+
     def _rotation(self, frames: Any, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
         """Rotation of sheaves: their rims' travel, or that of the rope which does not slip on them."""
         travel = -self.layout.stretch * (frames.q[:, place] - self.laid[[self.layout.item[i] for i in self.sheaves]])
@@ -341,13 +381,15 @@ class Observer:
         radius = np.array([self.scene.path[i].radius for i in self.drums])
         bent = 0.5 * self.scene.rope.bending_stiffness / radius**2
         out, speed = way * (frames.q[:, place] - self._laid_out(frames)), way * frames.v[:, place]
+        # What turning takes off counts layers like what is paid out.
+        gone = out + radius * self._lead_angle(found) / np.maximum(stretch, 1.0) if self.turning_drums else out
         return {
             "drum_tension": tension,
             "paid_out": out,
             "pay_out_speed": speed,
             "drum_rotation": np.stack([w.rotation_at(out[:, k]) for k, w in enumerate(self.layers)], axis=-1),
             "winch_torque": (tension + bent)
-            * np.stack([w.radius_at(out[:, k]) for k, w in enumerate(self.layers)], axis=-1),
+            * np.stack([w.radius_at(gone[:, k]) for k, w in enumerate(self.layers)], axis=-1),
             "winch_power": -(tension * stretch + bent) * speed,
             "drum_fleet_angle": np.abs(out_of_plane(found[:, element, RECORDED:], self._axes(frames.q, self.drums))),
         }

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from crane.results.course import Course, nodes_of
+from crane.results.observe import LEAD_ANGLE
 from crane.scene.scene import CraneScene, Drum, Sheave
 
 ARC_STEP, COIL_STEP = 0.1, 0.25
@@ -311,6 +312,8 @@ def turns_on(result: Any, course: Course, i: int) -> np.ndarray:
     k = [j for j, item in enumerate(course.scene.path) if isinstance(item, Drum)].index(i)
     out = result["paid_out"][:, k]
     stretch = course.layout.stretch
+    if LEAD_ANGLE in result:
+        out = out + result[LEAD_ANGLE][:, k] * drum.radius / stretch
     if drum.rope_on_drum is None:
         turns = FEWEST_TURNS + (out.max() - out) * stretch / (2.0 * np.pi * drum.radius)
     else:

@@ -55,8 +55,8 @@ SENTENCES = {
         "halved as often as is allowed; allow a larger error, or take a smaller nominal step"
     ),
     Status.NO_LENGTH: (
-        "an element has lost its length: all of its material has moved out through its nodes, or has come to lie on a "
-        "wheel; end the run earlier, or begin with a longer element"
+        "an element has lost its length: all of its material has moved out through its nodes or lies on a wheel, or "
+        "turning has taken as much rope off a drum; end the run earlier, or begin with a longer element"
     ),
     Status.NULL_MOTION: (
         "the rope is perpendicular to every support of its node, and p of the node is free. The node can slide along "
