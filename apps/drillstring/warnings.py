@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-from math import ceil, degrees, pi, sqrt
+from math import degrees, pi, sqrt
 from typing import Any
 
 import numpy as np
 
-from drillstring.drilling.bit_numbers import bit_row, rate_at, torque_at, torque_at_rest, weight_at
+from drillstring.drilling.bit_numbers import bit_row, rate_at, stiffness_of, torque_at, torque_at_rest, weight_at
 from drillstring.drilling.end_groups import BLOCK, ROTATION
-from drillstring.hole_warnings import OF_THE_HOLE, STATIONS, Check, Sentences, sharpest
+from drillstring.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
 from drillstring.model.build import requests
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared
 from drillstring.results.limits import SNUG
+from drillstring.results.unseen_buckling import told_at_rest
 from drillstring.scene.ends import Controller
 from drillstring.scene.hole import DRILLED
-from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
-from drillstring.statics.buckled import buckled_at_rest
+from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.buoyancy import CURE, buoyed_mass
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import tension_at_rest
 from drillstring.well.sections import dogleg_severity
-from drillstring.well.wellbore import Wellbore
 from tautline.kernels.time_function import sample, value_at
 from tautline.results.assessment.rounding import unrounded
 from tautline.scene.errors import SceneWarning
@@ -71,11 +70,6 @@ UNDAMPED = 0.95
 MORE_THAN_THE_STRING = "is more than the string weighs along the hole"
 OF_THE_BOTTOM = ("weight", "torque", "penetration", "cutting", "rock", "slip_speed")
 """Keys of a bit that count on bottom only."""
-TO_A_HALF_WAVE = {LUMPED: 4, BEAM: 2}
-"""Elements that a half wave of buckling wants. A column of n links to a half wave buckles at a compression that is
-(pi / 2 n)^2 / 3 too low, 5 % with four; a cubic element bends by itself."""
-FLAT = 1.0e-6
-"""Size of the hole's directions out of a plane, over that within it, below which the hole lies in the plane."""
 
 
 def too_heavy(scene: DrillstringScene) -> str:
@@ -507,44 +501,43 @@ def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
 # buckling
 def _buckling(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A string that buckles, in a run that cannot show it."""
-    if scene.well.wall is None or scene.model.bending == "none" or scene.bit.load >= 0.0:
-        return
-    lumps = ready.lumps
-    found = buckled_at_rest(scene, ready.well, lumps)
-    if found is None:
-        return
-    causes, cures = [], []
-    tubes = [tube for tube in lumps.tubes if tube.eccentricity != (0.0, 0.0)]
-    if not tubes and (flat := _flatness(ready.well)) is not None:
-        causes.append(f"The {flat}, and nothing pushes the string out of it")
-        cures.append(f"give string[{found.section}] an `eccentricity`, such as [0, 2 mm], or the hole its survey")
-    tube = lumps.tubes[found.section]
-    half_wave = pi * sqrt(2.0 * tube.youngs_modulus * tube.second_moment / found.compression)
-    longest = float(lumps.length[lumps.section == found.section].max())
-    wanted = ceil(tube.length * TO_A_HALF_WAVE[scene.model.kind] / half_wave)
-    now = int((lumps.section == found.section).sum())
-    if wanted > now:
-        lengths = [shown(length, "m", scene.units) for length in (longest, half_wave)]
-        causes.append(f"Elements of {lengths[0]} are too long for half waves of {lengths[1]}")
-        total = lumps.length.size + wanted - now
-        cures.append(f"give string[{found.section}] `elements: {wanted}` and model `elements: {total}`")
-    if not causes:
-        return
-    pushed, limit = (shown(force, "N", scene.units) for force in (found.compression, found.limit))
-    span = " to ".join(shown(depth, "m", scene.units) for depth in (found.top, found.bottom))
-    what = f"compresses {tube.name} by up to {pushed} at rest. Beyond {limit} it buckles: from {span}"
-    where = "bit.weight" if scene.bit.on_bottom and scene.bit.weight else "bit.force"
-    cause = f"{what}. The run will not show that. {'. '.join(causes)}"
-    yield where, f"{cause}. To see it, {', and '.join(cures)}. Or take less force"
+    if text := told_at_rest(scene, ready.well, ready.lumps):
+        yield "bit.weight" if scene.bit.on_bottom and scene.bit.weight else "bit.force", text
 
 
-def _flatness(well: Wellbore) -> str | None:
-    """How the hole keeps a string from leaving its plane, in words without `the`; None where it does not lie in one."""
-    t = well.frame(np.linspace(0.0, well.length, STATIONS))[2]
-    size = np.linalg.svd(np.vstack([t, [0.0, 0.0, 1.0]]), compute_uv=False)
-    if size[2] > FLAT * size[0]:
-        return None
-    return "hole is perfectly straight" if np.ptp(t, axis=0).max() < FLAT else "hole lies in one plane"
+def _led_to(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """What is wrong with the weight on bit to which the block's way leads, by the rules for `bit.weight`."""
+    weight = _weight_to_come(scene, ready)
+    if weight <= (1.0 + OFF) * (scene.bit.weight or 0.0):
+        return
+    later = scene.model_copy(update={"bit": scene.bit.model_copy(update={"weight": weight})})
+    told = shown(weight, "N", scene.units)
+    for check in (_weight_on_bit, _buckling):
+        if any(check(scene, ready)):
+            continue
+        for _, text in check(later, ready):
+            yield "top.block", f"leads to a weight on bit of {told}. It {text.removeprefix(f'{told} ')}"
+
+
+def _weight_to_come(scene: DrillstringScene, ready: Prepared) -> float:
+    """Weight on bit, N, to which the block's way leads without friction; 0 of a bit that hangs.
+
+    A bit that drills takes the weight with which it drills as fast as the block is lowered at the end. Where it does
+    not drill, string and rock give way as two springs.
+    """
+    if not scene.bit.on_bottom:
+        return 0.0
+    functions = compile_functions(requests(scene))
+    spin = value_at(functions, ROTATION, scene.solver.end)[1]
+    b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, spin, False)[0]
+    if scene.bit.penetration is not None or scene.bit.cutting is not None:
+        then = weight_at(b, value_at(functions, BLOCK, scene.solver.end)[1], spin)
+        if np.isfinite(then):
+            return then
+    way = _reach_of_block(scene)[1] - float(value_at(functions, BLOCK, 0.0)[0])
+    give = 1.0 / (stiffness_of(b) or scene.bit.rock.stiffness)
+    give += sum(tube.length / (tube.youngs_modulus * tube.area) for tube in ready.lumps.tubes)
+    return (scene.bit.weight or 0.0) + way / give
 
 
 # mesh
@@ -557,7 +550,7 @@ def _mesh(scene: DrillstringScene, ready: Prepared) -> Sentences:
 CHECKS: tuple[Check, ...] = (
     _steps, *OF_THE_HOLE, _upside_down, _floating, soft_wall, _friction, _block, _shoe,
     _past_the_shoe, _yielding, _relaxed, _off_bottom, _weight_on_bit, _torque_on_bit, _weak_drive, _penetration,
-    _sticking, _chatter, _buckling, _mesh,
+    _sticking, _chatter, _buckling, _led_to, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
 OF_A_RUN = frozenset(
@@ -573,6 +566,7 @@ OF_A_RUN = frozenset(
         _sticking,
         _chatter,
         _buckling,
+        _led_to,
     }
 )
 """Those of what the run of a scene does or does not show: its steps, its motions, and how the bit answers them."""

@@ -230,7 +230,7 @@ def _energy(g, t, q, v, e):
 
 register(
     Rigids, begin=_begin, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, supply=_supply,
-    commit=_commit,
+    commit=_commit, lengths=lambda g: [np.arange(turn, turn + QUATERNION) for turn in g.rows["turn"]],
 )  # fmt: skip
 
 

@@ -23,10 +23,12 @@ from drillstring.results.observe import (
     variables,
     whirl_remarks,
 )
+from drillstring.results.unseen_buckling import told_of_a_run
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
 from drillstring.string.lumps import Lumps
+from drillstring.well.wellbore import Wellbore
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
@@ -79,7 +81,7 @@ def build(scene: DrillstringScene) -> Model:
         on_demand=observer.on_demand,
         headline=lambda result: headline(result, lumps, scene.top.weight, creep_of(scene)),
         limits=lambda result: limits(result, scene, lumps),
-        remarks=lambda result: _remarks(result, scene, lumps),
+        remarks=lambda result: _remarks(result, scene, well, lumps),
         figure_units=FIGURES,
         nothing=NOTHING,
         start="as given" if scene.start == "straight" else scene.start,
@@ -93,9 +95,9 @@ def build(scene: DrillstringScene) -> Model:
     return with_limits(within_rounding(model), scene)
 
 
-def _remarks(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[str]:
+def _remarks(result: Any, scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[str]:
     """Sentences on what is seen in a run."""
-    found = pushed_at_the_top(result, scene)
+    found = pushed_at_the_top(result, scene) + told_of_a_run(result, scene, well, lumps)
     # Of a run that keeps statistics it is told already that they have no whirl ratio, nor how the bit turns.
     return found if scene.output.statistics else found + _stalled(result, scene) + whirl_remarks(result, lumps)
 

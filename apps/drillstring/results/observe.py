@@ -14,7 +14,7 @@ from drillstring.results.break_away import break_away_figures
 from drillstring.results.drilling import drilling_figures, observed_at_ends
 from drillstring.results.places import LUMP, names_of_bodies, names_of_links
 from drillstring.results.side_force import largest_side_force
-from drillstring.results.whirl import short_of_a_turn, whirl_figures
+from drillstring.results.whirl import whirl_figures, without_a_ratio
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
 from tautline.application.modelling import energies_of, energy_variables
@@ -278,8 +278,8 @@ def _out_of_balance(lumps: Lumps) -> bool:
 
 
 def whirl_remarks(result: Any, lumps: Lumps) -> list[str]:
-    """A sentence where an unbalanced string has no whirl ratio, as it makes no turn."""
-    return short_of_a_turn(result) if _out_of_balance(lumps) else []
+    """A sentence where an unbalanced string that whirls has no whirl ratio."""
+    return without_a_ratio(result) if _out_of_balance(lumps) else []
 
 
 def _largest_contact(result: Any, contact: np.ndarray, lumps: Lumps) -> dict[str, tuple[float, str, str]]:

@@ -128,6 +128,16 @@ class Whirl:
         """Whether turns can be counted at the end of the run, and neither pipe nor lump makes one."""
         return self.counts(LATE) and bool(np.abs(self._turned()[-1] - self._turned()).max() < WHOLE)
 
+    def why_none(self) -> str:
+        """Why there is no whirl ratio, and what gives one."""
+        if self.is_short:
+            return "the string made less than a turn in this run. A longer `--end` gives it"
+        late = self._late(LATE)
+        if np.abs(self.offset[late]).max() <= STILL:
+            return "the string is on the hole's axis in the last fifth of the run, and goes around nothing"
+        does = "stands still" if np.abs(self.spin[late]).max() < SLOWEST else "turns to and fro, or hardly at all,"
+        return f"the string {does} in the last fifth of the run. An `--end` while it turns one way gives it"
+
     def _late(self, share: float) -> np.ndarray:
         """Frames (m,) at the end of the run."""
         return np.asarray(self.time >= self.time[-1] - share * (self.time[-1] - self.time[0]))
@@ -178,12 +188,12 @@ def lateral_velocity(result: Any, lumps: list[int] | slice = slice(None)) -> np.
     return np.stack([(velocity * side).sum(axis=-1), (velocity * other).sum(axis=-1)], axis=-1)
 
 
-def short_of_a_turn(result: Any) -> list[str]:
-    """A sentence where a run has no whirl ratio as it is too short for one."""
+def without_a_ratio(result: Any) -> list[str]:
+    """A sentence where a run of a string that turns and whirls has no whirl ratio."""
     figures = whirl_figures(result)
-    if not figures or "whirl_ratio" in figures or not whirl_of(result, busiest(result)).is_short:
+    if not figures or "whirl_ratio" in figures:
         return []
-    return ["no whirl ratio: the string made less than a turn in this run. A longer `--end` gives it"]
+    return [f"no whirl ratio: {whirl_of(result, busiest(result)).why_none()}"]
 
 
 def busiest(result: Any) -> int:

@@ -17,10 +17,11 @@ import numpy as np
 from drillstring.mesh import MOST_ELEMENTS, enough
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
-from drillstring.statics.helix import LockedUp, limits_at
+from drillstring.statics.helix import LockedUp
 from drillstring.statics.motion import MOTIONS
 from drillstring.statics.soft_string import SoftString, StringInHole
 from drillstring.statics.statics import Profile, Statics, shortened, weight_per_length
+from drillstring.string.buckling import limits_at
 from drillstring.string.factors import Factors
 from drillstring.string.lumps import Tube, cut
 from tautline.integrators.status import StoppedEarly

@@ -13,10 +13,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillstring.statics.buckling import Limits, limit
-from drillstring.string.lumps import Tube
-from drillstring.well.wellbore import Wellbore
-
 LOCKED_STRAIN = 5.0e-3
 """Compressive strain at which a string has locked up: past the yield of any drill pipe, and the compression that leads
 to it grows without end."""
@@ -33,35 +29,3 @@ class LockedUp(Exception):
 def helix_force(compression: np.ndarray | float, clearance: np.ndarray, rigidity: np.ndarray) -> np.ndarray:
     """Wall force per length, N/m, of a helix under a compression N: r F^2/(4 EI)."""
     return clearance * compression**2 / (4.0 * rigidity)
-
-
-def limits_at(
-    well: Wellbore, place: np.ndarray, tubes: list[Tube], weight: np.ndarray, clearance: np.ndarray
-) -> Limits:
-    """Buckling limits of the hole at places.
-
-    Parameters
-    ----------
-    well : Wellbore
-    place : (n,) array
-        Measured depths, m.
-    tubes : list of n Tube
-        The string there.
-    weight, clearance : (n,) array
-        Its buoyed weight per length N/m, and radial clearance m.
-    """
-    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])
-    return Limits(*(limit_at(kind, well, place, rigidity, weight, clearance) for kind in Limits._fields))
-
-
-def limit_at(
-    kind: str, well: Wellbore, place: np.ndarray, rigidity: np.ndarray, weight: np.ndarray, clearance: np.ndarray
-) -> np.ndarray:
-    """Buckling limits of one kind, sinusoidal or helical, at measured depths m of a hole (n,), N.
-
-    The string there has a bending stiffness N m^2, a buoyed weight per length N/m and a radial clearance m, (n,) each.
-    """
-    m1, m2, t = well.frame(place)
-    k1, k2 = well.curvature(place)
-    turn = k1 * m1[:, 2] + k2 * m2[:, 2]
-    return limit(kind, rigidity, clearance, weight, t[:, 2], turn, np.hypot(k1, k2))

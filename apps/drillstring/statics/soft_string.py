@@ -24,8 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drillstring.statics.crossings import lost_at_turns, lost_at_zero
-from drillstring.statics.helix import LOCKED_STRAIN, helix_force, limit_at
+from drillstring.statics.helix import LOCKED_STRAIN, helix_force
 from drillstring.statics.motion import MOTIONS, Motion
+from drillstring.string.buckling import limit_at
 from drillstring.string.factors import Factors, same
 from drillstring.string.lumps import Tube
 from drillstring.well.wellbore import Wellbore

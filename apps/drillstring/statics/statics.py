@@ -21,10 +21,11 @@ from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.ends import Bit, Top
 from drillstring.scene.hole import Friction
 from drillstring.scene.scene import BEAM, DrillstringScene
-from drillstring.statics.helix import LOCKED_STRAIN, LockedUp, helix_force, limits_at
+from drillstring.statics.helix import LOCKED_STRAIN, LockedUp, helix_force
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.statics.sliding_lumps import SlidingLumps
 from drillstring.statics.soft_string import StringInHole
+from drillstring.string.buckling import limits_at
 from drillstring.string.factors import Factors, same
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube, cut

@@ -14,14 +14,14 @@ import numpy as np
 from drillstring.mesh import follows_hole
 from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene, check_lengths, of_kind
-from drillstring.statics.buckled import NO_FORCE, Stations, stations_of
-from drillstring.statics.buckling import Limits
 from drillstring.statics.enough_links import ELEMENTS, Doubling, links, links_at, settled_links
 from drillstring.statics.helix import LockedUp
 from drillstring.statics.motion import MOTIONS, Motion
 from drillstring.statics.soft_string import SoftString
 from drillstring.statics.statics import Profile, Statics, shortened
 from drillstring.statics.strokes import BreakAway, break_away
+from drillstring.string.buckled import NO_FORCE, Stations, stations_of
+from drillstring.string.buckling import Limits
 from drillstring.string.factors import Factors, factors_of, same
 from drillstring.string.strength import extreme_tension
 from tautline.integrators.status import StoppedEarly

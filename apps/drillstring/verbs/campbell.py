@@ -12,7 +12,7 @@ from tautline.cli.output.findings import figure_place, say_sentences, write_figu
 from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
-from tautline.scene.errors import option_error
+from tautline.scene.errors import SceneWarning, option_error
 from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 USUAL_SPEEDS, USUAL_ORDERS = (0.0, 200.0), (1.0, 2.0, 3.0)
 """Rotary speeds, rpm, and multiples of them where none are given."""
 MOST_ORDERS, HIGHEST_ORDER, MOST_BLADES = 12, 100.0, 30
+OF_BUCKLING = "modes"
+"""Where a warning of modes that grow stands."""
 FASTEST, HIGHEST = 1000.0, 200.0
 """Largest rotary speed, rpm, and frequency, Hz, that are taken."""
 
@@ -116,10 +118,12 @@ def campbell(
     if table is not None:
         _write(found, table)
     if as_json:
+        from drillstring.view.campbell_summary import unstable_told
         from tautline.cli.output.console import print_json
 
         said = {"scene": str(scene), "status": "done", "figure": str(figure), "csv": None if csv is None else str(csv)}
-        print_json(said | report(found) | {"warnings": warning_records(warnings)})
+        seen = [SceneWarning(OF_BUCKLING, text) for text in unstable_told(found)]
+        print_json(said | report(found) | {"warnings": warning_records([*warnings, *seen])})
 
 
 def _check_sideways(kinds: tuple[str, ...], asked: dict[str, str | None]) -> None:
@@ -248,7 +252,7 @@ def report(found: Campbell) -> dict[str, Any]:
                 "plane": mode.plane,
                 "stable": mode.frequency > 0.0,
                 "frequency": mode.frequency if mode.frequency > 0.0 else None,
-                "error": mode.error if np.isfinite(mode.error) else None,
+                "error": mode.error if mode.frequency > 0.0 and np.isfinite(mode.error) else None,
                 "gyroscopic_split": mode.gyroscopic(found.speeds[1]),
                 "rotatory_fall": mode.rotatory,
                 "measured_depth": mode.depth,

@@ -85,7 +85,8 @@ def stick_slip(
     stem = stem_of(scene, output, "stick_slip")
     warnings = Installed().of(drillstring).warnings(drillstring)
     print_warnings(warnings)
-    doubts = [*_doubts(weight), *_too_heavy(drillstring, speeds[0], max(weights)), *_too_short(drillstring, length)]
+    doubts = [*_doubts(speeds, weight), *_too_heavy(drillstring, speeds[0], max(weights))]
+    doubts += _too_short(drillstring, length)
     for doubt in doubts:
         say(f"warning: {doubt}", "yellow")
     with Counter("runs") as counter:
@@ -135,12 +136,26 @@ def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
     return [share * own for share in SHARES]
 
 
-def _doubts(weight: str | None) -> list[str]:
-    """What is asked of weights that are probably meant in another unit."""
+def _doubts(speeds: list[float], weight: str | None) -> list[str]:
+    """What is asked of speeds that no rotary has, and of weights that are probably meant in another unit."""
     from tautline.cli.options.plausible import doubt_of_bare
 
     doubt = doubt_of_bare(weight, "--weight", "weight on bit") if weight is not None else ""
-    return [doubt] if doubt else []
+    return [told for told in (_too_fast(speeds), doubt) if told]
+
+
+def _too_fast(speeds: list[float]) -> str:
+    """A word of speeds out of the range that is plausible: a bare number is one in rpm, not in the table's unit."""
+    from tautline.scene.values.printed import significant
+    from tautline.scene.values.ranges import RANGES
+
+    row = RANGES["rotary speed"]
+    unusual = next((speed for speed in speeds if not row.holds(speed)), None)
+    if unusual is None:
+        return ""
+    least, most = (f"{significant(limit / RPM, 3)} rpm" for limit in (row.low or 0.0, row.high or 0.0))
+    told = f"--speed: {significant(unusual / RPM, 6)} rpm is unusual for a rotary speed. {least} to {most} is plausible"
+    return f"{told}. A number without a unit is read in rpm. Check it"
 
 
 def _too_heavy(scene: DrillstringScene, speed: float, weight: float) -> list[str]:

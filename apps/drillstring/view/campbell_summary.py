@@ -102,6 +102,14 @@ def _depth(depth: float, system: str) -> str:
     return shown(depth, "m", system).split()[0]
 
 
+def unstable_told(found: Campbell) -> list[str]:
+    """A sentence where the string does not rest as it stands."""
+    if not found.unstable:
+        return []
+    text = f"{len(found.unstable)} of the modes grow: the string does not rest so, it buckles as far as the wall"
+    return [f"{text}; take weight off the bit, or --hold it"]
+
+
 def sentences(found: Campbell, system: str = "si") -> list[tuple[str, str]]:
     """Sentences and their colours: what was looked at, what holds it, and how far the frequencies can be trusted."""
     said: list[tuple[str, str]] = [(f"model: {model_of(found)}", "")]
@@ -112,9 +120,7 @@ def sentences(found: Campbell, system: str = "si") -> list[tuple[str, str]]:
     if found.loose:
         text = f"{', '.join(found.loose)}: clear of the wall as the string rests, so it holds nothing"
         said.append((f"{text}; --hold '{','.join(found.loose)}' holds it", "yellow"))
-    if found.unstable:
-        text = f"{len(found.unstable)} of the modes grow: the string does not rest so, it buckles as far as the wall"
-        said.append((f"{text}; take weight off the bit, or --hold it", "red"))
+    said += [(text, "red") for text in unstable_told(found)]
     if not found.modes:
         said.append((f"no natural frequency is below {significant(found.up_to, 4)} Hz: see --up-to", "yellow"))
     names = names_of(found.modes)

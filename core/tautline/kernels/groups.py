@@ -136,6 +136,10 @@ Integrals = Callable[[Any], list[Integral]]
 """What lists those of a group that its forces follow."""
 INTEGRALS: dict[type, Integrals] = {}
 """Kinds that may have some."""
+Lengths = Callable[[Any], list[Any]]
+"""What lists the full places of vectors of a group of which only the direction counts, each an array."""
+LENGTHS: dict[type, Lengths] = {}
+"""Kinds that have such vectors. Their lengths drive nothing, and nothing drives them."""
 Hold = Callable[[Any], None]
 """What has a law of a group stay as the last accepted step left it."""
 HOLDS: dict[type, Hold] = {}
@@ -187,6 +191,7 @@ def register(
     feels: Feels | None = None,
     hold: Hold | None = None,
     integrals: Integrals | None = None,
+    lengths: Lengths | None = None,
     **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
@@ -210,6 +215,9 @@ def register(
         sticks stick: the law of a step may take what has just slipped for stuck. None where the hooks say that anyway.
     integrals : callable or None
         Takes a group, and lists the integrals over time that its forces follow, such as that of a controller.
+    lengths : callable or None
+        Takes a group, and lists the full places of its vectors of which only the direction counts, such as quaternions:
+        their lengths are no motion, and no part of a linear model.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -236,6 +244,9 @@ def register(
     ACCELERATION_DEPENDENT.pop(kind, None)
     if feels is not None:
         ACCELERATION_DEPENDENT[kind] = feels
+    LENGTHS.pop(kind, None)
+    if lengths is not None:
+        LENGTHS[kind] = lengths
     INTEGRALS.pop(kind, None)
     if integrals is not None:
         INTEGRALS[kind] = integrals

@@ -15,6 +15,7 @@ steps, to rounding (W. Squire and G. Trapp, SIAM Review 40, 1998).
 from __future__ import annotations
 
 import warnings
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -26,12 +27,13 @@ from scipy.sparse import csr_array
 from tautline.integrators.equations import SUMS, evaluate_full, settle
 from tautline.integrators.time_loop import record_now
 from tautline.kernels.dofs import HELD, TIED, Dofs
-from tautline.kernels.groups import INTEGRALS, MEMORY, Integral, hold_laws, link
+from tautline.kernels.groups import INTEGRALS, LENGTHS, MEMORY, Integral, hold_laws, link
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
 from tautline.live.errors import SimulationError, plain_numbers
 from tautline.live.forces import calls_of, room_for_all
+from tautline.live.lengths import Left, without_lengths
 from tautline.system.handles import Input, Output
 
 COMPLEX_STEP = 1.0e-30
@@ -376,7 +378,22 @@ class _Linearisation:
         units = {name: one.steering.unit for name, one in zip(self.names, self.inputs, strict=True)}
         units |= {part: one.unit for one in self.outputs for part in _parts(one)}
         told = tuple(part for one in self.outputs for part in _parts(one))
-        return Plant(a, b, c, d, e, self._state_names(), tuple(self.names), told, units, self.t, self.held_still)
+        kept, whole = self._without_lengths()
+        a, b, c = (a @ whole)[kept], b[kept], c @ whole
+        states = tuple(np.array(self._state_names(), dtype=object)[kept])
+        return Plant(a, b, c, d, e, states, tuple(self.names), told, units, self.t, self.held_still)
+
+    def _without_lengths(self) -> Left:
+        """The states but for the lengths of vectors of which only the direction counts."""
+        directions, rates = [], []
+        for places in (one for g in self.system.groups if type(g) in LENGTHS for one in LENGTHS[type(g)](g)):
+            moved = self.places[places][:, self.free].toarray() @ self.z
+            along = self.state.full_q[places] @ moved
+            if np.any(along):
+                directions.append(along)
+                rates.append(self.state.full_v[places] @ moved)
+        shape = len(directions), self.count
+        return without_lengths(np.reshape(directions, shape), np.reshape(rates, shape), len(self.a))
 
     def _project(self) -> None:
         """Coordinates within the constraints, and the equations in them, divided by the mass."""
@@ -417,11 +434,21 @@ class _Linearisation:
 
     def _state_names(self) -> tuple[str, ...]:
         whole = self.count == self.free.size
-        names = [self.system.names[self.free[i]] if whole else f"coordinate {i + 1}" for i in range(self.count)]
+        names = self._unknowns() if whole else [f"coordinate {i + 1}" for i in range(self.count)]
         values = [self.names[i].removesuffix("_speed") for i in self.speeds]
         owners = [self.system.places[one.place].partition(":")[0] for one in self.integrals]
         sums = [f"{owner}: {one.text}" for owner, one in zip(owners, self.integrals, strict=True)]
         return (*names, *(f"d/dt {name}" for name in names), *sums, *values)
+
+    def _unknowns(self) -> list[str]:
+        """Names of the free unknowns. Those of one name are numbered in the order in which the scene has them."""
+        names = [self.system.names[i] for i in self.free]
+        numbers, counts = [0] * len(names), Counter(names)
+        seen: Counter[str] = Counter()
+        for i in np.argsort(self.system.dofs.free[self.free]):
+            seen[names[i]] += 1
+            numbers[i] = seen[names[i]]
+        return [f"{name} {k}" if counts[name] > 1 else name for name, k in zip(names, numbers, strict=True)]
 
     # -- the outputs ---------------------------------------------------------------------------------------------------
 

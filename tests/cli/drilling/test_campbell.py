@@ -177,3 +177,22 @@ def test_a_campbell_diagram_writes_speeds_up_to_the_fastest_and_names_modes_of_a
     assert "critical speed, rpm" in [text.get_text() for text in figure.legends[0].get_texts()]
     inks = [to_rgb(plot.get_lines()[0].get_color()) for plot in shapes]
     assert inks == [to_rgb(INKS[kind]) for kind in KINDS], "the darkest is the colour of the kind above"
+
+
+def test_a_string_that_buckles_has_modes_without_frequency_and_error_and_json_warns_of_it(drillstring):
+    # Euler's load of the pinned collar is 178.4 kN
+    Path("column.yaml").write_text(
+        "well: {sections: [{hold: 20 m}], diameter: 8.5 in, wall: none}\n"
+        "string: [{name: c, length: 20 m, od: 0.165, id: 0.0714375}]\n"
+        "material: {youngs_modulus: 206 GPa, shear_modulus: 79.3 GPa, density: 7850}\n"
+        "bit: {lateral: pinned, force: -190 kN}\ngravity: 1.0e-3\nmodel: {elements: 20}\n"
+        "solver: {step: 1 ms, end: 1 s}\noutput: {interval: 10 ms}\n",
+        encoding="utf8",
+    )
+    code, out, err = drillstring("campbell", "column.yaml", "--up-to", "10", "--json")
+    report = only_object(out)
+    grown = [mode for mode in report["modes"] if not mode["stable"]]
+    assert code == 0 and grown and all(mode["frequency"] is mode["error"] is None for mode in grown)
+    (told,) = [one for one in report["warnings"] if one["where"] == "modes"]
+    assert "the string does not rest so, it buckles" in told["text"]
+    assert told["text"].split(";")[0] in " ".join(err.split())

@@ -241,17 +241,31 @@ def test_a_scene_made_in_python_says_that_it_has_no_text(folder):
         stick_slip_map(bare, [5.0], [1e5])
 
 
-def test_a_weight_that_is_probably_meant_in_another_unit_is_asked_about_in_json_too(drillstring_, monkeypatch):
+@pytest.mark.parametrize(
+    ("speed", "weight", "said"),
+    [
+        ("60", "50", ["50 N is unusual for a weight on bit"]),
+        (
+            "60,1e6",
+            "50 kN",
+            ["--speed: 1000000 rpm is unusual for a rotary speed. 0.000955 rpm to 382 rpm is plausible"],
+        ),
+        ("60,120", "50 kN", []),
+    ],
+)
+def test_speeds_and_weights_that_are_unusual_are_asked_about_in_json_too(
+    drillstring_, monkeypatch, speed, weight, said
+):
     def unrun(scene, speeds, weights, *further, **more):
         nothing = (np.nan,) * 8
         rows = [tuple(Cell(s, w, *nothing, "done", "", 0.0) for s in speeds) for w in weights]
         return Map(tuple(speeds), tuple(weights), tuple(rows))
 
     monkeypatch.setattr(drillstring.stick_slip.severity_map, "stick_slip_map", unrun)
-    code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--speed", "60", "--weight", "50")
-    (asked,) = only_object(out)["warnings"]
-    assert code == 0 and "50 N is unusual for a weight on bit" in asked
-    assert " ".join(asked.split()) in " ".join(err.split())
+    code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--speed", speed, "--weight", weight)
+    asked = [one for one in only_object(out)["warnings"] if "unusual" in one]
+    assert all(" ".join(one.split()) in " ".join(err.split()) for one in asked)
+    assert code == 0 and len(asked) == len(said) and all(text in one for text, one in zip(said, asked, strict=True))
 
 
 def still(speed, stall=math.nan):

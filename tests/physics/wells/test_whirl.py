@@ -332,6 +332,24 @@ def test_a_run_of_less_than_a_turn_says_that_it_has_no_whirl_ratio_and_what_give
         assert all("--end" in one for one in told)
 
 
+def test_a_string_that_stands_still_at_the_end_says_that_it_has_no_whirl_ratio_and_why():
+    speed = 0.5 * CRITICAL
+    stopped = {"table": {"time": [0.0, 4.0, 5.0, 9.0], "value": [speed, speed, 0.0, 0.0]}}
+    result = run(span(speed, top__rotation=stopped))
+    assert "whirl_ratio" not in result.headline and "lateral_offset_max" in result.headline
+    (told,) = [one for one in result.attributes["warnings"] if "no whirl ratio" in one]
+    assert "stands still in the last fifth of the run" in told
+
+
+def test_a_pipe_that_turns_back_as_far_as_it_turned_on_has_no_whirl_ratio_and_that_is_said():
+    # 20 s: the last fifth begins at 16 s, and the lump goes on around the axis as the pipe turns back at 18 s
+    time = np.linspace(0.0, 20.0, 4001)
+    spin = np.interp(time, [0.0, 17.0, 19.0, 20.0], [6.0, 6.0, -6.0, -6.0])
+    around = np.exp(6j * time)
+    one = Whirl(0, time, around, 6j * around, spin, 10.0, None, None)
+    assert np.isnan(one.ratio()) and "turns to and fro" in one.why_none()
+
+
 def test_whole_turns_of_a_lump_that_outruns_a_pipe_of_less_than_a_turn_make_a_whirl_ratio():
     time, rate = np.arange(0.0, 4.0, 0.001), 1.0  # 0.8 s: 0.13 turns of the pipe, 1.5 of the lump
     one = Whirl(0, time, *fixed_to(rate * time, rate, -12.0, 0.3), np.full(time.size, rate), 10.0, None, None)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from physics.wells.strings import GRAVITY, area, mass_per_length, straight_hole
 
-from drillstring.statics.buckling import limits
 from drillstring.statics.statics import Statics
+from drillstring.string.buckling import limits
 
 MUD, INCLINATION, FRICTION = 1600.0, np.radians(30.0), 0.3
 PIPE, CASING = (0.127, 0.0762), (0.244475, 0.2204974)

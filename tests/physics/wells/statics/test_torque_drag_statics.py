@@ -23,11 +23,11 @@ from references import soft_string as reference
 
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics import soft_string as integral
-from drillstring.statics.buckling import limits
 from drillstring.statics.motion import Motion
 from drillstring.statics.soft_string import KEPT, StringInHole, soft_string
 from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import torque_drag
+from drillstring.string.buckling import limits
 from drillstring.string.factors import Factors
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state

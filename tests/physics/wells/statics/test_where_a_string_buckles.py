@@ -12,9 +12,9 @@ from scipy.optimize import brentq
 
 from drillstring.model.prepared import prepared
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
-from drillstring.statics import buckling
-from drillstring.statics.buckled import buckled_at_rest, stretches
 from drillstring.statics.torque_drag import Case, torque_drag
+from drillstring.string import buckling
+from drillstring.string.buckled import buckled_at_rest, stretches
 from drillstring.view.torque_figures import torque_drag_figure
 from drillstring.warnings import warnings
 from drillstring.well.wellbore import from_survey

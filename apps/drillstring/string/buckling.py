@@ -20,6 +20,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.string.lumps import Tube
+from drillstring.well.wellbore import Wellbore
+
 INCLINED = {"sinusoidal": 4.0, "helical": 8.0}
 """Factor m of F^2 = m EI N / r."""
 VERTICAL = {"sinusoidal": 2.55, "helical": 5.55}
@@ -89,6 +92,38 @@ def limit(
     curved = _least_roots(np.abs(weight[free]), across[free], ratio, curvature[free], (weight * turn)[free])
     found[free] = np.maximum(curved, VERTICAL[kind] * np.cbrt(rigidity * (weight * down) ** 2)[free])
     return found
+
+
+def limits_at(
+    well: Wellbore, place: np.ndarray, tubes: list[Tube], weight: np.ndarray, clearance: np.ndarray
+) -> Limits:
+    """Buckling limits of the hole at places.
+
+    Parameters
+    ----------
+    well : Wellbore
+    place : (n,) array
+        Measured depths, m.
+    tubes : list of n Tube
+        The string there.
+    weight, clearance : (n,) array
+        Its buoyed weight per length N/m, and radial clearance m.
+    """
+    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])
+    return Limits(*(limit_at(kind, well, place, rigidity, weight, clearance) for kind in Limits._fields))
+
+
+def limit_at(
+    kind: str, well: Wellbore, place: np.ndarray, rigidity: np.ndarray, weight: np.ndarray, clearance: np.ndarray
+) -> np.ndarray:
+    """Buckling limits of one kind, sinusoidal or helical, at measured depths m of a hole (n,), N.
+
+    The string there has a bending stiffness N m^2, a buoyed weight per length N/m and a radial clearance m, (n,) each.
+    """
+    m1, m2, t = well.frame(place)
+    k1, k2 = well.curvature(place)
+    turn = k1 * m1[:, 2] + k2 * m2[:, 2]
+    return limit(kind, rigidity, clearance, weight, t[:, 2], turn, np.hypot(k1, k2))
 
 
 def _least_roots(

@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.scene.scene import DrillstringScene
-from drillstring.statics.buckling import Limits
-from drillstring.statics.helix import limit_at, limits_at
+from drillstring.string.buckling import Limits, limit_at, limits_at
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps, Tube
 from drillstring.string.strength import ends_of_links, shares_at_ends
@@ -26,6 +25,8 @@ PIECES = 100
 NO_FORCE = 1.0e-6
 """Force, N, that counts as none: where nothing has weight, limits of buckling are zero, and what is computed is
 rounding."""
+ROUNDING = 1.0e-6
+"""Share of the largest tension of a run below which a compression is what rounding leaves."""
 INSIDE = 1.0e-9
 """Part of a piece by which a place at its end lies within it: at a joint the hole has two curvatures."""
 
@@ -103,13 +104,14 @@ def stretches(depth: np.ndarray, excess: np.ndarray) -> list[tuple[float, float]
 
 
 class Buckled(NamedTuple):
-    """Where a string at rest is farthest beyond its limit: section, compression and limit N, from and to which m."""
+    """Where a string is farthest beyond its limit: section, compression and limit N, from and to which m, depth m."""
 
     section: int
     compression: float
     limit: float
     top: float
     bottom: float
+    depth: float
 
 
 def buckled_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Buckled | None:
@@ -120,19 +122,64 @@ def buckled_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Bu
     weight = np.array([weight_in(fluid_of(scene.mud), tube, scene.gravity) for tube in lumps.tubes])[section]
     tension = np.append(np.cumsum((weight * np.diff(well.tvd(edges)))[::-1])[::-1], 0.0) + scene.bit.load
     depth, pushed = (np.stack([x[:-1], x[1:]], axis=1) for x in (edges, -tension))
+    return _farthest(depth, section, pushed, _limits_of_pieces(scene, well, lumps, section, depth, pushed))
+
+
+def buckled_in_frames(
+    scene: DrillstringScene, well: Wellbore, lumps: Lumps, hook_load: np.ndarray, tension: np.ndarray
+) -> tuple[int, Buckled] | None:
+    """The frame in which a string is farthest beyond its sinusoidal limit, and where it is so then.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+    well : Wellbore
+    lumps : Lumps
+        Mesh of n links or elements.
+    hook_load : (m,) array
+        N.
+    tension : (m, n) array
+        In the middles of the links, or means of the elements, N.
+    """
+    pushed = -np.stack(ends_of_links(shares_at_ends(scene, lumps), hook_load, tension), axis=2)
+    depth = np.stack([lumps.measured_depth[:-1], lumps.measured_depth[1:]], axis=1)
+    section = np.asarray(lumps.section)
+    limit = _limits_of_pieces(scene, well, lumps, section, depth, pushed.max(axis=0))
+    # Of a string that nothing pushes rounding leaves a tension of either sign, and of one without weight no limit.
+    limit = np.maximum(limit, ROUNDING * float(np.abs(tension).max(initial=0.0)) + NO_FORCE)
+    frame = int(np.argmax((pushed / limit).max(axis=(1, 2))))
+    found = _farthest(depth, section, pushed[frame], limit)
+    return None if found is None else (frame, found)
+
+
+def _limits_of_pieces(
+    scene: DrillstringScene, well: Wellbore, lumps: Lumps, section: np.ndarray, depth: np.ndarray, pushed: np.ndarray
+) -> np.ndarray:
+    """Sinusoidal limits (n, 2), N, at both ends of pieces of sections (n,); infinite where nothing is pushed.
+
+    ``depth`` (n, 2) m are their ends, and ``pushed`` (n, 2) N the compression there.
+    """
     limit, at = np.full(depth.shape, np.inf), np.flatnonzero(pushed.max(axis=1) > 0.0)
     if at.size == 0:
-        return None
-    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in lumps.tubes])[section[at]]
-    clearance = _clearance(scene, lumps.tubes)[section[at]]
+        return limit
+    tubes = lumps.tubes
+    weight = np.array([weight_in(fluid_of(scene.mud), tube, scene.gravity) for tube in tubes])[section[at]]
+    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])[section[at]]
+    clearance = _clearance(scene, tubes)[section[at]]
     for end, place in enumerate(_inside(*depth[at].T)):
-        limit[at, end] = limit_at("sinusoidal", well, place, rigidity, weight[at], clearance)
+        limit[at, end] = limit_at("sinusoidal", well, place, rigidity, weight, clearance)
+    return limit
+
+
+def _farthest(depth: np.ndarray, section: np.ndarray, pushed: np.ndarray, limit: np.ndarray) -> Buckled | None:
+    """Where pieces are farthest beyond their limits; None where none is. All as `_limits_of_pieces` has it."""
     found = stretches(depth, pushed - limit)
     if not found:
         return None
     beyond = np.where(pushed > limit, pushed / np.maximum(limit, 1e-9), 0.0)
     worst = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
-    return Buckled(int(section[worst[0]]), float(pushed[worst]), float(limit[worst]), found[0][0], found[-1][1])
+    reach = found[0][0], found[-1][1]
+    return Buckled(int(section[worst[0]]), float(pushed[worst]), float(limit[worst]), *reach, float(depth[worst]))
 
 
 def _edges(well: Wellbore, lumps: Lumps) -> np.ndarray:

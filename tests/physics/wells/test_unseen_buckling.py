@@ -1,0 +1,128 @@
+"""What is said of a string that is pushed beyond its buckling limit where nothing shows that it buckles.
+
+The limit of a vertical hole is 2.55 (EI w^2)^(1/3) (J. Wu, H. C. Juvkam-Wold and R. Lu, 1993). A block that is lowered
+on a bottom that is not drilled presses string and rock together, as two springs: the weight grows by way/(L/EA + 1/k).
+"""
+
+import numpy as np
+import pytest
+from physics.wells.strings import GRAVITY
+
+import tautline
+from drillstring.model.build import build
+from drillstring.model.prepared import prepared
+from drillstring.results.unseen_buckling import told_of_a_run
+from drillstring.scene.scene import DrillstringScene
+from drillstring.warnings import warnings
+
+DEPTH, COLLARS, E, ROCK, WAY, WEIGHT = 1000.0, 160.0, 206e9, 2.5e7, 0.15, 20e3
+PIPE, COLLAR = (0.127, 0.1086), (0.1651, 0.0714)
+SCENE = """
+title: pushed by the block
+well: {{sections: [{{hold: 1000 m}}], diameter: 8.5 in, inclination: {lean}, wall: {{stiffness: 1.0e9, friction: 0.2}}}}
+string:
+  - {{name: pipe, length: rest, od: 127 mm, id: 108.6 mm}}
+  - {{name: collar, length: 160 m, od: 165.1 mm, id: 71.4 mm{collar}}}
+material: {{youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}}
+mud: {{density: 1200}}
+damping: {{translation: 100, structural: 2 ms}}
+bit: {{on_bottom: true, weight: 20 kN, torque: {{static: 2 kN m, kinetic: 2 kN m}}, rock: {{stiffness: 2.5e7}}{bit}}}
+top: {{rotation: 60 rpm, block: {block}}}
+model: {{kind: {kind}, elements: {elements}}}
+solver: {{method: generalized-alpha, rho_inf: 0.5, step: 5 ms, end: 8 s}}
+output: {{interval: 50 ms{output}}}
+"""
+LOWERED = "{ramp: {to: 0.15 m, over: 5 s}}"
+
+
+def scene(**changed):
+    usual = {"collar": "", "bit": "", "kind": "lumped", "elements": 10, "output": "", "block": LOWERED, "lean": "0 deg"}
+    return DrillstringScene.parse(SCENE.format(**usual | changed))
+
+
+def area(tube):
+    return np.pi / 4.0 * (tube[0] ** 2 - tube[1] ** 2)
+
+
+def pushed():
+    """Weight on bit behind the block's way, N."""
+    give = (DEPTH - COLLARS) / (E * area(PIPE)) + COLLARS / (E * area(COLLAR)) + 1.0 / ROCK
+    return WEIGHT + WAY / give
+
+
+def limit():
+    rigidity = E * np.pi / 64.0 * (COLLAR[0] ** 4 - COLLAR[1] ** 4)
+    return 2.55 * np.cbrt(rigidity * ((7850.0 - 1200.0) * GRAVITY * area(COLLAR)) ** 2)
+
+
+def kilonewtons(text, before):
+    return 1e3 * float(text.split(before)[1].split(" kN")[0])
+
+
+def said_of(result):
+    return [one for one in result.attributes["warnings"] if "The run does not show" in one]
+
+
+def checked(given):
+    return [one for one in warnings(given) if "buckle" in one.text]
+
+
+@pytest.mark.parametrize("kind", ["lumped", "ale-ancf"])
+def test_a_run_that_pushes_its_string_beyond_the_limit_says_section_time_place_tension_and_limit(kind):
+    (said,) = said_of(tautline.simulate(scene(kind=kind)))
+    assert said.startswith("collar is compressed by up to")
+    assert -kilonewtons(said, "its tension is ") == pytest.approx(pushed(), rel=2e-3)
+    assert kilonewtons(said, "Beyond ") == pytest.approx(limit(), rel=1e-3)
+    assert "kN at 1000 m and t = 5" in said
+
+
+def test_results_that_keep_statistics_and_steps_from_python_say_it_too():
+    kept = scene(output=", keep: statistics")
+    assert len(said_of(tautline.simulate(kept))) == 1
+    simulation = tautline.Simulation(scene())
+    simulation.advance(6.0)
+    assert len(said_of(simulation.result)) == 1
+
+
+def test_check_judges_the_weight_to_which_the_block_leads_by_the_rule_for_the_weight_on_bit():
+    told = [one for one in checked(scene()) if "It compresses" in one.text]
+    as_written = scene(block="0 m").model_copy()
+    bit = as_written.bit.model_copy(update={"weight": pushed()})
+    same = [one for one in checked(as_written.model_copy(update={"bit": bit})) if "at rest" in one.text]
+    assert [one.where for one in told] == ["top.block"] and [one.where for one in same] == ["bit.weight"]
+    assert kilonewtons(told[0].text, "weight on bit of ") == pytest.approx(pushed(), rel=1e-3)
+    assert told[0].text.split("It ")[1].startswith(same[0].text.split(". To see it")[0])
+
+
+def test_check_judges_the_weight_at_which_a_bit_drills_as_fast_as_the_block_is_lowered():
+    faster, own = "{velocity: 60 m/h}", ", penetration: {rate: 20 m/h, speed: 60 rpm}"
+    told = [one for one in checked(scene(block=faster, bit=own)) if one.where == "top.block"]
+    assert kilonewtons(told[0].text, "weight on bit of ") == pytest.approx(3.0 * WEIGHT, rel=1e-3)
+    assert not checked(scene(block="{velocity: 20 m/h}", bit=own))
+
+
+def test_nothing_is_said_of_a_string_below_its_limit_or_of_one_that_the_run_lets_buckle():
+    below = scene(block="{ramp: {to: 0.03 m, over: 5 s}}")
+    assert not checked(below) and not said_of(tautline.simulate(below))
+    shown = scene(collar=", eccentricity: [0, 2 mm], elements: 60", elements=75)
+    told = [one for one in checked(shown) if "The run will not" in one.text]
+    assert not told and not said_of(tautline.simulate(shown))
+
+
+def test_a_string_that_is_out_of_the_plane_of_its_hole_may_buckle_and_nothing_is_said_of_the_plane():
+    leaning = scene(lean="20 deg", elements=100)
+    model, ready = build(leaning), prepared(leaning)
+    assert model is not None
+    n = ready.lumps.length.size
+    for off, there in ((0.0, True), (1e-3, False)):
+        across = np.zeros((1, n + 1, 2))
+        across[0, 1:, 1] = off  # m2 is east, and the hole goes north
+        seen = {"hook_load": np.zeros(1), "tension": np.full((1, n), -1e6), "lateral_displacement": across}
+        (said,) = told_of_a_run(Seen(seen), leaning, ready.well, ready.lumps)
+        assert ("perfectly straight" in said) == there
+
+
+class Seen(dict):
+    """Frames of a run."""
+
+    time = np.zeros(1)
