@@ -440,10 +440,18 @@ def test_at_the_command_line_it_exits_with_3_and_leaves_its_file(tmp_path, capsy
     ],
     ids=["thrown", "pulled"],
 )
-def test_a_payload_that_goes_over_its_boom_tip_takes_the_rope_off_it(load):
+def test_a_payload_that_goes_round_its_boom_tip_through_its_own_rope_ends_the_run(load):
+    """A sheave has place for one turn of rope."""
     stop = stopped(hoist(drive=AT_REST, load=load, solver={"end": 6.0}), Status.OFF_WHEEL)
-    assert "boom tip" in stop.part and "sheave" in stop.sentence
-    assert stop.result["body_position"][-1, 0, 0] < 0.0
+    assert "boom tip" in stop.part and "whole turn" in stop.sentence
+    assert 0.9 * 2.0 * np.pi < stop.result["wrap_angle"][-1, 0] < 2.0 * np.pi
+
+
+def test_a_payload_that_is_thrown_up_past_the_line_of_its_rope_takes_it_off_the_boom_tip():
+    load = {"velocity": (30.0, 0.0, 30.0)}
+    stop = stopped(hoist(drive=AT_REST, load=load, solver={"end": 6.0}), Status.OFF_WHEEL)
+    assert "boom tip" in stop.part and "passes it by" in stop.sentence
+    assert stop.result["wrap_angle"][-1, 0] < 0.3 and stop.result["body_position"][-1, 0, 2] > 30.0
 
 
 def test_a_rope_that_leaves_the_sheave_of_a_block_is_told_by_the_sheave_and_not_by_an_unknown_of_the_block():
