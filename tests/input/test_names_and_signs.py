@@ -58,3 +58,21 @@ def test_a_value_outside_of_what_an_option_takes_is_told_with_value_and_cure(cap
     ):
         code, _, err = command(*words)
         assert code == 2 and option in err and bound in err and value in err and "Input should be" not in err
+
+
+def test_another_minus_sign_in_a_cell_of_a_table_is_named_too():
+    from tautline.scene.values.habits import other_minus
+
+    assert other_minus("\u22120.25") == (
+        "has another minus sign, U+2212", "write it with the hyphen of the keyboard: -0.25"
+    )  # fmt: skip
+    assert other_minus("-0.25") is None and other_minus("\u2013") is None and other_minus("a\u20130.25") is None
+
+
+def test_a_table_with_another_minus_sign_says_so_with_line_and_cell(tmp_path):
+    (tmp_path / "speed.csv").write_text("time [s],speed [m/s]\n0,0\n1,\u22120.25\n", encoding="utf-8")
+    (tmp_path / "lift.yaml").write_text(
+        LIFT.replace("WINCH", "winch").replace("{constant: SPEED}", "{table: {file: speed.csv}}"), encoding="utf-8"
+    )
+    with pytest.raises(SceneError, match=r"speed\.csv:3.*another minus sign, U\+2212.*-0\.25"):
+        tautline.read(tmp_path / "lift.yaml")
