@@ -228,7 +228,7 @@ def _print_forms(found: list[Form], hose: HoseScene) -> None:
         table.add_column(escape(name), justify="right")
     for one in found:
         numbers = one.tip if free else one.sag[:1]
-        words = [f"{per_length * x + 0.0:.6f}" for x in numbers] + ([] if free else [str(one.sag[1] + 1)])
+        words = [f"{round(per_length * x, 6) + 0.0:.6f}" for x in numbers] + ([] if free else [str(one.sag[1] + 1)])
         table.add_row(f"{per_speed * one.speed:g}", *words)
     console().print(table)
 

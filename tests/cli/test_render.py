@@ -110,7 +110,7 @@ def test_what_cannot_be_drawn_is_refused_with_its_cure_and_nothing_is_written(re
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("--image", "last", "-o", "folderz"), "there is no folder"),
+        (("--image", "last", "-o", "none/folder"), "there is no folder"),
         (("--image", "last", "-o", "a.bmp"), "png or jpg"),
         (("--image", "t=99"), "outside of the run"),
         (("--image", "last", "--camera", "@nozzle"), "known: hose"),

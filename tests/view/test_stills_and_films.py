@@ -146,12 +146,16 @@ def test_the_same_frame_makes_the_same_picture(stage):
     assert digest() == before
 
 
-def test_a_name_without_an_ending_is_taken_for_a_folder_that_is_not_there(tmp_path):
-    wanted = tmp_path / "pictures"
-    with pytest.raises(ResultError, match=r"there is no folder of this name.*make it, mkdir .*pictures\.png"):
-        places(wanted, Path("run.nc"), np.array([0.0, 1.0]), [1])
+@pytest.mark.parametrize("frames", [[1], [0, 1]])
+def test_a_name_without_an_ending_or_with_a_slash_behind_it_is_a_folder_there_or_not(tmp_path, frames):
+    wanted, time = tmp_path / "pictures", np.array([0.0, 1.0])
+    names = [f"run_{frame}s.png" for frame in frames]
+    assert places(wanted, Path("run.nc"), time, frames) == [wanted / name for name in names]
+    assert places(f"{wanted}.png/", Path("run.nc"), time, frames) == [
+        tmp_path / "pictures.png" / name for name in names
+    ]
     wanted.mkdir()
-    assert places(wanted, Path("run.nc"), np.array([0.0, 1.0]), [1]) == [wanted / "run_1s.png"]
+    assert places(wanted, Path("run.nc"), time, frames) == [wanted / name for name in names]
 
 
 @pytest.mark.parametrize(

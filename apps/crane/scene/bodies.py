@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
-from crane.scene.path import Name
 from tautline.scene.choices.words import word
 from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.model import Model
+from tautline.scene.names import Name
 from tautline.scene.refusal import fault, refusal
 from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Position, Velocity, listed, three

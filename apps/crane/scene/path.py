@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from tautline.scene.choices.branches import Branch, OneOf
 from tautline.scene.choices.words import word
 from tautline.scene.functions import Constant, FunctionOfTime, Ramp, Table, time_function
 from tautline.scene.model import Model, Switch, Whole
-from tautline.scene.refusal import fault, raise_all, refusal
+from tautline.scene.names import Name
+from tautline.scene.refusal import fault, raise_all
 from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Position, Vector, not_zero, three, unit
 
@@ -26,13 +27,6 @@ DRUM_FLEET_LIMIT = math.radians(2.0)
 """Of a grooved drum; of a smooth one 1.5 deg is usual."""
 
 
-def _named(text: str) -> str:
-    if not text.strip():
-        raise refusal("is no name", "give a name such as boom tip")
-    return text
-
-
-Name = Annotated[str, AfterValidator(_named)]
 Radius = Annotated[float, quantity("m", positive=True, of="radius of a sheave or drum")]
 PinRadius = Annotated[float, quantity("m", positive=True, of="bearing radius")]
 Inertia = Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")]

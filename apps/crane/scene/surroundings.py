@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-from crane.scene.path import Name
 from tautline.scene.functions import Constant, FunctionOfTime, Spectrum, time_function
 from tautline.scene.model import MARK, Model
+from tautline.scene.names import Name
 from tautline.scene.reading.files import FileName
 from tautline.scene.refusal import fault, nearest, raise_all
 from tautline.scene.values.quantity import quantity

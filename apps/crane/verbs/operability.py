@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crane.verbs.operability_options import OperabilityOptions, read_options
+from tautline.cli.output.preparing import preparing
 from tautline.cli.verbs import Changes, GoOn, Json, Quiet, Scene, Scheduler, Workers
 
 if TYPE_CHECKING:
@@ -113,7 +114,8 @@ def operability(
     whole = read_options(given, read.gravity)
     asked = occurring(whole, read)
     folder = output or Path(f"{scene.stem}-operability")
-    told = application.warnings(read)
+    with preparing(scene, read, quiet):
+        told = application.warnings(read)
 
     def begin() -> None:
         # What cannot be is refused first: before that nothing should read as a start.

@@ -20,6 +20,7 @@ from tautline.scene.choices.words import UnitSystem, word
 from tautline.scene.errors import SceneError
 from tautline.scene.limits import Limits
 from tautline.scene.model import Model, Scene, Switch, Whole
+from tautline.scene.names import Name
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
@@ -62,7 +63,7 @@ class Section(Model):
     model_config = ConfigDict(json_schema_extra=_either)
 
     tubular: str | None = Field(None, examples=["5 in 19.50 lb/ft S135"])
-    name: str = Field(examples=["drill pipe"])
+    name: Name = Field(examples=["drill pipe"])
     length: Annotated[float | Literal["rest"], quantity("m", positive=True, words=("rest",), of="length")] = Field(
         examples=["270 m"]
     )

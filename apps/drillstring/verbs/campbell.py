@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tautline.cli.options.places import file_named
 from tautline.cli.output.findings import figure_place, say_sentences, write_figure, write_table
 from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
@@ -74,7 +75,9 @@ Model = Annotated[
         "--model", metavar="KIND", help="Model of the string: lumped or ale-ancf. [dim]\\[default: the scene's][/]"
     ),
 ]
-Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write all modes as a table.")]
+Csv = Annotated[
+    Path | None, typer.Option("--csv", metavar="FILE", parser=file_named, help="Write all modes as a table.")
+]
 
 
 def campbell(

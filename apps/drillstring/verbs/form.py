@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tautline.cli.options.places import file_named
 from tautline.cli.output.findings import figure_place, write_figure, write_table
 from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
@@ -46,7 +47,10 @@ Most = Annotated[
     int | None,
     typer.Option("--most", min=1, help="Steps of the relaxation after which to give up.", show_default=False),
 ]
-Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write every lump of every mesh as a table.")]
+Csv = Annotated[
+    Path | None,
+    typer.Option("--csv", metavar="FILE", parser=file_named, help="Write every lump of every mesh as a table."),
+]
 
 
 def form(

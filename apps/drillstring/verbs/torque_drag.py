@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drillstring.verbs.form import Models, parse_models
+from tautline.cli.options.places import file_named
 from tautline.cli.output.findings import figure_place, say_sentences, write_figure, write_table
 from tautline.cli.output.scene_warnings import print_warnings, warning_records, warnings_without_a_run
 from tautline.cli.run import searched
@@ -76,7 +77,10 @@ Rotary = Annotated[
     ),
 ]
 
-Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write hook loads and torques as a table.")]
+Csv = Annotated[
+    Path | None,
+    typer.Option("--csv", metavar="FILE", parser=file_named, help="Write hook loads and torques as a table."),
+]
 
 
 def torque_drag(

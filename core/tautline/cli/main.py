@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import sys
+from typing import Any
 
-from tautline.kernels.machine.gc_tuning import collected_rarely
+from tautline.cli.entry import command
 
 
 def main() -> None:
     """Run the command of the process's arguments; leaves through SystemExit."""
-    # What a command imports makes a hundred thousand objects, none of which is garbage.
-    with collected_rarely():
-        from tautline.application.installed import Installed
-        from tautline.cli.run import run
-        from tautline.cli.verbs import make_app
 
-        run(make_app(Installed(), sys.argv[1:]))
+    def made() -> Any:
+        from tautline.application.installed import Installed
+
+        return Installed()
+
+    command(made)
 
 
 if __name__ == "__main__":

@@ -169,10 +169,25 @@ def _problems(error: Exception, name: str) -> list[Problem] | None:
         return [Problem(str(error.path), None, "", None, error.cause, error.cure)]
     if hasattr(error, "format_message") and getattr(error, "exit_code", None) == ExitCode.BAD_INPUT:
         # A usage error of click, which some versions of typer carry within them under another name.
+        if wrong := _wrong_value(error):
+            return [wrong]
         verb = getattr(getattr(error, "ctx", None), "command_path", None) or name
         cause = error.format_message().rstrip(".")
         return [Problem(verb, None, "", None, cause, f"{_option_meant(error)}see `{verb} --help`")]
     return None
+
+
+def _wrong_value(error: Any) -> Problem | None:
+    """A value that is outside of what an option takes, where typer has pydantic read it: in words as of a scene's."""
+    found = getattr(error.__cause__, "errors", None)
+    names = getattr(getattr(error, "param", None), "opts", None)
+    if found is None or not names:
+        return None
+    from tautline.scene.model import plain_words
+
+    first = found()[0]
+    option = max(names, key=len)
+    return Problem(option, None, "", str(first["input"]), *plain_words(first))
 
 
 def _option_meant(error: Any) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from tautline.application.installed import Single
+from tautline.cli.options.places import file_named
 
 if TYPE_CHECKING:
     from tautline.application.installed import Catalogue
@@ -18,7 +19,13 @@ Scene = Annotated[Path, typer.Argument(metavar="SCENE", help="A YAML file.", sho
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, SI units.")]
 ResultFile = Annotated[
     Path | None,
-    typer.Option("-o", "--output", metavar="RESULT", help="Result. [dim]\\[default: the scene's name with .nc][/]"),
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="RESULT",
+        parser=file_named,
+        help="Result. [dim]\\[default: the scene's name with .nc][/]",
+    ),
 ]
 Method = Annotated[str | None, typer.Option("--method", help="Integrator, instead of the scene's.")]
 Step = Annotated[
@@ -61,27 +68,31 @@ Results = Annotated[
     list[Path], typer.Argument(metavar="RESULT...", help="Results; several are compared.", show_default=False)
 ]
 FigurePlace = Annotated[
-    Path | None,
+    str | None,
     typer.Option(
         "-o",
         "--output",
         metavar="FILE_OR_FOLDER",
-        help="Where to: a file, or a folder, which is made where its parent is there. "
+        help="Where to: a file, or without an ending a folder, which is made where its parent is there. "
         "[dim]\\[default: the current folder][/]",
     ),
 ]
 ExportPlace = Annotated[
-    Path | None,
+    str | None,
     typer.Option(
         "-o", "--output", metavar="FOLDER_OR_STEM",
-        help="A folder that is there, or else the beginning of the names of the files. "
+        help="A folder that is there, or with / at its end is made; else the beginning of the names of the files. "
         "[dim]\\[default: the result's name][/]",
     ),
 ]  # fmt: skip
 Picture = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
+        "-o",
+        "--output",
+        metavar="FIGURE",
+        parser=file_named,
+        help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]",
     ),
 ]
 What = Annotated[
@@ -94,7 +105,8 @@ What = Annotated[
     ),
 ]
 Drawing = Annotated[
-    Path | None, typer.Option("--figure", metavar="FILE", help="Draw the scene into a png, svg or pdf file.")
+    Path | None,
+    typer.Option("--figure", metavar="FILE", parser=file_named, help="Draw the scene into a png, svg or pdf file."),
 ]
 Format = Annotated[str | None, typer.Option("--format", metavar="png|svg|pdf", help="[dim]\\[default: png][/]")]
 Stored = Annotated[Path, typer.Argument(metavar="RESULT", help="A result that `simulate` wrote.", show_default=False)]
@@ -106,9 +118,12 @@ Image = Annotated[
     list[str] | None,
     typer.Option("--image", metavar="t=TIME", help="A picture of a time in s, `first` or `last`; repeatable."),
 ]
-Movie = Annotated[Path | None, typer.Option("--movie", metavar="FILE", help="A film: mp4 or gif.")]
+Movie = Annotated[Path | None, typer.Option("--movie", metavar="FILE", parser=file_named, help="A film: mp4 or gif.")]
 Html = Annotated[
-    Path | None, typer.Option("--html", metavar="FILE", help="A web page that plays in any browser, self-contained.")
+    Path | None,
+    typer.Option(
+        "--html", metavar="FILE", parser=file_named, help="A web page that plays in any browser, self-contained."
+    ),
 ]
 View = Annotated[str | None, typer.Option("--view", metavar="NAME", help="Which view, where there are several.")]
 Colour = Annotated[
@@ -131,7 +146,10 @@ Eye = Annotated[
         help="front, right, top, corner, ... or azimuth,elevation[,zoom] in degrees; @NAME follows a thing.",
     ),
 ]
-Size = Annotated[str | None, typer.Option("--size", metavar="WxH", help="Pixels. [dim]\\[default: 1280x720][/]")]
+Size = Annotated[
+    str | None,
+    typer.Option("--size", metavar="WxH", help="Pixels, 100 to 8192 each way. [dim]\\[default: 1280x720][/]"),
+]
 Rate = Annotated[float | None, typer.Option("--rate", min=0.1, help="Pictures a second of a film, at most.")]
 Speed = Annotated[float | None, typer.Option("--speed", min=1e-6, help="Simulated over shown time of a film.")]
 Vtk = Annotated[bool, typer.Option("--vtk", help="Files for ParaView: a .pvd with .vtp frames.")]
@@ -148,7 +166,10 @@ SourceAddress = Annotated[
     typer.Option("--source", metavar="FILE|-|mqtt://…|opc.tcp://…", help="Where data come from; - is standard input."),
 ]
 Series = Annotated[
-    Path | None, typer.Option("-o", "--output", metavar="RESULT", help="What was found over time, a NetCDF file.")
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="RESULT", parser=file_named, help="What was found over time, a NetCDF file."
+    ),
 ]
 ReplaySpeed = Annotated[
     float | None,
@@ -170,7 +191,7 @@ Serve = Annotated[
     ),
 ]
 Lines = Annotated[bool, typer.Option("--json", help="Print a JSON object a sample on standard output, SI units.")]
-RecordFile = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", help="Where to.")]
+RecordFile = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", parser=file_named, help="Where to.")]
 RowRate = Annotated[str, typer.Option("--rate", help="Rows a second.")]
 InputNoise = Annotated[
     list[str] | None, typer.Option("--input-noise", metavar="COLUMN:SIZE", help="Of an input: winch_pos:0.001.")
@@ -217,7 +238,14 @@ Template = Annotated[
 ]
 TextFile = Annotated[
     Path | None,
-    typer.Option("-o", "--output", metavar="FILE", help="File to write, - for standard output.", show_default=False),
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FILE",
+        parser=file_named,
+        help="File to write, - for standard output.",
+        show_default=False,
+    ),
 ]
 Listed = Annotated[bool, typer.Option("--list", help="List the templates and write nothing.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite a file that exists.")]
@@ -252,15 +280,24 @@ Repeat = Annotated[int, typer.Option("--repeat", min=1, help="Runs of each setti
 Budget = Annotated[float, typer.Option("--budget", min=0.1, help="Processor time in s that one run may take.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A tenth of the time, half of the grid; says what is left out.")]
 Stem = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", metavar="STEM", help="Beginning of the names of the files that are written."),
+    str | None,
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FOLDER_OR_STEM",
+        help="A folder that is there, or with / at its end is made; else the beginning of the names of the files.",
+    ),
 ]
 
 
 Unit = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", metavar="FILE.fmu", help="Where to. [dim]\\[default: the scene's name with .fmu][/]"
+        "-o",
+        "--output",
+        metavar="FILE.fmu",
+        parser=file_named,
+        help="Where to. [dim]\\[default: the scene's name with .fmu][/]",
     ),
 ]
 Driven = Annotated[

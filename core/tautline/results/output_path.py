@@ -8,6 +8,8 @@ import os
 import re
 import zipfile
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from shlex import quote
 from uuid import uuid4
@@ -228,6 +230,45 @@ def _is_our_unit(path: Path) -> bool:
             return isinstance(told, dict) and {"inputs", "outputs", "version"} <= set(told)
     except (OSError, KeyError, ValueError, RuntimeError, zipfile.BadZipFile):
         return False
+
+
+def ends_as_folder(place: str | Path) -> bool:
+    """Whether a name ends in a slash, as that of a folder does; a `Path` has dropped it."""
+    return str(place).endswith(("/", os.sep)) and str(place) != Path(place).anchor
+
+
+def names_folder(place: str | Path) -> bool:
+    """Whether a place is a folder: one that is there, or by a slash at its end one that is to be made.
+
+    So it is of every command that writes several files.
+    """
+    return ends_as_folder(place) or Path(place).is_dir()
+
+
+def check_made(folder: Path) -> None:
+    """Raise ResultError where a folder can neither be found nor made: its parent is missing, or it is a file."""
+    check_folder(folder)
+    if folder.exists() and not folder.is_dir():
+        raise ResultError(folder, "is a file, not a folder", "name another with -o")
+
+
+@contextmanager
+def made_for(folder: Path) -> Iterator[None]:
+    """Make a folder, if it is not there, for the files that are written inside; not for a refusal.
+
+    Raises
+    ------
+    ResultError, WriteError
+        Where it cannot be made.
+    """
+    made = not folder.exists()
+    make_folder(folder)
+    try:
+        yield
+    except ResultError:
+        if made and not any(folder.iterdir()):
+            folder.rmdir()
+        raise
 
 
 def make_folder(folder: Path) -> None:

@@ -15,6 +15,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.errors import SceneWarning
 from tautline.scene.model import Model
+from tautline.scene.names import Name
 from tautline.scene.refusal import fault, refusal
 from tautline.scene.values.quantity import quantity
 
@@ -101,7 +102,7 @@ class Limit(Model):
     at_most: Annotated[float | str, AsWritten()] | None = None
     at_least: Annotated[float | str, AsWritten()] | None = None
     for_: Annotated[float, quantity("s", nonnegative=True, of="duration")] = Field(0.0, alias="for")
-    name: str = ""
+    name: Name = ""
 
     @model_validator(mode="after")
     def _bounded(self) -> Limit:

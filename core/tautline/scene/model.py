@@ -21,6 +21,7 @@ from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
 from tautline.scene.reading.slips import decimal_comma, without_blank
 from tautline.scene.refusal import KIND, must_be, nearest_key, refusal
+from tautline.scene.values.habits import other_minus
 from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import Quantity, is_written_in, suited
 
@@ -436,7 +437,7 @@ def _problem(error: Any, document: Document) -> Problem:
             beside = join_key((*path[:-1], beside[1:]))
         cause += _shown_beside(document, beside)
     else:
-        cause, cure = _plain(error)
+        cause, cure = plain_words(error)
     value = None
     if error["type"] != "missing" and document.written(path) is None and isinstance(error["input"], (str, int, float)):
         value = str(error["input"])
@@ -452,7 +453,7 @@ def _shown_beside(document: Document, key: str) -> str:
     return f" ({key} = {shorten(written)}, {place})"
 
 
-def _plain(error: Any) -> tuple[str, str]:
+def plain_words(error: Any) -> tuple[str, str]:
     """Cause and cure of one of pydantic's own errors."""
     kind, given = str(error["type"]), error["input"]
     context: dict[str, Any] = error.get("ctx") or {}
@@ -462,10 +463,12 @@ def _plain(error: Any) -> tuple[str, str]:
         return "is not known here", must_be(words, close[0] if close else "")
     if given is None:
         return "is empty", "give a value, or remove the key"
+    if isinstance(given, str) and (told := other_minus(given)):
+        return told
     if kind.startswith("bool_"):
         return "must be true or false", _truth(given)
     names = {"int": ("a whole number", "12"), "string": ("a text", "drill pipe")}
-    names |= {"tuple": ("a list", "[0, 1]"), "list": ("a list", "[0, 1]")}
+    names |= {"float": ("a number", "0.5"), "tuple": ("a list", "[0, 1]"), "list": ("a list", "[0, 1]")}
     if kind.startswith("int_") and isinstance(given, float) and given.is_integer():
         return "must be a whole number, written without a point or an exponent", f"write {given:.0f}"
     if kind.startswith("int_") and isinstance(given, str) and re.fullmatch(r"[+-]?[0-9]+", given.strip()):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,7 +25,7 @@ ENDINGS = (".pvd", ".csv")
 def export(
     catalogue: Catalogue,
     path: Path,
-    output: Path | None,
+    output: Path | str | None,
     vtk: bool,
     csv: bool,
     what: Sequence[str],
@@ -37,9 +37,10 @@ def export(
 
     Parameters
     ----------
-    output : Path or None
-        A folder, which must exist, or the beginning of the names of files, with or without ``.pvd`` or ``.csv``; by
-        default the result's name in the current folder. The ending of another kind of file is refused.
+    output : Path, str or None
+        A folder, or the beginning of the names of files, with or without ``.pvd`` or ``.csv``; by default the result's
+        name in the current folder. A text that ends in a slash is a folder, which is made where its parent is there.
+        The ending of another kind of file is refused.
     vtk, csv : bool
         A ``.pvd`` with its frames, tables; one of them at least.
     what : sequence of str
@@ -55,6 +56,7 @@ def export(
         If nothing is asked for, or options contradict each other; if the result cannot be read, a variable is unknown,
         or a file cannot be written.
     """
+    from tautline.results.output_path import made_for, names_folder
     from tautline.results.result import Result
     from tautline.results.tables.pieces import pieces_said
 
@@ -63,15 +65,16 @@ def export(
     base = _base(path, output)
     files: list[Path] = []
     larger = ""
-    if csv:
-        from tautline.results.tables.table import write_csv
+    with made_for(base.parent) if output is not None and names_folder(output) else nullcontext():
+        if csv:
+            from tautline.results.tables.table import write_csv
 
-        with told_of_holes([result]), _counted("tables") as progress:
-            files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
-    if vtk:
-        with told_of_holes([result]):
-            made, larger = _write_vtk(catalogue, result, base, look, every)
-        files += made
+            with told_of_holes([result]), _counted("tables") as progress:
+                files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
+        if vtk:
+            with told_of_holes([result]):
+                made, larger = _write_vtk(catalogue, result, base, look, every)
+            files += made
     warnings = say_missing(result)
     if said := pieces_said(result):
         say(f"{result.path}: {said}", "yellow")
@@ -118,10 +121,10 @@ def _most_files(moving: Sequence[bool], frames: int) -> int:
     return sum(frames if moves else 1 for moves in moving)
 
 
-def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look: Look, every: int) -> None:
+def _check(vtk: bool, csv: bool, output: Path | str | None, what: Sequence[str], look: Look, every: int) -> None:
     """Refuse options that leave nothing to do, or that nothing asked for heeds."""
     from tautline.results.errors import ResultError
-    from tautline.results.output_path import OTHER_KINDS
+    from tautline.results.output_path import OTHER_KINDS, names_folder
 
     if str(output) == "-":
         raise ResultError(
@@ -137,8 +140,9 @@ def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look:
     for option, given in (("--view", look.view), ("--exaggerate", look.exaggerate), ("--every", every != 1)):
         if given and not vtk:
             raise ResultError(option, "changes what ParaView shows, and tables stay as they are", "add --vtk")
-    if output is None or output.is_dir():
+    if output is None or names_folder(output):
         return
+    output = Path(output)
     ending = output.suffix.lower()
     if ending == ".nc" or (ending in OTHER_KINDS and ending not in ENDINGS):
         cure = f"name it {output.with_suffix('.csv' if csv else '.pvd').name}, or without an ending"
@@ -148,12 +152,15 @@ def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look:
         raise ResultError(output, f"ends in {ending}, but {other} is not given", f"add {other}, or give another name")
 
 
-def _base(path: Path, output: Path | None) -> Path:
+def _base(path: Path, output: Path | str | None) -> Path:
     """Folder and beginning of the names of files."""
+    from tautline.results.output_path import names_folder
+
     if output is None:
         return Path(path.stem)
-    if output.is_dir():
-        return output / path.stem
+    if names_folder(output):
+        return Path(output) / path.stem
+    output = Path(output)
     return output.with_suffix("") if output.suffix.lower() in ENDINGS else output
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from tautline.application.installed import Catalogue, Installed
 from tautline.cli.options.changes import change_of
 from tautline.cli.output.console import print_json, say
+from tautline.cli.output.preparing import preparing
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.scene.errors import option_error
 
@@ -45,7 +46,8 @@ def fmu(
         kinds = {"output": "--outputs", "FMI": "--fmi"}
         option = next((one for word, one in kinds.items() if word in error.cause), "--inputs")
         raise option_error(option, "", error.cause, error.cure) from None
-    warnings = application.warnings(scene)
+    with preparing(path, scene):
+        warnings = application.warnings(scene)
     print_warnings(warnings)
     say(f"wrote {target}")
     for name in named["--outputs"]:

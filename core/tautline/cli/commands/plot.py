@@ -18,7 +18,7 @@ PICTURES = ("jpg", "jpeg", "gif", "bmp", "tif", "tiff", "webp", "eps", "ps")
 def plot(
     catalogue: Catalogue,
     paths: Sequence[Path],
-    output: Path | None,
+    output: Path | str | None,
     what: Sequence[str],
     vs: str | None,
     form: str | None,
@@ -28,8 +28,9 @@ def plot(
 
     Parameters
     ----------
-    output : Path or None
-        A file if it ends in a known format, else a folder, which is made; by default the current folder.
+    output : Path, str or None
+        A file if it ends in a known format, else a folder, which is made; by default the current folder. A text that
+        ends in a slash is a folder, too.
     what : sequence of str
         Names of figures or of variables; empty for the application's default figures.
     vs : str or None
@@ -55,6 +56,7 @@ def plot(
     if form is not None and form not in FORMATS:
         raise ResultError(output or "--format", f"unknown format '{form}'", f"known: {', '.join(FORMATS)}")
     folder, stem, ending = _place(output)
+    output = None if output is None else Path(output)
     if ending and form and ending != form:
         raise ResultError(output or "", f"ends in .{ending}, but --format says {form}", "leave one of them out")
     if ending and output is not None:
@@ -92,16 +94,20 @@ def _make(folder: Path) -> bool:
     return made
 
 
-def _place(output: Path | None) -> tuple[Path, str | None, str | None]:
+def _place(output: Path | str | None) -> tuple[Path, str | None, str | None]:
     """Folder, beginning of the file name and format that ``-o`` asks for."""
     from tautline.results.errors import ResultError
+    from tautline.results.output_path import names_folder
 
     if output is None:
         return Path(), None, None
+    if names_folder(output):
+        return Path(output), None, None
+    output = Path(output)
     ending = output.suffix[1:].lower()
-    if ending in FORMATS and not output.is_dir():
+    if ending in FORMATS:
         return output.parent, output.stem, ending
-    if ending in PICTURES and not output.is_dir():
+    if ending in PICTURES:
         raise ResultError(output, f"ends in .{ending}, which is no format of figures", "name it .png, .svg or .pdf")
     if output.is_file():
         cause, cure = "is a file that is there, and no figure", "name a folder, or a figure that ends in"

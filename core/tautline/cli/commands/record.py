@@ -15,6 +15,7 @@ from tautline.cli.options.changes import as_given, change_of
 from tautline.cli.options.sensors import read_sensors
 from tautline.cli.output.called import quoted, typed
 from tautline.cli.output.console import print_json, say
+from tautline.cli.output.preparing import preparing
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.run import Ended, ExitCode
 from tautline.results.errors import WriteError
@@ -65,7 +66,8 @@ def record(
     sensing = _sensing(given)
     until = _number("--end", given.end, "s", float("nan"))
     check_record(output, force)
-    warnings = application.warnings(scene)
+    with preparing(path, scene, quiet):
+        warnings = application.warnings(scene)
     print_warnings(warnings)
     rows = recorded(scene, read, sensing, None if until != until else until)
     try:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 Write = Callable[[], list[Path]]
 """Writes files, and returns them."""
+LEAST, MOST = 100, 8192
+"""Width and height of a picture, pixels."""
 NO_DISPLAY = (
     "there is no display that a window can be opened on: here is a picture; see also --movie, --html and `export --vtk`"
 )
@@ -29,8 +31,8 @@ class RenderOptions:
 
     Attributes
     ----------
-    output : Path or None
-        Where the pictures go: a file or a folder.
+    output : Path, str or None
+        Where the pictures go: a file, or a folder, which is made.
     image : sequence of str or None
         Times of pictures: ``t=12.5``, ``12.5 s``, ``first`` or ``last``.
     movie, html : Path or None
@@ -43,7 +45,7 @@ class RenderOptions:
         Of a film: pictures a second, and simulated over shown time. ``speed`` is a window's too.
     """
 
-    output: Path | None
+    output: Path | str | None
     image: Sequence[str] | None
     movie: Path | None
     html: Path | None
@@ -170,8 +172,9 @@ def _size(text: str | None) -> tuple[int, int]:
         width, height = (int(part) for part in parts)
     except ValueError:
         width = height = 0
-    if not (100 <= width <= 8192 and 100 <= height <= 8192):
-        raise ResultError("--size", f"'{text}' is no size of a picture", "give pixels, such as 1920x1080") from None
+    if not all(LEAST <= side <= MOST for side in (width, height)):
+        cure = f"give width and height from {LEAST} to {MOST} pixels, such as 1920x1080"
+        raise ResultError("--size", f"'{text}' is no size of a picture", cure) from None
     return width, height
 
 
@@ -217,6 +220,7 @@ def _film_said(made: Cut) -> str:
 
 def _pictures(appearance: Appearance, path: Path, asked: RenderOptions) -> Write:
     """What writes the pictures, when it is known that they can be; that of the last frame where no time was given."""
+    from tautline.results.output_path import made_for
     from tautline.view.space.still import check_format, frame_of, places, still
 
     frames = [frame_of(text, appearance.time) for text in asked.image or ("last",)]
@@ -226,10 +230,11 @@ def _pictures(appearance: Appearance, path: Path, asked: RenderOptions) -> Write
     _check_drawn_with(appearance, asked)
 
     def write() -> list[Path]:
-        stage = _stage(appearance, asked)
-        try:
-            return [still(stage, frame, file) for frame, file in zip(frames, files, strict=True)]
-        finally:
-            stage.close()
+        with made_for(files[0].parent):
+            stage = _stage(appearance, asked)
+            try:
+                return [still(stage, frame, file) for frame, file in zip(frames, files, strict=True)]
+            finally:
+                stage.close()
 
     return write

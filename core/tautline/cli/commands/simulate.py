@@ -14,6 +14,7 @@ from tautline.cli.output.disk_space import room_warning
 from tautline.cli.output.duration import total_time
 from tautline.cli.output.first_run import compiling
 from tautline.cli.output.numba_version import version_note
+from tautline.cli.output.preparing import preparing
 from tautline.cli.output.progress import Bar
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.output.summary import limit_said, limits_of_scene, table, two_columns
@@ -36,10 +37,13 @@ COPIED = (
 """Keys of the report that are attributes of the result."""
 
 SHARES = {
-    1.0 / 3.0: "runs with a half and a third of the step",
-    4.0: "runs with twice and four times the step", 0.5: "a run with half the step",
+    1.0 / 3.0: "runs with a half and a third of the step", 4.0: "two runs with longer steps",
+    0.5: "a run with half the step",
 }  # fmt: skip
-"""Other runs by the step of the last of them, over the run's own; of any other last there is one run."""
+"""Other runs by the step of the last of them, over the run's own; of any other last there is one run.
+
+How long longer steps are is told by the estimate. A frame holds a whole number of them: they are seldom as asked for.
+"""
 
 
 def check(
@@ -66,8 +70,9 @@ def check(
     application, read = catalogue.read(scene, change_of(changes))
     if figure is not None:
         check_figure(figure, "--figure")
-    warnings = application.warnings(read)
-    figures = application.check_figures(read)
+    with preparing(scene, read):
+        warnings = application.warnings(read)
+        figures = application.check_figures(read)
     print_warnings(warnings)
     # What only the builder can tell, such as a repeated constraint, is refused here too; nothing is run.
     if note := version_note():
@@ -141,11 +146,13 @@ def simulate(
     target = check_simulated(check_target(output or Path(scene.name).with_suffix(".nc")))
     earlier = _earlier(resume)
     read, accuracy = _accuracy(application, read, overrides, earlier, verify)
-    warnings = application.warnings(read)
+    with preparing(scene, read, quiet):
+        warnings = application.warnings(read)
     print_warnings(warnings)
     if note := version_note():
         say(f"warning: {note}", "yellow")
-    model = application.build(read)
+    with preparing(scene, read, quiet):
+        model = application.build(read)
     if note := room_warning(model, target):
         say(f"warning: {note}", "yellow")
     end = getattr(getattr(model, "solver", None), "end", None)
@@ -328,7 +335,7 @@ def _other_runs(
 
     def begin(parts: Sequence[float]) -> None:
         if not quiet:
-            runs = SHARES.get(parts[-1], f"a run with {parts[-1]:.3g} times the step")
+            runs = SHARES.get(parts[-1], "a run with longer steps")
             say(f"estimating the error from {runs}; --no-verify leaves it out")
         bar.again(len(parts) * float(model.solver.end), "estimating the error")
 

@@ -36,12 +36,12 @@ QUICK_BUDGET = 3.0
 COLOUR = {"right": "green", "inaccurate": "yellow", "stopped": "cyan", "refused": "cyan", "unjudged": "magenta"}
 
 
-def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: Options, as_json: bool) -> None:
+def stability(catalogue: Catalogue, path: Path, output: Path | str | None, asked: Options, as_json: bool) -> None:
     """Look a scene over and report what limits its step and what breaks it.
 
     Parameters
     ----------
-    output : Path or None
+    output : Path, str or None
         Beginning of the names of the files that are written; by default the scene's with ``_stability``.
 
     Raises
@@ -72,6 +72,7 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: Opti
 
 
 def _report(path: Path, stem: Path, found: Stability, as_json: bool, warnings: Sequence[SceneWarning]) -> None:
+    from tautline.results.output_path import make_folder
     from tautline.study.figures import stability_figure
     from tautline.study.record import stability_record, write_csv
 
@@ -86,6 +87,7 @@ def _report(path: Path, stem: Path, found: Stability, as_json: bool, warnings: S
         _count(found.variants)
     if found.left_out:
         say(f"a quick look: {'; '.join(found.left_out)}")
+    make_folder(stem.parent)
     files = [write_csv(whole["variants"], named(stem, ".csv"))] if found.variants else []
     files.append(stability_figure(found, f"{path.stem}: stability", named(stem, ".png")))
     for file in files:

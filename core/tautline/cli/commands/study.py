@@ -15,6 +15,7 @@ from tautline.cli.options.changes import change_of
 from tautline.cli.options.lists import number, numbers, one_of, words
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
+from tautline.cli.output.preparing import preparing
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import Problem, SceneError
@@ -66,13 +67,14 @@ class StudyOptions(Options):
     repeat: int
 
 
-def study(catalogue: Catalogue, path: Path, output: Path | None, asked: StudyOptions, as_json: bool) -> None:
+def study(catalogue: Catalogue, path: Path, output: Path | str | None, asked: StudyOptions, as_json: bool) -> None:
     """Run a grid of settings of a scene and report errors against run time.
 
     Parameters
     ----------
-    output : Path or None
-        Beginning of the names of the files that are written; by default the scene's with ``_study``.
+    output : Path, str or None
+        Beginning of the names of the files that are written, or a folder for them, which is made where a text ends in a
+        slash; by default the scene's name with ``_study``.
 
     Raises
     ------
@@ -117,7 +119,8 @@ def prepared(catalogue: Catalogue, path: Path, asked: Options) -> tuple[Subject,
     from tautline.study.trials.trial import Subject
 
     application, scene = catalogue.read(path, change_of(asked.changes, asked.end))
-    warnings = list(application.warnings(scene))
+    with preparing(path, scene):
+        warnings = list(application.warnings(scene))
     print_warnings(warnings)
     end, whole = asked.end, None
     if end is None and asked.quick:
@@ -143,13 +146,19 @@ def working() -> Iterator[Any]:
         yield lambda text: status.update(text.replace("[", "\\["))
 
 
-def stem_of(path: Path, output: Path | None, word: str) -> Path:
+def stem_of(path: Path, output: Path | str | None, word: str) -> Path:
     """Beginning of the names of files; raises ResultError where one of them could not be written."""
     from tautline.results.errors import ResultError
-    from tautline.results.output_path import check_folder
+    from tautline.results.output_path import check_folder, check_made, names_folder
 
-    stem = output if output is not None else Path(f"{path.stem}_{word}")
-    if stem.suffix in ENDINGS:
+    usual = Path(f"{path.stem}_{word}")
+    stem = Path(output) if output is not None else usual
+    if output is not None and names_folder(output):
+        check_made(stem)
+        stem /= usual
+        if not stem.parent.exists():
+            return stem  # it is made with the first file, and nothing is in its way
+    elif stem.suffix in ENDINGS:
         stem = stem.with_suffix("")
     for ending in ENDINGS:
         file = named(stem, ending)
@@ -249,6 +258,7 @@ def _reference(asked: StudyOptions) -> Any:
 
 
 def _report(path: Path, stem: Path, found: Study, as_json: bool, warnings: Sequence[SceneWarning]) -> None:
+    from tautline.results.output_path import make_folder
     from tautline.study.figures import work_precision
     from tautline.study.record import run_record, study_record, write_csv, write_netcdf
 
@@ -270,6 +280,7 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool, warnings: Seque
     proved = found.reference is not None and found.reference.converged
     say(found.advice, "green" if proved and not found.unseen else "yellow")
     files = []
+    make_folder(stem.parent)
     if records:
         kept = {key: value for key, value in (whole["reference"] or {}).items() if isinstance(value, (str, int, float))}
         attributes = {"scene": str(path), "advice": whole["advice"], "point": whole["point"]}

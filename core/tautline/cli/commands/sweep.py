@@ -13,6 +13,7 @@ from tautline.cli.output.called import typed
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
 from tautline.cli.output.numba_version import version_note
+from tautline.cli.output.preparing import preparing
 from tautline.cli.output.progress import Counter
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.output.summary import two_columns
@@ -66,7 +67,8 @@ def sweep(
             raise option_error("--set", change, cause, "leave it out here, or under vary")
     application, scene = catalogue.read(place, change_of(changes))
     folder = output or Path(file.stem)
-    warnings = application.warnings(scene)
+    with preparing(place, scene, quiet):
+        warnings = application.warnings(scene)
     print_warnings(warnings)
     if not quiet:
         for note in notes_of(read):

@@ -17,6 +17,7 @@ from tautline.application.installed import Catalogue
 from tautline.cli.options.changes import change_of
 from tautline.cli.options.sensors import read_sensors
 from tautline.cli.output.console import finite, print_text, say
+from tautline.cli.output.preparing import preparing
 from tautline.cli.output.scene_warnings import print_warnings
 from tautline.cli.run import Ended, ExitCode
 from tautline.results.errors import WriteError
@@ -100,7 +101,9 @@ def twin(
     goes_on = resume is not None and (resume.exists() or given.state != resume)
     if given.output is not None and not goes_on and not given.force:
         check_found(given.output)
-    print_warnings(application.warnings(scene))
+    with preparing(path, scene, quiet):
+        warnings = application.warnings(scene)
+    print_warnings(warnings)
     silence_library_logs()
     with (
         _alone({"--state": given.state, "--account": given.account, "-o": given.output}),

@@ -34,6 +34,7 @@ from tautline.scene.reading.long_rows import (
 from tautline.scene.reading.text import decode
 from tautline.scene.reading.title_lines import MOST_LINES, header_below
 from tautline.scene.refusal import nearest
+from tautline.scene.values.habits import other_minus
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE
 from tautline.scene.values.units import TABLE, Uncounted, UnknownUnit, converted, read_unit
 
@@ -394,7 +395,8 @@ class Columns:
         ):
             self.add(line, name, cell[:40], "is not a finite number", "give the value, or delete the row")
         elif not NUMBER.fullmatch(plain):
-            self.add(line, name, cell[:40], "is not a number", "write plain numbers, without units or thousands' marks")
+            plainly = "is not a number", "write plain numbers, without units or thousands' marks"
+            self.add(line, name, cell[:40], *(other_minus(cell) or plainly))
         else:
             return float(plain)
         return math.nan

@@ -1,4 +1,4 @@
-"""Numbers and units as people write them elsewhere: marks of inches, commas, a flow where a speed is wanted."""
+"""Numbers and units as people write them elsewhere: marks of inches, commas, signs, a flow where a speed is wanted."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ MARKS = {**dict.fromkeys(('"', "″", "”", "''"), "in"), **dict.fromkeys(("'",
 """Marks of inches and feet behind a number."""
 COMMA = re.compile(r"(?P<digits>(?:,\d+)+)(?P<point>\.\d+)?(?P<unit>(?:\s*[^\s\d.,].*)?)", re.DOTALL)
 """What stands behind the digits in front of a comma: more digits, perhaps decimals, perhaps a unit."""
+MINUS = re.compile(r"\s*(?P<sign>[−–—‐‑‒﹣－])\s*(?P<rest>[\d.].*)", re.DOTALL)
+"""A number behind a sign that looks like a minus, as documents have it: the true minus, dashes and other hyphens."""
 THOUSANDS = re.compile(r"(,\d{3})+")
 FLOWS = ("gpm", "lpm", "bpm")
 """Gallons, litres and barrels per minute, which are no units of the table."""
@@ -33,6 +35,15 @@ def habit(number: str, unit: str, wanted: str) -> tuple[str, str] | None:
     if not THOUSANDS.fullmatch(digits) or len(number.lstrip("+-")) > 3 or not number.lstrip("+-0"):
         return ("has a comma", f"write {decimal} with a point") if decimal else None
     return "has a comma", f"write {thousand}" + (f", or {decimal} if it is a decimal comma" if decimal else "")
+
+
+def other_minus(written: str) -> tuple[str, str] | None:
+    """What is wrong with the sign of a number from a document, and how to write it; None for anything else."""
+    found = MINUS.fullmatch(written)
+    if found is None:
+        return None
+    sign, rest = found["sign"], found["rest"].strip()
+    return f"has another minus sign, U+{ord(sign):04X}", f"write it with the hyphen of the keyboard: -{rest}"
 
 
 FLOW = (

@@ -13,7 +13,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.refusal import nearest, refusal
-from tautline.scene.values.habits import flow_for_speed, habit
+from tautline.scene.values.habits import flow_for_speed, habit, other_minus
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
 from tautline.scene.values.ranges import EXAMPLES, RANGES
 from tautline.scene.values.units import Uncounted, Unit, UnknownUnit, converted, read_unit
@@ -174,6 +174,8 @@ class Quantity:
         if match is None:
             if written.strip().lower().lstrip("+-.") in ("nan", "inf", "infinity"):
                 raise refusal("is not a finite number", self.cure)
+            if told := other_minus(written):
+                raise refusal(*told)
             hint = f"{nearest(written, self.words)}, or " if self.words else ""
             raise refusal("is not a number with a unit", hint + self.cure)
         number, unit = match["number"], match["unit"]

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from tautline.results.errors import ResultError, unwritten
-from tautline.results.output_path import check_drawn, check_folder
+from tautline.results.output_path import check_drawn, check_folder, check_made, names_folder
 from tautline.results.variable import outside
 from tautline.view.space.stage import Stage
 
@@ -66,17 +66,21 @@ def _seconds(text: str) -> float | None:
         return None
 
 
-def places(output: Path | None, result: Path, time: np.ndarray, frames: list[int]) -> list[Path]:
-    """Files of pictures: as asked, and by their times where there are several."""
-    folder = output is not None and output.is_dir()
-    path = Path(f"{result.stem}.png") if output is None else output / f"{result.stem}.png" if folder else output
-    check_folder(path)
+def places(output: Path | str | None, result: Path, time: np.ndarray, frames: list[int]) -> list[Path]:
+    """Files of pictures: as asked, and by their times where there are several.
+
+    As of figures, what has no ending, or ends in a slash, is a folder. It may have to be made before they are written.
+    """
+    folder = output is not None and (names_folder(output) or not Path(output).suffix)
+    path = Path(output or f"{result.stem}.png")
+    if folder:
+        check_made(path)
+        path /= f"{result.stem}.png"
+    else:
+        check_folder(path)
     if len(frames) == 1 and output is not None and not folder:
-        if not path.suffix:
-            cure = f"make it, mkdir {path}, or name a picture, {path}.png"
-            raise ResultError(path, "there is no folder of this name, and a picture's name has an ending", cure)
         return [check_drawn(path)]
-    return [check_drawn(path.with_name(f"{path.stem}_{time[frame]:g}s{path.suffix or '.png'}")) for frame in frames]
+    return [check_drawn(path.with_name(f"{path.stem}_{time[frame]:g}s{path.suffix}")) for frame in frames]
 
 
 def check_format(path: Path) -> None:
