@@ -579,7 +579,8 @@ def _alarm(g, t, q, alarm):
                 if wheel != POINT and straight < MET * abs(g.wheels[wheel].radius):
                     alarm[0], alarm[1] = SLACK_ON_WHEEL, s.a if side == 0 else s.b
                     return
-        # A wheel between two spans has rope on it as long as the rope runs on before it leaves, and a place for one turn.
+        # A wheel between two spans has rope on it as long as the rope runs on before it leaves; and it has place for
+        # one turn.
         if n > 0 and s.wheel1 != POINT and g.rows[n - 1].wheel2 == s.wheel1:
             wrap = g.found[n, FIRST_PSI] - g.found[n - 1, LAST_PSI]
             if not (wrap * g.wheels[s.wheel1].radius > 0.0 and abs(wrap) < 2.0 * pi):

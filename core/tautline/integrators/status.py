@@ -63,9 +63,9 @@ SENTENCES = {
         "the rope, and nothing resists. Hold the node in a further direction, or hold its p"
     ),
     Status.OFF_WHEEL: (
-        "the rope no longer runs over a sheave as it was led: the straight line between its neighbours passes it by, or "
-        "it has gone round the sheave by a whole turn; keep the load where the rope is led, or add a sheave that leads "
-        "it"
+        "the rope no longer runs over a sheave as it was led: the straight line between its neighbours passes it by, "
+        "or it has gone round the sheave by a whole turn; keep the load where the rope is led, or add a sheave that "
+        "leads it"
     ),
     Status.RUN_OUT: "all of the rope has run off its drum; pay out less, or give the drum more rope",
     Status.TWO_BLOCKED: (
