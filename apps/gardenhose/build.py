@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from gardenhose.cables import arc_lengths, assembled, place_of_flow, step_limit, streams
+from gardenhose.cables import STARTS, arc_lengths, assembled, place_of_flow, step_limit, streams
 from gardenhose.estimates import average, speeds
 from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
@@ -39,7 +39,6 @@ FORCE_SHARE = 1.0e-2
 """What an iteration may leave out of the axial force, over one that is usual."""
 STEP_ERROR = 1.0e-5
 """Error of a step over the hose's length, where the step is chosen and the scene gives none."""
-STARTS = {"straight": "as given", "static": "static", "relaxed": "relaxed"}
 
 
 def build(scene: HoseScene) -> Model:

@@ -25,6 +25,8 @@ from tautline.scene.reading.document import Document
 from tautline.system.records import records_of
 
 METHODS = {"lagrange": "multiplier", "penalty": "penalty", "augmented": "augmented"}
+STARTS = {"straight": "as given", "static": "static", "relaxed": "relaxed"}
+"""What a start of a hose is called in a scene of cables."""
 FREE, HELD = False, True
 FOLLOWS_NOTHING = (0,) * 7
 SPEED: Place = ("water", "speed")
@@ -89,7 +91,7 @@ def cables_of(scene: HoseScene, fused: bool = True) -> CableScene:
     if scene.hose.tip_mass > 0.0:
         mass = PointMass(id=1, nodes7=(len(s),), mass=scene.hose.tip_mass)
         masses = [NodalPart("PointMass", mass, (len(s),), 0, ("hose", "tip_mass"))]
-    solver = CableSolver.model_construct(end=scene.solver.end, mass_damping=0.0)
+    solver = CableSolver.model_construct(end=scene.solver.end, mass_damping=0.0, start=STARTS[scene.start])
     return CableScene(
         title=scene.title, gravity=scene.gravity, nodes=tuple(nodes), elements=tuple(elements), ties=tuple(ties),
         couplings=tuple(couplings), nodal=tuple(masses), motions=tuple(motions),

@@ -66,6 +66,7 @@ from tautline.results.resumption import (
     of_another_build,
     place_of,
     refuse_another,
+    refuse_frames_without,
     restart_time,
     truncated_start_warning,
 )
@@ -176,9 +177,11 @@ class Run:
         refuse_another(earlier, self.model.solver.method, self.model.attributes)
         if recall(earlier.restart, *self._parts()):
             raise of_another_build(earlier)
+        names = tuple(variable.name for variable in self.model.variables)
+        refuse_frames_without(earlier, names)
         # The state may stand between two frames: the clock is that of the state, or its own time would be shifted.
         self.time = self.reached = self.remembered = self.began_at = restart_time(earlier)
-        frames = frames_until(earlier, self.time, tuple(variable.name for variable in self.model.variables))
+        frames = frames_until(earlier, self.time, names)
         self.missing_until = earlier.attributes.get(MISSING_UNTIL)
         self.began = Start.of_attribute(earlier.attributes.get("start"))
         self.wall = float(earlier.attributes.get("wall_time", 0.0))

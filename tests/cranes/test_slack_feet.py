@@ -121,3 +121,12 @@ def test_a_slack_rope_between_anchors_is_warned_of_where_it_hangs_plumb(aside, w
 
 def test_a_rope_that_is_slack_for_moments_before_a_snap_is_not_told():
     assert told(ran(fall(solver={"end": 1.5}, rope={"length": 25.5}, start="as drawn"))) == []
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-160])
+def test_a_slack_rope_in_next_to_no_gravity_is_checked_and_not_divided_by_nothing(size):
+    rope = {"mass_per_length": 2.0, "axial_stiffness": 1.0e6, "length": 12.0}
+    path = [anchor((0.0, 0.0, 0.0), "lower"), anchor((0.0, 0.0, 10.0), "upper")]
+    scene = crane(path, [], rope, mesh={"elements_per_span": 20}, solver={"end": 0.1}) | {"gravity": [0.0, 0.0, -size]}
+    with np.errstate(all="raise", under="ignore"):
+        assert foreseen(scene) == []

@@ -158,3 +158,15 @@ def test_a_state_of_another_build_is_refused_in_plain_words_also_where_its_versi
     text = f"{refused.value}"
     assert "last_step" not in text and text.count("Tautline") == 1
     assert "run the scene from its start" in refused.value.cure
+
+
+def test_frames_of_another_build_that_lack_a_variable_are_refused_with_cause_and_cure(tmp_path):
+    scene = Installed().for_scene(DATA / "cantilever_bar.yaml").read(DATA / "cantilever_bar.yaml")
+    short, longer = (changed(scene, ("GeneralizedAlpha", "time_end"), end) for end in (0.1, 0.2))
+    path = tmp_path / "bar.nc"
+    simulate(Installed().of(short).build(short), path)
+    with h5py.File(path, "a") as file:
+        del file["end_force"]
+    with pytest.raises(ResultError, match=r"another build of Tautline .* wrote it, and stored no end_force") as refused:
+        simulate(Installed().of(longer).build(longer), resume=Result(path))
+    assert "run the scene from its start" in refused.value.cure

@@ -2,8 +2,10 @@
 
 from math import pi
 
+import numpy as np
 import pytest
 import yaml
+from physics.cables.rope_text import chain, scene
 from twin.rehearsal import CALM, SENSORS, alarms, at, changed, hoist, lines_of, rows_of
 
 import tautline
@@ -142,6 +144,41 @@ def test_what_is_read_live_has_the_tension_that_a_run_is_judged_by():
     assert sim["largest_tension"].tolist() == pytest.approx([HANGS, 0.5 * HANGS], rel=1e-5)
     assert sim["least_tension"].tolist() == pytest.approx([0.5 * HANGS, 0.0], rel=1e-5, abs=1e-5 * HANGS)
     assert sim["tension"].max() == pytest.approx(0.75 * HANGS, rel=1e-5)
+
+
+def bar_of_two_elements():
+    """A bar held at its first node, with 0.01 N along it at the last one (speed of waves 1 m/s)."""
+    p = np.linspace(0.0, 1.0, 3)
+    items = chain(
+        np.stack([p, 0 * p, 0 * p], 1), p, {0: (1,) * 4, 1: (0, 1, 1, 1), 2: (0, 1, 1, 1)}, EA=1.0, linear=True
+    )
+    load = "  - PointForce: {id: 9, nodes4: [2], force: [0.01, 0, 0]}\n"
+    return scene(items + load, gravity=(0, 0, 0), time_step=0.01, time_end=2.0, start='"as given"')
+
+
+BAR_MAP = """
+sensors: [{{column: n0, unit: N, output: element 0.{sensor}, sd: 0.5 mN}}]
+watch: [{{output: element 0.{watched}, above: {bound} N, name: overload}}]
+"""
+
+
+def of_a_bar(watched, reading, bound=0.5, sensor="axial_force"):
+    """Texts of the alarm `overload` of a bar whose true force is 0.01 N at most, from a record of its sensor."""
+    record = [(0.05 * k, {"n0": reading if k > 10 else 0.0}) for k in range(21)]
+    twin = Twin(tautline.read(bar_of_two_elements()), BAR_MAP.format(sensor=sensor, watched=watched, bound=bound))
+    return [one["text"] for line in lines_of(twin, record) for one in line["alarms"] if one["name"] == "overload"]
+
+
+@pytest.mark.parametrize("sensor", ["axial_force", "largest_axial_force"])
+def test_a_reading_of_an_element_s_force_beyond_its_bound_raises_the_alarm_that_is_asked_for_by_name(sensor):
+    texts = of_a_bar("axial_force", 0.9, sensor=sensor)
+    assert texts and set(texts) == {"element 0.axial_force measured: 0.9 N, above 0.5 N"}
+    assert of_a_bar("axial_force", 0.4, sensor=sensor) == []
+
+
+def test_what_is_computed_is_judged_at_the_ends_and_told_by_the_name_that_was_asked():
+    texts = of_a_bar("axial_force", 0.0, bound=0.005)
+    assert texts and all(text.startswith("element 0.axial_force computed: ") for text in texts)
 
 
 def test_a_watch_of_a_map_on_tension_is_of_the_ends_of_elements_too():

@@ -22,9 +22,10 @@ def drawn_askew(found: Estimate) -> Iterator[tuple[str, str]]:
     """
     scene = found.scene
     g = np.array(scene.gravity, float)
-    if scene.start != "static" or not g.any():
+    weight = float(np.linalg.norm(g))
+    if scene.start != "static" or weight == 0.0:
         return
-    down = g / np.linalg.norm(g)
+    down = g / weight
     places = np.array([*found.path.tangents.reshape(-1, 3), *(body.position for body in scene.bodies)])
     size = float(np.ptp(places, axis=0).max())
     for k, body in enumerate(scene.bodies):

@@ -68,7 +68,7 @@ def slack_feet(result: Any, scene: CraneScene) -> list[str]:
         Of one that keeps statistics nothing is told: they do not say what was at the same time.
     scene : CraneScene
     """
-    if scene.output.statistics or not any(scene.gravity) or any(name not in result for name in FIELDS):
+    if scene.output.statistics or np.linalg.norm(scene.gravity) == 0.0 or any(name not in result for name in FIELDS):
         return []
     time, tension = np.asarray(result.time, float), np.asarray(result["tension"])
     largest = float(tension.max(initial=0.0))
@@ -143,8 +143,8 @@ def foreseen(found: Estimate) -> Iterator[tuple[str, str]]:
     """
     scene, path = found.scene, found.path
     length = scene.rope.length
-    if length is None or length <= float(path.chords.sum()) or not any(scene.gravity):
-        return
+    if length is None or length <= float(path.chords.sum()) or np.linalg.norm(scene.gravity) == 0.0:
+        return  # of next to no gravity the square is none
     standing = {body.name for body in scene.bodies if stands(scene, body)}
     cases = []
     for k in range(len(scene.elements)):

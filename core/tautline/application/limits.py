@@ -215,10 +215,24 @@ class _Reader:
 
     def places(self, dims: Sequence[str]) -> tuple[str, ...]:
         """Names of all places of some dimensions, in the order of a value's numbers."""
+        nodes = self.nodes()
+        if tuple(dims) == ("element", "end") and self.middles(len(self.labels("element"))) is not None:
+            # Between nodes in a row an end is at a node, and not where the element's middle is.
+            first, last = (self.labels("element", lengths) for lengths in (nodes[:-1], nodes[1:]))
+            ends = self.labels("end")
+            return tuple(
+                f"{one}, {end}" for pair in zip(first, last, strict=True) for one, end in zip(pair, ends, strict=True)
+            )
         return tuple(", ".join(words) for words in product(*(self.labels(dim) for dim in dims)))
 
-    def labels(self, dim: str) -> list[str]:
-        """Names of the places of a dimension: as the coordinates have them, with the arc length where that is known."""
+    def labels(self, dim: str, lengths: np.ndarray | None = None) -> list[str]:
+        """Names of the places of a dimension: as the coordinates have them, with the arc length where that is known.
+
+        Parameters
+        ----------
+        lengths : (n,), optional
+            Arc lengths that are told in place of those, m.
+        """
         along = {
             name: np.asarray(values)
             for name, (dims, values, *_) in self.model.coordinates.items()
@@ -229,14 +243,20 @@ class _Reader:
             named = np.arange(len(next(iter(along.values()))) if along else 0)
         if named.dtype.kind in "USO":
             return [str(one) for one in named]
-        lengths = along.get("arc_length", self.middles(len(named)) if dim == "element" else None)
+        if lengths is None:
+            lengths = along.get("arc_length", self.middles(len(named)) if dim == "element" else None)
         at = [""] * len(named) if lengths is None else [f" at {x:.4g} m" for x in lengths]
         return [f"{dim} {number}{where}" for number, where in zip(named, at, strict=True)]
 
     def middles(self, count: int) -> np.ndarray | None:
         """Arc lengths of the middles of so many elements between nodes in a row; None where nodes have none."""
-        _, nodes, *_ = self.model.coordinates.get("arc_length", ((), np.zeros(0)))
+        nodes = self.nodes()
         return 0.5 * (nodes[1:] + nodes[:-1]) if len(nodes) == count + 1 else None
+
+    def nodes(self) -> np.ndarray:
+        """Arc lengths of the nodes (n,), m; none where they have none."""
+        _, nodes, *_ = self.model.coordinates.get("arc_length", ((), np.zeros(0)))
+        return np.asarray(nodes)
 
 
 def _plain(model: Model) -> dict[str, Output]:

@@ -98,11 +98,28 @@ def _refuse_what_was_moved(place: Any, made: Mapping[str, Any]) -> None:
         raise ResultError(place, cause, cure)
 
 
-def of_another_build(earlier: Result) -> ResultError:
-    """The refusal of a last state with other numbers than this program remembers of the same scene."""
+OTHER_STATE = "kept other numbers of its last state than this one needs"
+"""What another build did, by whose last state a run cannot be gone on with."""
+
+
+def refuse_frames_without(earlier: Result, names: Iterable[str]) -> None:
+    """Refuse a result without some variables of its frames: one run has the same ones from its start to its end.
+
+    Raises
+    ------
+    ResultError
+        Where it lacks any of the names.
+    """
+    lacks = [name for name in names if name not in earlier]
+    if lacks:
+        raise of_another_build(earlier, f"stored no {', '.join(lacks)}, which this one does")
+
+
+def of_another_build(earlier: Result, did: str = OTHER_STATE) -> ResultError:
+    """The refusal of what another build of this program wrote of the same scene, and of what it did otherwise."""
     by = earlier.attributes.get("version", "")
     other = f"Tautline {by or 'of an unknown version'}" if by != __version__ else f"another build of Tautline {by}"
-    cause = f"cannot be gone on with: {other} wrote it, and kept other numbers of its last state than this one needs"
+    cause = f"cannot be gone on with: {other} wrote it, and {did}"
     cure = "run the scene from its start, or go on with the same build that wrote it"
     return ResultError(place_of(earlier), cause, cure)
 

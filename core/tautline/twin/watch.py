@@ -192,11 +192,11 @@ class Watch:
         order = [one.name for one in self.plan.measured]
         self._follow_again(row)
         for one in self.plan.alarms:
-            sensor = sensors.get(one.target)
+            sensor = sensors.get(one.shown_by)
             if one.is_residual and sensor is not None:
-                self._judge_residual(one, row, order.index(one.target), measured[one.target], sensor)
+                self._judge_residual(one, row, order.index(one.shown_by), measured[one.shown_by], sensor)
             else:
-                self._judge_output(one, row, sensor, measured.get(one.target, np.nan))
+                self._judge_output(one, row, sensor, measured.get(one.shown_by, np.nan))
         self.judge_sensors(row.time, row.correlation, row.converged)
         self._judge_ahead(row)
         self.judge_operation(row.time)
@@ -295,7 +295,7 @@ class Watch:
         known = np.isfinite(r) and bool(row.use[m]) and row.converged
         holds = bool(known and (size > one.above or (not one.times_sd and beyond(r, one.above, one.below))))
         tell = self._teller(one)
-        text = f"{one.target} is measured {tell(measured)}, expected {tell(measured - r)}" if known else ""
+        text = f"{one.asked} is measured {tell(measured)}, expected {tell(measured - r)}" if known else ""
         text += f" (standard deviation {tell(sd)}): friction, contact or rope path are not as in the scene"
         self._irregular.pop(one.name, None)
         if holds:
@@ -378,7 +378,7 @@ class Watch:
         """
         text, followed = self._seen.get(one.name, ("", False))
         if np.isfinite(measured):
-            text = f"{one.target} measured: {bound_said(measured, one.above, one.below, self._teller(one))}"
+            text = f"{one.asked} measured: {bound_said(measured, one.above, one.below, self._teller(one))}"
         elif not text or sensor.believed or (within and followed):
             self._seen.pop(one.name, None)
             self._seen_before_rest.discard(one.name)
@@ -408,7 +408,7 @@ class Watch:
 
     def _said_computed(self, one: Alarm, value: float, sd: float, measured: float) -> tuple[str, bool]:
         """What is said of a computed value beyond a bound, and whether that is certain beside what is measured."""
-        text = f"{one.target} computed: {bound_said(value, one.above, one.below, self._teller(one))}"
+        text = f"{one.asked} computed: {bound_said(value, one.above, one.below, self._teller(one))}"
         certain, doubt = surely_beyond(value, sd, one), "The standard deviation"
         if certain and np.isfinite(measured):
             certain, doubt, sd = False, "What is measured", measured
@@ -419,7 +419,7 @@ class Watch:
     ) -> tuple[str, bool]:
         """What is said of a bound that will be passed, and whether that is certain."""
         left, value, worst, away = coming
-        text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
+        text = f"{one.asked} in {left:.1f} s: {bound_said(value, one.above, one.below, self._teller(one))}"
         if away != 0.0:
             sd = float(np.hypot(sd, away)) if np.isfinite(sd) else away
         # A load that bounces in the simulation alone would be a danger by far more than its deviation.
@@ -496,8 +496,8 @@ class Watch:
             self.alarms.judge(name, holds, time, in_words(text, self.system), lasting)
 
     def _teller(self, one: Alarm) -> Callable[[float], str]:
-        """How values of an alarm's target are said: in the unit of the sensor that measures it, or of the scene."""
-        channel = next((c for c in self.plan.measured if c.name == one.target and c.column_unit), None)
+        """How values of an alarm are said: in the unit of the sensor that measures it, or of the scene."""
+        channel = next((c for c in self.plan.measured if c.name == one.shown_by and c.column_unit), None)
         return channel.told if channel is not None else lambda value: said(value, one.unit, self.system)
 
     def _judge_ahead(self, row: Compared) -> None:

@@ -98,3 +98,28 @@ def test_a_rope_that_bears_no_push_has_none_at_its_slack_ends():
     )  # fmt: skip
     run = tautline.simulate(scene(items, start='"as given"', time_end=0.05, time_step=1e-4))
     assert run["end_force"].min() >= 0.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_weight_that_comes_at_once_has_reached_no_section_in_the_first_frame(kind):
+    bound = "limits: [{output: axial_force, below: 0.0, name: push}]\n"
+    run = tautline.simulate(bound + bar(kind, 4, start='"as given"', time_step=1e-3, time_end=2e-3, massDamp=20.0))
+    assert np.abs(run["end_force"][0]).max() == 0.0
+    (push,) = (one for one in run.limits if one["name"] == "push")
+    assert push["time"] != 0.0 or push["passed"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_bar_that_is_given_at_rest_has_the_forces_of_rest_at_its_ends_in_the_first_frame(kind):
+    """Without gravity, stretched between held ends by a force that all sections have."""
+    p = np.linspace(0, 1, 4)
+    items = chain(
+        np.stack([1.01 * p, 0 * p, 0 * p], 1),
+        p,
+        {0: (1,) * len(HELD[kind]), 3: (1,) * len(HELD[kind])},
+        EA=EA,
+        linear=kind == "linear",
+    )
+    run = tautline.simulate(scene(items, gravity=(0, 0, 0), start='"as given"', time_step=1e-3, time_end=2e-3))
+    assert np.ptp(run["axial_force"][0]) < 1e-9 * EA
+    assert run["end_force"][0] == pytest.approx(np.full((3, 2), run["axial_force"][0, 0]), rel=1e-9)

@@ -11,7 +11,7 @@ from gardenhose.warnings import warnings
 G = 9.81
 
 
-def hanging(elements, coupling="linear", **water):
+def hanging(elements, coupling="linear", limits=None, **water):
     """A hose of 1 m that hangs, with a valve of 0.2 kg: 5 N of wall, water and valve beyond its root."""
     return tautline.read(
         {
@@ -23,7 +23,7 @@ def hanging(elements, coupling="linear", **water):
             "coupling": coupling, "start": "static",
             "solver": {"method": "generalized-alpha", "rho_inf": 0.9, "step": 1e-3, "end": 0.01},
             "output": {"interval": 1e-3},
-            "limits": [{"output": "axial_force", "above": 0.49 * G, "name": "root"}],
+            "limits": limits or [{"output": "axial_force", "above": 0.49 * G, "name": "root"}],
         }
     )  # fmt: skip
 
@@ -132,3 +132,20 @@ def test_a_changing_flow_between_held_ends_is_warned_of_where_the_pressure_would
     if told:
         push = 0.5 * 0.5 * 2.0 * 4.0 * np.pi
         assert f"smaller by {push:.3g} N" in texts[0] and f"{100 * push / (4 * np.pi**2):.2g} %" in texts[0]
+
+
+def test_a_limit_on_the_force_at_an_end_is_told_where_that_end_is():
+    """The root of a hanging hose bears the most, its tip's end the least: 0 m and 1 m, of elements of 0.25 m."""
+    bounds = [{"output": "end_force", "above": 1e-3}, {"output": "end_force", "below": 1e3}]
+    run = tautline.simulate(hanging(4, limits=bounds))
+    most, least = (one["place"] for one in run.limits if one.get("output") == "end_force")
+    assert most.endswith(" at 0 m, first end") and least.endswith(" at 1 m, last end")
+
+
+def test_a_hose_at_rest_whose_water_begins_to_move_has_its_weight_at_its_root_in_the_first_frame():
+    moving = {"speed": {"harmonic": {"amplitude": 0.5, "frequency": 2.0}}}
+    run = tautline.simulate(hanging(4, **moving))
+    # Less or more by what makes the water faster, rho A L dU/dt: the valve of 0.2 kg hangs there as well.
+    pull = 0.1 * 0.5 * 4.0 * np.pi
+    assert abs(run["end_force"][0, 0, 0] - 0.5 * G) < 1.01 * pull
+    assert run["end_force"][0, 0, 0] > run["axial_force"][0, 0]

@@ -33,6 +33,8 @@ SHORTEST_SLOPE = 1.0e-90
 
 AXIAL = "axial force of the section, of strain and bending, in the middle of an element, with damping"
 AT_ENDS = "axial force at both ends of an element, by the balance of its stresses with its inertia and loads"
+STILL = 1.0e-6
+"""Share of the largest force of a frame by inertia, up to which an element counts as one at rest."""
 
 
 TIE = "of a tie on its first node, along the global axis that is named; its opposite on the second"
@@ -91,6 +93,7 @@ class Observer:
         sizes = np.where(self.cubic, 7, 4)
         self.apart = Apart(sections.members, layout.starts[layout.ends], sizes, list(layout.flow.values()))
         self.carrier = carriers(scene)
+        self.as_given = scene.solver.start == "as given"
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
@@ -121,6 +124,8 @@ class Observer:
         slope[:, self.cubic_nodes], slope_rate[:, self.cubic_nodes] = q[:, places], v[:, places]
         made["axial_force"], curvature = self._forces(made, slope, slope_rate)
         made["end_force"] = self._at_ends(frames, made["position"], slope)
+        if self.as_given:
+            self._begin_without_ripple(frames, made)
         if self.cubic_nodes.size:
             made["slope"], made["curvature"] = slope, curvature
         if self.multipliers is not None:
@@ -181,6 +186,19 @@ class Observer:
         stiff = self.sections.numbers().stiffness > 0.0
         # What takes no push lets the weight of a slack end lie on what is beyond it.
         return np.where(stiff[:, None] & ~(self.slack[:, None] & (whole < 0.0)), whole, 0.0)
+
+    def _begin_without_ripple(self, frames: Any, made: dict[str, np.ndarray]) -> None:
+        """Give elements that are accelerated as a run begins as given the force of their middle at both ends.
+
+        What comes at once has reached no section then. Consistent masses spread it over all nodes, by turns forwards
+        and backwards, and the balance of an element with them is that ripple. One at rest keeps its balance.
+        """
+        for k in np.flatnonzero(frames.time == 0.0):
+            first = frames._replace(**{name: getattr(frames, name)[k : k + 1] for name in ("time", "q", "v", "a")})
+            whole = self.apart.forces(first)
+            inert = np.abs(whole - self.apart.forces(first._replace(a=np.zeros_like(first.a)))).max(axis=(0, 2, 3))
+            moved = (inert > STILL * np.abs(whole).max(initial=0.0)) & (self.sections.numbers().stiffness > 0.0)
+            made["end_force"][k, moved] = made["axial_force"][k, moved, None]
 
     def _carried(
         self, ends: list[np.ndarray], turn: np.ndarray, length: np.ndarray, grown: np.ndarray, u: np.ndarray

@@ -285,7 +285,7 @@ class _Reader:
             return None
         asked = target
         if one.output and target in self.names.judged_by:
-            # What raises an alarm is what a run is judged by.
+            # What is computed raises an alarm as a run is judged. A sensor shows what it is said to show.
             target = self.names.judged_by[target][one.above is None]
         unit = self.outputs[target]
         times = one.residual is not None and isinstance(one.above, str) and TIMES_SD.fullmatch(one.above)
@@ -300,8 +300,10 @@ class _Reader:
         side, bound = ("above", one.above) if one.above is not None else ("below", one.below)
         said = f"{asked} {side} {bound}" if isinstance(bound, str) else f"{asked} {side} {bound:.10g} {unit}".strip()
         return Alarm(
-            name=one.name or said, target=target, is_residual=one.residual is not None, above=above, below=below,
-            times_sd=bool(times), ahead=one.ahead, lasting=one.for_, unit=unit,
+            name=one.name or said, asked=asked, target=target,
+            shown_by=target if target in measured and asked not in measured else asked,
+            is_residual=one.residual is not None, above=above, below=below, times_sd=bool(times), ahead=one.ahead,
+            lasting=one.for_, unit=unit,
         )  # fmt: skip
 
 

@@ -79,11 +79,23 @@ class Unknown(pydantic.BaseModel):
 
 
 class Alarm(pydantic.BaseModel):
-    """A bound on an output or a residual, in SI; a bound on a residual may be a multiple of its standard deviation."""
+    """A bound on an output or a residual, in SI; a bound on a residual may be a multiple of its standard deviation.
+
+    Attributes
+    ----------
+    asked : str
+        What the map, or the limit of the scene, names: it is told by this name.
+    target : str
+        What of the simulation counts for it: that which is asked, or an output by which a run is judged in its place.
+    shown_by : str
+        Name of the sensor that shows it: that of what is asked, or where only what counts is measured, of that.
+    """
 
     model_config = pydantic.ConfigDict(frozen=True)
     name: str
+    asked: str
     target: str
+    shown_by: str
     is_residual: bool
     above: float
     below: float
