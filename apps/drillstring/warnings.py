@@ -30,8 +30,9 @@ from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step, step_taken
 from tautline.scene.unit_slips import meant, units_that_fit
-from tautline.scene.values.printed import as_typed, shown
+from tautline.scene.values.printed import as_typed, quantity, shown
 from tautline.scene.values.ranges import RANGES
+from tautline.scene.values.units import RPM
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIP_FOR_NEWTON = 1.0e-3
@@ -407,9 +408,8 @@ def _weak_drive(scene: DrillstringScene, ready: Prepared) -> Sentences:
     limit, needed, held = (shown(torque, "N m", scene.units) for torque in (drive.torque_limit, turning, resting))
     on = shown(weight, "N", scene.units)
     if drive.torque_limit < turning:
-        cause = (
-            f"{limit} is less than the {needed} that the bit takes at its full speed with {on} on it: the drive stalls"
-        )
+        fastest = f"{quantity(spin / RPM, 'rpm')}, the fastest of the run"
+        cause = f"{limit} is less than the {needed} that the bit takes with {on} on it at {fastest}: the drive stalls"
     elif drive.torque_limit < resting:
         cause = f"{limit} is less than the {held} that hold a bit at rest with {on} on it: the drive may stall there"
     else:

@@ -90,8 +90,12 @@ def test_a_sweep_that_is_not_finished_is_not_lost_by_mistake(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "line", ["{}", "[]", "7", '{"case": "one"}', '{"case": 3, "status": "done", "more": 1}', '{"case": 0', "\xff\0"]
-)
+    "line",
+    [
+        "{}", "[]", "7", '{"case": "one"}', '{"case": 3, "status": "done", "more": 1}', '{"case": 0', "\xff\0",
+        pytest.param("[" * 100_000, id="brackets"),
+    ],
+)  # fmt: skip
 def test_a_journal_with_a_line_that_no_sweep_writes_is_damaged_and_stays(tmp_path, line):
     out = tmp_path / "out"
     out.mkdir()

@@ -32,6 +32,15 @@ def test_a_script_without_a_guard_is_told_what_it_lacks(tmp_path):
     assert found.returncode == 0 and "Traceback" not in found.stderr
 
 
+def test_a_script_that_python_reads_from_its_input_is_told_to_be_saved_as_a_file(tmp_path):
+    write_sweep(tmp_path, "", end="0.3 s")
+    words = {"cwd": tmp_path, "capture_output": True, "text": True, "timeout": 120}
+    found = subprocess.run([sys.executable], input=SCRIPT, **words)
+    (line,) = found.stdout.splitlines()
+    assert "could not be started (there is no file <stdin>)" in line and "save it as a file" in line
+    assert found.returncode == 0 and found.stderr == "" and "__main__" not in line
+
+
 def test_where_the_program_chose_processes_that_do_not_start_threads_go_on(monkeypatch):
     import distributed
 

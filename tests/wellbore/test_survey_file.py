@@ -301,6 +301,8 @@ def test_azimuths_from_magnetic_north_are_refused_and_told_to_be_corrected(title
     ("head", "key", "words"),
     [
         ("MD [m];Inc [deg];Azi (deg from south)", "azi", ("from south", "add 180 deg")),
+        ("MD [m];Inc [deg];South azimuth [deg]", "azi", ("from south", "add 180 deg")),
+        ("MD [m];Inc [deg];Azi (south) [deg]", "azi", ("from south", "add 180 deg")),
         ("Depth (m TVD);Inc [deg];Azi [deg]", "md", ("vertical depths", "measured depths")),
         ("Vertical Depth [m];Inc [deg];Azi [deg]", "md", ("vertical depths", "measured depths")),
         ("MD;Inc;Azi\nm;deg;deg mag", "azi", ("magnetic north", "declination")),
@@ -312,6 +314,32 @@ def test_columns_that_are_like_those_of_a_survey_are_refused_as_what_they_are(he
     (problem,) = caught.value.problems
     assert problem.key == key and words[0] in problem.cause and words[1] in problem.cure
     assert "unit" not in problem.cause
+
+
+@pytest.mark.parametrize(
+    ("head", "key", "title"),
+    [
+        ("Hole depth MD [m];TVD [m];inc [deg];azi [deg]", "md", "Hole depth MD [m]"),
+        ("depth MD [m];depth TVD [m];inc [deg];azi [deg]", "md", "depth MD [m]"),
+        ("Measured depth (driller's; not TVD) [m];inc [deg];azi [deg]", "md", "Measured depth (driller's"),
+        ("md [m];inc [deg];azi mag [deg];azi, corrected [deg]", "azi", "azi, corrected [deg]"),
+        ("md [m];tvd [m];inc [deg];Azi true south island grid [deg]", "azi", "Azi true south island grid [deg]"),
+    ],
+)
+def test_a_title_that_is_not_known_is_told_and_none_that_is_like_a_column_is_blamed(head, key, title, tmp_path):
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, lines(head, "0;0;0;0", "30;30;1.5;350")))
+    (problem,) = caught.value.problems
+    assert problem.key == key and title in problem.value and problem.cause == "no such column in the header"
+
+
+@pytest.mark.parametrize("azimuth", ["Azi [deg (mag. corr.)]", "Azi [deg south zone]", "azi grid (south zone) [deg]"])
+def test_azimuths_that_are_corrected_or_of_a_field_in_the_south_are_not_told_to_be_changed(azimuth, tmp_path):
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, lines(f"MD [m];Inc [deg];{azimuth}", "0;0;0", "30;1.5;350")))
+    (problem,) = caught.value.problems
+    assert problem.key == "azi" and "unit" in problem.cause
+    assert "180" not in problem.cure and "declination" not in problem.cure
 
 
 @pytest.mark.parametrize("title", ["Azi (deg mag)", "Azi [deg] (from south)"])

@@ -67,13 +67,16 @@ def observed_at_ends(frames: Any, groups: Sequence[Any]) -> dict[str, np.ndarray
 
 
 def stall_of(result: Mapping[str, Any] | Any, speed: float) -> float:
-    """Torque of a drive that neither turns nor gains torque any more in the last part of a run, N m; NaN of another.
+    """Torque of a drive that neither turns nor gains torque any more in the last part of a run, N m; NaN of another,
+    and of a run with one frame there.
 
     The rotary speed that is asked of it is ``speed``, rad/s; its way round counts as the positive one.
     """
     if "drive_torque" not in result or speed == 0.0:
         return np.nan
     last, way = last_part(result["time"]), np.sign(speed)
+    if last.sum() < 2:
+        return np.nan  # Whether it gains torque is between two frames.
     torque, turned = way * result["drive_torque"][last], result["drive_speed"][last]
     before, after = np.array_split(torque, 2)
     halts = abs(turned.mean()) < HALTED * abs(speed) and after.mean() < RISEN * before.mean()

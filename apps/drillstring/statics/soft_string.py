@@ -35,8 +35,10 @@ STEP = 5.0
 """Longest step of the integration, m. It is of fourth order, but for the step in which the string passes from one side
 of the hole to the other and |q| has a kink: that leaves an error of a millionth of the hook load. A step in which it
 becomes a helix, or one no longer, is split there."""
-INSIDE = 1.0e-9
-"""Part of a step by which a place at its end lies within it: at a joint the hole has two curvatures."""
+WITHIN = 0.5 - sqrt(3.0) / 6.0
+"""Part of a step by which the places lie within it whose limits make a straight line over it: Gauss's two. The ends
+themselves tell nothing of the step: at a joint the hole has two curvatures, and where a curved hole becomes vertical
+the least root of the limit is near zero all the way there, and has leapt to that of the curvature alone there."""
 SHARE = 1.0e-9
 """Share of a step that its split is off."""
 KEPT = 4
@@ -190,11 +192,11 @@ class StringInHole:
         steps = np.flatnonzero(some & np.isnan(helical[0]))
         if steps.size == 0:
             return
-        section, way = course.section[steps], INSIDE * course.length[steps]
+        section, way = course.section[steps], WITHIN * course.length[steps]
         places = np.concatenate([course.depth[steps + 1] - way, course.depth[steps] + way])
         columns = self._rigidity(section), course.weight[steps], self._clearance(section)
         found = limit_at("helical", self.well, places, *(np.tile(column, 2) for column in columns))
-        helical[:, steps] = found.reshape(2, -1)
+        helical[:, steps] = _to_the_ends(*found.reshape(2, -1))
 
     def _helices(self, course: _Course, helical: np.ndarray) -> _Helices:
         self._limit(course, helical, np.ones(course.length.size, bool))
@@ -241,6 +243,14 @@ def soft_string(
     SoftString
     """
     return StringInHole(well, tubes, weight, hole, step).solved(friction, motion, bit_force, crosses)
+
+
+def _to_the_ends(lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Limits at the ends of steps (2, n), N, on the straight line through those `WITHIN` them (n,) each."""
+    # Where the pipe fills the hole they are infinite.
+    rise = np.subtract(upper, lower, out=np.zeros_like(lower), where=np.isfinite(lower))
+    beyond = WITHIN / (1.0 - 2.0 * WITHIN) * rise
+    return np.maximum(0.0, [lower - beyond, upper + beyond])
 
 
 def _keep(kept: dict[Any, Any], key: Any, found: Any) -> None:

@@ -70,18 +70,30 @@ UNLIKE = {
     ),
     "azi": (
         _Unlike(
-            re.compile(r"(?=.*az[im])(?=.*mag(?:n|[^a-z]|$))", re.IGNORECASE),
+            # Those that are corrected are told what they lack, and not to be corrected again.
+            re.compile(r"(?=.*az[im])(?=.*mag(?:n|[^a-z]|$))(?!.*(?<!un)corr)", re.IGNORECASE),
             "azimuths from magnetic north: those of a hole count from true or grid north",
             "correct them for the declination, and for grid north for the convergence; then name the column azi [deg]",
         ),
         _Unlike(
-            re.compile(r"(?=.*az[im])(?=.*south)", re.IGNORECASE),
+            # Not any south: it may be in the name of a field or of a grid, and the cure turns the hole right round.
+            re.compile(
+                r"(?=.*az[im])"
+                r"(?=.*(?:from (?:the )?south|south[ _-]?az|[\[(]\s*south\s*[\])]|(?:deg|°),? south\s*(?:[\])]|$)))",
+                re.IGNORECASE,
+            ),
             "azimuths from south: those of a hole count from north",
             "add 180 deg to them; then name the column azi [deg]",
         ),
     ),
 }
 """Of each column, wherever the header says it: as a word of its own, or in the brackets of the unit."""
+
+RELATED = {
+    "md": re.compile(r"depth|(?<![a-z])md", re.IGNORECASE),
+    "azi": re.compile(r"az[im]", re.IGNORECASE),
+}
+"""Headers that may hold a column under a title that is not read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,9 +192,11 @@ def _columns(table: Columns) -> dict[str, _Column]:
         columns[key] = _Column(place, unit or "", title)
     missing = [key for key in NAMES if key not in columns]
     for key in missing:
-        for title in table.titles:
-            if unlike := _unlike(key, title):
-                table.stop(table.header_line, key, title, unlike.cause, unlike.cure)
+        found = [(title, unlike) for title in table.titles if (unlike := _unlike(key, title))]
+        # Beside another that may be the one that is meant, a column that is like it is not to blame.
+        if found and not any(RELATED[key].search(title) and not _unlike(key, title) for title in table.titles):
+            title, unlike = found[0]
+            table.stop(table.header_line, key, title, unlike.cause, unlike.cure)
     if missing:
         table.refuse_title_lines()
         cure = "write a header such as: md [m], inc [deg], azi [deg]; comma, semicolon or tab between the names"

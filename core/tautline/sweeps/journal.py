@@ -413,7 +413,8 @@ def _line(text: bytes) -> dict[str, Any] | None:
     """What a line of a journal says; None for anything else."""
     try:
         line = json.loads(text.decode("utf8"))
-    except ValueError:
+    except (ValueError, RecursionError):
+        # Brackets within brackets without end are damage as well.
         return None
     return line if _is_line(line) else None
 

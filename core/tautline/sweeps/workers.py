@@ -11,12 +11,14 @@ import logging
 import multiprocessing
 import pickle
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from itertools import islice
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from tautline.errors import TautlineError
@@ -166,8 +168,8 @@ def in_cluster(
             error, found = _end_of(future, address)
             if len(piece) > 1 and isinstance(error, KilledWorker):
                 # One of its cases ends workers, and the others are not to blame.
-                for one in piece:
-                    hand_over([one])
+                for single in piece:
+                    hand_over([single])
             else:
                 yield from found if error is None else _lost(error, [case for case, _ in piece], address)
             future.release()
@@ -286,6 +288,7 @@ def _local_cluster(jobs: int) -> Any:
     """A cluster of processes on this machine; raises NoWorkers where they cannot be started."""
     from distributed import LocalCluster
 
+    _check_script()
     try:
         with _interrupted_later():
             return LocalCluster(
@@ -293,9 +296,20 @@ def _local_cluster(jobs: int) -> Any:
                 silence_logs=logging.CRITICAL,
             )  # fmt: skip
     except RuntimeError as error:
-        cause = f"its processes could not be started ({error})"
         cure = 'a script is imported by each of them: put the call under `if __name__ == "__main__":`'
-        raise NoWorkers([Problem("--dask", None, "", LOCAL, cause, cure)]) from None
+        raise _no_workers(str(error), cure) from None
+
+
+def _check_script() -> None:
+    """Refuse a script that no process can import, as one from the standard input; raises NoWorkers."""
+    script = getattr(sys.modules.get("__main__"), "__file__", None)
+    if script is not None and not Path(script).is_file():
+        cure = "a script is imported by each of them: save it as a file, and run that"
+        raise _no_workers(f"there is no file {script}", cure)
+
+
+def _no_workers(why: str, cure: str) -> NoWorkers:
+    return NoWorkers([Problem("--dask", None, "", LOCAL, f"its processes could not be started ({why})", cure)])
 
 
 def leave_if_starting() -> None:

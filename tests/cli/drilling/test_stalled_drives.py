@@ -1,5 +1,6 @@
 """A drive whose torque limit is below what its bit needs: `check` says so before a run, and `simulate` after it."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -27,12 +28,15 @@ def said(drillstring_, limit, *words):
     return " ".join(line for line in err.splitlines() if line.startswith(f"warning: {LIMIT}"))
 
 
-def test_check_says_where_the_drive_has_less_torque_than_its_bit_takes_at_full_speed(drillstring_):
+def test_check_says_where_the_drive_has_less_torque_than_its_bit_takes_at_the_fastest_of_the_run(drillstring_):
     # 4 kN m + 4 kN m exp(-2) at 120 rpm
     text = said(drillstring_, "4.5 kN m")
-    assert "4.5 kN m is less than the 4.541 kN m that the bit takes at its full speed with 100 kN on it" in text
+    assert "4.5 kN m is less than the 4.541 kN m that the bit takes with 100 kN on it at 120 rpm, the fastest" in text
     assert "the drive stalls. Give more torque or less weight" in text
     assert "2.271 kN m" in said(drillstring_, "2 kN m", "--set", "bit.weight=50 kN", "--set", "bit.torque.weight=1e5")
+    # Half way up the ramp of 5 s, which is alike both ways: 4 kN m + 4 kN m exp(-1)
+    text = said(drillstring_, "5 kN m", "--set", "solver.end=2.5 s")
+    assert "the 5.472 kN m that the bit takes with 100 kN on it at 60 rpm, the fastest of the run" in text
 
 
 def test_check_says_where_the_drive_has_less_torque_than_holds_its_bit_at_rest(drillstring_):
@@ -81,3 +85,11 @@ def test_a_drive_stalls_that_neither_turns_nor_gains_torque_whichever_way_it_is_
     (told,) = stalled_drive(run_of(0.0, way * held, 0.0), 10.0 * way, False, "si")
     assert told == LAST + "The drive stalls at 3 kN m. Give more torque"
     assert not stalled_drive(run_of(0.0, way * held, 1.0), 10.0 * way, False, "si")
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+def test_of_a_run_of_one_or_two_frames_it_is_not_said_whether_its_drive_stalls(frames):
+    run = {name: values[:frames] for name, values in run_of(0.0, np.full(4, 3e3), 0.0).items()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.isnan(stall_of(run, 10.0)) and stalled_drive(run, 10.0, False, "si") == []

@@ -76,7 +76,10 @@ def write_columns(
 def write_dataset(
     entries: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any], path: Path
 ) -> Path:
-    """Write what xarray takes, see `columns_of`, with our version; attributes that are None are left out.
+    """Write numbers and texts as xarray takes them, see `columns_of`, with our version.
+
+    Attributes that are None are left out. Truth values, None among texts and names with a slash have no place in the
+    file: hand over none.
 
     Raises
     ------
