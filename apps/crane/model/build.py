@@ -15,6 +15,8 @@ from crane.assembly.static_start import draw_true, finds_rope, stretch_of
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.span import MATERIAL, STATION
 from crane.model.handles import handles
+from crane.results.ends.two_blocking import two_blocking
+from crane.results.ends.wound_up import wound_up
 from crane.results.laid_by_turning import laid_by_turning
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
@@ -32,8 +34,6 @@ from crane.results.summary import (
     headline,
     possible_figures,
 )
-from crane.results.two_blocking import two_blocking
-from crane.results.wound_up import wound_up
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.limits import with_limits

@@ -25,6 +25,7 @@ from scipy.linalg import null_space
 from scipy.sparse import csr_array
 
 from tautline.integrators.equations import SUMS, evaluate_full, settle
+from tautline.integrators.lengths import Left, without_lengths
 from tautline.integrators.time_loop import record_now
 from tautline.kernels.dofs import HELD, TIED, Dofs
 from tautline.kernels.groups import INTEGRALS, LENGTHS, MEMORY, Integral, hold_laws, link
@@ -33,7 +34,6 @@ from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
 from tautline.live.errors import SimulationError, plain_numbers
 from tautline.live.forces import calls_of, room_for_all
-from tautline.live.lengths import Left, without_lengths
 from tautline.system.handles import Input, Output
 
 COMPLEX_STEP = 1.0e-30

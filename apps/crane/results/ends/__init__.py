@@ -1,0 +1,1 @@
+"""Why a run of a crane ended where a step found no solution."""
