@@ -5,7 +5,7 @@ from cli.in_process import commands_of
 
 import tautline
 from crane.application import Crane
-from tautline.scene.errors import SceneError
+from tautline.scene.errors import Problem, SceneError
 from tautline.scene.names import named
 
 LIFT = """
@@ -76,3 +76,8 @@ def test_a_table_with_another_minus_sign_says_so_with_line_and_cell(tmp_path):
     )
     with pytest.raises(SceneError, match=r"speed\.csv:3.*another minus sign, U\+2212.*-0\.25"):
         tautline.read(tmp_path / "lift.yaml")
+
+
+def test_a_refusal_prints_no_character_that_steers_a_terminal():
+    told = str(Problem("a.yaml", 3, "bodies[0].name", "x\x1b[31my", "did you mean bad\x1b[31mname?"))
+    assert "\x1b" not in told and told.count("\\x1b[31m") == 2

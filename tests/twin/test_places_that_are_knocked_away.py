@@ -111,3 +111,17 @@ def test_noise_and_a_slow_logger_are_not_left_out():
     values = winch(200, sample=1.0)
     values[120] += 0.5  # a machine may go there and back in two seconds
     assert left_out(values, 1.0) == []
+
+
+def test_a_health_that_goes_on_knows_how_fast_the_place_last_moved():
+    """Before it did not, a knock in the first reading behind a resume counted as true."""
+    values = [*(0.02 * np.arange(60)), 0.02 * 59 + 0.4, *(0.02 * np.arange(61, 70))]
+    times = SAMPLE * np.arange(len(values))
+    one, other = health(), health()
+    for i in range(61):
+        if i == 60:
+            other.recall(one.memory())
+        behind = slice(i + 1, i + 4)
+        for which in (one,) if i < 60 else (one, other):
+            which.check(float(times[i]), float(values[i]), list(values[behind]), list(times[behind]))
+    assert one.jumps == other.jumps == 1

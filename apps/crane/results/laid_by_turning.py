@@ -42,7 +42,7 @@ class Worst(NamedTuple):
 def laid_by_turning(result: Any, layout: Layout) -> list[str]:
     """Sentences on drums that turning has unwound or wound by more than a share of the rope in their span.
 
-    What was told before the run is not told again.
+    Also of what was told before the run: who runs a scene from Python, or drives it, has not been told.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def laid_by_turning(result: Any, layout: Layout) -> list[str]:
         span = _span(scene, i)
         rope = material[:, span + 1] - material[:, span]
         worst = _worst(time, abs(float(layout.wheels.radius[i])) * lead[:, k], rope)
-        if worst is not None and _foreseen(layout, i) is None:
+        if worst is not None:
             told.append(f"{scene.path[i].name}: {_sentence(scene, i, worst)}")
     return told
 

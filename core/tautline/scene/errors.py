@@ -22,6 +22,13 @@ def shorten(text: str) -> str:
     return line if len(line) <= LONGEST else line[:LONGEST] + "..."
 
 
+def printable(text: str) -> str:
+    """A text without characters that steer a terminal: they are told by their numbers, such as ``\\x1b``."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in "\n\t" else c.encode("unicode_escape").decode() for c in text)
+
+
 @dataclass(frozen=True)
 class Problem:
     """One fault: where it is, what was written, why it cannot be, what to do.
@@ -43,7 +50,7 @@ class Problem:
         where = f"{where} {value}" if value and not key else where
         what = key if self.value is None or not key else f"{key} = {value}"
         text = ": ".join(part for part in (where, what, self.cause) if part)
-        return f"{text}; {self.cure}" if self.cure else text
+        return printable(f"{text}; {self.cure}" if self.cure else text)
 
 
 class Doubt(Problem):

@@ -41,6 +41,12 @@ def test_many_lines_in_a_row_that_cannot_be_read_are_told_once(way, tmp_path):
     assert "the last 20 lines could not be read" in note and "shift change" in note
 
 
+def test_objects_behind_a_header_without_rows_are_told_too(tmp_path):
+    one = source("stream", 30 * ['{"time": 1, "a": 2}'], tmp_path)
+    read(one)
+    assert any("could not be read" in note for note in one.notes)
+
+
 def test_objects_before_any_header_are_read_as_objects():
     one = Stream(io.StringIO('{"time": 0, "a": 1}\nnone\n{"time": 1, "a": 2}\n'), ["a"])
     assert read(one) == [1, 2] and one.refused == 1

@@ -40,14 +40,14 @@ def fmu(
         "--inputs": _names(inputs, lambda name: _has(scene, "inputs", name)),
         "--outputs": _names(outputs, lambda name: _has(scene, "outputs", name)),
     }
+    with preparing(path, scene):
+        warnings = application.warnings(scene)
     try:
         needs = write_fmu(scene, target, named["--inputs"], named["--outputs"], fmi)
     except SimulationError as error:
         kinds = {"output": "--outputs", "FMI": "--fmi"}
         option = next((one for word, one in kinds.items() if word in error.cause), "--inputs")
         raise option_error(option, "", error.cause, error.cure) from None
-    with preparing(path, scene):
-        warnings = application.warnings(scene)
     print_warnings(warnings)
     say(f"wrote {target}")
     for name in named["--outputs"]:

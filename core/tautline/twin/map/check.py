@@ -294,8 +294,11 @@ class _Reader:
         else:
             above = self.number((*key, "above"), one.above, unit, math.inf)
             below = self.number((*key, "below"), one.below, unit, -math.inf)
-        if above < below:
-            cause = f"is below `below: {one.below}`, so that every value is beyond one of both"
+        if times and one.below is not None:
+            cause = "stands beside a bound in deviations, which counts both ways"
+            self.fault((*key, "below"), cause, "leave it out, or watch it in an entry of its own")
+        if above <= below:
+            cause = f"is not above `below: {one.below}`, so that every value is beyond one of both"
             self.fault((*key, "above"), cause, "exchange them, or watch each in an entry of its own")
         side, bound = ("above", one.above) if one.above is not None else ("below", one.below)
         said = f"{asked} {side} {bound}" if isinstance(bound, str) else f"{asked} {side} {bound:.10g} {unit}".strip()

@@ -491,7 +491,7 @@ class Health:
             "residual": [self._residual, self._known],
             "furthest": self._furthest, "largest": self._largest, "passed": self._passed, "leapt": self._leapt,
             "same": [self._same, self._same_from, self._abrupt, self._stopped],
-            "last": [self._last, self._last_at, self._step],
+            "last": [self._last, self._last_at, self._step, self._took],
             "off": [self.off, self._off_for, self._off_at], "jumps": [self.jumps, self._jumped, self.jump],
         }  # fmt: skip
 
@@ -505,7 +505,7 @@ class Health:
         self._furthest, self._leapt = memory["furthest"], memory["leapt"]
         self._largest, self._passed = memory["largest"], memory["passed"]
         self._same, self._same_from, self._abrupt, self._stopped = memory["same"]
-        self._last, self._last_at, self._step = memory["last"]
+        self._last, self._last_at, self._step, self._took = [*memory["last"], np.nan][:4]  # earlier ones kept three
         self.off, self._off_for, self._off_at = memory["off"]
         self.contradicts = self._off_for >= OFF_TIME
         self.jumps, self._jumped, self.jump = memory.get("jumps", [0, -np.inf, ""])

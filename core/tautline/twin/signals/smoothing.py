@@ -26,8 +26,6 @@ CUBIC = 7
 HIGHEST, RESOLVED = 10, 11
 """Highest order that is tried, and so many samples nearest to the instant that no fewer are taken where it is too low:
 orders near the number of many samples swing between them, and each costs a decomposition of them all."""
-MOST = 41
-"""Samples nearest to the instant of which none further away are taken: noise over ten intervals is averaged by them."""
 AT_EDGE = 4
 """Highest order where samples are on one side only."""
 UNRESOLVED = 0.02
@@ -67,7 +65,7 @@ def smooth(times: np.ndarray, values: np.ndarray, at: float, reach: float, noise
     t, x = t[near], values[near]
     if t.size == 0:
         return np.full(3, np.nan)
-    count = min(t.size, MOST)
+    count = t.size
     while True:
         closest = _nearest(t, count)
         found, met = _laid(t[closest], x[closest], noise)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import queue
 import threading
 import time as clock
@@ -105,7 +106,7 @@ class Stream:
 
     def _give(self, line: str, row: Row | None, whole: bool) -> None:
         """Put a row into the queue, or count a line that cannot be read."""
-        self._strays.judge(line, row is not None)
+        self._strays.judge(line, row is not None and math.isfinite(row[0]))
         if row is None:
             self.refused, self.last = self.refused + 1, line[:80]
             return
