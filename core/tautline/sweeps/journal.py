@@ -399,7 +399,7 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
                     return
                 line = _line(text)
                 damage = "" if line is not None else "is none of a sweep"
-                if line is not None and isinstance(cases, int) and not 0 <= line.get("case", 0) < cases:
+                if line is not None and isinstance(cases, int) and "case" in line and not 0 <= line["case"] < cases:
                     damage = f"has case {line['case']}, and the sweep only {cases} cases, from 0 on"
                 if damage or line is None:
                     raise ResultError(path, f"is damaged: line {number} {damage}", "name another folder with -o")

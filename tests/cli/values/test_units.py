@@ -229,7 +229,7 @@ BARE = {
 def test_a_bare_weight_on_bit_that_is_meant_in_another_unit_is_warned_of_and_no_other(text):
     from drillstring.verbs.stick_slip import _doubts
 
-    told = " ".join(_doubts(text))
+    told = " ".join(_doubts([10.0], text))
     assert BARE[text] in told and bool(told) == bool(BARE[text])
 
 
