@@ -420,3 +420,13 @@ def test_names_with_commas_are_given_one_to_an_option_and_others_as_before(tmp_p
     told = json.loads(capsys.readouterr().out)
     assert told["inputs"] == ["load, red.force", "boom.slew"]
     assert told["outputs"] == ["load, red.position", "max_tension", "min_tension"]
+
+
+def test_a_scene_of_which_much_has_been_computed_already_is_written_too(tmp_path):
+    """What was computed of a scene is kept beside its fields, and leads back to it: a walk through that had no end."""
+    from crane.application import Crane
+
+    scene = tautline.read(DATA / "hoist.yaml")
+    Crane().warnings(scene)
+    assert write_fmu(scene, tmp_path / "hoist.fmu", ["vessel.heave"], ["winch.tension"])
+    assert (tmp_path / "hoist.fmu").is_file()

@@ -59,7 +59,8 @@ def _parts_of(thing: Any) -> Iterator[BaseModel]:
     """All models of a scene, itself first."""
     if isinstance(thing, BaseModel):
         yield thing
-        thing = list(vars(thing).values())
+        # What was computed of it is kept beside its fields, and leads back to it.
+        thing = [getattr(thing, name) for name in type(thing).model_fields] + list((thing.model_extra or {}).values())
     inner = thing.values() if isinstance(thing, dict) else thing if isinstance(thing, (list, tuple)) else ()
     for one in inner:
         yield from _parts_of(one)
