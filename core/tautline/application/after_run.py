@@ -56,11 +56,15 @@ def error_of_step(
 
     def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
         told = None if begin is None else lambda: begin(parts)
-        found = estimate(Subject(application, scene), result, progress=progress, parts=parts, begin=told)
+        subject = Subject(application, scene)
+        found = estimate(subject, result, progress=progress, parts=parts, begin=told, judged_by=model)
         if isinstance(found, str):
             return {}, [NOT_KNOWN.format(found)] if found else []
         keys = {name: key for name in ("step", "step_error") if (key := key_of_setting(application, name))}
-        warning = found.warned(**keys)
-        return {"step_error": found._asdict()}, [warning] if warning else []
+        stated, between = found._asdict(), found.between
+        del stated["between"]
+        told_apart = {} if between is None else {"between_frames": between.record()}
+        unseen = None if between is None else between.warned(key_of_setting(application, "interval"))
+        return {"step_error": stated, **told_apart}, [text for text in (found.warned(**keys), unseen) if text]
 
     return Afterwards(compared)

@@ -20,7 +20,9 @@ from tautline.whole_file import legible
 FORMAT = "tautline-result 1"
 """The attribute ``format`` by which a result is known for one of ours."""
 
-STRUCTURED = frozenset({"accuracy", "headline", "limits", "start", "step_error", "warnings", "windows"})
+STRUCTURED = frozenset(
+    {"accuracy", "between_frames", "headline", "limits", "start", "step_error", "warnings", "windows"}
+)
 """Attributes that are dicts or lists, which a file holds as JSON. Others may look like JSON and be none, as a scene."""
 
 CHUNK = 32768

@@ -92,6 +92,17 @@ class Result:
             _check_order(path, file["time"][()])
         return result
 
+    def of_frames(self, which: np.ndarray) -> Result:
+        """The same run with some of its frames, kept in memory; their numbers are ``which`` (m,) int."""
+        moving = [one for one in self.variables.values() if one.dims[:1] == ("time",)]
+        fixed = {
+            name: (one.dims, self[name], one.units, one.long_name)
+            for name, one in self.variables.items()
+            if one.dims[:1] != ("time",)
+        }
+        arrays = {one.name: self[one.name][which] for one in moving}
+        return Result(None, (moving, arrays, fixed, self.attributes, {}), start=self.start)
+
     @functools.cached_property
     def attributes(self) -> dict[str, Any]:
         """Attributes of the run: scene, method, step, wall_time, status and so on.
@@ -118,6 +129,11 @@ class Result:
     def step_error(self) -> dict[str, Any] | None:
         """The error estimated from runs with other steps, see `tautline.study.trials.step_error`; None if none."""
         return self._structured("step_error", None)
+
+    @property
+    def between_frames(self) -> dict[str, Any] | None:
+        """What lies between the stored frames, see `tautline.study.trials.between_frames`; None if nobody looked."""
+        return self._structured("between_frames", None)
 
     @property
     def accuracy(self) -> dict[str, Any] | None:

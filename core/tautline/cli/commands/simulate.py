@@ -370,6 +370,7 @@ def _report(scene: Path, result: Result | None, end: float | None, warnings: Seq
     report: dict[str, Any] = {"scene": str(scene), "result": stored, "status": None}
     report |= {key: attributes.get(key) for key in COPIED}
     report["step_error"] = result.step_error if result is not None else None
+    report["between_frames"] = result.between_frames if result is not None else None
     report["accuracy"] = result.accuracy if result is not None else None
     report["warnings"] = result.warnings if result is not None else []
     report["start"] = attributes.get("start") or None

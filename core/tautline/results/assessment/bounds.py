@@ -8,7 +8,8 @@ was, and how long all of them were, at that place; ``until`` s, the last frame t
 something could not be judged, and of a figure what it is, with its place and time. ``passed`` is None of what could not
 be judged: what is not known is neither kept nor broken.
 
-Between two frames a value is taken as linear, for durations alone. What happens between two frames is not seen.
+Between two frames a value is taken as linear, for durations alone. What happens between two frames is not seen here;
+`tautline.study.trials.between_frames` looks there.
 """
 
 from __future__ import annotations

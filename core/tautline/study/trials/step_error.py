@@ -36,6 +36,13 @@ from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
 from tautline.scene.solver import divided
 from tautline.scene.values.printed import in_percent, quantity
+from tautline.study.trials.between_frames import (
+    SECONDS,
+    BetweenFrames,
+    at_times,
+    between_frames,
+    frames_for_each,
+)
 from tautline.study.trials.errors import HARDLY, apart, ends_apart
 from tautline.study.trials.history import History, Watched, watch
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
@@ -103,6 +110,8 @@ class StepError(NamedTuple):
     blow, blow_size : float or None
         By how much it may be off, over itself, and itself, N. The first is None where it is not known: where the other
         steps are longer, or another run has no such blow.
+    between : BetweenFrames or None
+        What the run's frames do not show; None where that was not looked at.
     """
 
     step: float
@@ -122,6 +131,7 @@ class StepError(NamedTuple):
     blow_said: str = ""
     blow: float | None = None
     blow_size: float | None = None
+    between: BetweenFrames | None = None
 
     @property
     def warning(self) -> str | None:
@@ -257,10 +267,12 @@ def estimate(
     progress: Callable[[float, float], None] | None = None,
     parts: Sequence[float] = SHORTER,
     begin: Callable[[], None] | None = None,
+    judged_by: Model | None = None,
 ) -> StepError | str:
     """The same as `step_error`, but a sentence that says why where the error is not known; empty if nothing moves.
 
-    ``begin`` is called before the first of the other runs.
+    ``begin`` is called before the first of the other runs. With ``judged_by``, the model that was run, with its limits,
+    that one also shows what the run's frames do not.
     """
     if len(result.time) < 2:
         return "the result has a single frame"
@@ -278,21 +290,30 @@ def estimate(
     if model.solver.automatic and method_of(model.solver.method).explicit:
         own = float(result.attributes.get("step") or own)
     histories, steps, spent, runs = [watched.of(result)], [own], 0.0, [result]
+    between = None
     for number, part in enumerate(parts):
         onward = _onward(progress, number * float(result.time[-1]), spent)
-        trial = _other(subject, result, given, own * part, part, onward)
+        # What the frames of the run do not show, the first of the other runs does, if it is known what to judge by.
+        first = number == 0 and judged_by is not None
+        finer = frames_for_each(model, own, own * part, len(result.time)) if first else 1
+        trial = _other(subject, result, given, own * part, part, onward, finer)
         if isinstance(trial, str) or not trial.done or trial.result is None:
             if number and part > 1.0:
                 break  # four times the step may be too long to run at all; twice the step has told something
             return trial if isinstance(trial, str) else _why(trial, own * part)
         spent += trial.wall_time or 0.0
-        runs.append(trial.result)
-        histories.append(watched.of(trial.result))
+        run = trial.result
+        if finer > 1 and judged_by is not None:
+            run = at_times(trial.result, np.asarray(result.time))
+            between = between_frames(judged_by, trial.result, result if part < 1.0 else run)
+        runs.append(run)
+        histories.append(watched.of(run))
         steps.append(float(trial.result.attributes["step"]))
     found = _stated(result, watched, histories, steps, bound)
     if isinstance(found, StepError):
         blow = _blow(model, runs, steps)
-        return found._replace(friction=bool(model.system.has_friction), chosen=bool(model.solver.automatic), **blow)
+        friction, chosen = bool(model.system.has_friction), bool(model.solver.automatic)
+        return found._replace(friction=friction, chosen=chosen, between=between, **blow)
     return found
 
 
@@ -319,13 +340,19 @@ def _step_taken(model: Model) -> float:
 
 def _other(
     subject: Subject, result: Result, given: Setting, step: float, part: float,
-    progress: Callable[[float, float], None] | None,
+    progress: Callable[[float, float], None] | None, finer: int = 1,
 ) -> Trial | str:  # fmt: skip
-    """A run with another step, and with a smaller error of each where that is controlled; why there is none."""
+    """A run with another step, and with a smaller error of each where that is controlled; why there is none.
+
+    It stores ``finer`` frames for each of the run's own.
+    """
     solver = subject.model(given).solver
     # The local error of a second-order method goes with the third power of the step.
     error = solver.step_error * part**3 if solver.step_error > 0.0 else None
     seconds = AT_LEAST + ALLOWED * float(result.attributes.get("cpu_time", 0.0)) / part
+    if finer > 1:
+        seconds += SECONDS * finer * len(result.time)
+        subject = replace(subject, interval=float(solver.interval) / finer)
     try:
         return subject.run(replace(given, step=step, step_error=error), seconds=seconds, progress=progress)
     except Interrupted:
