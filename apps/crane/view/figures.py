@@ -223,17 +223,22 @@ def _columns(plot: Axes, runs: Sequence[_Run], number: int, values: np.ndarray, 
 
 @styled
 def winch(runs: Sequence[_Run]) -> Figure:
-    """Tension, speed and power of the drums, and how much they have paid out."""
+    """Tension, speed and power of the drums, and how much they have paid out; how far the rope has gone round them.
+
+    The last is there where a frame turns a drum under its rope, which takes rope off that it does not pay out.
+    """
     for run in runs:
         if "drum_tension" not in run.result:
             raise _lacks(run, "drums")
-    panels = (
+    panels = [
         ("drum_tension", "tension", "N", 1.0),
         ("pay_out_speed", "speed,\npositive out", "m/s", 1e-3),
         ("paid_out", "paid out", "m", 1e-3),
         ("winch_power", "power,\npositive in", "W", 1.0),
-    )
-    figure, plots = axes(len(panels), 1, 8.0, 7.4, title_of_runs(runs), sharex=True)
+    ]
+    if all("lead_angle" in run.result for run in runs):
+        panels.insert(3, ("lead_angle", "gone round,\npositive off", "rad", 1e-2))
+    figure, plots = axes(len(panels), 1, 8.0, 1.85 * len(panels), title_of_runs(runs), sharex=True)
     for plot, (variable, text, unit, least) in zip(plots[:, 0], panels, strict=True):
         every = [run.result[variable] for run in runs]
         factor, unit = scale(every, unit)
