@@ -72,7 +72,7 @@ def run(young):
 
 
 def files(folder):
-    kept = (f for f in folder.rglob("*") if f.suffix in (".nbi", ".nbc", ".code"))
+    kept = (f for f in folder.rglob("*") if f.suffix in (".nbc", ".code"))
     return {f.relative_to(folder): f.stat().st_mtime_ns for f in kept}
 
 
@@ -89,6 +89,12 @@ def test_the_second_process_compiles_nothing(compiled, run):
     before = files(folder)
     assert run(folder) == [-2.5, [1, 1], [0, 0]]
     assert before and files(folder) == before
+
+
+def test_code_is_kept_in_a_file_for_each_and_no_list_of_them_is_written_for_which_processes_would_wait(compiled):
+    cache = compiled[0] / "cache"
+    rooms = [f for f in cache.rglob("tautline.*/*") if f.is_file()]
+    assert {f.suffix for f in rooms} == {".nbc", ".code"}
 
 
 def test_code_compiled_for_a_group_of_someone_elses_does_not_stop_other_programs(compiled, run):
@@ -330,7 +336,7 @@ def test_code_that_was_asked_for_is_read_once_and_damaged_code_is_not_there(tmp_
     assert asked() == [True, 6.0, 1]
 
 
-@pytest.mark.parametrize("kind", ["nbi", "nbc", "code"])
+@pytest.mark.parametrize("kind", ["nbc", "code"])
 def test_a_damaged_file_is_written_anew(tmp_path, kind, several):
     """The results are those of before; the run after it compiles nothing. Each damage is to the files of a module.
 
@@ -376,7 +382,7 @@ def test_a_disk_that_is_full_is_said_once_and_the_run_goes_on(tmp_path, young):
 import errno, tautline.kernels.compiling.caching as caching, tautline.kernels.machine.code as code
 def full(*_):
     raise OSError(errno.ENOSPC, "No space left on device")
-caching.Files._save_data = code.save = full
+caching.save = code.save = full
 """
     script.write_text(full + PARTS)
     told = {"TAUTLINE_CACHE": str(tmp_path / "cache")}

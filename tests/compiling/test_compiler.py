@@ -15,7 +15,7 @@ from tautline.kernels.compiling.inlined import PLAIN
 from tautline.kernels.compiling.target import _takes_place
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.machine import storage
-from tautline.kernels.machine.gc_tuning import RARELY, collected_rarely
+from tautline.kernels.machine.gc_tuning import COMPILING, RARELY, collected_for_compiling, collected_rarely
 
 compiled = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="is about what is compiled")
 own_steps = pytest.mark.skipif(bool(config.DISABLE_JIT) or PLAIN, reason="is about our own steps of compiling")
@@ -161,6 +161,28 @@ def test_garbage_is_searched_for_as_before_once_a_command_has_ended():
     finally:
         gc.enable()
         gc.set_threshold(*before)
+
+
+@pytest.mark.parametrize(("outside", "inside"), [((500, 5, 5), (500, 5, 5)), (RARELY, COMPILING)])
+def test_garbage_waits_for_a_first_run_in_processes_of_ours_and_no_others(outside, inside):
+    before = gc.get_threshold()
+    gc.set_threshold(*outside)
+    try:
+        with collected_for_compiling():
+            assert gc.get_threshold() == inside
+        assert gc.get_threshold() == outside
+    finally:
+        gc.set_threshold(*before)
+
+
+@own_steps
+def test_no_function_that_is_being_compiled_is_told_of_each_call_of_llvm():
+    twice = entry(lambda x: 2.0 * x)
+    assert twice(3.0) == 6.0
+    ours, numbas = twice.compiled, njit(lambda x: 2.0 * x)
+    assert numbas(3.0) == 6.0
+    told = [["timers" in found.metadata for found in each.overloads.values()] for each in (ours, numbas)]
+    assert told == [[False], [True]]
 
 
 @compiled

@@ -35,7 +35,7 @@ def test_kernels_run_uncompiled(tmp_path):
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-3000:]
     assert [module for module in SOME if module not in done.stdout] == [], "no test of it was run"
-    assert not list(tmp_path.rglob("*.nbi"))
+    assert not list(tmp_path.rglob("*.nbc"))
 
 
 @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is itself uncompiled")
@@ -64,4 +64,4 @@ def test_a_command_run_uncompiled_finds_what_it_finds_compiled(command, scene, e
     for name in of_interest:
         expected = np.asarray(compiled[name])
         assert np.abs(np.asarray(found[name]) - expected).max() <= 1e-7 * np.abs(expected).max()
-    assert not list(tmp_path.rglob("*.nbi"))
+    assert not list(tmp_path.rglob("*.nbc"))

@@ -105,7 +105,7 @@ def test_caches_of_others_are_used_in_all_orders_with_us_and_without(run, tmp_pa
         assert run(*names) == [1] * len(names), names
     own = {f.name.split("-")[0] for f in (tmp_path / "__pycache__").glob("*.nbi")}
     assert own == {"mine.before", "mine.total", "calling.both"}
-    kept = {f.name.split("-")[0] for kind in ("*.nbi", "*.code") for f in (tmp_path / "cache").rglob(kind)}
+    kept = {f.name.split("-")[0] for kind in ("*.nbc", "*.code") for f in (tmp_path / "cache").rglob(kind)}
     assert kept == {"kernels_of_mine.inner", "whole", "_run"}
 
 

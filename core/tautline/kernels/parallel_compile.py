@@ -21,7 +21,7 @@ from typing import IO, Any
 
 from tautline.kernels.jit import Kernel
 from tautline.kernels.machine import storage
-from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
+from tautline.kernels.machine.gc_tuning import COMPILING, collected_for_compiling, collected_rarely, left_at_exit
 from tautline.kernels.machine.settings import UNCOMPILED
 from tautline.kernels.memory import Form
 from tautline.kernels.separate import compile_for_others
@@ -61,10 +61,11 @@ def compile_all(jobs: list[Job], announce: Announce | None = None) -> None:
     threads = [threading.Thread(target=_employ, args=(waiting,), daemon=True) for _ in range(helpers)]
     for thread in threads:
         thread.start()
-    while waiting:
-        with contextlib.suppress(IndexError):
-            kernel, forms = waiting.popleft()
-            kernel.at(forms)
+    with collected_for_compiling() if waiting else contextlib.nullcontext():
+        while waiting:
+            with contextlib.suppress(IndexError):
+                kernel, forms = waiting.popleft()
+                kernel.at(forms)
     for thread in threads:
         thread.join()
     for kernel, forms in jobs:
@@ -120,7 +121,7 @@ def run_compile_worker() -> None:
     os.dup2(2, 1)
     left_at_exit()
     compile_for_others()
-    with collected_rarely():
+    with collected_rarely(COMPILING):
         while True:
             answers.write(b".")
             answers.flush()

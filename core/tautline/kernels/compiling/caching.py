@@ -1,4 +1,4 @@
-"""Numba's cache for parts: in our folder, in numba's file format, and never a reason for a run to fail.
+"""The cache for parts: in our folder, a file for each, and never a reason for a run to fail.
 
 Only a compiler asks for it. What is machine code is kept in files of our own (:mod:`tautline.kernels.machine.code`).
 
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import glob
 import hashlib
 import inspect
 import io
@@ -21,18 +22,17 @@ from pathlib import Path
 from typing import Any
 
 from numba.core import sigutils, types
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.compiler import CompileResult
 from numba.core.serialize import NumbaPickler
 
 from tautline.kernels.compiling.inlined import Reader
 from tautline.kernels.machine import storage
-from tautline.kernels.machine.code import KERNELS_OF
+from tautline.kernels.machine.code import DIGEST, KERNELS_OF, save
 from tautline.kernels.machine.settings import PLAIN
 from tautline.kernels.machine.sources import applications_in, fingerprints_of_others, own_fingerprint
 
-WAIT = 10.0
-"""Seconds to wait for another process that writes the same index; then this one writes all the same."""
+SUFFIX = ".nbc"
 
 
 class Locator(_CacheLocator):
@@ -59,66 +59,48 @@ class Locator(_CacheLocator):
         return str(self._lineno)
 
 
-_known: dict[str, tuple[Any, dict[Any, str]]] = {}
-"""What a list held when it was read last, and the stamp of its file then."""
+class Files:
+    """One file for each compiled signature of a function, in one folder.
 
-
-class Files(IndexDataCacheFile):
-    """One file a function that lists its compiled signatures, and one for each of them.
-
-    The list is read once while it stays as it is: a run loads dozens of signatures of one function. The name of a file
-    follows from its key, so that two processes that compile different signatures at once never give them the same.
+    The name of a file follows from its key: what is kept is found without a list that processes would have to write one
+    after another, and two that compile the same write the same.
     """
 
-    def _load_index(self) -> dict[Any, str]:
+    def __init__(self, folder: str, name: str) -> None:
+        self._folder, self._name = Path(folder), name
+
+    def load(self, key: Any) -> Any:
+        """What is kept under a key, None where there is nothing.
+
+        Raises
+        ------
+        ValueError
+            For a damaged file.
+        """
         try:
-            file = os.stat(self._index_path)
-            stamp = file.st_mtime_ns, file.st_size, file.st_ino
-            if _known.get(self._index_path, (None,))[0] != stamp:
-                _known[self._index_path] = stamp, dict(super()._load_index())
-            return dict(_known[self._index_path][1])
-        except Exception:  # whatever a damaged file raises when it is read as Python's objects
-            return {}
-
-    def save(self, key: Any, data: Any) -> None:
-        """Write the code, and then the list that names it; processes write a list one after another."""
-        name = f"{self._index_name[:-4]}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
-        os.makedirs(self._cache_path, exist_ok=True)
-        self._save_data(name, data)
-        with self._alone():
-            listed = self._load_index()
-            listed[key] = name
-            self._save_index(listed)
-
-    @contextlib.contextmanager
-    def _alone(self) -> Iterator[None]:
-        from filelock import FileLock
-
-        lock = FileLock(f"{self._index_path}.lock", timeout=WAIT)
-        # Without it an entry of another process may be lost, and is compiled again.
-        with contextlib.suppress(Exception):
-            lock.acquire()
-        try:
-            yield
-        finally:
-            lock.release()
-
-    def _save_data(self, name: str, data: Any) -> None:
-        # Numba reads up to the end of the object; what follows tells whether the file is whole.
-        written = self._dump(data)
-        with self._open_for_write(self._data_path(name)) as file:
-            file.write(written + hashlib.sha256(written).digest())
-
-    def _load_data(self, name: str) -> Any:
-        data = Path(self._data_path(name)).read_bytes()
-        if hashlib.sha256(data[:-32]).digest() != data[-32:]:
-            raise ValueError(f"{name} is damaged")
+            data = self._path(key).read_bytes()
+        except OSError:
+            return None
+        if hashlib.sha256(data[:-DIGEST]).digest() != data[-DIGEST:]:
+            raise ValueError(f"{self._path(key).name} is damaged")
         return pickle.loads(data)
 
-    def _dump(self, held: Any) -> bytes:
+    def save(self, key: Any, data: Any) -> None:
+        """Write code."""
         with io.BytesIO() as written:
-            _Pickler(written, protocol=4).dump(held)
-            return written.getvalue()
+            _Pickler(written, protocol=4).dump(data)
+            contents = written.getvalue()
+        self._folder.mkdir(parents=True, exist_ok=True)
+        # What reads it stops where the object ends; what follows tells whether the file is whole.
+        save(self._path(key), contents + hashlib.sha256(contents).digest())
+
+    def flush(self) -> None:
+        """Remove what is kept of the function."""
+        for file in self._folder.glob(f"{glob.escape(self._name)}.*{SUFFIX}"):
+            file.unlink()
+
+    def _path(self, key: Any) -> Path:
+        return self._folder / f"{self._name}.{hashlib.sha256(repr(key).encode()).hexdigest()[:24]}{SUFFIX}"
 
 
 class _Pickler(NumbaPickler):
@@ -172,7 +154,7 @@ class PartCache(FunctionCache):
     def _file(self, folder: Path | None) -> Files:
         path = self._impl.locator.path(folder)
         if path not in self._files:
-            self._files[path] = Files(path, self._impl.filename_base, self._impl.locator.get_source_stamp())
+            self._files[path] = Files(path, self._impl.filename_base)
         return self._files[path]
 
     def _places(self) -> Iterator[Files]:

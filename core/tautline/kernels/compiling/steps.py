@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from numba.core import ir
 from numba.core.compiler_machinery import register_pass
+from numba.core.interpreter import Interpreter, peep_hole_delete_with_exit
 from numba.core.ir_utils import build_definitions
 from numba.core.rewrites import rewrite_registry
 from numba.core.ssa import reconstruct_ssa
@@ -20,8 +22,31 @@ from numba.core.untyped_passes import (
     IRProcessing,
     LiteralUnroll,
     ReconstructSSA,
+    TranslateByteCode,
     WithLifting,
 )
+
+
+class Reading(Interpreter):
+    """Numba's reading of Python's code, which looks for what leaves a ``with`` only where there is one."""
+
+    def post_process(self, rules: list[Any], func_ir: Any) -> Any:
+        """Apply the rules for what Python writes otherwise than numba wants it."""
+        if not any(True for block in func_ir.blocks.values() for _ in block.find_insts(ir.EnterWith)):
+            rules = [rule for rule in rules if rule is not peep_hole_delete_with_exit]
+        return super().post_process(rules, func_ir)
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class Translated(TranslateByteCode):
+    """Numba's form of a function, made of Python's."""
+
+    _name = "kernel_translated"
+
+    def run_pass(self, state: Any) -> bool:
+        """Read the function."""
+        state.func_ir = Reading(state.func_id).interpret(state.bc)
+        return True
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
@@ -81,5 +106,8 @@ NEEDLESS = {
 }  # fmt: skip
 """Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays.
 Nobody reads their types beside their text, and how long variables live is looked at later."""
-INSTEAD = {GenericRewrites: Rewriting, ReconstructSSA: SingleAssignment, PreLowerStripPhis: StrippedPhis}
+INSTEAD = {
+    TranslateByteCode: Translated, GenericRewrites: Rewriting, ReconstructSSA: SingleAssignment,
+    PreLowerStripPhis: StrippedPhis,
+}  # fmt: skip
 """Steps of ours in place of numba's."""

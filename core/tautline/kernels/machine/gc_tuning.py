@@ -10,17 +10,21 @@ from __future__ import annotations
 import atexit
 import gc
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 RARELY = 200_000, 20, 100
 """New objects before the young are searched, and searches of them before the old ones are; tens of MB at most."""
 
 
+COMPILING = 1_000_000, 20, 100
+"""The same while many kernels are compiled, 75 MB in each of two processes: searches took a second of a first run."""
+
+
 @contextmanager
-def collected_rarely() -> Iterator[None]:
+def collected_rarely(rates: tuple[int, int, int] = RARELY) -> Iterator[None]:
     """Collect garbage rarely inside, and then as before; what is there then counts as old."""
     usual = gc.get_threshold()
-    gc.set_threshold(*(max(before, here) if before else 0 for before, here in zip(usual, RARELY, strict=True)))
+    gc.set_threshold(*(max(before, here) if before else 0 for before, here in zip(usual, rates, strict=True)))
     try:
         yield
     finally:
@@ -29,6 +33,11 @@ def collected_rarely() -> Iterator[None]:
             gc.freeze()
             gc.unfreeze()
         gc.set_threshold(*usual)
+
+
+def collected_for_compiling() -> AbstractContextManager[None]:
+    """Collect even less inside, where garbage is collected rarely: elsewhere the search is the user's."""
+    return collected_rarely(COMPILING) if gc.get_threshold()[0] >= RARELY[0] else nullcontext()
 
 
 def left_at_exit() -> None:
