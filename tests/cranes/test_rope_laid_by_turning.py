@@ -209,6 +209,6 @@ def test_a_compensation_whose_tip_stands_on_the_ground_is_told():
 def test_the_picture_of_winches_shows_how_far_the_rope_has_gone_round_its_drum(unwound):
     """What is paid out is 0 there, while turning takes rope off."""
     figure = unwound.plot("winch")
-    (panel,) = [plot for plot in figure.axes if plot.get_ylabel().startswith("gone round")]
+    (panel,) = [plot for plot in figure.axes if plot.get_ylabel().startswith("rope gone round")]
     (drawn,) = panel.get_lines()[:1]
     np.testing.assert_allclose(drawn.get_ydata(), np.asarray(unwound["lead_angle"])[:, 0])

@@ -236,11 +236,14 @@ def winch(runs: Sequence[_Run]) -> Figure:
         ("paid_out", "paid out", "m", 1e-3),
         ("winch_power", "power,\npositive in", "W", 1.0),
     ]
-    if all("lead_angle" in run.result for run in runs):
-        panels.insert(3, ("lead_angle", "gone round,\npositive off", "rad", 1e-2))
+    if any("lead_angle" in run.result for run in runs):
+        panels.insert(3, ("lead_angle", "rope gone round\ndrum, positive off", "rad", 1e-2))
     figure, plots = axes(len(panels), 1, 8.0, 1.85 * len(panels), title_of_runs(runs), sharex=True)
     for plot, (variable, text, unit, least) in zip(plots[:, 0], panels, strict=True):
-        every = [run.result[variable] for run in runs]
+        # A run in which nothing turns round its drums has no angle of it.
+        every = [
+            run.result[variable] if variable in run.result else np.zeros_like(run.result["paid_out"]) for run in runs
+        ]
         factor, unit = scale(every, unit)
         for number, (run, values) in enumerate(zip(runs, every, strict=True)):
             _columns(plot, runs, number, values / factor, [str(name) for name in run.result["drum"]])

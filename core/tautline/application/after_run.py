@@ -47,7 +47,7 @@ def error_of_step(
             raise option_error("--verify", "", "needs every frame, and the scene keeps statistics", cure)
         return None
     from tautline.simulation import Afterwards
-    from tautline.study.trials.step_error import NOT_KNOWN, estimate, runs_for
+    from tautline.study.trials.step_error import NOT_KNOWN, looked_at, runs_for
     from tautline.study.trials.trial import Subject
 
     parts = runs_for(model, asked)
@@ -57,14 +57,12 @@ def error_of_step(
     def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
         told = None if begin is None else lambda: begin(parts)
         subject = Subject(application, scene)
-        found = estimate(subject, result, progress=progress, parts=parts, begin=told, judged_by=model)
+        found, between = looked_at(subject, result, progress=progress, parts=parts, begin=told, judged_by=model)
+        attributes: dict[str, Any] = {} if between is None else {"between_frames": between.record()}
+        warnings = [] if between is None else [between.warned(key_of_setting(application, "interval"))]
         if isinstance(found, str):
-            return {}, [NOT_KNOWN.format(found)] if found else []
+            return attributes, [text for text in (found and NOT_KNOWN.format(found), *warnings) if text]
         keys = {name: key for name in ("step", "step_error") if (key := key_of_setting(application, name))}
-        stated, between = found._asdict(), found.between
-        del stated["between"]
-        told_apart = {} if between is None else {"between_frames": between.record()}
-        unseen = None if between is None else between.warned(key_of_setting(application, "interval"))
-        return {"step_error": stated, **told_apart}, [text for text in (found.warned(**keys), unseen) if text]
+        return attributes | {"step_error": found._asdict()}, [x for x in (found.warned(**keys), *warnings) if x]
 
     return Afterwards(compared)

@@ -19,7 +19,7 @@ from tautline.cable.model.handles import handles
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
 from tautline.cable.model.magnitudes import largest_force, mass_of, rounding_error
-from tautline.cable.model.observe import Observer, figure_units, headline, variables
+from tautline.cable.model.observe import EXTREMES, Observer, figure_units, headline, variables
 from tautline.cable.model.room import rooms
 from tautline.cable.model.sections import Sections
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
@@ -131,6 +131,7 @@ def build(scene: CableScene) -> Model:
         headline=lambda result: headline(result, scene),
         limits=lambda result: limits(result, scene, observer.sections.numbers().stiffness),
         figure_units=figure_units(scene),
+        statistics={"rules": EXTREMES},
         start=solver.start,
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,

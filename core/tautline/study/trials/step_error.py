@@ -41,6 +41,7 @@ from tautline.study.trials.between_frames import (
     BetweenFrames,
     at_times,
     between_frames,
+    divisor,
     frames_for_each,
 )
 from tautline.study.trials.errors import HARDLY, apart, ends_apart
@@ -53,6 +54,9 @@ SHORTER, LONGER, HALF = (0.5, 1.0 / 3.0), (2.0, 4.0), (0.5,)
 explicit method, which longer steps make unstable, and for controlled steps of which a frame holds one or two."""
 NEAR = 1.5
 """The longer step of the other run where steps are controlled, at most: a frame holds a whole number of it."""
+MORE, ENOUGH, BARELY = 4, 5, 1.25
+"""Steps that a frame may then hold more, less one; frames within a frame that are enough; and the least step that is
+enough longer than the run's own to tell, over that."""
 SAFETY = 1.25
 """Roache's factor of safety for an order that was observed in three runs."""
 ORDER, LOWEST = 2.0, 0.5
@@ -110,8 +114,6 @@ class StepError(NamedTuple):
     blow, blow_size : float or None
         By how much it may be off, over itself, and itself, N. The first is None where it is not known: where the other
         steps are longer, or another run has no such blow.
-    between : BetweenFrames or None
-        What the run's frames do not show; None where that was not looked at.
     """
 
     step: float
@@ -131,7 +133,6 @@ class StepError(NamedTuple):
     blow_said: str = ""
     blow: float | None = None
     blow_size: float | None = None
-    between: BetweenFrames | None = None
 
     @property
     def warning(self) -> str | None:
@@ -219,9 +220,16 @@ def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
 
 
 def _near(model: Model) -> tuple[float, ...]:
-    """A step that is a little longer; half of one where a frame holds no more than two, and none is a little longer."""
+    """A step that is a little longer; half of one where a frame holds no more than two, and none is a little longer.
+
+    A frame may hold a few steps more if these can be divided among more frames within it: 34 have no divisor but 2.
+    """
     count = round(float(model.solver.interval) / _step_taken(model))
-    return HALF if count < 3 else (count / math.ceil(count / NEAR),)
+    if count < 3:
+        return HALF
+    least = math.ceil(count / NEAR)
+    longer = [least + more for more in range(MORE) if least + more <= count / BARELY] or [least]
+    return (count / next((steps for steps in longer if divisor(steps) >= ENOUGH), least),)
 
 
 def _fixed(model: Model) -> bool:
@@ -267,21 +275,35 @@ def estimate(
     progress: Callable[[float, float], None] | None = None,
     parts: Sequence[float] = SHORTER,
     begin: Callable[[], None] | None = None,
-    judged_by: Model | None = None,
 ) -> StepError | str:
     """The same as `step_error`, but a sentence that says why where the error is not known; empty if nothing moves.
 
-    ``begin`` is called before the first of the other runs. With ``judged_by``, the model that was run, with its limits,
-    that one also shows what the run's frames do not.
+    ``begin`` is called before the first of the other runs.
+    """
+    return looked_at(subject, result, setting, progress, parts, begin)[0]
+
+
+def looked_at(
+    subject: Subject,
+    result: Result,
+    setting: Setting | None = None,
+    progress: Callable[[float, float], None] | None = None,
+    parts: Sequence[float] = SHORTER,
+    begin: Callable[[], None] | None = None,
+    judged_by: Model | None = None,
+) -> tuple[StepError | str, BetweenFrames | None]:
+    """The same as `estimate`, and what the run does between its frames.
+
+    The first of the other runs tells the latter where ``judged_by``, the model that was run, with its limits, is given.
     """
     if len(result.time) < 2:
-        return "the result has a single frame"
+        return "the result has a single frame", None
     try:
         watched = watch(result)
     except ResultError as error:
-        return error.cause
+        return error.cause, None
     if not watched.moves:
-        return ""
+        return "", None
     if begin is not None:
         begin()
     given = setting or Setting()
@@ -293,19 +315,17 @@ def estimate(
     between = None
     for number, part in enumerate(parts):
         onward = _onward(progress, number * float(result.time[-1]), spent)
-        # What the frames of the run do not show, the first of the other runs does, if it is known what to judge by.
         first = number == 0 and judged_by is not None
         finer = frames_for_each(model, own, own * part, len(result.time)) if first else 1
         trial = _other(subject, result, given, own * part, part, onward, finer)
         if isinstance(trial, str) or not trial.done or trial.result is None:
             if number and part > 1.0:
                 break  # four times the step may be too long to run at all; twice the step has told something
-            return trial if isinstance(trial, str) else _why(trial, own * part)
+            return (trial if isinstance(trial, str) else _why(trial, own * part)), between
         spent += trial.wall_time or 0.0
         run = trial.result
         if finer > 1 and judged_by is not None:
-            run = at_times(trial.result, np.asarray(result.time))
-            between = between_frames(judged_by, trial.result, result if part < 1.0 else run)
+            between, run = between_frames(judged_by, result, run), at_times(run, result.time)
         runs.append(run)
         histories.append(watched.of(run))
         steps.append(float(trial.result.attributes["step"]))
@@ -313,8 +333,8 @@ def estimate(
     if isinstance(found, StepError):
         blow = _blow(model, runs, steps)
         friction, chosen = bool(model.system.has_friction), bool(model.solver.automatic)
-        return found._replace(friction=friction, chosen=chosen, between=between, **blow)
-    return found
+        return found._replace(friction=friction, chosen=chosen, **blow), between
+    return found, between
 
 
 def _blow(model: Model, runs: Sequence[Result], steps: Sequence[float]) -> dict[str, Any]:
@@ -351,8 +371,10 @@ def _other(
     error = solver.step_error * part**3 if solver.step_error > 0.0 else None
     seconds = AT_LEAST + ALLOWED * float(result.attributes.get("cpu_time", 0.0)) / part
     if finer > 1:
+        # The steps are those that divide the run's own frames.
+        interval = float(solver.interval)
         seconds += SECONDS * finer * len(result.time)
-        subject = replace(subject, interval=float(solver.interval) / finer)
+        subject, step = replace(subject, interval=interval / finer), divided(interval, step)
     try:
         return subject.run(replace(given, step=step, step_error=error), seconds=seconds, progress=progress)
     except Interrupted:
