@@ -8,6 +8,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.time_loop import (
     compile_for,
@@ -115,7 +117,7 @@ def _run(
     attributes = {} if brief is not None else {**model.attributes, "version": __version__, **taken_over(resume)}
     make, model = _store_of(model, brief)
     run = Run(model, look, brief)
-    earlier = run.resume_from(resume) if resume is not None else None
+    earlier = _gone_on_with(run, resume) if resume is not None else None
     if begin is not None:
         begin()
     with make(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
@@ -171,6 +173,14 @@ def _tell(progress: Callable[[float, float], None], run: Run, store: FrameStore)
     except BaseException:  # also SystemExit
         run.finish(store, INTERRUPTED)
         raise
+
+
+def _gone_on_with(run: Run, resume: Result) -> dict[str, np.ndarray]:
+    """Let a run go on from an earlier result; returns its frames. Raises ResultError where that cannot be."""
+    from tautline.statistics.store import check_whole
+
+    check_whole(resume, "a run that goes on from it")
+    return run.resume_from(resume)
 
 
 def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., FrameStore], Model]:

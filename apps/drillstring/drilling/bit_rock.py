@@ -3,9 +3,10 @@
 Two kinds. `RockBit` stands on a spring on the bottom of the hole, which deepens with the weight and the speed that
 there are (bit_numbers.py has the laws); the depth of the hole at the end of a step is solved for with the weight, by
 the trapezoidal rule. `BladeBit` cuts with blades, each what the one before it has left: the bottom that the last blade
-left at every angle is kept in a ring. Both write ``value``: weight on bit N, kinetic and static torque N m, rate of
-penetration m/s; and ``slope`` (3, 4), the derivatives of the first three by depth, speed along the hole, angle and
-rotary speed of the bit. Depths of bit and bottom are counted from the bit's ``datum``.
+left at every angle is kept in a ring, and the hole deepens by the mean over a turn of what they cut. Both write
+``value``: weight on bit N, kinetic and static torque N m, rate of penetration m/s; and ``slope`` (3, 4), the
+derivatives of the first three by depth, speed along the hole, angle and rotary speed of the bit. Depths of bit and
+bottom are counted from the bit's ``datum``.
 """
 
 from __future__ import annotations
@@ -237,7 +238,8 @@ def _measure_blades(g, t, q, v):
     value[WEIGHT] = b.cut_weight * cut + flat
     value[KINETIC] = b.cut_torque * cut + b.below * flat
     value[STATIC] = value[KINETIC]
-    value[RATE] = cut * max(0.0, v[g.turn]) / (2.0 * pi)
+    # Blades that were turned back pass over what they have cut already.
+    value[RATE] = cut * max(0.0, v[g.turn]) / (2.0 * pi) if q[g.turn] >= newest else 0.0
     presses = b.stiffness if 0.0 < flat < b.limit else 0.0
     blades = b.blades if cut > 0.0 else 0.0
     slope[WEIGHT, DEPTH] = b.cut_weight * blades + presses
@@ -303,7 +305,8 @@ def _advance_blades(g, t, q, v):
         g.ring[g.head[0], 1] = bottom
     else:
         g.ring[g.head[0], 1] = max(bottom, g.ring[g.head[0], 1])
-    b.hole = max(b.hole, bottom)
+    # A weight presses bits into the bottom that do not turn: only what blades cut away deepens the hole.
+    b.hole += 0.5 * (t - b.time) * (b.drilled + g.value[RATE])
     b.drilled = g.value[RATE]
     b.time = t
 

@@ -307,7 +307,9 @@ def _corners(scene: CableScene) -> Sentences:
 
 @warning("cable")
 def _kinks(scene: CableScene) -> Sentences:
-    """Cubic ropes without bending stiffness that something bends at a node: they have no corner there, and should."""
+    """Cubic ropes without bending stiffness on which something acts at a node: neither their direction nor their strain
+    jumps there, and one should.
+    """
     rounds: dict[int, list[bool]] = {}
     slack = any(element.EJ == 0.0 for element in scene.elements)
     for element in scene.elements if slack else ():
@@ -316,8 +318,8 @@ def _kinks(scene: CableScene) -> Sentences:
     within = {node for node, sides in rounds.items() if len(sides) > 1 and all(sides)}
     if not within:
         return
-    acted = {node.id for node in scene.nodes if any(node.held[:3]) and sum(node.held[3:6]) < 2} & within
-    acted -= _kept_in_planes(scene) if acted else set()
+    acted = {node.id for node in scene.nodes if any(node.held[:3])} & within
+    acted -= _guided(scene) | _kept_in_planes(scene) if acted else set()
     # How much a spring pulls is not known before the run.
     acted |= {node for part in (*scene.forces, *scene.masses) for node in part.nodes}
     acted |= {node for tie in scene.ties if tie.what == 0 for node in tie.nodes}
@@ -326,12 +328,26 @@ def _kinks(scene: CableScene) -> Sentences:
         others = f", and {len(bent) - 1} more like it" if len(bent) > 1 else ""
         text = (
             f"elements with EJ = 0 share the slope of node {bent[0].id}{others}: a rope has a corner where a force or "
-            "a support acts, and cubic elements are smooth there. The axial force beside it may be off by a tenth "
-            "however many elements there are: give them quadrature: lobatto, use linear elements (nodes4), or end one "
-            "element at a node of its own and tie r"
+            "a support acts across it, and its strain jumps where one acts along it. Cubic elements are smooth there. "
+            "The axial force beside it may be off by a tenth, or more, however many elements there are: give them "
+            "quadrature: lobatto, use linear elements (nodes4), or end one element at a node of its own and tie r"
         )
         key = "quadrature" if bent[0].place[-1] == "CableLine" else "xyz_d"
         yield (*bent[0].place, key), text
+
+
+def _guided(scene: CableScene) -> set[int]:
+    """Nodes with held slopes, and so without a corner, whose supports are all across the rope: they take no tension."""
+    drawn = drawn_of(scene)
+    along: dict[int, Any] = {}
+    for element, line, size in zip(scene.elements, np.abs(drawn.chord), drawn.distance, strict=True):
+        for node in element.nodes:
+            along[node] = along.get(node, False) | (line > AT_REST * size)
+    return {
+        node.id
+        for node in scene.nodes
+        if sum(node.held[3:6]) >= 2 and not np.any(along.get(node.id, False) & np.array(node.held[:3], dtype=bool))
+    }
 
 
 def _kept_in_planes(scene: CableScene) -> set[int]:

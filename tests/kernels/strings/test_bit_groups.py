@@ -209,10 +209,12 @@ def test_blades_that_drill_steadily_remember_the_bottom_and_cut_what_the_delay_l
         q[PLACES], v[PLACES] = DIRECTION * rate * step * h, DIRECTION * rate
         q[TURN], v[TURN] = spin * step * h, spin
         commit(group, string.State(q, v, np.zeros(16)), step * h, h)
+        if step == 99:
+            before = recorded(group)[3]
     cut = 2.0 * np.pi * rate / spin
     weight, torque, now, hole = recorded(group)
     assert (weight, torque, now) == pytest.approx((1.3 * cut, 0.6 * cut, rate), rel=1e-9)
-    assert hole == pytest.approx(4.2 + rate * 199 * h, rel=1e-12)
+    assert hole - before == pytest.approx(rate * 100 * h, rel=1e-12)
 
 
 def test_a_bit_that_creeps_does_not_use_up_the_memory_of_its_blades():
@@ -295,4 +297,38 @@ def test_a_bit_that_was_turned_back_drills_on_from_where_it_is():
     # Held at one depth, three blades have cut all of it within less than three pitches.
     weight, _, rate, hole = recorded(group)
     assert (weight, rate) == pytest.approx((0.0, 0.0), abs=1e-12)
-    assert hole == pytest.approx(4.2 + deep, rel=1e-12)
+    # The rate falls from one step to the next where the blades come to what they cut first.
+    assert hole == pytest.approx(4.2 + deep, abs=0.02 * deep)
+
+
+def test_a_bit_with_blades_that_is_pressed_in_and_not_turned_forward_drills_nothing():
+    group = bit_at_start(0.5)
+    for step, (depth, angle) in enumerate([(0.3, 0.0), (0.6, -0.5), (0.9, -1.5), (0.2, -0.2), (0.9, 0.0)], 1):
+        set_to(group, 0.01 * step, depth, angle, spin=3.0 if angle < 0.0 else 0.0)
+        assert recorded(group)[2] == 0.0
+    assert recorded(group)[3] == 4.2 and group.row[0].hole == 0.0
+
+
+CUTS = {
+    "bouncing": lambda t: (0.4 * t + 0.5 * np.sin(6.0 * t), 3.0 * t),
+    "sticking and slipping": lambda t: (0.4 * t, 3.0 * t - np.sin(3.0 * t)),
+    "turning back and on": lambda t: (0.4 * t, 3.0 * t - 1.5 * np.sin(3.0 * t)),
+}
+
+
+@pytest.mark.parametrize("path", CUTS.values(), ids=list(CUTS))
+def test_the_hole_deepens_by_what_the_bottom_that_blades_leave_has_sunk_in_the_mean_over_a_turn(path):
+    """The bottom is that between two blades: they are alike. It began as a saw, a cut of 1.5 a turn deep."""
+    pitch, steps, last = 2.0 * np.pi / 3.0, 20000, 6.0
+    group = bit_at_start(1.3 * 1.5 + 0.5)
+    first = _mean_bottom(group, pitch)
+    for t in np.linspace(0.0, last, steps + 1)[1:]:
+        (depth, angle), (_, later) = path(t), path(t + 1e-7)
+        set_to(group, t, depth, angle, (later - angle) / 1e-7)
+    assert recorded(group)[3] - 4.2 == pytest.approx(_mean_bottom(group, pitch) - first, rel=0.01)
+
+
+def _mean_bottom(group, pitch):
+    ring = group.ring[np.argsort(group.ring[:, 0])]
+    angle = ring[-1, 0] - np.linspace(0.0, pitch, 20001)
+    return np.interp(angle, ring[:, 0], ring[:, 1]).mean()

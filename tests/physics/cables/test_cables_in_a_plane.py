@@ -54,3 +54,29 @@ def test_a_catenary_that_is_kept_in_its_plane_has_its_tension_and_no_corner_is_t
 def test_a_support_that_bears_on_the_rope_is_told_in_a_plane_too(items, gravity):
     (text,) = corners(items, gravity=gravity)
     assert "share the slope of node " in text
+
+
+def stretched(middle=(1, 1, 1), slopes=(0, 1, 1), **special):
+    """Items and material coordinates of a rope of 2 m on the x axis, guided everywhere, supported in its middle."""
+    n = 10
+    p = np.linspace(0.0, 2.0, 2 * n + 1)
+    held = {i: (int(i in (0, 2 * n)), 1, 1, *slopes, 1) for i in range(2 * n + 1)} | {n: (*middle, *slopes, 1)}
+    xyz = np.column_stack([p, 0.0 * p, 0.0 * p])
+    return chain(xyz, p, held, slopes=np.tile([1.0, 0.0, 0.0], (2 * n + 1, 1)), EA=1e4, rhoA=1.0, **special)
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({}, True),
+        ({"middle": (0, 1, 1)}, False),
+        ({"slopes": (1, 1, 1)}, True),
+        ({"EJ": 1.0}, False),
+    ],
+    ids=["held along the rope", "a guide across the rope", "its slope held too", "bending"],
+)
+def test_a_node_that_is_held_along_the_rope_is_told_of_though_its_slopes_are_held(asked, told):
+    texts = corners(stretched(**asked), gravity=(0, 0, 0))
+    assert bool(texts) is told
+    if told:
+        assert "may be off by a tenth, or more" in texts[0] and "use linear elements (nodes4)" in texts[0]
