@@ -42,6 +42,24 @@ def _no_helpers_beside_workers():
         parallel_compile.HELPERS = 0
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector):
+    """Every second worker reads folders from their ends.
+
+    Without Python's own files of them, pytest takes longer to rewrite the assertions of all tests than to import them,
+    and each worker would do it for all. So they meet in the middle, and take the other's files from there on.
+    """
+    report = yield
+    if _number_of_worker() % 2 and isinstance(collector, pytest.Dir):
+        report.result.reverse()
+    return report
+
+
+def _number_of_worker():
+    """Of xdist, from 0; 0 where there are no workers."""
+    return int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+
+
 NOT_RUN = ("references", "input", "figures", "wellbore", "view", "results", "layers")
 """Folders of tests that read, draw or integrate apart, and have next to nothing compiled; the last ones run a scene."""
 FIRST = (Path("physics") / "test_relaxation.py", Path("cli") / "test_set.py")
@@ -58,6 +76,7 @@ def pytest_collection_modifyitems(items):
     the same at the same time: the loop over steps as they begin, and then the kinds of groups of one application. So
     the second has some minutes of other work, in which the first compiles what both need.
     """
+    items.sort(key=lambda item: item.path.parts)  # one order, from whichever end they were read
     apart = [item for item in items if _folder(item.path) in NOT_RUN]
     apart.sort(key=lambda item: NOT_RUN.index(_folder(item.path)))
     run = [item for item in items if _folder(item.path) not in NOT_RUN]

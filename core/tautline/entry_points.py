@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
+    from importlib.metadata import Distribution, EntryPoint
 
 
 def in_group(group: str) -> Iterable[EntryPoint]:
@@ -18,7 +18,13 @@ def in_group(group: str) -> Iterable[EntryPoint]:
 
     What is installed while a process goes on is seen by the next process, or once another folder is looked in.
     """
-    return _all(tuple(sys.path)).select(group=group)
+    return _in_group(group, tuple(sys.path))
+
+
+@functools.cache
+def _in_group(group: str, folders: tuple[str, ...]) -> Iterable[EntryPoint]:
+    found: Iterable[EntryPoint] = _all(folders).select(group=group)
+    return found
 
 
 @functools.cache
@@ -38,7 +44,14 @@ def packages_of_ours() -> frozenset[str]:
 
 def is_of_ours(point: EntryPoint) -> bool:
     """Whether an entry point comes with this program."""
-    return getattr(getattr(point, "dist", None), "name", None) == "tautline"
+    dist = getattr(point, "dist", None)
+    return dist is not None and _name_of(dist) == "tautline"
+
+
+@functools.cache
+def _name_of(dist: Distribution) -> str:
+    """Name of a distribution; Python reads its file and takes it apart for each question, in half a millisecond."""
+    return dist.name
 
 
 def package_of(point: EntryPoint) -> str:

@@ -4,6 +4,7 @@ import time as clock
 from datetime import UTC, datetime, timedelta
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from twin.sources.test_sources_of_data import free_port, server
 
@@ -142,6 +143,18 @@ def test_a_lever_that_is_moved_now_and_then_has_a_reading_in_every_row():
     known = [row.values["lever"] == row.values["lever"] for row in rows]
     assert known.count(False) <= 7  # one after each change
     assert all(known[k] for k in range(320, 400))
+
+
+def test_how_often_a_variable_is_measured_is_found_once_a_change_however_many_records_repeat_it(monkeypatch):
+    made, asked, quantile = Holding(["a", "b"], 0.05), [], np.quantile
+    monkeypatch.setattr(np, "quantile", lambda *given: asked.append(given) or quantile(*given))
+    for k in range(31):
+        made.records([Change(0.1 * k, name, 0.1 * k, 0.1 * k, k == 0) for name in "ab"])
+    changes = len(asked)
+    assert 0 < changes <= 60
+    # five seconds of silence: readings of every tenth of a second hold
+    more = made.until(8.0)
+    assert len(more) > 40 and {one.values["a"] for one in more} == {3.0} and len(asked) == changes
 
 
 def test_what_stood_still_while_the_connection_was_lost_goes_on_from_its_own_clock():

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -110,6 +110,7 @@ class Holding:
         self._sent: dict[str, float] = {}
         self._shown: dict[str, float] = {}
         self._intervals: dict[str, deque[float]] = {name: deque(maxlen=KEPT) for name in columns}
+        self._usual: dict[str, float | None] = dict.fromkeys(columns)
         self._lags: dict[str, deque[float]] = {name: deque(maxlen=KEPT) for name in columns}
         self._skipped: dict[str, deque[float]] = {name: deque(maxlen=SKIPPED) for name in columns}
         self._offsets: dict[str, tuple[float, float]] = {}
@@ -228,6 +229,7 @@ class Holding:
             values[one.column] = self._held[one.column] = one.value
             if not one.first and time > self._sent.get(one.column, math.inf):
                 self._intervals[one.column].append(time - self._sent[one.column])
+                self._usual[one.column] = _usual(self._intervals[one.column])
             if not one.first and math.isfinite(self._newest):
                 self._lags[one.column].append(max(0.0, self._newest - time))
             self._sent[one.column] = self._shown[one.column] = time
@@ -261,7 +263,7 @@ class Holding:
     def _still(self, last: float) -> list[Record]:
         """Records of what is held, at the sampling interval up to a stamp."""
         assert self._clock is not None
-        known = self._rests or any(self._usual(name) is not None for name in self._held)
+        known = self._rests or any(self._usual[name] is not None for name in self._held)
         if not known and last - self._newest < LONGEST:
             return []
         (time, arrived), step = self._clock, self.interval
@@ -281,7 +283,7 @@ class Holding:
 
         It is `silent`, or has come now, and was silent before if that took longer than it used to.
         """
-        skipped, found, interval = self._skipped[column], [], self._usual(column) or self.interval
+        skipped, found, interval = self._skipped[column], [], self._usual[column] or self.interval
         least = AGAIN if silent else SILENT
         while skipped and skipped[0] <= until:
             stamp = skipped.popleft()
@@ -295,15 +297,7 @@ class Holding:
     @property
     def interval(self) -> float:
         """Interval of the variable that is measured most often, s."""
-        return min((one for name in self._held if (one := self._usual(name)) is not None), default=self._sampling)
-
-    def _usual(self, column: str) -> float | None:
-        """Interval in which a variable is measured, s; None where its changes do not tell."""
-        intervals = self._intervals[column]
-        if len(intervals) < ENOUGH:
-            return None
-        low, middle, high = np.quantile(intervals, (0.25, 0.5, 0.75)).tolist()
-        return float(middle) if high <= REGULAR * low and middle <= LONGEST else None
+        return min((one for name in self._held if (one := self._usual[name]) is not None), default=self._sampling)
 
     def _lag(self, column: str) -> float:
         """How far the stamps of a variable run behind the newest one when they come, s; 0 where it is in step."""
@@ -317,7 +311,7 @@ class Holding:
         for column, value in self._held.items():
             if new is not None and column in new:
                 continue
-            interval, lag = self._usual(column) or self.interval, self._lag(column)
+            interval, lag = self._usual[column] or self.interval, self._lag(column)
             since, sent = time - self._shown[column], self._shown[column] == self._sent[column]
             if since > (SILENT if new is not None and sent else AGAIN) * interval + (lag if sent else 0.0):
                 values[column] = value
@@ -325,3 +319,11 @@ class Holding:
             elif lag > 0.0 and since > 0.0:
                 self._skipped[column].append(time)
         return repeated
+
+
+def _usual(intervals: Collection[float]) -> float | None:
+    """Interval in which a variable is measured, s, from those between its changes; None where these do not tell."""
+    if len(intervals) < ENOUGH:
+        return None
+    low, middle, high = np.quantile(list(intervals), (0.25, 0.5, 0.75)).tolist()
+    return float(middle) if high <= REGULAR * low and middle <= LONGEST else None
