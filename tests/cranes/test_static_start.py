@@ -2,8 +2,22 @@
 
 import math
 
+import numpy as np
 import pytest
-from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, fall, hoist, parsed, ran, sheave, stopped
+from physics.lifting.crane_scenes import (
+    GRAVITY,
+    anchor,
+    body,
+    crane,
+    drum,
+    end,
+    fall,
+    hoist,
+    parsed,
+    ran,
+    sheave,
+    stopped,
+)
 
 from crane.assembly import static_start as reach
 from crane.assembly.layout import lay_out
@@ -164,3 +178,25 @@ def test_a_buoy_without_a_length_of_rope_is_refused_in_words_that_are_true_of_it
         lay_out(parsed(moored()))
     with pytest.raises(SceneError, match="no taut rope holds it up there"):
         lay_out(parsed(moored(load={"volume": 0.0}, length=LENGTH)))
+
+
+@pytest.mark.parametrize("mass", [0.0, 1.0e-3, 0.1])
+@pytest.mark.parametrize("elements", [2, 3])
+def test_an_empty_hook_on_few_elements_rests_where_it_is_drawn(mass, elements):
+    """The tension on the hook's side of the tip is the weight below it, by hand: rope as long as it hangs, and hook.
+
+    On two elements the search had the rope turn over, and ended with nothing that is held.
+    """
+    path = [
+        drum((0.0, 0.0, 10.0), 0.4, pay_out=0.0),
+        sheave((10.0, 0.0, 20.0), 0.2, name="tip"),
+        end("load"),
+    ]
+    rope = {"mass_per_length": 1.0, "axial_stiffness": 2.0e7, "strain": "engineering"}
+    hook = body("load", mass, (10.2, 0.0, 0.0))
+    result = ran(crane(path, [hook], rope, mesh={"elements_per_span": elements}, solver={"end": 0.05}))
+    assert result["body_position"][0, 0, 2] == pytest.approx(0.0, abs=1.0e-6)
+    assert result["tension"][0, 1, 1] == pytest.approx(mass * GRAVITY, abs=1.0e-3)
+    # the arc on the sheave that the rope leaves at its own height hangs on it too
+    assert result["tension"][0, 1, 0] == pytest.approx((20.0 + mass) * GRAVITY, abs=0.25 * GRAVITY)
+    assert np.ptp(result["body_position"], axis=0).max() < 1.0e-4

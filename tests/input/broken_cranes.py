@@ -283,7 +283,7 @@ DRUMS = {
         f"layers: {{turns: 40, core_radius: 1.2, count: 4}}, rope_on_drum: 2 km, {LANDING_PAY_OUT}",
         9,
         "path[0].drum.rope_on_drum = 2 km",
-        "more than 4 layers of 40 turns hold",
+        "more than 4 layers of 40 turns hold, 1346 m: the first layer lies at core_radius + d/2 = 1.238 m, ",
     ),
 }
 SHEAVES = {

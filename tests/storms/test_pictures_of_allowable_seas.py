@@ -102,6 +102,21 @@ def test_figures_and_table_call_the_smallest_of_a_storm_the_smallest(asked, larg
     assert dict(_rows(found, asked))["compared with limits"] == smallest
 
 
+@pytest.mark.parametrize(
+    ("name", "sense", "output", "said"),
+    [
+        ("min_tension", AT_MOST, False, "P90 of the smallest in 3 h"),
+        ("max_tension", AT_LEAST, False, "P10 of the largest in 3 h"),
+        ("hook.tension", AT_MOST, True, "P90 of the largest in 3 h"),
+        ("hook.tension", AT_LEAST, True, "P10 of the smallest in 3 h"),
+        ("slack_events", AT_MOST, False, "P90 of slack_events in 3 h"),
+    ],
+)
+def test_the_percentile_is_called_that_of_what_storms_have_whichever_way_it_is_limited(name, sense, output, said):
+    # min_tension < 60 kN was said to compare the largest
+    assert _compared_said(ASKED, Criterion(f"{name} ? 1", name, sense, 1.0, "N", output)) == said
+
+
 def test_what_is_compared_with_a_limit_on_the_smallest_is_its_tenth_percentile():
     # Of so many storms the fit is sharp; the quantile of the sample knows nothing of it.
     storms = 5.0e4 - 1.0e3 * np.random.default_rng(5).gumbel(size=20000)

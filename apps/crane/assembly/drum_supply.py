@@ -90,8 +90,8 @@ def capacity_of(scene: CraneScene, drum: Drum) -> float | None:
 
 
 def _too_much(scene: CraneScene, drum: Drum) -> list[Problem]:
-    capacity, layers = capacity_of(scene, drum), drum.layers
-    if capacity is None or layers is None:
+    capacity, layers, diameter = capacity_of(scene, drum), drum.layers, scene.rope.diameter
+    if capacity is None or layers is None or diameter is None:
         return []
     key = (*scene.key_of(drum), "layers")
     held = f"{layers.count} layers of {layers.turns} turns hold {capacity:.4g} m"
@@ -107,6 +107,6 @@ def _too_much(scene: CraneScene, drum: Drum) -> list[Problem]:
     begin = f"beginning with {start:.4g} m" if start else "beginning empty, as no rope_on_drum is given"
     cause = (
         f"{drum.name}, {begin}, would come to {float(held_then.max()):.4g} m of rope, and {held}: it is full at "
-        f"t = {supply.time[k]:.4g} s"
+        f"t = {supply.time[k]:.4g} s ({layers.pitch_radii(diameter)})"
     )
     return [scene.problem(key, cause, f"{cure}, or hoist less")]

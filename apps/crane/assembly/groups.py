@@ -81,9 +81,10 @@ def _bending(layout: Layout, spans: Spans) -> tuple[Bends, Arcs]:
     damping = rope.damping or 0.0
     smoothing = SMOOTHING / longest if damping > 0.0 else 0.0
     stored = isinstance(path[0], Drum), isinstance(path[-1], Drum)
+    first, last = (float(layout.degrees.value[layout.material(i)]) for i in (0, len(path) - 1))
     return (
         new_bends(spans.rows, spans.wheels, rope.bending_stiffness, damping, smoothing, spans.turned),
-        new_arcs(spans.rows, spans.wheels, rope.bending_stiffness, stored, spans.turned),
+        new_arcs(spans.rows, spans.wheels, rope.bending_stiffness, stored, spans.turned, (first, last)),
     )
 
 
@@ -209,7 +210,8 @@ def _bodies(layout: Layout) -> list[Maker]:
     gravity, ground = np.array(scene.gravity, dtype=float), scene.ground
     floor = np.array([ground.level, ground.stiffness, ground.damping, ground.friction] if ground else [0.0] * 4)
     rows = [_row_of(layout, k, body, _forces(layout, k, body)) for k, body in enumerate(scene.bodies)]
-    releases = any(body.release is not None for body in scene.bodies)
+    released = np.array([body.release.at if body.release else np.inf for body in scene.bodies])
+    releases = bool(np.isfinite(released).any())
     left = [
         row | (_left_of(layout, k, body, row["functions"]) if body.release is not None else {})
         for k, (body, row) in enumerate(zip(scene.bodies, rows, strict=True))
@@ -224,7 +226,7 @@ def _bodies(layout: Layout) -> list[Maker]:
         after = records_of(BODY, left) if releases else made
         return Bodies(made, after, gravity, floor, gone, mass, kept, let_go, functions)
 
-    return [bodies, *([partial(_constant, Releases(mass, kept))] if releases else [])]
+    return [bodies, *([partial(_constant, Releases(mass, kept, released))] if releases else [])]
 
 
 def _forces(layout: Layout, k: int, body: Body) -> list[int]:

@@ -12,6 +12,7 @@ from crane.assembly.attitudes import hang_below, refuse_turned, turn_back
 from crane.assembly.friction import slips
 from crane.assembly.layout import AXES, Layout, stands
 from crane.geometry.quaternion import QUATERNION, quaternion_of
+from crane.groups.arcs import Arcs
 from crane.groups.capstan_friction import TORQUE, Slips
 from crane.groups.rigid import Rigids
 from crane.groups.sockets import Sockets
@@ -40,6 +41,9 @@ rest. What rounding leaves of a moment turns nothing. An iteration is off by as 
 springs that carry most of a load a rope pulls with next to nothing."""
 SHORTEST_WAY = 0.3
 """Share of the shortest piece of rope by which its length may change in one iteration."""
+CAREFUL = 0.1
+"""Share of that by which it may where rest was found with slack rope alone. A slight rope on few elements turns over by
+a longer way, folded, and pulls an empty hook up to its sheave, though it rests taut close to where it is drawn."""
 
 
 def stretch_of(tension: float, stiffness: float, strain: str = "green") -> float:
@@ -276,11 +280,13 @@ def _rest(system: System, state: State, limit: float) -> None:
         return
     try:
         spans.rows["slack"] = 0
-        find_equilibrium(system, state, limit)
-        if (spans.found[:, FORCE] > 0.0).all():
+        if _rests_taut(system, state, spans, limit):
             return
-    except StoppedEarly:
+        pushing = state.q.copy()
         state.q[:] = begin
+        if _rests_taut(system, state, spans, CAREFUL * limit):
+            return
+        state.q[:] = pushing
     finally:
         spans.rows["slack"] = slack
     try:
@@ -288,6 +294,17 @@ def _rest(system: System, state: State, limit: float) -> None:
     except StoppedEarly:
         state.q[:] = begin
         find_equilibrium(system, state, limit)
+
+
+def _rests_taut(system: System, state: State, spans: Spans, limit: float) -> bool:
+    """Whether a search finds rest with all of the rope taut; where it finds none the state is what it was."""
+    begin = state.q.copy()
+    try:
+        find_equilibrium(system, state, limit)
+    except StoppedEarly:
+        state.q[:] = begin
+        return False
+    return bool((spans.found[:, FORCE] > 0.0).all())
 
 
 def _hanging(layout: Layout) -> dict[int, float]:
@@ -371,3 +388,5 @@ def _move_supply(layout: Layout, system: System, i: int, way: float) -> None:
             group.most[group.p == place] += way
         elif isinstance(group, (Drums, WoundRope)):
             group.rows["begin"][group.rows["p"] == place] += way
+        elif isinstance(group, Arcs):
+            group.rows["begin"][(group.rows["stored"] == 1) & (group.rows["side"] == (0 if i == 0 else 1))] += way

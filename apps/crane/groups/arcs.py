@@ -33,9 +33,10 @@ from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.kernels.vector import dot
 
-ARC = np.dtype([("span", "i8"), ("side", "i8"), ("stiffness", "f8"), ("stored", "i8")])
+ARC = np.dtype([("span", "i8"), ("side", "i8"), ("stiffness", "f8"), ("stored", "i8"), ("begin", "f8")])
 """Rope on a wheel, from its mark to the span: the span's number, 0 for the wheel before it and 1 for that after it, EJ
-N m^2, and whether all the rope beyond the mark lies on the wheel, as on a drum."""
+N m^2, whether all the rope beyond the mark lies on the wheel, as on a drum, and p at that mark at the start, m: the
+energy of a drum counts from there, or it would depend on which way the path is written."""
 
 
 class Arcs(NamedTuple):
@@ -78,6 +79,13 @@ def _stored(g, row):
 
 
 @kernel
+def _mark(g, row):
+    """Place of p at the mark of an arc's wheel."""
+    s = g.spans[row.span]
+    return (s.a if row.side == 0 else s.b) + MATERIAL
+
+
+@kernel
 def _arc_residual(g, t, q, v, a, r):
     for i in range(g.rows.size):
         row = g.rows[i]
@@ -88,7 +96,7 @@ def _arc_residual(g, t, q, v, a, r):
             force = f * (turn[0, c] * w[0] + turn[1, c] * w[1] + turn[2, c] * w[2])
             r[s.a + c] -= force
             r[s.b + c] += force
-        r[(s.a if row.side == 0 else s.b) + MATERIAL] += _stored(g, row)
+        r[_mark(g, row)] += _stored(g, row)
 
 
 @kernel
@@ -117,9 +125,8 @@ def _arc_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 def _arc_energy(g, t, q, v, energy):
     for i in range(g.rows.size):
         row = g.rows[i]
-        s = g.spans[row.span]
         energy[1] += _write_arc(g, row, q, v) * g.line.number[PSI1 + row.side]
-        energy[1] += _stored(g, row) * q[(s.a if row.side == 0 else s.b) + MATERIAL]
+        energy[1] += _stored(g, row) * (q[_mark(g, row)] - row.begin)
 
 
 @kernel
@@ -141,7 +148,7 @@ register(Arcs, residual=_arc_residual, tangent=_arc_tangent, energy=_arc_energy,
 
 def new_arcs(
     spans: np.recarray, wheels: np.recarray, stiffness: float, stored: tuple[bool, bool] = (True, True),
-    turned: np.ndarray | None = None,
+    turned: np.ndarray | None = None, begin: tuple[float, float] = (0.0, 0.0),
 ) -> Arcs:  # fmt: skip
     """Rope on all wheels that spans touch.
 
@@ -156,14 +163,16 @@ def new_arcs(
         Whether all the rope beyond its first and its last mark lies on the wheel there.
     turned : (n, 2) array, optional
         Both psi of each span's accepted line, that of :class:`crane.groups.span.Spans`; zeros where nothing goes round.
+    begin : (float, float)
+        p at the first and at the last mark at the start, m.
     """
     turned = np.zeros((len(spans), 2)) if turned is None else turned
     rows = []
     for n, s in enumerate(spans):
         if s.wheel1 != POINT:
-            rows.append((n, 0, stiffness, int(n == 0 and stored[0])))
+            rows.append((n, 0, stiffness, int(n == 0 and stored[0]), begin[0]))
         if s.wheel2 != POINT:
-            rows.append((n, 1, stiffness, int(n == len(spans) - 1 and stored[1])))
+            rows.append((n, 1, stiffness, int(n == len(spans) - 1 and stored[1]), begin[1]))
     return Arcs(
         np.array(rows, ARC).view(np.recarray), spans, wheels, np.zeros((len(spans), 3)), turned, new_line(),
         np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((2 * STATION, 2 * STATION)),

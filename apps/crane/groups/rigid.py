@@ -97,7 +97,7 @@ def _find_torque(g, n, q, v, a):
 
 @kernel
 def _begin(g, t, h, beta, gamma, q, v, a):
-    """A load drops at the beginning of the step that its time is nearest to."""
+    """A load drops at the beginning of a step, with its mass: one begins at its time, up to rounding."""
     for n in range(g.rows.size):
         b = g.rows[n]
         g.let_go[n, 0] = g.let_go[n, 1] = 0.0

@@ -79,6 +79,12 @@ class Criterion(NamedTuple):
         return 0.0 if self.sense == AT_LEAST and self.unit == "N" else -math.inf
 
     @property
+    def of_storm(self) -> str:
+        """What each storm has one of: the largest or smallest of a run, whichever way that is limited, or a figure."""
+        kind = {"max": "largest", "min": "smallest"}[self.statistic] if self.output else extreme_of(self.name)
+        return f"the {kind}" if kind else self.name
+
+    @property
     def column(self) -> str:
         """Name of what a sweep collects for it."""
         return f"{self.name} {self.statistic}" if self.output else self.name

@@ -279,10 +279,11 @@ def share_notes(asked: Asked, criteria: Sequence[Criterion]) -> list[str]:
     if asked.compared != "percentile" or asked.share >= 0.5 or not criteria:
         return []
     written, other = 100.0 * asked.share, 100.0 - 100.0 * asked.share
-    smallest = "; P10 of the smallest is what P90 compares" if any(one.way < 0.0 for one in criteria) else ""
+    least = next((one.of_storm for one in criteria if one.way < 0.0), "")
+    turned = f"; P10 of {least} is what P90 compares" if least else ""
     return [
         f"--percentile P{written:.12g}: in a sea that is allowed {other:.12g} % of the storms may pass the limit. The "
-        f"percentile is the share of storms that keep it{smallest}. Was P{other:.12g} meant?"
+        f"percentile is the share of storms that keep it{turned}. Was P{other:.12g} meant?"
     ]
 
 

@@ -175,6 +175,7 @@ def _drums(scene: Scene) -> Iterator[Fault]:
             yield (*at, "radius"), cause, "give the pitch radius of the layer that the rope leaves, or more layers"
         if drum.rope_on_drum is not None and drum.rope_on_drum > capacity:
             cause = f"is more than {layers.count} layers of {layers.turns} turns hold, {capacity:.4g} m"
+            cause = f"{cause}: {layers.pitch_radii(diameter)}"
             yield (*at, "rope_on_drum"), cause, "give less, or more turns or layers"
 
 

@@ -135,6 +135,14 @@ class Layers(Model):
         """Pitch radius of a layer, m; the first is 1, and each lies in the hollows of the one below."""
         return self.core_radius + (0.5 + (layer - 1) * 0.5 * math.sqrt(3.0)) * diameter
 
+    def pitch_radii(self, diameter: float) -> str:
+        """Where layers lie and why, in words: who counts with a whole diameter a layer finds more room."""
+        first = f"the first layer lies at core_radius + d/2 = {self.pitch_radius(1, diameter):.4g} m"
+        if self.count is None or self.count == 1:
+            return first
+        last = f"layer {self.count} at {self.pitch_radius(self.count, diameter):.4g} m"
+        return f"{first}, each further one sqrt(3)/2 d above in the hollows of that below, {last}"
+
     def capacity(self, diameter: float) -> float | None:
         """Length of rope of a diameter, m, that fills all layers; None if their number is not given."""
         if self.count is None:

@@ -218,12 +218,11 @@ def _report(
 
 def _compared_said(asked: Asked, limit: Criterion) -> str:
     """What is compared with a limit. What the smallest stays above with 90 % probability is its P10."""
-    largest = limit.way > 0.0
+    what = limit.of_storm
     if asked.compared == "most_probable":
-        return f"most probable {'largest' if largest else 'smallest'}"
-    if largest:
-        return f"P{100.0 * asked.share:g} of the largest in {_lasting(asked.duration)}"
-    return f"P{100.0 - 100.0 * asked.share:.12g} of the smallest in {_lasting(asked.duration)}"
+        return f"most probable {what.removeprefix('the ')}"
+    share = f"{100.0 * asked.share:g}" if limit.way > 0.0 else f"{100.0 - 100.0 * asked.share:.12g}"
+    return f"P{share} of {what} in {_lasting(asked.duration)}"
 
 
 def _lasting(duration: float) -> str:

@@ -123,6 +123,26 @@ def open_run(groups, dofs, state, t, power):
     open_ledger(groups, dofs, state, t, power)
 
 
+ASIDE = 1.0e-6
+"""Share of a step by which an instant lies off the end of a frame, at least, for a step to end there."""
+ROUNDING = 1.0e-9
+"""Share of a step that no further step is made for."""
+
+
+@kernel(forceinline=True)
+def steps_to_instant(groups, begin, end, longest, next):
+    """Where equal steps from ``begin`` lead without a jump within any: to ``end``, s, the end of a frame, or before.
+
+    Returns that time, how many steps there are, none longer than ``longest`` s, and their length, s. ``next`` (1,) is
+    scratch.
+    """
+    next[0] = end
+    over.instant(groups, begin + ASIDE * longest, next)
+    until = next[0] if next[0] < end - ASIDE * longest else end
+    steps = max(1, int(np.ceil((until - begin) / longest * (1.0 - ROUNDING))))
+    return until, steps, (until - begin) / steps
+
+
 DOUBLED_BELOW = 1.0 / 12.0
 """Share of the tolerance below which a step's error lets the next be twice as long: the error grows by about eight."""
 
@@ -172,21 +192,24 @@ def run_implicit(method, groups, dofs, functions, state, ends, steps, begin, row
     for k in range(ends.size):
         if steps[k] == 0:
             open_run(groups, dofs, state, t0, method.power)
-        h = (ends[k] - t0) / max(steps[k], 1)
-        done = pause[STEP]
+        longest = (ends[k] - t0) / max(steps[k], 1)
+        done, before = pause[STEP], 0
         pause[STEP] = 0
-        for step in range(done, steps[k]):
-            status = divide_and_advance(method, groups, dofs, functions, state, t0 + step * h, h, pause)
-            if status == PAUSED:
-                pause[STEP] = step
-                return DONE, k, t0 + step * h
-            if status != DONE:
-                # The state is that of the parts that were accepted, and so is the time.
-                part = pause[PART] / (1 << method.max_halvings)
-                pause[PART] = 0
-                return status, k, t0 + step * h + h * part
+        while t0 < ends[k]:
+            until, count, h = steps_to_instant(groups, t0, ends[k], longest, method.power)
+            for step in range(max(done - before, 0), count):
+                status = divide_and_advance(method, groups, dofs, functions, state, t0 + step * h, h, pause)
+                if status != DONE:
+                    # The state is that of the parts that were accepted, and so is the time.
+                    reached = t0 + step * h + h * (pause[PART] / (1 << method.max_halvings))
+                    if status == PAUSED:
+                        pause[STEP] = before + step
+                        return DONE, k, reached
+                    pause[PART] = 0
+                    return status, k, reached
+            before += count
+            t0 = until
         record_frame(groups, dofs, state, ends[k], rows[k], at)
-        t0 = ends[k]
     return DONE, ends.size, t0
 
 
@@ -200,18 +223,22 @@ def run_explicit(method, groups, dofs, functions, state, ends, steps, begin, row
     for k in range(ends.size):
         if steps[k] == 0:
             open_run(groups, dofs, state, t0, method.power)
-        h = (ends[k] - t0) / max(steps[k], 1)
-        done = pause[STEP]
+        longest = (ends[k] - t0) / max(steps[k], 1)
+        done, before = pause[STEP], 0
         pause[STEP] = 0
-        for step in range(done, steps[k]):
-            if work_done(state.counters) >= pause[WORK_LIMIT]:
-                pause[STEP] = step
-                return DONE, k, t0 + step * h
-            status = take_step(method, groups, dofs, functions, state, t0 + step * h, h)
-            if status != DONE:
-                stand_at(dofs, functions, state, t0 + step * h)
-                return status, k, t0 + step * h
-            state.counters[STEPS] += 1
+        while t0 < ends[k]:
+            until, count, h = steps_to_instant(groups, t0, ends[k], longest, method.power)
+            for step in range(max(done - before, 0), count):
+                if work_done(state.counters) >= pause[WORK_LIMIT]:
+                    pause[STEP] = before + step
+                    return DONE, k, t0 + step * h
+                status = take_step(method, groups, dofs, functions, state, t0 + step * h, h)
+                if status != DONE:
+                    stand_at(dofs, functions, state, t0 + step * h)
+                    return status, k, t0 + step * h
+                state.counters[STEPS] += 1
+            before += count
+            t0 = until
         expand_held(dofs, state.full_a)
         status = accelerate(method, groups, dofs, ends[k], state)
         if status == DONE and not is_finite(state.a):
@@ -221,11 +248,10 @@ def run_explicit(method, groups, dofs, functions, state, ends, steps, begin, row
         expand(dofs, state.a, state.full_a)
         account(method, groups, dofs, ends[k], state)
         record_frame(groups, dofs, state, ends[k], rows[k], method.at)
-        t0 = ends[k]
     return DONE, ends.size, t0
 
 
-_ALWAYS = ("begin", "alarm", "commit", "record", "energy", "dissipation", "supply", "residual")
+_ALWAYS = ("begin", "instant", "alarm", "commit", "record", "energy", "dissipation", "supply", "residual")
 """Sums over groups that every method asks for."""
 
 

@@ -15,6 +15,8 @@ hook           arguments after ``g``                            what it does
 begin          t, h, beta, gamma, q, v, a                       at the start of every attempt of a step from t; beta and
                                                                 gamma are beta', gamma' of eqs 2.88-2.89 (0 if explicit;
                                                                 gamma -1 where only the acceleration is asked for)
+instant        t, next                                          lowers next[0], s, to the first time after t at which
+                                                                ``begin`` changes something at once: a step ends there
 jump           changed                                          counts the masses that ``begin`` has changed at once: an
                                                                 implicit step then goes on from other accelerations
 switch         t, q, v, converged, changed                      lets a law change its status (stick, slip); counts the
@@ -70,6 +72,7 @@ Kernel = Callable[..., None]
 NUMBER, VECTOR, COUNTS = float, form_of(np.zeros(0)), form_of(np.zeros(0, np.int64))
 HOOKS = {
     "begin": {"t": NUMBER, "h": NUMBER, "beta": NUMBER, "gamma": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
+    "instant": {"t": NUMBER, "next": VECTOR},
     "jump": {"changed": COUNTS},
     "switch": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "converged": bool, "changed": COUNTS},
     "residual": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
@@ -553,6 +556,7 @@ def _define(source: str, names: dict[str, Any], name: str) -> Callable[..., Any]
 
 
 begin = _over_groups("begin")
+instant = _over_groups("instant")
 jump = _over_groups("jump")
 switch = _over_groups("switch")
 residual = _over_groups("residual")

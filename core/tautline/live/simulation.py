@@ -326,7 +326,7 @@ class Simulation:
             if self._loop.found[1]:
                 self._arrive(end)
             else:
-                self._leave(begin, end)
+                self._stand_at(self._loop.found[2])
             raise Interrupted(self._time, self._so_far("interrupted")) from None
         self._arrive(end)
 
@@ -363,12 +363,6 @@ class Simulation:
         # where parameters are given for the start, there were no steps.
         if self._begun and not self._forces:
             self._checked.judge(self._time, self._memory)
-
-    def _leave(self, begin: float, end: float) -> None:
-        """Stand where an advance was left in its middle."""
-        h = (end - begin) / self._steps[0]
-        part = self._pause[PART] / 2**self._run.method.max_halvings if self._pause[PART] else 0.0
-        self._stand_at(begin + h * (self._pause[STEP] + part))
 
     def _stop(self, reached: float, status: Status) -> None:
         """Take notice of a step that failed; raises StoppedEarly, or what a force of the user's raised."""
