@@ -133,6 +133,12 @@ def test_a_look_ahead_of_longer_than_ten_minutes_is_refused_in_the_map(text, key
     assert where == key and "must not be more than 600 s" in cause
 
 
+def test_the_cure_of_a_look_ahead_that_is_too_long_names_the_longest():
+    with pytest.raises(tautline.SceneError) as found:
+        Twin(STILL, MAP.partition("estimate:")[0].replace("UNIT", "kN") + "ahead: 1000 s\n")
+    assert [one.cure for one in found.value.problems] == ["give a time of at most 600 s"]
+
+
 def test_bounds_that_leave_nothing_between_them_are_refused():
     ((key, cause),) = watched("watch: [{output: winch.tension, above: 80 kN, below: 90 kN}]\n")
     assert key == "watch[0].above" and "every value is beyond one of both" in cause

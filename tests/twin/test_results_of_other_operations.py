@@ -1,5 +1,7 @@
 """An operation is gone on with in its own result only: what another one has found is not lost and not spliced."""
 
+import shutil
+
 import numpy as np
 import pytest
 from cli.in_process import commands_of
@@ -7,6 +9,7 @@ from twin.rehearsal import STILL
 
 from crane.application import Crane
 from tautline.results.result import Result
+from tautline.results.store import Store
 
 MAP = """
 sensors:
@@ -64,7 +67,8 @@ def test_an_operation_that_begins_as_its_state_is_not_there_replaces_no_result(t
     path = tmp_path / "own.nc"
     assert twin(0, 4, "--resume", tmp_path / "s.st", "-o", path)[0] == 0
     code, told = twin(4, 6, "--resume", tmp_path / "mistyped.st", "-o", path)
-    assert code == 2 and "holds what a twin has found: it would be lost" in told
+    assert code == 2 and f"{tmp_path / 'mistyped.st'} is not there, the state that --resume would go on from" in told
+    assert "put the state back, name another file with -o, or replace it with --force" in told
     assert len(Result.read(path)["time"]) == 8
     assert twin(4, 6, "--resume", tmp_path / "new.st", "-o", path, "--force")[0] == 0
 
@@ -77,3 +81,21 @@ def test_what_a_result_has_more_than_the_map_asks_for_is_not_dropped(twin, tmp_p
     code, told = twin(4, 6, "--resume", state, "-o", path)
     assert code == 2 and "holds payload.position, which this map does not ask for" in told
     assert "payload.position" in Result.read(path).variables
+
+
+def test_a_twin_that_is_killed_as_soon_as_it_has_a_result_goes_on_from_the_state_beside_it(twin, tmp_path, monkeypatch):
+    """What a kill leaves is what the files are at that moment."""
+    (left := tmp_path / "left").mkdir()
+    write = Store.append
+
+    def written(store, frames):
+        write(store, frames)
+        if not (left / "own.nc").exists():
+            for one in tmp_path.glob("own.*"):
+                shutil.copy(one, left)
+
+    monkeypatch.setattr(Store, "append", written)
+    assert twin(0, 4, "--resume", tmp_path / "own.st", "-o", tmp_path / "own.nc")[0] == 0
+    code, told = twin(0, 6, "--resume", left / "own.st", "-o", left / "own.nc")
+    assert code == 0, told
+    assert Result.read(left / "own.nc")["time"] == pytest.approx(np.arange(0.0, 6.0, 0.5))

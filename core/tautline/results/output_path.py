@@ -131,8 +131,13 @@ def check_record(path: Path, force: bool = False) -> Path:
     return path
 
 
-def check_found(path: Path) -> Path:
+def check_found(path: Path, state: Path | None = None) -> Path:
     """Check that a twin may begin a result at a path, and return it; what took hours to find is not to be lost.
+
+    Parameters
+    ----------
+    state : Path, optional
+        The file that the twin was to go on from, which is not there.
 
     Raises
     ------
@@ -141,6 +146,9 @@ def check_found(path: Path) -> Path:
     """
     others = "name another file with -o, or replace it with --force"
     writer = _writer(path) if path.is_file() else ""
+    if writer == TWIN and state is not None:
+        cause = f"holds what a twin has found, and {state} is not there, the state that --resume would go on from"
+        raise ResultError(path, f"{cause}: it would be lost", f"put the state back, {others}")
     if writer == TWIN:
         raise ResultError(path, "holds what a twin has found: it would be lost", f"go on with --resume, {others}")
     if writer:

@@ -65,15 +65,15 @@ def connected(serving):
     source.close()
 
 
-def test_rows_come_at_the_sampling_interval_where_a_server_has_nothing_to_send(connected):
+def test_rows_come_once_a_second_where_a_server_has_nothing_to_send(connected):
     _, source = connected
     rows, end = [], clock.monotonic() + 30.0
-    while len(rows) < 40 and clock.monotonic() < end:
+    while len(rows) < 3 and clock.monotonic() < end:
         rows += records(source, 0.1)
-    assert len(rows) >= 40
+    assert len(rows) >= 3
     assert all(dict(row.values) == {"heave": 0.25, "rope_tension": 49.0} for row in rows)
     steps = [b.time - a.time for a, b in pairwise(rows)]
-    assert steps == pytest.approx([0.05] * len(steps), abs=1e-3)
+    assert steps == pytest.approx([1.0] * len(steps), abs=1e-3)
 
 
 def test_a_value_that_is_written_anew_without_a_change_is_a_reading_of_its_stamp(connected):
@@ -93,9 +93,9 @@ def test_a_variable_whose_status_goes_bad_has_no_reading_and_this_is_told_though
     changed = now(running)
     send(running, changed, {"rope_tension": 49.0}, status=0x808D0000)  # BadOutOfService
     after, rows, end = BEGIN.timestamp() + 0.05 * changed, [], clock.monotonic() + 30.0
-    while len(rows) < 20 and clock.monotonic() < end:
+    while len(rows) < 3 and clock.monotonic() < end:
         rows += [row for row in records(source, 0.1) if row.time > after + 0.2]
-    assert len(rows) >= 20
+    assert len(rows) >= 3
     assert all(row.values["rope_tension"] != row.values["rope_tension"] for row in rows)
     assert all(row.values["heave"] in (0.25,) for row in rows)
     assert [note for note in source.notes if "rope_tension" in note and "count as missing" in note]
@@ -109,7 +109,7 @@ def test_an_uncertain_reading_is_used_unless_its_status_says_that_it_is_not_meas
     rows, end = [], clock.monotonic() + 30.0
     while (not rows or rows[-1].time < BEGIN.timestamp() + 0.05 * changed + 0.5) and clock.monotonic() < end:
         rows += records(source, 0.1)
-    assert [row.values["rope_tension"] == 60.0 for row in rows[-5:]] == [used] * 5
+    assert [row.values["rope_tension"] == 60.0 for row in rows[-1:]] == [used]
     word = "are used" if used else "count as missing"
     assert len([note for note in source.notes if "Uncertain" in note and word in note]) == 1
 
@@ -171,8 +171,8 @@ def test_a_machine_that_has_stood_for_an_hour_stands_there_now_and_not_an_hour_a
     made = Holding(["a"], 0.05, now=lambda: now)
     at = clock.monotonic()
     assert made.records([Change(now - 3600.0, "a", 1.0, at, True)]) == []
-    rows = made.until(at + 1.1)
-    assert rows[0].time == pytest.approx(now, abs=1.0) and len(rows) > 15
+    rows = made.until(at + 4.1)
+    assert rows[0].time == pytest.approx(now, abs=1.0) and len(rows) == 4
 
 
 def test_the_first_readings_have_the_clock_of_the_changes_after_them():

@@ -9,11 +9,12 @@ from twin.sources.messages import Message, without_broker
 from twin.sources.test_sources_of_data import all_of, free_port
 
 from tautline.twin.sources.connection import Connection
-from tautline.twin.sources.objects import Remarks, factor_told, is_good
+from tautline.twin.sources.objects import is_good
 from tautline.twin.sources.opc_ua.client import Lost, OpcUa
 from tautline.twin.sources.opc_ua.holding import Change
-from tautline.twin.sources.opc_ua.nodes import units_of
+from tautline.twin.sources.opc_ua.nodes import unit_nodes, units_of
 from tautline.twin.sources.reading_units import unit_of_code
+from tautline.twin.sources.stated_units import Remarks, factor_told
 from tautline.twin.sources.stream import Stream
 
 UNITS = {"a": "kN", "b": "m"}
@@ -274,6 +275,6 @@ def test_units_are_read_of_the_variables_of_a_server():
             await made[name].add_property(0, "EngineeringUnits", unit)
         async with server, asyncua.Client(server.endpoint.geturl()) as client:
             nodes = {name: client.get_node(node.nodeid) for name, node in made.items()}
-            return await units_of(nodes)
+            return await units_of(await unit_nodes(nodes))
 
     assert asyncio.run(work()) == {"a": ["N"], "b": ["Millimetre", "mm"]}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import time as clock
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -100,7 +101,7 @@ def twin(
     read, resume = read_sensors(map), given.resume
     goes_on = resume is not None and (resume.exists() or given.state != resume)
     if given.output is not None and not goes_on and not given.force:
-        check_found(given.output)
+        check_found(given.output, resume)
     with preparing(path, scene, quiet):
         warnings = application.warnings(scene)
     print_warnings(warnings)
@@ -247,6 +248,7 @@ class _Loop:
         self.known_alarms: set[str] = set()
         self.unsaved: set[str] = set()
         self.begin = self.twin.now
+        self.begun = self.twin.now > -math.inf  # gone on with: there is a state of it
         rows = made.readings.rows
         self.rereading = Rereading(made.heard, self.begin, rows.shift) if source.again else None
         self.silence = Silence(source.name, made.plan.lost)
@@ -351,6 +353,10 @@ class _Loop:
                 self._print({"time": time, "connection": note.status, "text": str(note)})
 
     def _give(self, lines: Sequence[dict[str, Any]]) -> None:
+        if lines and not self.begun:
+            # Killed behind the first lines of a result, a twin could not go on without a state beside it.
+            self.begun = True
+            self._save_state()
         for line in lines:
             self.lines, self.last = self.lines + 1, line
             self._print(line)
@@ -408,22 +414,25 @@ class _Loop:
         self.told = {name: float(one["since"]) for name, one in active.items()}
 
     def _save(self) -> None:
-        """Keep what goes over operations, and then the state: what it has counted is not counted again."""
-        from tautline.twin.storage import save
-
+        """Keep the result, what goes over operations, and then the state: what it has counted is not counted again."""
         if self.series is not None:
             self._keep("result", self.series.flush)  # what the state is later than is in the result then
-        counted = True
-        if self.lines and self.twin.operation is not None:
-            counted = self._keep("account", self.twin.operation.save)
+        if self.lines:
+            self._save_state()
+        self.saved = clock.monotonic()
+
+    def _save_state(self) -> None:
+        """Keep the account, and the state behind it."""
+        from tautline.twin.storage import save
+
+        counted = self.twin.operation is None or self._keep("account", self.twin.operation.save)
         # A state that is later than the account would leave out how the rope was bent meanwhile.
-        if self.lines and self.state is not None and counted:
+        if self.state is not None and counted:
             # What a live source gave is in no file: there its stamps tell what is new.
             again = self.rereading
             rows = self.twin.readings.rows
             self.twin.heard = {} if again is None else again.memory(rows.held, rows.newest)
             self._keep("state", partial(save, self.twin, self.state))
-        self.saved = clock.monotonic()
 
     def _keep(self, what: str, write: Callable[[], None]) -> bool:
         """Write a file, and whether that went well.

@@ -227,9 +227,11 @@ class Quantity:
             least = "negative" if self.at_least == 0.0 else f"less than {self.at_least:g}{unit}"
             raise refusal(f"must not be {least}", self.cure)
         if self.below is not None and not value < self.below:
-            raise refusal(f"must be less than {self.below:g}{unit}", self.cure)
+            bound = f"less than {self.below:g}{unit}"
+            raise refusal(f"must be {bound}", f"give {self.meaning} of {bound}")
         if self.at_most is not None and not value <= self.at_most:
-            raise refusal(f"must not be more than {self.at_most:g}{unit}", self.cure)
+            bound = f"{self.at_most:g}{unit}"
+            raise refusal(f"must not be more than {bound}", f"give {self.meaning} of at most {bound}")
         # What may not be negative is a size, by which things are divided; what may be is a place, and added to others.
         is_size = self.above is not None or self.at_least is not None
         if not self.any_size and (is_outside(value) if is_size else abs(value) > LARGEST):

@@ -29,8 +29,9 @@ from typing import Any
 
 import numpy as np
 
-from tautline.scene.values.moments import duration_said, stamp_said
+from tautline.scene.values.moments import duration_said
 from tautline.twin.signals.arrivals import AT_ONCE, LONG_GAP, TOLD_BY, TYPICAL, Arrivals
+from tautline.twin.signals.doubles import Doubles
 from tautline.twin.signals.row import Row
 
 REGULAR_GAPS, EQUAL = 5, 1.5
@@ -47,8 +48,6 @@ DELAY = 3.0
 """Sample intervals that a row waits where no delay is given."""
 SHOWN_IN = 1.0
 """Longest that the first row waits for others that show the noise of inputs, s."""
-DIFFERENT = 3
-"""Rows with a stamp that was there, and with other readings, after which this is told."""
 BEHIND = 10
 """Late rows of a column after which this is told; another column has as many that are in time, without a late one."""
 OFTEN = 0.4
@@ -115,7 +114,7 @@ class Rows:
 
     MADE_ANEW = (
         "columns", "delay", "live", "notes", "bounds", "scales", "factors", "fewest", "arrivals",
-        "_came_first",
+        "_came_first", "doubles",
     )  # fmt: skip
     """What another process has by itself: times of arrival are of one computer's clock."""
 
@@ -143,7 +142,7 @@ class Rows:
         self.newest = -np.inf
         self._suspect: Row | None = None
         self._late: list[Row] = []
-        self._different = 0
+        self.doubles = Doubles(self.notes)
         # By how much the last rows of each column came too late, s; zero for those that did not.
         self._behind: list[deque[float]] = [deque(maxlen=INTERVALS) for _ in self.columns]
         self._ahead: list[list[float]] = [[] for _ in self.columns]
@@ -239,6 +238,8 @@ class Rows:
         row.time = row.stamp + self.shift
         if self._suspect is not None:
             self._resolve(row)
+        if row.measured.any():
+            self.doubles.come(row.time, self.newest, self.interval)
         if row.time <= self.reached:
             if row.repeated.any() and not row.measured.any():
                 return  # nothing is lost by it
@@ -448,6 +449,7 @@ class Rows:
         self.shift += back
         self.counts["late"] -= BACK
         self.counts["clock set back"] += 1
+        self.doubles.was_set_back()
         self.notes.append(f"the source's clock was set back by {back:.3g} s; time goes on from where it was")
         for one in rows:
             one.time += back
@@ -461,17 +463,10 @@ class Rows:
         return known and self.newest - rows[0].time <= LONGEST_DELAY
 
     def _compare(self, known: np.ndarray, row: Row) -> None:
-        """Tell once where rows of one stamp have different readings (c,): they are not one row that came twice."""
+        """Take notice where rows of one stamp have different readings (c,): they are not one row that came twice."""
         both = np.isfinite(known) & row.measured
-        self._different += not np.array_equal(known[both], row.values[both])
-        if self._different == DIFFERENT:
-            self._different += 1  # never this number again
-            when = stamp_said(row.time - self.shift)
-            self.notes.append(
-                f"rows with the same stamp have different readings, such as at {when}: the first one of a stamp "
-                "counts, and the others are left out. The stamps may have too few digits for rows that come so fast, "
-                "or two machines are in the data. Write stamps with milliseconds"
-            )
+        if not np.array_equal(known[both], row.values[both]):
+            self.doubles.differ(row.time - self.shift)
 
     def _insert(self, row: Row) -> None:
         self._correct(row)
@@ -569,6 +564,8 @@ class Rows:
 
         With `silent`, as none comes now, nothing more is waited for; with `end` none comes any more.
         """
+        if end:
+            self.doubles.end()
         if end and self._aside:
             count = len(self._aside)
             rows, them = ("1 row is", "It is") if count == 1 else (f"{count} rows are", "They are")

@@ -13,9 +13,10 @@ from urllib.parse import unquote
 
 from tautline.scene.errors import option_error
 from tautline.twin.sources.connection import Connection, cause_of, split_address
-from tautline.twin.sources.objects import SAID_OF, UNIT, VALUE, ObjectReadings, Remarks, why_no_reading
+from tautline.twin.sources.objects import SAID_OF, UNIT, VALUE, ObjectReadings, why_no_reading
 from tautline.twin.sources.record import Record, SourceFault
 from tautline.twin.sources.stamps import Stamps
+from tautline.twin.sources.stated_units import Remarks
 
 MOST = 10_000
 """Records that may wait; beyond, the oldest is dropped."""
@@ -143,7 +144,7 @@ class Mqtt:
             if not self._readings.are_good(found, f"topic {topic}:"):
                 self.left_out += 1
                 return None
-            values |= self._values_of(found, topic, column)
+            values |= self._readings.values(found, f"topic {topic}:", column)
         elif column in values:
             values[column] = self._readings.number(column, found)
         if why := why_no_reading(found, self._columns, column):
@@ -185,15 +186,6 @@ class Mqtt:
             )
             return True
         return isinstance(found, dict) and stamp is None and self._lacks_time(topic, found)
-
-    def _values_of(self, found: Mapping[str, Any], topic: str, column: str) -> dict[str, float]:
-        """Readings of an object by column; `column` is the one that the topic names."""
-        values = {}
-        if column in self._columns and VALUE in found:
-            unit = next((found[key] for key in UNIT if key in found), None)
-            values[column] = self._readings.number(column, found[VALUE])
-            values[column] = self._readings.scaled(column, values[column], unit, f"topic {topic}:")
-        return values | {name: self._readings.number(name, found[name]) for name in self._columns if name in found}
 
     def _lacks_time(self, topic: str, found: Mapping[str, Any]) -> bool:
         """Whether an object without a stamp is left out, as the map names one; either is told."""

@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tautline.scene.errors import shorten
-from tautline.scene.reading.columns import NO_UNIT
-from tautline.twin.sources.reading_units import OtherQuantity, factor_stated
 from tautline.twin.sources.stamps import Stamps, number_of
+from tautline.twin.sources.stated_units import Remarks, StatedUnits
 
 QUALITY, STATUS, UNIT, VALUE = "quality", "status", ("unit", "units"), "value"
 SAID_OF = (QUALITY, STATUS)
@@ -32,25 +31,6 @@ LONG = 6
 """Characters from which on a code is one of OPC UA, ``0x80000000``, and none of OPC DA, ``0xC0``."""
 
 
-class Remarks:
-    """Sentences that are told once each.
-
-    Parameters
-    ----------
-    notes : list of str
-        Where they go.
-    """
-
-    def __init__(self, notes: list[str]) -> None:
-        self._notes, self._told = notes, set[str]()
-
-    def tell(self, what: str, text: str) -> None:
-        """Tell a sentence, unless one of that was told."""
-        if what not in self._told:
-            self._told.add(what)
-            self._notes.append(text)
-
-
 class ObjectReadings:
     """Reads numbers of JSON objects, and what is said of them there.
 
@@ -68,8 +48,8 @@ class ObjectReadings:
     def __init__(
         self, columns: Sequence[str], units: Mapping[str, str], notes: list[str], factors: dict[str, float]
     ) -> None:
-        self._columns, self._units, self.factors = frozenset(columns), units, factors
-        self._remarks = Remarks(notes)
+        self._columns, self._remarks = frozenset(columns), Remarks(notes)
+        self._stated = StatedUnits(units, notes, factors)
         self._of_data_access: set[str] = set()  # keys whose numbers are those of OPC DA
 
     def number(self, column: str, value: Any) -> float:
@@ -90,13 +70,34 @@ class ObjectReadings:
             return stamps.read(key, value) if math.isnan(number_of(value)) else math.nan
         return stamps.read(key, value)
 
-    def scaled(self, column: str, value: float, unit: Any, where: str) -> float:
-        """A reading in the map's unit, of one in the unit that its object gives."""
-        if not isinstance(unit, str):
-            return value
-        factor = factor_told(column, [unit], self._units.get(column), where, self._remarks)
-        self.factors[column] = factor if math.isfinite(factor) else 1.0
-        return value * factor
+    def values(self, found: Mapping[str, Any], where: str, column: str = "") -> dict[str, float]:
+        """Readings of an object in the map's units, by column; that of `column`, its topic, may stand under `value`."""
+        given = {column: found[VALUE]} if column in self._columns and VALUE in found else {}
+        stated = self._units_of(found, column if given else "", where)
+        given |= {name: found[name] for name in self._columns if name in found}
+        return {
+            name: self.number(name, value) * self._stated.factor(name, [stated[name]] if name in stated else [], where)
+            for name, value in given.items()
+        }
+
+    def _units_of(self, found: Mapping[str, Any], column: str, where: str) -> dict[str, str]:
+        """Units that an object states, by column: one for its only reading, or an object of them.
+
+        `column` is the one whose reading stands under `value`, and the unit beside it.
+        """
+        key = next((one for one in found if one in UNIT and one not in self._columns), None)
+        if key is None:
+            return {}
+        if isinstance(found[key], Mapping):
+            return {name: text for name, text in found[key].items() if isinstance(text, str)}
+        names = [column] if column else [name for name in found if name in self._columns]
+        if isinstance(found[key], str) and len(names) > 1:
+            self._remarks.tell(
+                f"{where} {key}",
+                f"{where} the {key} {shorten(found[key])} stands beside several columns, and nothing shows of which it "
+                f'is: it does not count. Send an object, such as {{"{key}": {{"{names[0]}": "..."}}}}',
+            )
+        return {names[0]: found[key]} if isinstance(found[key], str) and len(names) == 1 else {}
 
     def are_good(self, found: Mapping[str, Any], where: str) -> bool:
         """Whether an object calls its readings good, or says nothing of that."""
@@ -159,60 +160,6 @@ def _is_good_word(key: str, text: str) -> bool | None:
             return False
         if word in GOOD:
             return True if before not in NO else (False if key == QUALITY else None)
-    return None
-
-
-def factor_told(column: str, units: Sequence[str], asked: str | None, where: str, remarks: Remarks) -> float:
-    """Find what readings are multiplied by to be in the map's unit, and tell it with `remarks`.
-
-    Parameters
-    ----------
-    units : sequence of str
-        The unit that is given, and other names of it.
-    asked : str or None
-        The map's unit, empty for none; None where nothing is asked for.
-    where : str
-        Who gives it, for messages.
-
-    Returns
-    -------
-    float
-        1 for a unit that nobody knows, NaN for one of another quantity.
-    """
-    given = [one for one in units if one.strip() not in NO_UNIT]
-    if not given or asked is None:
-        return 1.0
-    what = f"{where} the unit of {column} is {shorten(given[0])}"
-    try:
-        found = _first_factor(given, asked)
-    except OtherQuantity as error:
-        cure = "So there is no reading of it. Correct `unit` of this column in the map, or the unit at its source"
-        remarks.tell(f"unit of {column} {given[0]}", f"{what}, and the map says {asked}. '{given[0]}' {error}. {cure}")
-        return math.nan
-    if found is None:
-        why = "which is no known unit" if asked else "and the map gives no unit"
-        taken = asked or "SI units"
-        remarks.tell(f"unit of {column} {given[0]}", f"{what}, {why}: its readings are taken in {taken}")
-        return 1.0
-    factor, meant = found
-    if factor != 1.0 or meant:
-        remarks.tell(f"unit of {column} {given[0]}", f"{what}: its readings are converted to {asked}{meant}")
-    return factor
-
-
-def _first_factor(units: Sequence[str], asked: str) -> tuple[float, str] | None:
-    """The factor of the first name that is a unit of what is asked for, with what is to be said of it."""
-    other: OtherQuantity | None = None
-    for one in units:
-        try:
-            found = factor_stated(one, asked)
-        except OtherQuantity as error:
-            other = other or error
-            continue
-        if found is not None:
-            return found
-    if other is not None:
-        raise other
     return None
 
 

@@ -22,6 +22,8 @@ from tautline.twin.sources.table.lines import Lines, Row
 
 MOST = 100_000
 """Records that may wait; beyond, the writer waits."""
+WHERE = "in the data"
+"""Who states what objects say of their readings, for messages."""
 
 
 class Stream:
@@ -175,6 +177,7 @@ def read_object(
     if not isinstance(found, dict):
         return None
     stamp = stamps.column([str(key) for key in found])
-    good = readings.are_good(found, "in the data")
-    values = {name: readings.number(name, found.get(name)) if good else float("nan") for name in columns}
+    values = dict.fromkeys(columns, math.nan)
+    if readings.are_good(found, WHERE):
+        values |= readings.values(found, WHERE)
     return readings.stamp(stamps, stamp, found[stamp]) if stamp is not None else float("nan"), values

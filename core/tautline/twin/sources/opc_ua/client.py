@@ -8,13 +8,15 @@ import queue
 import threading
 import time as clock
 from collections import Counter, deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import UTC
+from itertools import count
 from typing import Any
 
 from tautline.scene.errors import option_error
 from tautline.twin.sources.connection import Connection, cause_of, split_address
-from tautline.twin.sources.objects import ObjectReadings, Remarks, factor_told, what_is
+from tautline.twin.sources.objects import ObjectReadings, what_is
 from tautline.twin.sources.opc_ua.holding import Change, Holding
 from tautline.twin.sources.opc_ua.nodes import (
     DEEPEST,
@@ -23,11 +25,14 @@ from tautline.twin.sources.opc_ua.nodes import (
     chosen,
     is_id,
     listed,
+    names_of_unit,
     nodes_by_column,
+    unit_nodes,
     units_of,
     variables_of,
 )
 from tautline.twin.sources.record import Record, SourceFault
+from tautline.twin.sources.stated_units import Remarks, StatedUnits
 
 MOST = 100_000
 PORT = 4840
@@ -47,6 +52,10 @@ WATCHED = 0.1
 """How often the connection is looked at, s."""
 NAMED = 12
 """Variables that a message names at most."""
+SAYS = "the server says that"
+"""Who gives units, for messages."""
+UNITS_EVERY = 30.0
+"""How often units are read again of a server that does not send changes of them, s."""
 DEAF = 60.0
 """How long a server may say nothing at all before it is connected to anew, s."""
 
@@ -94,6 +103,7 @@ class OpcUa:
         self._told: set[str] = set()
         self._units, self._remarks = units or {}, Remarks(self.notes)
         self._readings = ObjectReadings(columns, self._units, self.notes, self.factors)
+        self._stated = StatedUnits(self._units, self.notes, self.factors)
         self._scales: dict[str, float] = {}
         self._connection = Connection(address, self.notes)
         self._address = address if parts.port else parts._replace(netloc=f"{parts.netloc}:{PORT}").geturl()
@@ -141,21 +151,28 @@ class OpcUa:
         async with Client(self._address, timeout=4.0) as client:
             choice, whole = await self._choose(client)
             nodes = nodes_by_column(client, choice.ids)
-            self._scale(await units_of(nodes))
-            handler = _Handler(self, {str(node.nodeid): name for name, node in nodes.items()})
+            units = await unit_nodes(nodes)
+            self._scale(await units_of(units))
+            handler = _Handler(self, nodes, units)
             subscription = await client.create_subscription(asked, handler)
-            refused = await _subscribe(subscription, nodes)
+            handles = count(1)
+            refused = await _subscribe(subscription, nodes, handles)
+            await _subscribe(subscription, units, handles)
             self._connection.made()
             self._followed = True
             self._tell_missing(set(self._columns) - set(nodes) - set(choice.doubted) | refused, whole)
             self._tell_choice(choice, whole)
-            told = 0.0
+            told, read = 0.0, clock.monotonic()
             while not self._closing.is_set():
                 await asyncio.sleep(WATCHED)
                 await client.check_connection()
                 alive = await _alive(client, subscription)
                 if clock.monotonic() - alive > DEAF:
                     raise TimeoutError
+                if handler.doubted or clock.monotonic() - read > UNITS_EVERY:
+                    read = clock.monotonic()
+                    self._scale(await units_of(units))
+                    handler.believe()
                 await asyncio.sleep(0.0)  # what came with this sign of life is taken before it
                 if alive > told:
                     told = alive
@@ -178,12 +195,12 @@ class OpcUa:
         self.missing = missing
 
     def _scale(self, units: Mapping[str, list[str]]) -> None:
-        """Convert readings of now on from the units that the server gives."""
-        self._scales = {
-            column: factor_told(column, names, self._units.get(column), "the server says that", self._remarks)
-            for column, names in units.items()
-        }
-        self.factors |= {column: one for column, one in self._scales.items() if math.isfinite(one)}
+        """Convert readings of now on from the units that the server gives; one that has changed is told."""
+        self._scales |= {column: self._stated.factor(column, names, SAYS) for column, names in units.items()}
+
+    def take_unit(self, column: str, unit: Any) -> None:
+        """Take a unit that the server sends as it is changed."""
+        self._scale({column: names_of_unit(unit)})
 
     def read(self, column: str, value: Any) -> float:
         """A reading of a variable, in the map's unit; NaN for what is no number, which is told once."""
@@ -287,18 +304,19 @@ class OpcUa:
         self._thread.join(timeout=5.0)
 
 
-async def _subscribe(subscription: Any, nodes: dict[str, Any]) -> set[str]:
-    """Ask for every new status, value and stamp; gives the names of variables that the server does not send."""
+async def _subscribe(subscription: Any, nodes: dict[str, Any], handles: Iterator[int]) -> set[str]:
+    """Ask for every new status, value and stamp; gives the names of variables that the server does not send.
+
+    `handles` are numbers that no other variable of the subscription has.
+    """
     from asyncua import ua
 
     refused = set(nodes)
     # A machine that stands still sends new stamps only. A server that does not know this filter is asked without.
-    handle = 0
     for trigger in (ua.DataChangeTrigger.StatusValueTimestamp, None):
         names, requests = sorted(refused), []
         for name in names:
-            handle += 1
-            wanted = ua.MonitoringParameters(ClientHandle=handle, SamplingInterval=PERIOD, QueueSize=0)
+            wanted = ua.MonitoringParameters(ClientHandle=next(handles), SamplingInterval=PERIOD, QueueSize=0)
             if trigger is not None:
                 wanted.Filter = ua.DataChangeFilter(Trigger=trigger)
             item = ua.ReadValueId(NodeId=nodes[name].nodeid, AttributeId=ua.AttributeIds.Value)
@@ -321,22 +339,81 @@ NO_READING = (0x408F0000, 0x40900000, 0x40910000, 0x40920000)
 """Uncertain statuses of what is not measured: last usable value with and without a connection, substitute, initial."""
 
 
-class _Handler:
-    """What the client calls with every change."""
+SEMANTICS_CHANGED = 0x4000
+"""Bit of a status whose reading may mean something else than before, such as by another unit (part 4, 7.39.1)."""
 
-    def __init__(self, source: OpcUa, names: dict[str, str]) -> None:
-        self._source, self._names = source, names
+
+@dataclass(frozen=True)
+class _Sent:
+    """What was sent of a variable: as :class:`Change`, with its value in the server's unit."""
+
+    time: float
+    column: str
+    value: Any
+    arrived: float
+    first: bool
+    usable: bool
+
+
+class _Handler:
+    """What the client calls with every change.
+
+    Parameters
+    ----------
+    source : OpcUa
+    nodes, units : mapping of str to Node
+        Variables by column, and those of their units.
+
+    Attributes
+    ----------
+    doubted : set of str
+        Columns whose unit is to be read again: their changes wait for that.
+    """
+
+    def __init__(self, source: OpcUa, nodes: Mapping[str, Any], units: Mapping[str, Any]) -> None:
+        self._source, self.doubted = source, set[str]()
+        self._names = {str(node.nodeid): name for name, node in nodes.items()}
+        self._units = {str(node.nodeid): name for name, node in units.items()}
         self._known: set[str] = set()
         self._status: dict[str, int] = {}
+        self._marked: set[str] = set()
+        self._withheld: list[_Sent] = []
 
     def datachange_notification(self, node: Any, value: Any, data: Any) -> None:
         """Take a change; its stamp is that of the source, or of the server where the source gives none."""
-        sent, column = data.monitored_item.Value, self._names[str(node.nodeid)]
+        sent, id = data.monitored_item.Value, str(node.nodeid)
+        if id in self._units:
+            self._source.take_unit(self._units[id], value)
+            return
+        column = self._names[id]
         time = _seconds(sent.SourceTimestamp, _seconds(sent.ServerTimestamp, clock.time()))
         first = column not in self._known
         self._known.add(column)
-        reading = self._source.read(column, value) if self._usable(column, sent.StatusCode) else math.nan
-        self._source.take_change(Change(time, column, reading, clock.monotonic(), first))
+        self._doubt(column, sent.StatusCode)
+        change = _Sent(time, column, value, clock.monotonic(), first, self._usable(column, sent.StatusCode))
+        if column in self.doubted:
+            self._withheld.append(change)
+        else:
+            self._take(change)
+
+    def believe(self) -> None:
+        """Take what waited for the units, which were read again now."""
+        withheld, self._withheld = self._withheld, []
+        self.doubted.clear()
+        for one in withheld:
+            self._take(one)
+
+    def _take(self, sent: _Sent) -> None:
+        reading = self._source.read(sent.column, sent.value) if sent.usable else math.nan
+        self._source.take_change(Change(sent.time, sent.column, reading, sent.arrived, sent.first))
+
+    def _doubt(self, column: str, status: Any) -> None:
+        """Let changes wait where the status begins to say that the unit may be another one; it may go on to say so."""
+        if status is None or not int(status.value) & SEMANTICS_CHANGED:
+            self._marked.discard(column)
+        elif column not in self._marked:
+            self._marked.add(column)
+            self.doubted.add(column)
 
     def _usable(self, column: str, status: Any) -> bool:
         """Whether a reading counts by its status: good, or uncertain and measured. Another status is told once."""

@@ -29,9 +29,19 @@ ENOUGH = 4
 """Intervals from which on they tell how often a variable is measured."""
 REGULAR = 1.5
 """Upper over lower quartile of intervals that are those of a clock; changes of a lever are not."""
-LONGEST = 2.0
-"""Longest interval that is taken for one of measurement, s. Where none is known, readings are not repeated before a
-silence of so long: rows that come sooner than what is measured would tell a wrong sample interval."""
+FEW, ALIKE = 2, 1.1
+"""Intervals that tell it already where they are as much alike as these: longest over shortest."""
+SHORT, LONGEST = 2.0, 60.0
+"""Interval up to which a variable is interpolated between its readings beside any other, and longest interval that is
+taken for one of measurement, s. A longer one than the first is told by intervals that are alike."""
+APART = 10.0
+"""Beside variables that come so many times as often, one whose interval is long counts as one that changes seldom."""
+RESTING = 1.0
+"""Interval at which readings are repeated where none is known, s: more often, what is measured every few seconds would
+become rows with stairs."""
+UNTOLD = 2.0
+"""Silence from which on readings are repeated where no interval is known, s: rows that come sooner than what is
+measured would tell a wrong sample interval."""
 SILENT, AGAIN = 1.5, 0.75
 """Intervals after which a reading is repeated: after one that was sent, and after one that was repeated."""
 
@@ -49,6 +59,8 @@ AHEAD, BEHIND = 2.0, 10.0
 clock, s: for those that are less behind, the map may give a delay that waits for them."""
 TOLD_AT, TOLD_AFTER = 3, 5.0
 """Changes of another clock of a variable after which this is told; and time after the first of them, s."""
+VOTES = 3.0
+"""Intervals of most variables for which the stamp of one shows where its clock stands."""
 SKIPPED = 1000
 """Stamps at which a silent variable may have to be repeated yet."""
 
@@ -75,6 +87,15 @@ class Change:
     value: float
     arrived: float
     first: bool = False
+
+
+@dataclass
+class _Offset:
+    """The newest stamp of a variable less the time of its arrival, when it arrived, and the interval before that, s."""
+
+    by: float
+    arrived: float
+    gap: float = math.inf
 
 
 @dataclass
@@ -113,7 +134,7 @@ class Holding:
         self._usual: dict[str, float | None] = dict.fromkeys(columns)
         self._lags: dict[str, deque[float]] = {name: deque(maxlen=KEPT) for name in columns}
         self._skipped: dict[str, deque[float]] = {name: deque(maxlen=SKIPPED) for name in columns}
-        self._offsets: dict[str, tuple[float, float]] = {}
+        self._offsets: dict[str, _Offset] = {}
         self._common = self._newest = math.nan
         self._strays: dict[str, _Stray] = {}
         self._told: set[str] = set()
@@ -152,7 +173,9 @@ class Holding:
             return []
         if changes[0].first and self._clock is not None:
             # What stood still while the connection was lost has the stamp of long ago, and holds now.
-            time = max(time, self._clock[0] + changes[0].arrived - self._clock[1])
+            # And none is of a moment to come: such a stamp is of another clock.
+            now = self._clock[0] + changes[0].arrived - self._clock[1]
+            time = now if time > now + AHEAD else max(time, now)
         elif self._clock is not None and time < self._clock[0] + changes[0].arrived - self._clock[1] + SET:
             # All held until this change.
             found += self._still(time - 0.5 * self.interval)
@@ -174,8 +197,11 @@ class Holding:
     def _is_apart(self, time: float, changes: Sequence[Change]) -> bool:
         """Whether changes are of another clock than those of most variables; learns where the clock of these stands."""
         arrived = changes[0].arrived
-        self._offsets |= {one.column: (time - arrived, arrived) for one in changes}
-        recent = sorted(offset for offset, then in self._offsets.values() if arrived - then <= LONGEST)
+        for one in changes:
+            last = self._offsets.get(one.column)
+            gap = arrived - last.arrived if last else math.inf
+            self._offsets[one.column] = _Offset(time - arrived, arrived, gap)
+        recent = self._recent(arrived)
         # Of two the one behind, as rows of a stamp far ahead are of no use to anyone; unless it may only come later.
         before, low, high = self._common, recent[(len(recent) - 1) // 2], recent[len(recent) // 2]
         self._common = high if high - low <= BEHIND else low
@@ -183,11 +209,27 @@ class Holding:
             self._newest, self._reached, self._clock = math.nan, -math.inf, None
             for lags in self._lags.values():
                 lags.clear()
-        apart = not -BEHIND <= time - arrived - self._common <= AHEAD
+            for column in [name for name in self._strays if not self._is_off(self._offsets[name].by)]:
+                del self._strays[column]
+        apart = self._is_off(time - arrived)
         if not apart:
             for one in changes:
                 self._strays.pop(one.column, None)
         return apart
+
+    def _is_off(self, offset: float) -> bool:
+        """Whether a stamp less the time of its arrival, s, is of another clock than that of most variables."""
+        return not -BEHIND <= offset - self._common <= AHEAD
+
+    def _recent(self, now: float) -> list[float]:
+        """Offsets that show where clocks stand now, in order, s: those of the last few intervals of most variables.
+
+        Of a variable that has come once only, the interval is as long as it has been silent.
+        """
+        gaps = sorted(min(one.gap, max(now - one.arrived, UNTOLD)) for one in self._offsets.values())
+        usual = min(gaps[len(gaps) // 2], LONGEST)
+        span = max(UNTOLD, VOTES * usual)
+        return sorted(one.by for one in self._offsets.values() if now - one.arrived <= span)
 
     def _tell_apart(self, time: float, changes: Sequence[Change]) -> None:
         """Leave out stamps of another clock; the newest readings hold until it is told that they are left out."""
@@ -261,10 +303,10 @@ class Holding:
         return begun + self._still(self._clock[0] + alive - self._clock[1] - late)
 
     def _still(self, last: float) -> list[Record]:
-        """Records of what is held, at the sampling interval up to a stamp."""
+        """Records of what is held, at the interval of what is measured most often, up to a stamp."""
         assert self._clock is not None
         known = self._rests or any(self._usual[name] is not None for name in self._held)
-        if not known and last - self._newest < LONGEST:
+        if not known and last - self._newest < UNTOLD:
             return []
         (time, arrived), step = self._clock, self.interval
         found = []
@@ -283,7 +325,7 @@ class Holding:
 
         It is `silent`, or has come now, and was silent before if that took longer than it used to.
         """
-        skipped, found, interval = self._skipped[column], [], self._usual[column] or self.interval
+        skipped, found, interval = self._skipped[column], [], self._pace(column)
         least = AGAIN if silent else SILENT
         while skipped and skipped[0] <= until:
             stamp = skipped.popleft()
@@ -296,8 +338,21 @@ class Holding:
 
     @property
     def interval(self) -> float:
-        """Interval of the variable that is measured most often, s."""
-        return min((one for name in self._held if (one := self._usual[name]) is not None), default=self._sampling)
+        """Interval of the variable that is measured most often, s; that of rest where none is known."""
+        return self._shortest() or RESTING
+
+    def _shortest(self) -> float | None:
+        return min((one for name in self._held if (one := self._usual[name]) is not None), default=None)
+
+    def _pace(self, column: str) -> float:
+        """Interval by which it is told that a variable is silent beside others, s.
+
+        One that is measured far less often than another, or by no clock, is held in each row of that one.
+        """
+        shortest, usual = self._shortest(), self._usual[column]
+        if shortest is None or (usual is None and shortest > SHORT):
+            return self._sampling
+        return usual if usual is not None and usual <= max(SHORT, APART * shortest) else shortest
 
     def _lag(self, column: str) -> float:
         """How far the stamps of a variable run behind the newest one when they come, s; 0 where it is in step."""
@@ -311,7 +366,7 @@ class Holding:
         for column, value in self._held.items():
             if new is not None and column in new:
                 continue
-            interval, lag = self._usual[column] or self.interval, self._lag(column)
+            interval, lag = self._pace(column), self._lag(column)
             since, sent = time - self._shown[column], self._shown[column] == self._sent[column]
             if since > (SILENT if new is not None and sent else AGAIN) * interval + (lag if sent else 0.0):
                 values[column] = value
@@ -323,7 +378,8 @@ class Holding:
 
 def _usual(intervals: Collection[float]) -> float | None:
     """Interval in which a variable is measured, s, from those between its changes; None where these do not tell."""
-    if len(intervals) < ENOUGH:
+    if len(intervals) < FEW:
         return None
     low, middle, high = np.quantile(list(intervals), (0.25, 0.5, 0.75)).tolist()
-    return float(middle) if high <= REGULAR * low and middle <= LONGEST else None
+    regular = REGULAR if len(intervals) >= ENOUGH and middle <= SHORT else ALIKE
+    return float(middle) if high <= regular * low and middle <= LONGEST else None

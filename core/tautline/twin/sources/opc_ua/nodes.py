@@ -159,19 +159,38 @@ def _in_parts(level: Sequence[Any]) -> Iterator[Sequence[Any]]:
         yield level[k : k + TOGETHER]
 
 
-async def units_of(nodes: Mapping[str, Any]) -> dict[str, list[str]]:
-    """The unit of each column that the server gives one of (OPC UA part 8: EngineeringUnits), and its other names."""
-    found = await asyncio.gather(*(_unit_of(node) for node in nodes.values()))
-    return {column: names for column, names in zip(nodes, found, strict=True) if names}
+async def unit_nodes(nodes: Mapping[str, Any]) -> dict[str, Any]:
+    """The variable of the unit of each column that the server has one of (OPC UA part 8: EngineeringUnits)."""
+    found = await asyncio.gather(*(_unit_node(node) for node in nodes.values()))
+    return {column: node for column, node in zip(nodes, found, strict=True) if node is not None}
+
+
+async def _unit_node(node: Any) -> Any:
+    from asyncua.ua import UaError
+
+    try:
+        return await node.get_child("0:EngineeringUnits")
+    except (UaError, ValueError):
+        return None
+
+
+async def units_of(units: Mapping[str, Any]) -> dict[str, list[str]]:
+    """The unit that each variable of :func:`unit_nodes` has now, and its other names."""
+    found = await asyncio.gather(*(_unit_of(node) for node in units.values()))
+    return {column: names for column, names in zip(units, found, strict=True) if names}
 
 
 async def _unit_of(node: Any) -> list[str]:
     from asyncua.ua import UaError
 
     try:
-        unit = await (await node.get_child("0:EngineeringUnits")).read_value()
+        return names_of_unit(await node.read_value())
     except (UaError, ValueError):
         return []
+
+
+def names_of_unit(unit: Any) -> list[str]:
+    """Names of an ``EUInformation``: its text, and that of its common code."""
     text, code = getattr(unit, "DisplayName", None), getattr(unit, "UnitId", 0)
     names = [str(getattr(text, "Text", None) or ""), unit_of_code(int(code or 0))]
     return [one for one in names if one]

@@ -1,0 +1,153 @@
+"""A unit that is stated with the readings may change or be left out later: readings stay right, and it is told."""
+
+import asyncio
+import io
+import json
+import time as clock
+from datetime import UTC, datetime
+
+import pytest
+from twin.sources.messages import Message, without_broker
+from twin.sources.test_sources_of_data import Running, all_of, free_port
+
+from tautline.twin.sources.opening import open_source
+from tautline.twin.sources.stream import Stream
+
+UNITS = {"a": "kN", "b": "m"}
+KIP = 4.4482216152605
+"""A kip in kN, exact by the definitions of pound and standard gravity."""
+
+
+@pytest.fixture
+def mqtt():
+    source = without_broker(list(UNITS), time="", units=UNITS)
+    yield source
+    source.close()
+
+
+def readings(source, messages, topic="crane/a"):
+    found = []
+    for k, one in enumerate(messages):
+        source._take(None, None, Message(json.dumps({"time": k, **one}), topic))
+        found.append(source.poll(0.0).values["a"])
+    return found
+
+
+def told(source, words):
+    return [note for note in source.notes if words in note]
+
+
+def test_a_unit_that_is_missing_is_the_one_that_was_stated_last_and_this_is_told_once(mqtt):
+    sent = [{"value": 49000, "unit": "N"}, {"value": 49000}, {"value": 49000, "unit": ""}, {"value": 49000}]
+    assert readings(mqtt, sent) == pytest.approx([49.0] * 4)
+    assert len(told(mqtt, "no unit of a is given any more: its readings are taken in N, the last one")) == 1
+
+
+def test_each_change_of_a_unit_is_told_also_back_to_the_one_before(mqtt):
+    sent = [
+        {"value": 49, "unit": "kN"},
+        {"value": 49e3, "unit": "N"},
+        {"value": 49, "unit": "kN"},
+        {"value": 1, "unit": "N"},
+    ]
+    assert readings(mqtt, sent) == pytest.approx([49.0, 49.0, 49.0, 1e-3])
+    assert len(told(mqtt, "has changed from kN to N")) == 2 and len(told(mqtt, "has changed from N to kN")) == 1
+
+
+def test_a_unit_that_changes_with_every_message_is_not_told_for_ever(mqtt):
+    readings(mqtt, [{"value": 1, "unit": ("kN", "N")[k % 2]} for k in range(200)])
+    assert len(mqtt.notes) < 30 and len(told(mqtt, "this is told no more")) == 1
+
+
+def test_the_unit_of_another_machine_is_none_of_this_one(mqtt):
+    mqtt._take(None, None, Message(json.dumps({"time": 0, "value": 49, "unit": "kN"}), "one/a"))
+    mqtt._take(None, None, Message(json.dumps({"time": 1, "value": 49e3, "unit": "N"}), "two/a"))
+    mqtt._take(None, None, Message(json.dumps({"time": 2, "value": 49}), "one/a"))
+    assert [one.values["a"] for one in all_of(mqtt, patience=0.2)] == [49.0, 49.0]
+
+
+@pytest.mark.parametrize("form", [lambda unit: unit, lambda unit: {"a": unit}])
+def test_the_unit_in_lines_of_json_is_converted_and_its_change_is_told(form):
+    lines = [{"time": k, "a": 10.0, "unit": form("kN" if k < 3 else "kip")} for k in range(6)]
+    source = Stream(io.StringIO("".join(json.dumps(one) + "\n" for one in lines)), list(UNITS), units=UNITS)
+    assert [one.values["a"] for one in all_of(source)] == pytest.approx([10.0] * 3 + [10.0 * KIP] * 3)
+    assert len(told(source, "in the data the unit of a has changed from kN to kip")) == 1
+
+
+def test_one_unit_beside_several_columns_does_not_count_and_this_is_told_with_a_cure():
+    lines = [{"time": k, "a": 10.0, "b": 2.0, "unit": "kip"} for k in range(3)]
+    source = Stream(io.StringIO("".join(json.dumps(one) + "\n" for one in lines)), list(UNITS), units=UNITS)
+    assert [one.values["a"] for one in all_of(source)] == [10.0] * 3
+    (note,) = told(source, "stands beside several columns")
+    assert '{"unit": {"a": "..."}}' in note
+
+
+# -- OPC UA ------------------------------------------------------------------------------------------------------------
+
+
+def info(text):
+    from asyncua import ua
+
+    return ua.EUInformation(DisplayName=ua.LocalizedText(text))
+
+
+def server(port):
+    asyncua = pytest.importorskip("asyncua")
+
+    async def start():
+        made = asyncua.Server()
+        await made.init()
+        made.set_endpoint(f"opc.tcp://127.0.0.1:{port}/tautline/")
+        space = await made.register_namespace("urn:crane")
+        made.variable = await made.nodes.objects.add_variable(space, "a", 49.0)
+        made.unit = await made.variable.add_property(0, "EngineeringUnits", info("kN"))
+        await made.start()
+        return made
+
+    return Running(start, lambda made: made.stop())
+
+
+def send(running, value, unit=None, status=0, apart=0.0):
+    """Write a reading, and before it a unit."""
+    from asyncua import ua
+
+    async def work():
+        if unit is not None:
+            await running.thing.unit.write_value(info(unit))
+            await asyncio.sleep(apart)
+        now = datetime.now(UTC)
+        variant = ua.Variant(float(value), ua.VariantType.Double)
+        data = ua.DataValue(variant, ua.StatusCode(status), SourceTimestamp=now, ServerTimestamp=now)
+        await running.thing.variable.write_value(data)
+
+    running.do(work())
+
+
+def hear(source, seconds):
+    found, end = [], clock.monotonic() + seconds
+    while clock.monotonic() < end:
+        if (record := source.poll(0.02)) is not None and record.values["a"] == record.values["a"]:
+            found.append(record.values["a"])
+    return found
+
+
+@pytest.mark.parametrize("semantics_changed", [False, True])
+def test_a_unit_that_the_server_changes_while_it_is_connected_is_taken_and_told(semantics_changed):
+    port = free_port()
+    running = server(port)
+    source = open_source(f"opc.tcp://127.0.0.1:{port}/tautline/", ["a"], units={"a": "kN"})
+    try:
+        end = clock.monotonic() + 20.0
+        while clock.monotonic() < end and not hear(source, 0.1):
+            send(running, 49.0)
+        # A good status with the bit 0x4000, SemanticsChanged (OPC UA part 4, 7.39.1).
+        send(running, 49_000.0, "N", 0x4000 if semantics_changed else 0)
+        found = hear(source, 0.5)
+        for _ in range(10):
+            send(running, 49_000.0)
+            found += hear(source, 0.06)
+        assert found and found == pytest.approx([49.0] * len(found))
+        assert len(told(source, "the server says that the unit of a has changed from kN to N")) == 1
+    finally:
+        source.close()
+        running.stop()
