@@ -383,7 +383,7 @@ def _hold(g: Slips) -> None:
 
 
 def most_difference(g: Slips, i: int, t: float) -> float:
-    """Up to which difference of the rope's tension on both sides, N, contact i sticks at t, s; of a drum, which tension.
+    """Difference of the rope's tensions on both sides, N, up to which contact i sticks at t, s; of a drum, the tension.
 
     It is that of `_limit` but for the stretch of the rope, which is a few thousandths of it.
     """

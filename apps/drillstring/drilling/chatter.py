@@ -2,7 +2,7 @@
 
 An explicit method takes the torque of a bit as a function of its speed, in full above ``slip_speed``. At rest that is a
 damper, T / (J slip_speed) 1/s, and a step beyond the reach of the method over that overshoots: the bit swings from
-one full torque to the other. Friction is bounded, so nothing blows up, and the critical step of a run does not count it.
+one full torque to the other. Friction is bounded, so nothing blows up, and the critical step does not count it.
 """
 
 from __future__ import annotations
