@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, rate_at, stiffness_of, torque_at, torque_at_rest, weight_at
+from drillstring.drilling.chatter import chatter_told
 from drillstring.drilling.end_groups import BLOCK, ROTATION
 from drillstring.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
@@ -482,19 +483,8 @@ def _sticking(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """An explicit step that is too long for the torque of a bit at rest, which rises with its speed."""
-    if not scene.bit.on_bottom or not scene.solver.explicit:
-        return
-    lumps, limit = ready.lumps, RK4.reach_of_vibration
-    b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, 0.0, True)[0]
-    inertia = float(lumps.of_lumps(lambda tube: tube.rotary_inertia)[-1])
-    steepness = torque_at(b, scene.bit.weight or 0.0, 0.0) / inertia
-    step = longest_step(scene.solver, scene.output.interval)
-    if steepness * step > limit * scene.bit.slip_speed:
-        text = (
-            f"a bit at rest chatters at a step of {step:g} s, and loses energy: take a step of "
-            f"{limit * scene.bit.slip_speed / steepness:.2g} s, a slip_speed of {steepness * step / limit:.2g} rad/s, "
-            "or generalized-alpha, whose bit sticks exactly"
-        )
+    step = step_taken(scene.solver, scene.output.interval)
+    for text in chatter_told(scene, ready.lumps, step):
         yield "bit.slip_speed", text
 
 

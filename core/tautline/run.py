@@ -533,8 +533,9 @@ class Run:
     def _all_warnings(self, result: Result, step: float, further: Sequence[str]) -> list[str]:
         """Of the start, of the accuracy with a mean step, s, of what the application sees in the run, and further."""
         remarks = self.model.remarks(result) if self.model.remarks is not None else []
+        steps = self.model.of_step(step) if self.model.of_step is not None else []
         late = [] if self.missing_until is None else [truncated_start_warning(self.missing_until)]
-        return [*self.began.warnings, *self.warnings(step), *remarks, *further, *late]
+        return [*self.began.warnings, *self.warnings(step), *steps, *remarks, *further, *late]
 
     def _tells(self, name: str) -> bool:
         """Whether an attribute is wanted."""

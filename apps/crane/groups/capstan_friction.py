@@ -37,9 +37,9 @@ from crane.groups.span import (
     add_by_tension,
 )
 from tautline.kernels.dofs import add_entry
-from tautline.kernels.groups import register
+from tautline.kernels.groups import Stuck, register
 from tautline.kernels.jit import kernel
-from tautline.kernels.time_function import TimeFunctions, evaluate
+from tautline.kernels.time_function import TimeFunctions, evaluate, sample_all
 
 CAPSTAN, EFFICIENCY, BEARING, TORQUE = range(4)
 NONE = -1
@@ -221,6 +221,9 @@ def _trial(g, i, t, q, v):
         return g.slid[i] * limit.most, g.slid[i], limit
     force = g.force[i] + row.stiffness * _travel_since_step(g, i, q, v)
     limit = _limit(g, i, t, force)
+    if g.held[0] == 1 and limit.most <= 0.0:
+        # An open brake, and a sheave without friction, hold nothing: in a step they slip as soon as anything moves.
+        return 0.0, 1, limit
     if abs(force) <= limit.most:
         return force, 0, limit
     return (limit.most, 1, limit) if force > 0.0 else (-limit.most, -1, limit)
@@ -379,8 +382,48 @@ def _hold(g: Slips) -> None:
     g.held[0] = 1
 
 
+def most_difference(g: Slips, i: int, t: float) -> float:
+    """Difference of the rope's tensions on both sides, N, up to which contact i sticks at t, s; of a drum, the tension.
+
+    It is that of `_limit` but for the stretch of the rope, which is a few thousandths of it.
+    """
+    row = g.rows[i]
+    if row.kind == TORQUE:
+        share = float(sample_all(g.functions, [int(row.function)], np.array([t]))[0, 0, 0])
+        return float(row.coefficient * min(1.0, max(0.0, share)))
+    one, two = g.found[row.before, LAST], g.found[row.after, FIRST]
+    if row.kind == BEARING:
+        pressed = two * g.direction[row.after] - one * g.direction[row.before]
+        return float(row.coefficient * np.linalg.norm(pressed))
+    gain = row.coefficient
+    if row.kind == CAPSTAN:
+        gain = exp(gain * abs(g.found[row.after, FIRST_PSI] - g.found[row.before, LAST_PSI])) - 1.0
+    return float(gain * max(0.0, min(one, two)))
+
+
+UNTIL = "until the rope's tensions on both sides differ by more"
+STUCK = {
+    CAPSTAN: (f"the rope sticks on it {UNTIL}", "set its parameter groove_friction to 0"),
+    EFFICIENCY: (f"its efficiency holds the rope {UNTIL}", "set its parameter efficiency to 1"),
+    BEARING: (f"its bearing sticks {UNTIL}", "set its parameter bearing_friction to 0"),
+    TORQUE: ("its brake or its friction holds it until the rope pulls by more", "open its brake"),
+}
+"""What each kind of contact does that sticks, and what frees it."""
+
+
+def _sticks(g: Slips, t: float) -> list[Stuck]:
+    """The contacts that stick; what holds one drum, its brake and its friction, counts as one."""
+    most: dict[tuple[int, int], float] = {}
+    for i in map(int, np.flatnonzero(g.slid == 0)):
+        row = g.rows[i]
+        key = int(row.kind), int(row.p if row.p != NONE else row.s)
+        most[key] = most.get(key, 0.0) + most_difference(g, i, t)
+    return [Stuck(place, STUCK[kind][0], n, "N", STUCK[kind][1]) for (kind, place), n in most.items() if n > 0.0]
+
+
 register(
     Slips, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
     dissipation=_dissipation, commit=_commit, record=_record, hold=_hold,
+    sticks=_sticks,
     feels=lambda slips: bool((slips.rows["kind"] != TORQUE).any()),  # friction goes by the tensions at a sheave
 )  # fmt: skip

@@ -7,6 +7,8 @@ first ``commit`` puts the bottom where it carries that weight (bit_rock.py). Tor
 
 from __future__ import annotations
 
+from math import sqrt
+
 from drillstring.drilling.bit_rock import (
     ANGLE,
     DEPTH,
@@ -25,8 +27,9 @@ from drillstring.drilling.bit_rock import (
     strain,
 )
 from drillstring.drilling.bit_torque import act_torque, change_torque, prepare_torque, settle_torque
+from drillstring.groups.friction import SLIP, STICK, STIFFNESS
 from tautline.kernels.dofs import add_entry
-from tautline.kernels.groups import register
+from tautline.kernels.groups import Stuck, register
 from tautline.kernels.jit import kernel
 
 OWN = 4
@@ -146,5 +149,21 @@ def _bottom(g: RockBit | BladeBit) -> str:
     return "the bottom of the hole" if g.row[0].placed == 1 and g.value[WEIGHT] > 0.0 else ""
 
 
+def _hold(g: RockBit | BladeBit) -> None:
+    """Have a bit that no step has seen yet stick as one does that a step has seen: its law knows of a step then."""
+    b = g.row[0]
+    if b.settled == STICK and b.status != SLIP:
+        b.c = max(b.c, STIFFNESS * sqrt(b.inertia * b.spring))
+
+
+def _sticks(g: RockBit | BladeBit, t: float) -> list[Stuck]:
+    """The bit, where it stands on the bottom and turns with no torque below its static one."""
+    b = g.row[0]
+    most = float(g.value[STATIC])
+    if b.placed == 0 or b.settled != STICK or b.slip_speed > 0.0 or most <= 0.0:
+        return []
+    return [Stuck(g.turn, "the bit sticks in the rock until it is turned by more", most, "N m")]
+
+
 for kind in (RockBit, BladeBit):
-    register(kind, friction=True, memory=_bottom, **HOOKS)
+    register(kind, friction=True, memory=_bottom, hold=_hold, sticks=_sticks, **HOOKS)

@@ -15,6 +15,7 @@ import numpy as np
 
 from drillstring.groups.contact import record_contact
 from drillstring.groups.friction import act, commit, force_now, prepare, status
+from drillstring.groups.sticking import let_go_without_friction, stuck_on_the_wall
 from drillstring.well.in_hole import (
     AXES,
     CENTRED,
@@ -29,7 +30,7 @@ from drillstring.well.in_hole import (
     spot,
     turned,
 )
-from tautline.kernels.groups import register
+from tautline.kernels.groups import Stuck, register
 from tautline.kernels.jit import kernel
 
 
@@ -185,7 +186,17 @@ def _commit(g, t, h, q, v, a):
         g.springs[i].normal, g.springs[i].along, g.springs[i].around = c.normal, along, around
 
 
+def _hold(g: BeamContact) -> None:
+    """Have what sticks stick, but for what has no friction any more."""
+    let_go_without_friction(g.law)
+
+
+def _sticks(g: BeamContact, t: float) -> list[Stuck]:
+    """The points of the beam that stick."""
+    return stuck_on_the_wall(g.law, g.springs, g.hole.points.place[:, 0])
+
+
 register(
     BeamContact, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
-    dissipation=_dissipation, commit=_commit, record=record_contact,
+    dissipation=_dissipation, commit=_commit, record=record_contact, hold=_hold, sticks=_sticks,
 )  # fmt: skip

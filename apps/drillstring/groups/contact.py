@@ -14,9 +14,10 @@ import numpy as np
 
 from drillstring.groups.friction import act, status
 from drillstring.groups.friction_of_four import arrest, commit, may_change, note, prepare, resist, slip_of
+from drillstring.groups.sticking import let_go_without_friction, stuck_on_the_wall
 from tautline.kernels.changes import note_change
 from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import register
+from tautline.kernels.groups import Stuck, register
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import (
     LANES,
@@ -339,7 +340,17 @@ def record_contact(g, out, at):
     at[0] += 3 * g.springs.size
 
 
+def _hold(g: WallContact) -> None:
+    """Have what sticks stick, but for what has no friction any more."""
+    let_go_without_friction(g.law)
+
+
+def _sticks(g: WallContact, t: float) -> list[Stuck]:
+    """The lumps that stick."""
+    return stuck_on_the_wall(g.law, g.springs, PER_BODY * g.springs.body)
+
+
 register(
     WallContact, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
-    dissipation=_dissipation, commit=_commit, record=record_contact,
+    dissipation=_dissipation, commit=_commit, record=record_contact, hold=_hold, sticks=_sticks,
 )  # fmt: skip

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from drillstring.drilling.chatter import chatter_told, longest_step
 from drillstring.drilling.end_groups import ROTATION, notes_of_ends
 from drillstring.model.handles import handles, requests
 from drillstring.model.lumped_model import assemble_lumps
@@ -69,11 +71,10 @@ def build(scene: DrillstringScene) -> Model:
     system, observer = string.system, string.observer
     solver, stored = scene.solver, variables() + variables_of_ends(system.groups)
     criterion = "force" if may_switch(system.groups) else "energy"
+    settings = settings_of(solver, scene.output.interval, TOLERANCE, criterion, error_of_steps(solver, STEP_ERROR))
     model = Model(
         system=system,
-        solver=settings_of(
-            solver, scene.output.interval, TOLERANCE, criterion, error_of_steps(solver, STEP_ERROR)
-        ),
+        solver=replace(settings, step=longest_step(scene, lumps, settings.step)),
         variables=stored,
         coordinates=observer.coordinates(),
         attributes=attributes_of(scene, "drillstring", COORDINATE_UNITS),
@@ -82,6 +83,7 @@ def build(scene: DrillstringScene) -> Model:
         headline=lambda result: headline(result, lumps, scene.top.weight, creep_of(scene)),
         limits=lambda result: limits(result, scene, lumps),
         remarks=lambda result: _remarks(result, scene, well, lumps),
+        of_step=lambda step: chatter_told(scene, lumps, step),
         figure_units=FIGURES,
         nothing=NOTHING,
         start="as given" if scene.start == "straight" else scene.start,

@@ -143,6 +143,36 @@ Lengths = Callable[[Any], list[Any]]
 """What lists the full places of vectors of a group of which only the direction counts, each an array."""
 LENGTHS: dict[type, Lengths] = {}
 """Kinds that have such vectors. Their lengths drive nothing, and nothing drives them."""
+
+
+class Stuck(NamedTuple):
+    """What sticks in a group as it stands, and so moves in no linear model.
+
+    Attributes
+    ----------
+    place : int
+        Full place of a degree of freedom of what it belongs to.
+    text : str
+        What it does, as a sentence goes on after a name.
+    most : float
+        Force or torque up to which it does so, in ``unit``; infinite where that is not known.
+    unit : str
+        ``N`` or ``N m``.
+    cure : str
+        What frees it, beside time.
+    """
+
+    place: int
+    text: str
+    most: float
+    unit: str
+    cure: str = ""
+
+
+Sticks = Callable[[Any, float], list[Stuck]]
+"""What lists what sticks in a group at a time, s, at which its residual was asked for."""
+STICKS: dict[type, Sticks] = {}
+"""Kinds in which something may stick."""
 Hold = Callable[[Any], None]
 """What has a law of a group stay as the last accepted step left it."""
 HOLDS: dict[type, Hold] = {}
@@ -195,6 +225,7 @@ def register(
     hold: Hold | None = None,
     integrals: Integrals | None = None,
     lengths: Lengths | None = None,
+    sticks: Sticks | None = None,
     **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
@@ -221,6 +252,8 @@ def register(
     lengths : callable or None
         Takes a group, and lists the full places of its vectors of which only the direction counts, such as quaternions:
         their lengths are no motion, and no part of a linear model.
+    sticks : callable or None
+        Takes a group and a time, s, and lists what sticks then: a linear model has it as if it stuck for ever.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -253,6 +286,9 @@ def register(
     INTEGRALS.pop(kind, None)
     if integrals is not None:
         INTEGRALS[kind] = integrals
+    STICKS.pop(kind, None)
+    if sticks is not None:
+        STICKS[kind] = sticks
     HOLDS.pop(kind, None)
     if hold is not None:
         HOLDS[kind] = hold

@@ -90,6 +90,8 @@ class Model:
         Result -> records of what it is judged by (`tautline.results.assessment.limits`).
     remarks : callable or None
         Result -> sentences to warn of with what the run did, such as what no machine can do; None for none.
+    of_step : callable or None
+        Mean step that a run took, s -> sentences to warn of, where a step is too long for a law; None for none.
     figures : callable or None
         Result, names -> the same as `headline`, of the figures that are named at least; None where no way is
         quicker to some than to all.
@@ -149,6 +151,7 @@ class Model:
     statistics: Mapping[str, Any] = field(default_factory=dict)
     on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None = None
     remarks: Callable[[Any], list[str]] | None = None
+    of_step: Callable[[float], list[str]] | None = None
     cause: Callable[[Any, Any], tuple[Any, int, str] | None] | None = None
     at_rest: Callable[[], Mapping[str, np.ndarray]] | None = None
     memory: Mapping[str, np.ndarray] = field(default_factory=dict)

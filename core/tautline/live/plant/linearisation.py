@@ -34,6 +34,9 @@ from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
 from tautline.live.errors import SimulationError, plain_numbers
 from tautline.live.forces import calls_of, room_for_all
+from tautline.live.plant.growth import growth_said
+from tautline.live.plant.stuck import held_said, stuck_said, told_stuck, what_sticks
+from tautline.scene.methods import method_of
 from tautline.system.handles import Input, Output
 
 COMPLEX_STEP = 1.0e-30
@@ -77,6 +80,9 @@ class Plant:
         When, s.
     held : tuple of str
         What goes on in a run and is held still here, such as the bottom of a hole.
+    stuck : tuple of str
+        What sticks, and so moves in no answer: what it is, what holds it, and the force or torque at which a run lets
+        it go.
     """
 
     A: np.ndarray
@@ -90,6 +96,7 @@ class Plant:
     units: dict[str, str]
     time: float
     held: tuple[str, ...] = ()
+    stuck: tuple[str, ...] = ()
 
     def to_scipy(self) -> Any:
         """A, B, C and D as `scipy.signal.StateSpace`; E has no place there."""
@@ -165,7 +172,10 @@ def linearise(sim: Any, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
     both = [_names(names, what) for names, what in ((inputs, "inputs"), (outputs, "outputs"))]
     work = _Linearisation(sim, *both)
     with calls_of(work.sim.parts.forces):
-        return work.plant()
+        found = work.plant()
+    for said in (*held_said(found.held), *stuck_said(work.stuck), *growth_said(found.A, work.system, work.step)):
+        warnings.warn(said, stacklevel=3)
+    return found
 
 
 def _names(given: Any, what: str) -> list[str]:
@@ -200,19 +210,16 @@ class _Linearisation:
         self.extended = _with_held_free(dofs, held)
         self.places = _followers(self.extended, self.system.size + len(held))
         self.n = self.system.size
+        solver = self.sim.model.solver
+        # An explicit step follows every mode, or the run is stopped.
+        self.step = 0.0 if method_of(solver.method).explicit else solver.step
         self.functions = functions
         self.a = self.b = np.zeros((0, 0))
         listed = self._integrals()
+        self.stuck = what_sticks(self.system, self.t)
         self.integrals = [one for _, integrals in listed for one in integrals]
         self.summing = link(tuple(g for g, integrals in listed if integrals), "commit")
-
         self.held_still = tuple(filter(None, (MEMORY[type(g)](g) for g in self.system.groups if type(g) in MEMORY)))
-        for thing in self.held_still:
-            warnings.warn(
-                f"{thing} is constant in the linear model but changes in a run. The model is valid only for "
-                "frequencies well above that change",
-                stacklevel=4,
-            )
 
     def _refuse_rivals(self, sim: Any) -> None:
         """Refuse two inputs that drive the same, as an FMU does: no run follows both at once."""
@@ -381,7 +388,8 @@ class _Linearisation:
         kept, whole = self._without_lengths()
         a, b, c = (a @ whole)[kept], b[kept], c @ whole
         states = tuple(np.array(self._state_names(), dtype=object)[kept])
-        return Plant(a, b, c, d, e, states, tuple(self.names), told, units, self.t, self.held_still)
+        frozen = self.held_still, told_stuck(self.stuck)
+        return Plant(a, b, c, d, e, states, tuple(self.names), told, units, self.t, *frozen)
 
     def _without_lengths(self) -> Left:
         """The states but for the lengths of vectors of which only the direction counts."""

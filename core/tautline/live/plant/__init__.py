@@ -1,0 +1,5 @@
+"""A simulation linearised about where it stands, with what of it the linear model cannot say."""
+
+from tautline.live.plant.linearisation import Plant, linearise
+
+__all__ = ["Plant", "linearise"]
