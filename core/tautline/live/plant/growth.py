@@ -16,7 +16,12 @@ ROUNDED = 1.0e-8
 
 
 def growth_said(a: np.ndarray, system: System, step: float) -> list[str]:
-    """A warning of modes of A that grow and are too fast for steps of ``step`` s; none where there are none."""
+    """A warning of modes of A that grow and are too fast for steps of ``step`` s; none where there are none.
+
+    Only what flows feeds such modes: for all else eigenvalues, which take long of thousands of states, are not asked.
+    """
+    if not system.dofs.flowing.size:
+        return []
     values = np.linalg.eigvals(a)
     size = np.abs(values)
     grows = (values.real > ROUNDED * size.max(initial=0.0)) & (size * step > FOLLOWED)
