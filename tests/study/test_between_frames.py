@@ -150,7 +150,7 @@ TENSION, SHEAVE, SPEED, RISE = (
 
 def test_one_figure_of_each_cause_is_named_and_the_others_are_counted():
     told = BetweenFrames(0.05, 0.0071429, (TENSION, SHEAVE, SPEED)).warned()
-    assert "the largest tension at boom tip is 35 % larger; the least bit speed is 5 % smaller" in told
+    assert "the largest tension at boom tip is about 35 % larger; the least bit speed is about 5 % smaller" in told
     assert "1 more figure differs by as much or less" in told and told.endswith("such as 7.15 ms")
 
 

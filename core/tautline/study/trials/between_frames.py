@@ -7,7 +7,7 @@ are of one run, so that its steps do not count.
 
 Whether frames meet a narrow peak is chance where friction decides when it comes: those of this run may, and those of
 the run that is judged may not. Where both differ at the same times, what frames so far apart miss is taken as the
-median over all ways to take every so many of the finer ones.
+median over all ways to take every so many of the finer ones, and no more than these pass the judged run by.
 """
 
 from __future__ import annotations
@@ -71,11 +71,11 @@ class Missed(NamedTuple):
 
     @property
     def said(self) -> str:
-        """The figure and what finer frames make of it: ``the largest tension is 12 % larger``."""
+        """The figure and what finer frames make of it: ``the largest tension is about 12 % larger``."""
         what = f"the {re.split(', | [(]', self.text)[0]}"
         if not math.isfinite(self.share):
             return f"{what} is not 0"
-        return f"{what} is {in_percent(self.share)} {'larger' if self.way > 0.0 else 'smaller'}"
+        return f"{what} is about {in_percent(self.share)} {'larger' if self.way > 0.0 else 'smaller'}"
 
 
 @dataclass(frozen=True)
@@ -226,6 +226,8 @@ def _missed(model: Model, fine: Result, places: np.ndarray, seen: Figures, shown
             others += [_figures(model, fine.of_frames(frames)) for frames in _other_frames(fine, places)]
         values = [x for one in (others if chance else others[:1]) if (x := _value(one, name)) is not None]
         share = median(_share(way, whole, value) for value in values)
+        if chance:
+            share = min(share, _share(way, whole, own))
         if share > TOLD and abs(whole - here) + abs(whole - own) > NOTHING * _largest(seen, str(figure["unit"])):
             found.append(Missed(name, str(figure["text"]), way, share))
     return found
