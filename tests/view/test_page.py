@@ -66,7 +66,10 @@ def bent_rope() -> Appearance:
     push[2:, 0] = (0.0, 0.0, 300.0)
     rope = Line(
         HOSTILE, stored(points), 0.3, nodes=np.arange(0, len(along), 10),
-        quantities=(ranged("tension", f"tension {HOSTILE}", "N", tension), ranged("torque", "torque", "N m", twist, where="at the nodes")),
+        quantities=(
+            ranged("tension", f"tension {HOSTILE}", "N", tension),
+            ranged("torque", "torque", "N m", twist, where="at the nodes"),
+        ),
     )  # fmt: skip
     return Appearance(
         HOSTILE, time, lines=(rope,), eye=(0.0, -1.0, 0.0), notes=(HOSTILE,),

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from tautline.results.result import Result
 from tautline.view.figures.comparison import NothingToShow, marker, over_time, title
@@ -191,7 +192,7 @@ def _draw_count(upper: Axes, result: Result, time: np.ndarray) -> None:
     count = np.asarray(result["alarms"], float)
     upper.step(time, count, color=COLOURS[0], where="post", **marker(time))
     upper.set_ylim(-0.1, max(1.0, float(_known(count).max(initial=0.0))) + 0.3)
-    upper.yaxis.get_major_locator().set_params(integer=True)
+    upper.yaxis.set_major_locator(MaxNLocator(integer=True))
     upper.set_ylabel(label("alarms", "–"))
 
 
