@@ -30,7 +30,7 @@ def test_a_result_has_the_state_of_each_alarm_by_its_name(tmp_path):
     twin, rows = weight_twin(start="5 t"), rows_of(hoist(CALM), end=7.0)
     for stamp, readings in rows:
         if stamp > 2.5:
-            readings["rope_tension"] = np.nan
+            readings["rope_tension"] = 49.0  # a cell that is stuck
     path = Path(tmp_path / "twin.nc")
     series, lines = Series(path, twin), told(twin, rows)
     for line in lines:
@@ -42,5 +42,5 @@ def test_a_result_has_the_state_of_each_alarm_by_its_name(tmp_path):
     for line, row in zip(lines, states, strict=True):
         stood = {one["name"]: 2 if one["known"] else 1 for one in line["alarms"]}
         assert {name: int(state) for name, state in zip(names, row, strict=True) if state} == stood
-    assert np.any(states[:, names.index("rope_tension lost")] == 2)
+    assert np.any(states[:, names.index("rope_tension stuck")] == 2)
     assert Result.read(path).plot.alarms().axes
