@@ -27,9 +27,9 @@ def test_health_is_good_where_and_only_where_no_cause_is_told_and_a_sensor_that_
 
 
 def test_a_result_has_the_state_of_each_alarm_by_its_name(tmp_path):
-    twin, rows = weight_twin(start="5 t"), rows_of(hoist(CALM), end=7.0)
+    twin, rows = weight_twin(start="5 t"), rows_of(hoist(CALM), end=13.0)
     for stamp, readings in rows:
-        if stamp > 2.5:
+        if stamp > 9.0:
             readings["rope_tension"] = 49.0  # a cell that is stuck
     path = Path(tmp_path / "twin.nc")
     series, lines = Series(path, twin), told(twin, rows)
