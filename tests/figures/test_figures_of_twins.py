@@ -74,3 +74,48 @@ def test_where_nothing_is_estimated_the_other_figures_are_drawn_and_what_lacks_i
 
 def test_two_twins_are_drawn_each_by_itself():
     assert len(TwinResults().pictures([found(), found()])) == 6
+
+
+# -- alarms by their names, residuals of a start that was far off ------------------------------------------------------
+
+
+def with_states(states, names, time=TIME):
+    variables = [Variable("time", ("time",), "s", "time")]
+    variables += [Variable(name, ("time",), "", name) for name in ("alarms", "health")]
+    variables += [Variable("alarm", ("alarm",), "", "alarm"), Variable("alarm_state", ("time", "alarm"), "", "state")]
+    arrays = {"time": time, "alarms": (np.array(states) > 0).sum(axis=1).astype(float), "health": np.zeros(len(time)),
+              "alarm_state": np.array(states, np.int8), "alarm": np.array(names)}  # fmt: skip
+    return Result(None, (variables, arrays, {}, {"application": "twin"}, {}))
+
+
+def test_each_alarm_has_a_bar_by_its_name_for_as_long_as_it_stood_and_one_in_doubt_is_hollow():
+    result = with_states([[0, 0, 0], [2, 0, 0], [2, 0, 1], [0, 0, 2]], ["overload", "irregular", "slack rope ahead"])
+    upper, lower = result.plot.alarms().axes
+    assert [text.get_text() for text in upper.get_yticklabels()] == ["overload", "slack rope ahead"]
+    bars = {}
+    for one in upper.collections:
+        for path in one.get_paths():
+            (left, bottom), (right, top) = path.vertices.min(axis=0), path.vertices.max(axis=0)
+            filled = bool(one.get_facecolor().size and one.get_facecolor()[0][3] > 0.0)
+            bars.setdefault((round(0.5 * (bottom + top)), filled), []).append((left, right))
+    # The last row has no length: nothing is known of what came after it.
+    assert bars == {(0, True): [(1.0, 3.0)], (1, False): [(2.0, 3.0)], (1, True): [(3.0, 3.0)]}
+    assert [text.get_text() for text in lower.get_yticklabels()] == ["good", "degraded", "lost"]
+
+
+def test_where_no_alarm_came_the_figure_says_so():
+    upper, _ = with_states([[0], [0], [0], [0]], ["overload"]).plot.alarms().axes
+    assert [text.get_text() for text in upper.texts] == ["no alarm"]
+
+
+def test_a_residual_of_the_first_row_does_not_flatten_all_others():
+    time = np.arange(200.0)
+    value = 100.0 * np.sin(time)
+    value[0] = 40.0e3
+    variables = [Variable("time", ("time",), "s", "time"), Variable("residual a", ("time",), "N", "a")]
+    result = Result(None, (variables, {"time": time, "residual a": value}, {}, {"application": "twin"}, {}))
+    (plot,) = result.plot.residuals().axes
+    low, high = plot.get_ylim()
+    assert plot.get_ylabel() == "residual of a [N]"
+    assert low < -100.0 < 100.0 < high and high - low < 500.0
+    assert [text.get_text() for text in plot.texts] == ["1 row is beyond, the farthest with 4e+04 N at 0 s"]

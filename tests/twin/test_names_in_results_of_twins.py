@@ -19,7 +19,8 @@ def test_what_a_part_with_a_slash_in_its_name_measures_is_found_by_all_readers(t
     beside = name.replace("/", "_")  # a name that another part has already
     plan = SimpleNamespace(unknowns=[of(name)], inputs=[], measured=[of(beside), of(name)], keep=[])
     names = SimpleNamespace(shapes={})
-    twin = SimpleNamespace(mark="", plan=plan, plan_names=names, units={}, scene=SimpleNamespace(units="si"))
+    scene, watch = SimpleNamespace(units="si"), SimpleNamespace(names=lambda: ["overload"])
+    twin = SimpleNamespace(mark="", plan=plan, plan_names=names, units={}, scene=scene, watch=watch)
     series = Series(tmp_path / "tw.nc", twin)
     numbers = {
         "measured": {beside: 1.0, name: 2.0}, "residuals": {beside: 3.0, name: 4.0},
@@ -30,6 +31,8 @@ def test_what_a_part_with_a_slash_in_its_name_measures_is_found_by_all_readers(t
     with xarray.open_dataset(tmp_path / "tw.nc", decode_times=False) as data:
         found = {str(key): one.item() for key, one in data.data_vars.items()}
         assert data[f"residual {beside}_"].attrs["long_name"] == f"{name}, measured less expected"
-    assert sorted(x for key, x in found.items() if key not in ("alarms", "health", "lag")) == list(np.arange(1.0, 9.0))
+    assert sorted(x for key, x in found.items() if key not in ("alarms", "alarm_state", "health", "lag")) == list(
+        np.arange(1.0, 9.0)
+    )
     assert found[f"residual {beside}_"] == 4.0 and found[f"estimate {beside}"] == 7.0
     assert len(Result.read(tmp_path / "tw.nc").variables) >= len(found)

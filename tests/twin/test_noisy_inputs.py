@@ -8,6 +8,7 @@ from twin.test_inputs_that_come_back import MAP, QUIET, RATE, UNTRUE
 import tautline
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
+from tautline.twin.condition import SHOWS_LITTLE, condition_of
 from tautline.twin.map.file import read_map
 from tautline.twin.record import Sensing, read_input_noise, record
 from tautline.twin.signals.smoothing import smooth_widely
@@ -99,7 +100,7 @@ def test_a_computed_value_of_many_deviations_of_its_sensor_is_degraded_where_inp
     horizon.shaken, horizon.spread[:] = True, 100.0
     found = twin._with_noise_of_inputs({"winch.tension": (50e3, 0.0)}, {}, np.array([50e3]))
     assert found["winch.tension"][1] == pytest.approx(500.0 * 99.0**0.5)
-    assert twin.state_of_health == "degraded"
+    assert condition_of(twin)[0] == "degraded" and twin.doubts == [SHOWS_LITTLE]
 
 
 def test_no_tension_of_ten_deviations_of_its_sensor_is_in_good_health_where_inputs_shake_by_seven_millimetres():

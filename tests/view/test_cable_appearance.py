@@ -86,7 +86,7 @@ def test_axial_force_is_what_is_stored_in_the_middle_of_elements_and_linear_betw
     force, frame = line.quantities[0], 12
     steps = (len(line.points(0)) - 1) // 3
     stored = hanging["axial_force"][frame, :3]
-    assert force.name == "axial_force" and force.unit == "N"
+    assert force.name == "axial_force" and force.unit == "N" and force.where == "in the middle of each element"
     np.testing.assert_allclose(force.values(frame)[steps // 2 :: steps], stored, rtol=1e-12)
     p = hanging["material_coordinate"][frame, :4]
     between = 0.5 * (p[:2] + p[1:3])

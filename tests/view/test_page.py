@@ -66,7 +66,10 @@ def bent_rope() -> Appearance:
     push[2:, 0] = (0.0, 0.0, 300.0)
     rope = Line(
         HOSTILE, stored(points), 0.3, nodes=np.arange(0, len(along), 10),
-        quantities=(ranged("tension", f"tension {HOSTILE}", "N", tension), ranged("torque", "torque", "N m", twist)),
+        quantities=(
+            ranged("tension", f"tension {HOSTILE}", "N", tension),
+            ranged("torque", "torque", "N m", twist, where="at the nodes"),
+        ),
     )  # fmt: skip
     return Appearance(
         HOSTILE, time, lines=(rope,), eye=(0.0, -1.0, 0.0), notes=(HOSTILE,),
@@ -210,8 +213,8 @@ def test_the_load_hangs_at_the_end_of_the_rope(first, last):
 
 @needs_browser
 def test_the_legend_tells_range_unit_and_round_numbers(first, last):
-    assert ">0 to 1 kN over the whole run<" in first.document
-    assert ">−30 to 70 N m over the whole run<" in last.document
+    assert ">0 to 1 kN in the stored frames<" in first.document
+    assert ">−30 to 70 N m at the nodes, in the stored frames<" in last.document
     ticks = re.findall(r'<span style="--at: ([\d.]+)%;">([^<]*)<', last.document)
     assert [float(text.replace("−", "-")) for _, text in ticks] == [-20.0, 0.0, 20.0, 40.0, 60.0]
     assert [float(at) for at, _ in ticks] == pytest.approx([10.0, 30.0, 50.0, 70.0, 90.0])

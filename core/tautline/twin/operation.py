@@ -133,7 +133,10 @@ class Operation(Protocol):
         return []
 
     def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
-        """Further alarms: name, whether it holds, text, and how long it has to hold, s."""
+        """Further alarms: name, whether it holds, text, and how long it has to hold, s.
+
+        Each of them comes every time, whether it holds or not, from the start of the operation on.
+        """
         return iter(())
 
     def save(self) -> None:

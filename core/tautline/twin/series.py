@@ -14,6 +14,7 @@ from tautline.results.result import Result
 from tautline.results.store import Store
 from tautline.results.variable import Variable
 from tautline.scene.values.moments import stamp_said
+from tautline.twin.condition import HEALTHS
 from tautline.version import __version__
 
 if TYPE_CHECKING:
@@ -21,7 +22,10 @@ if TYPE_CHECKING:
 
 BATCH = 200
 """Lines that are written at a time."""
-HEALTHS = {"good": 0, "degraded": 1, "lost": 2}
+STATES, ALARM = "alarm_state", "alarm"
+"""Variable of the state of each alarm, and its dimension, of which the names are the coordinate."""
+NOT_STORED, OFF, IN_DOUBT, CERTAIN = -1, 0, 1, 2
+"""States of an alarm; the first is that of rows which an earlier version of the program has stored."""
 
 
 class Series:
@@ -81,11 +85,15 @@ class Series:
         for name in dict.fromkeys([*(one.name for one in plan.measured), *plan.keep]):
             add(name, twin.units.get(name, ""), f"{name}, computed", _take("outputs", name), shapes.get(name, ()))
         add("alarms", "", "number of alarms", lambda line: len(line["alarms"]))
-        add("health", "", "0 good, 1 degraded, 2 lost", lambda line: HEALTHS[line["health"]])
+        add("health", "", "0 good, 1 degraded, 2 lost", lambda line: HEALTHS.index(line["health"]))
         add("lag", "s", "time of a line behind the newest sample", lambda line: line["lag"])
+        self._alarms = twin.watch.names()
+        coordinates[ALARM] = np.array(self._alarms, object).astype(str)
+        text = "state of each alarm: 0 off, 1 in doubt, 2 certain, -1 not stored"
+        variables.append(Variable(STATES, ("time", ALARM), "", text))
         document = getattr(twin.scene, "document", None)
         attributes = {
-            "title": f"Twin of {title}" if (title := getattr(twin.scene, "title", "")) else "",
+            "title": heading(twin.scene),
             "scene": document.text if document else "", "version": __version__, "application": "twin",
             "operation": twin.mark,
             "printed_in": getattr(twin.scene, "units", "si"),
@@ -109,7 +117,7 @@ class Series:
         if result.attributes.get("operation", "") != mark:
             cause = "is the result of another operation than the one that is gone on with, which would replace it"
             raise ResultError(path, cause, cure)
-        if further := sorted(names - wanted):
+        if further := sorted(names - wanted - {STATES}):
             cause = f"holds {', '.join(further)}, which this map does not ask for, and they would be lost"
             raise ResultError(path, cause, "name another file with -o, or let the map keep the same as before")
         times = np.asarray(result["time"])
@@ -117,7 +125,23 @@ class Series:
         if times.size and not known.any():
             cause = f"begins at {stamp_said(float(times[0]))}, after {stamp_said(begin)}, from where the twin goes on"
             raise ResultError(path, cause, cure)
-        return {name: np.asarray(result[name])[known] for name in wanted}
+        kept = {name: np.asarray(result[name])[known] for name in wanted}
+        return kept | {STATES: self._states_before(result)[known]}
+
+    def _states_before(self, result: Result) -> np.ndarray:
+        """States (rows, alarms) of the alarms of now in an earlier result, which may have had others."""
+        states = np.full((len(result.time), len(self._alarms)), NOT_STORED, np.int8)
+        if STATES in result.variables:
+            names = [str(name) for name in result[ALARM]]
+            for k, name in enumerate(self._alarms):
+                if name in names:
+                    states[:, k] = result[STATES][:, names.index(name)]
+        return states
+
+    def _states(self, line: Mapping[str, Any]) -> list[int]:
+        """States (alarms,) in a line."""
+        now = {one["name"]: CERTAIN if one["known"] else IN_DOUBT for one in line["alarms"]}
+        return [now.get(name, OFF) for name in self._alarms]
 
     def add(self, line: Mapping[str, Any]) -> None:
         """Take a line."""
@@ -140,6 +164,7 @@ class Series:
         for name, (take, shape) in self._columns.items():
             rows = [take(line) for line in lines]
             frames[name] = np.array([_filled(row, shape) for row in rows], float)
+        frames[STATES] = np.array([self._states(line) for line in lines], np.int8)
         self.behind = True
         self._store.append(frames)
         self.behind = False
@@ -150,6 +175,12 @@ class Series:
             self.flush()
         self._store.finish({"status": status})
         self.behind = False
+
+
+def heading(scene: Any) -> str:
+    """What the twin of a scene is called in headings: by the scene's title; empty where it has none."""
+    title = getattr(scene, "title", "")
+    return f"Twin of {title}" if title else ""
 
 
 def _take(*path: str) -> Any:

@@ -18,6 +18,7 @@ from tautline.integrators.status import StoppedEarly
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
 from tautline.scene.values.moments import stamp_said
+from tautline.twin.condition import FAR, MISSES, NOT_KNOWN_YET, SHAKEN, SHOWS_LITTLE, STARVES, condition_of
 from tautline.twin.estimation.estimate import Estimate, Machine
 from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import MISSED, SEEN_OFF, Sample
@@ -102,6 +103,7 @@ class Twin:
         ]))  # fmt: skip
         self.now, self.unsettled = np.nan, -np.inf
         self.settling, self.unsure, self.rests, self.starved = Settling(), False, False, False
+        self.doubts: list[str] = []  # why what is computed is in doubt
         self._ends, self._ends_told = dict[str, float](), set[str]()
         self.restarts = 0
         # No other operation has it: what it keeps in files is known by it.
@@ -532,7 +534,7 @@ class Twin:
     ) -> dict[str, Any]:
         """Outputs with what residuals show beyond the sensor's noise added to their deviations."""
         horizon, more = self.estimate.horizon, dict(outputs)
-        sds, self.unsure = horizon.deviations(y0), False
+        sds, self.doubts = horizon.deviations(y0), []
         # Means of rows say nothing of what a row of its own is off by. A machine at rest shows it.
         alone = self.operation is None or self.operation.mean == 0.0
         both = zip(horizon.of_inputs(y0), horizon.of_rows(y0) * (alone or self.rests), horizon.left, strict=True)
@@ -542,25 +544,35 @@ class Twin:
             beyond[one.name] = max(shaken, missed)
             more[one.name] = value, np.hypot(own, beyond[one.name])
             # A parameter that is not known and makes nothing of the sensors uncertain does not matter.
-            self.unsure |= bool(not self.estimate.known and own > MANY * sd)
+            self._doubt(not self.estimate.known and own > MANY * sd, f"{one.name}: {NOT_KNOWN_YET}")
             # What rows have missed is remembered for seconds, also of a first guess that shook the load by little.
             if self.readings.shaken:
-                self.unsure |= bool(np.hypot(own, shaken) > MANY * sd or missed > LONG_MISSED * sd)
+                noisy = np.hypot(own, shaken) > MANY * sd or missed > LONG_MISSED * sd
+                self._doubt(noisy, f"{one.name}: {SHAKEN}")
             # A step that is not recognised, or a sensor that is off, shows in what rows miss, and in what the estimate
             # leaves of the window: a single snap that comes a little later than computed is missed by more.
-            self.unsure |= bool(missed > MANY * sd and (self.rests or left > MANY**2))
+            self._doubt(missed > MANY * sd and (self.rests or left > MANY**2), f"{one.name}: {MISSES}")
             # Of means no single row shows it.
-            self.unsure |= not alone and (bool(own > MANY * sd) or self.estimate.extrapolated)
+            self._doubt(not alone and own > MANY * sd, f"{one.name}: {NOT_KNOWN_YET}")
+            self._doubt(not alone and self.estimate.extrapolated, FAR)
         for name, swung in self.estimate.swung(read, beyond).items():
             if name not in beyond:
                 more[name] = outputs[name][0], np.hypot(outputs[name][1], swung)
-        self.unsure |= self._moved_wrongly and not self.estimate.shown
-        self.unsure |= self._stands_at_an_end() or horizon.starves
+        self._doubt(self._moved_wrongly and not self.estimate.shown, SHOWS_LITTLE)
+        for name in self._at_an_end():
+            self._doubt(True, f"{name} stands at the end of its range, and the sensors ask for a value far beyond")
+        self._doubt(horizon.starves, STARVES)
+        self.unsure = bool(self.doubts)
         return more
 
-    def _stands_at_an_end(self) -> bool:
-        """Whether an estimate has wanted to leave its range for a second, far beyond its deviation; told once."""
-        lasts, units = False, getattr(self.scene, "units", "si")
+    def _doubt(self, holds: Any, why: str) -> None:
+        """Keep a reason why what is computed is in doubt, where it holds."""
+        if holds and why not in self.doubts:
+            self.doubts.append(why)
+
+    def _at_an_end(self) -> list[str]:
+        """Which estimates have wanted to leave their ranges for a second, far beyond their deviation; told once."""
+        lasting, units = list[str](), getattr(self.scene, "units", "si")
         for one, beyond, mean in zip(
             self.plan.unknowns, self.estimate.horizon.beyond, self.estimate.horizon.mean, strict=False
         ):
@@ -571,14 +583,14 @@ class Twin:
             begun = self._ends.setdefault(one.name, self.now)
             if self.now - begun < SETTLING:
                 continue
-            lasts = True
+            lasting.append(one.name)
             if one.name not in self._ends_told:
                 self._ends_told.add(one.name)
                 self.notes.append(
                     f"{one.name} stands at the end of its range, {said(float(mean), one.unit, units)}, and the sensors "
                     "ask for a value far beyond. Check units and zero of the sensors, or make `range` wider in the map"
                 )
-        return lasts
+        return lasting
 
     def _health_of_outputs(self) -> list[tuple[str, Health]]:
         """Names and health of the measured outputs (m,)."""
@@ -640,6 +652,7 @@ class Twin:
         shown = list(dict.fromkeys([*names, *plan.keep, *(one.target for one in plan.alarms)]))
         self._judge_backlog(row.time)
         lag = clock.monotonic() - row.arrived if rows.live else max(0.0, rows.newest - row.time)
+        health, causes = condition_of(self)
         return {
             "time": row.time,
             "inputs": {name: float(state[0]) for name, state in inputs},
@@ -654,7 +667,8 @@ class Twin:
             "restrict": self.outlook.restricted,
             "not_observable": h.not_observable(),
             "lag": lag,
-            "health": self.state_of_health,
+            "health": health,
+            "causes": causes,
             **(self.operation.told() if self.operation else {}),
         }
 
@@ -670,16 +684,6 @@ class Twin:
                 f"the twin is {seconds:.1f} s behind the machine, as this computer does not keep up with the rows. "
                 "Fewer rows a second help, and so do fewer elements in the scene"
             )
-
-    @property
-    def state_of_health(self) -> str:
-        """Good, degraded or lost."""
-        followed = self.now >= self.unsettled and not self.settling.catching_up
-        followed &= self.backlog is None or not self.backlog.behind
-        followed &= self.operation is None or not self.operation.contradicted()
-        if self.loss.text:
-            return "lost"
-        return self.readings.state_of_health(settled=followed and not self.unsure)
 
 
 def number(value: Any) -> Any:

@@ -22,6 +22,10 @@ TOLD = {
 """Names of alarms where the simulation cannot go on."""
 BY_PLACE = ("TWO_BLOCKED", "RUN_OUT", "DRUM_FULL")
 """Those that come by where a winch is, even while a load bounces as the machine's does not."""
+FAULTS = ("lost", "stuck", "clipped", "out of range", "unit")
+"""Faults of a sensor, each with an alarm of its own: ``COLUMN lost``."""
+SIGNS = ("jumping", "drifting", "far off")
+"""And what else is judged of a sensor."""
 CATCHING_UP = "catching up"
 """Name of the alarm that what is computed is not judged."""
 NOT_AHEAD = "cannot look ahead"
@@ -206,6 +210,13 @@ class Watch:
         text = "an input was missing or not believed: only what is measured is judged until what is computed agrees"
         self.alarms.judge(CATCHING_UP, row.time < row.judged_from, row.time, text)
         self._before = row.time
+
+    def names(self) -> list[str]:
+        """All alarms that can come: of the map, of sensors, of the twin itself, of the application."""
+        of_sensors = [f"{one.channel.column} {kind}" for one in self.health for kind in (*FAULTS, *SIGNS)]
+        own = [*TOLD.values(), NOT_AHEAD, CATCHING_UP, CHANGED, STOPPED, BEHIND]
+        of_work = [name for name, *_ in self.operation.alarms()] if self.operation else []
+        return list(dict.fromkeys([*(one.name for one in self.plan.alarms), *of_sensors, *own, *of_work]))
 
     def watched(self) -> dict[str, Watched]:
         """What each alarm of the plan is about, by name."""
@@ -453,10 +464,10 @@ class Watch:
     def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
         """Judge what is wrong with sensors."""
         numbers = [i for i, one in enumerate(self.plan.channels) if one.is_output]
-        contradicted = self._contradicted()
+        contradicted = self.contradicted()
         for i, health in enumerate(self.health):
             column = health.channel.column
-            for kind in ("lost", "stuck", "clipped", "out of range", "unit"):
+            for kind in FAULTS:
                 self.alarms.judge(f"{column} {kind}", health.fault == kind, time, health.text)
             self.alarms.judge(f"{column} jumping", health.jumping(time), time, health.jump)
             if i in numbers:
@@ -475,7 +486,7 @@ class Watch:
         holds = against is not None or health.contradicts
         self.alarms.judge(f"{health.channel.column} far off", holds, time, against or text)
 
-    def _contradicted(self) -> dict[str, str]:
+    def contradicted(self) -> dict[str, str]:
         """Outputs whose sensors the application finds to be wrong, and why."""
         found = self.operation.contradicted() if self.operation is not None else {}
         return {name: in_words(text, self.system) for name, text in found.items()}

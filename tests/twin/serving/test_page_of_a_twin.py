@@ -1,7 +1,5 @@
 """The page of a twin: its numbers are those of the stream, in a browser and without one."""
 
-import json
-import shutil
 import socket
 import threading
 import time
@@ -11,46 +9,13 @@ import urllib.request
 import pytest
 from cli.in_process import commands_of
 from twin.rehearsal import CALM, hoist, rows_of, weight_twin
+from twin.serving.lookers import UNITS, events, line, opened, shown, told_of
 
 import tautline
 from crane.application import Crane
 from tautline.twin.page.server import Page
 
 uvicorn = pytest.importorskip("uvicorn", reason="the page needs the extra `live`")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-UNITS = {"winch.tension": "N", "winch.pay_out": "m"}
-
-
-def line(at, mass=5000.0, **more):
-    """A line as a twin tells it."""
-    return {
-        "time": at, "inputs": {"winch.pay_out": -0.5}, "measured": {"winch.tension": 49050.0 + at},
-        "outputs": {"winch.tension": 49000.0 + at, "payload.position": [12.4, 0.0, -7.25]}, "deviations": {},
-        "estimates": {"payload.mass": {"value": mass, "sd": 12.5, "unit": "kg"}}, "residuals": {"winch.tension": 50.0},
-        "alarms": [], "restrict": [], "not_observable": [], "lag": 0.25, "health": "good", **more,
-    }  # fmt: skip
-
-
-@pytest.fixture
-def page():
-    made = Page(0, "a hoist", UNITS, Crane())
-    yield made
-    made.close()
-
-
-def events(address, count, timeout=5.0):
-    """The first events that a reader gets: (kind, content)."""
-    found, kind = [], ""
-    with urllib.request.urlopen(f"{address}/events", timeout=timeout) as stream:
-        for raw in stream:
-            text = raw.decode().rstrip("\n")
-            if text.startswith("event: "):
-                kind = text.removeprefix("event: ")
-            elif text.startswith("data: "):
-                found.append((kind, json.loads(text.removeprefix("data: "))))
-                if len(found) == count:
-                    return found
-    return found
 
 
 def test_the_page_ends_at_once_and_without_a_word_though_readers_do_not_read(caplog):
@@ -75,7 +40,7 @@ def test_the_page_ends_at_once_and_without_a_word_though_readers_do_not_read(cap
 def test_readers_are_told_that_no_rows_come_also_late_ones_and_no_more_once_they_do(page):
     page.publish(line(1.0))
     page.tell("no rows for 14 s")
-    assert events(page.address, 3)[1:] == [("lines", [line(1.0)]), ("silent", {"text": "no rows for 14 s"})]
+    assert events(page.address, 3)[1:] == [("lines", [told_of(line(1.0))]), ("silent", {"text": "no rows for 14 s"})]
     page.publish(line(2.0))
     threading.Timer(0.3, page.publish, [line(3.0)]).start()
     assert [kind for kind, _ in events(page.address, 3)] == ["about", "lines", "line"]
@@ -88,9 +53,9 @@ def test_one_who_comes_late_gets_all_lines_so_far_and_then_those_that_come(page)
     later.start()
     (about, told), (lines, before), (kind, now) = events(page.address, 3)
     assert (about, lines, kind) == ("about", "lines", "line")
-    assert told == {"title": "a hoist", "units": UNITS}
+    assert told["title"] == "a hoist" and told["units"] == UNITS
     assert [one["time"] for one in before] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
-    assert now == line(7.0)
+    assert now == told_of(line(7.0))
 
 
 def test_browsers_that_do_not_read_do_not_hold_the_twin_up(page):
@@ -138,41 +103,6 @@ def test_what_is_no_port_ends_with_2_and_writes_nothing(where, tmp_path, capsys)
 # -- in a browser ------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def chromium():
-    """Started once: that takes longer than most of what is asked of it."""
-    if CHROMIUM is None:
-        pytest.skip("there is no Chromium")
-    sync_api = pytest.importorskip("playwright.sync_api")
-    with sync_api.sync_playwright() as playwright:
-        made = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield made
-        made.close()
-
-
-@pytest.fixture
-def browser(chromium):
-    """One that knows nothing of the pages of other tests."""
-    made = chromium.new_context(viewport={"width": 1280, "height": 720})
-    yield made
-    made.close()
-
-
-def opened(browser, page):
-    """The page in a browser, with what it asked for and what went wrong."""
-    tab = browser.new_page()
-    asked, wrong = [], []
-    tab.on("request", lambda request: asked.append(request.url))
-    tab.on("pageerror", lambda error: wrong.append(str(error)))
-    tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-    tab.goto(page.address, wait_until="domcontentloaded")
-    return tab, asked, wrong
-
-
-def shown(tab, where):
-    return float(tab.locator(where).get_attribute("data-value"))
-
-
 def test_the_page_is_grey_while_no_rows_come(browser, page):
     page.publish(line(1.0))
     tab, _, wrong = opened(browser, page)
@@ -197,8 +127,8 @@ def test_the_numbers_on_the_page_are_those_of_the_stream_within_a_second(browser
         assert shown(tab, '#estimates .card[data-name="payload.mass"] .with') == 12.5
         assert shown(tab, '#traces .card[data-name="winch.tension"] .measured') == told["measured"]["winch.tension"]
         assert shown(tab, '#traces .card[data-name="winch.tension"] .computed') == told["outputs"]["winch.tension"]
-    assert tab.locator('#estimates .card[data-name="payload.mass"] .value').inner_text() == "5.035 t"
-    assert tab.locator('#estimates .card[data-name="payload.mass"] .with').inner_text() == "± 0.025 t"
+    assert tab.locator('#estimates .card[data-name="payload.mass"] .value').inner_text() == "5035 kg"
+    assert tab.locator('#estimates .card[data-name="payload.mass"] .with').inner_text() == "± 25 kg"
     assert tab.locator('#traces .card[data-name="winch.tension"] .measured').inner_text() == "49.06 kN"
     assert tab.locator('#others tr[data-name="winch.pay_out"] td').nth(1).inner_text() == "-0.5000 m"
     assert tab.locator("#health").inner_text() == "good"

@@ -146,7 +146,7 @@ def quantities(
 
     bent = (chain.quantity("curvature", "curvature", "1/m", chain.curvature),) if curved else ()
     return (
-        ranged("axial_force", "axial force", "N", force, at_a_frame(along)),
+        ranged("axial_force", "axial force", "N", force, at_a_frame(along), "in the middle of each element"),
         *bent,
         chain.quantity("speed", "speed", "m/s", speed),
     )

@@ -223,12 +223,16 @@ def _page(where: str | None, path: Path, made: Twin) -> Any:
     if where is None:
         return None
     from tautline.twin.page.server import Page
+    from tautline.twin.series import heading
+    from tautline.whole_file import legible
 
     host, _, port = where.rpartition(":")
     if not port.isdecimal() or int(port) > MOST_PORT:
         raise option_error("--serve", where, "is no port", "write a number such as 8080, or 0.0.0.0:8080")
-    units = {**made.plan_names.inputs, **made.units}
-    page = Page(int(port), path.stem, units, made.application, host or "127.0.0.1")
+    estimated = {one.name: one.unit for one in made.plan.unknowns}
+    units = {**made.plan_names.inputs, **made.units, **estimated}
+    title, system = heading(made.scene) or legible(path.stem), getattr(made.scene, "units", "si")
+    page = Page(int(port), title, units, made.application, host or "127.0.0.1", system)
     say(f"the twin is shown at {page.address}")
     return page
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from tautline.scene.values.systems import SYSTEMS, in_system
+from tautline.scene.values.systems import SYSTEMS, choices_of, in_system
 
 PREFIXED = {"N", "J", "W", "Pa", "N m", "N/m", "Hz"}
 """Units that people write with k, M or G in front; a metre or a second stays what it is."""
@@ -17,6 +17,8 @@ BETWEEN = r" (?:to|and|x|×|by) "
 HELD = "\u00a0"
 """In place of blanks it holds a figure and its unit together, so that they are not converted."""
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "": 1.0}
+LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+"""Prefixes of large figures, the largest first."""
 
 
 MEANT = 10.0
@@ -53,7 +55,7 @@ def quantity(value: Any, unit: str, digits: int = 4) -> str:
         return str(value)
     prefix = ""
     if unit in PREFIXED:
-        for factor, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+        for factor, letter in LARGE:
             if abs(value) >= factor:
                 value, prefix = value / factor, letter
                 break
@@ -64,12 +66,28 @@ def shown(value: Any, unit: str, system: str = "si", digits: int = 4) -> str:
     """Write a figure that is given in SI in the units of a system (a key of `systems.SYSTEMS`)."""
     if isinstance(value, (list, tuple)):
         return ", ".join(shown(item, unit, system, digits) for item in value)
-    if unit == "rad":
-        system = "metric" if system == "si" else system  # an angle is read in degrees by everybody
+    system = _read_in(unit, system)
     if unit in SYSTEMS[system] and isinstance(value, (int, float)) and not isinstance(value, bool):
         converted, name = in_system(float(value), unit, system)
         return f"{significant(converted, digits)} {name}"
     return quantity(value, unit, digits)
+
+
+def _read_in(unit: str, system: str) -> str:
+    """The system that a unit is read in: an angle is read in degrees by everybody."""
+    return "metric" if (unit, system) == ("rad", "si") else system
+
+
+def scales(unit: str, system: str = "si") -> list[tuple[float, float, str]]:
+    """What `shown` chooses from, as data for a page: size in SI from which on it is taken, factor, and unit.
+
+    The largest unit comes first, and the last takes all that is smaller.
+    """
+    system = _read_in(unit, system)
+    if unit in SYSTEMS[system]:
+        return choices_of(unit, system)
+    large = [(factor, 1.0 / factor, f"{letter}{unit}") for factor, letter in LARGE] if unit in PREFIXED else []
+    return [*large, (0.0, 1.0, unit)]
 
 
 def read(word: str, system: str) -> tuple[float, str] | None:

@@ -79,13 +79,32 @@ def in_system(value: float, unit: str, system: str) -> tuple[float, str]:
     choices = SYSTEMS[system].get(unit)
     if choices is None:
         return value, unit
-    least = SMALL_PRESSURE / 1000.0 if choices[0] == "ksi" else SHORT if unit == "m" else 1.0
-    scale = read_unit(unit).si(Fraction(1))
+    least, scale = _least(unit, choices), read_unit(unit).si(Fraction(1))
     for name in choices:
         converted = value * scale / read_unit(name).si(Fraction(1))
         if abs(converted) >= least or name == choices[-1] or value == 0.0:
             return converted, name
     raise AssertionError("a unit without a choice")
+
+
+def choices_of(unit: str, system: str) -> list[tuple[float, float, str]]:
+    """What `in_system` chooses from, the largest unit first: each with the size from which on it is taken, and factor.
+
+    Sizes are in `unit`; the last one takes all that is smaller, so its size is 0. Empty where the system names none.
+    """
+    choices = SYSTEMS[system].get(unit, ())
+    scale = read_unit(unit).si(Fraction(1)) if choices else 1.0
+    factors = [scale / read_unit(name).si(Fraction(1)) for name in choices]
+    last = len(choices) - 1
+    return [
+        (0.0 if k == last else _least(unit, choices) / factor, factor, name)
+        for k, (factor, name) in enumerate(zip(factors, choices, strict=True))
+    ]
+
+
+def _least(unit: str, choices: tuple[str, ...]) -> float:
+    """Figure from which on a unit of several is taken."""
+    return SMALL_PRESSURE / 1000.0 if choices[0] == "ksi" else SHORT if unit == "m" else 1.0
 
 
 def length_unit(system: str) -> tuple[float, str]:

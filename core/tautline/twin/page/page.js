@@ -1,22 +1,17 @@
 "use strict";
-// What a twin tells, line by line, in a browser. Numbers arrive in SI; they are shown with a prefix that reads well.
+// What a twin tells, line by line, in a browser. Numbers arrive in SI; they are shown in the units of the scene.
 
 const SPAN = 60, KEPT = 4000;
 const $ = (id) => document.getElementById(id);
 const lines = [];
-let units = {}, shape = null, picture = null, changed = false, trouble = "";
+let units = {}, scales = {}, shape = null, picture = null, changed = false, trouble = "";
 
 // -- numbers ---------------------------------------------------------------------------------------------------------
 
-const PREFIXED = new Set(["N", "N m", "W", "Pa", "J", "N/m", "N s/m"]);
-
-/** Factor and unit in which a quantity of about this size is read most easily. */
+/** Factor and unit in which a quantity of about this size is shown: the rule of the command, which came with `about`. */
 function readable(size, unit) {
-  if (unit === "kg" && size >= 1000) return [1e-3, "t"];
-  if (unit === "rad/s") return [30 / Math.PI, "rpm"];
-  if (PREFIXED.has(unit) && size >= 1e6) return [1e-6, "M" + unit];
-  if (PREFIXED.has(unit) && size >= 1e3) return [1e-3, "k" + unit];
-  return [1, unit];
+  const found = (scales[unit] || []).find(([least]) => size >= least);
+  return found ? found.slice(1) : [1, unit];
 }
 
 /** A number with as many digits as its deviation deserves, or four. */
@@ -28,11 +23,12 @@ function digits(value, sd) {
   return value.toFixed(size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : size >= 1 ? 3 : 4);
 }
 
-function said(value, unit, sd = 0) {
+/** A number or several with one unit, in a given scale or in the one of its size. */
+function said(value, unit, sd = 0, scale = null) {
   if (value === null || value === undefined) return "–";
-  if (Array.isArray(value)) return value.map((x) => said(x, "", sd)).join("  ") + (unit ? " " + unit : "");
-  const [factor, shown] = readable(Math.abs(value), unit || "");
-  return digits(factor * value, factor * sd) + (shown ? " " + shown : "");
+  const all = [].concat(value), known = all.filter((x) => x !== null);
+  const [factor, shown] = scale || readable(Math.max(0, ...known.map(Math.abs)), unit || "");
+  return all.map((x) => x === null ? "–" : digits(factor * x, factor * sd)).join("  ") + (shown ? " " + shown : "");
 }
 
 // -- cards with a trace ------------------------------------------------------------------------------------------------
@@ -56,12 +52,18 @@ function card(section, name, parts) {
   const row = element(box, "div", "row"), made = { canvas: null };
   for (const part of parts) made[part] = element(row, "span", part);
   made.canvas = element(box, "canvas");
+  made.canvas.setAttribute("role", "img");
   cards.set(key, made);
   return made;
 }
 
+/** Text of a node, touched where it is another one only: who has a page read aloud hears each change. */
+function write(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
 function put(node, value, text) {
-  node.textContent = text;
+  write(node, text);
   node.dataset.value = value === null || value === undefined ? "" : value;
 }
 
@@ -82,13 +84,12 @@ function cleared(canvas) {
   return [pen, w, h];
 }
 
-/** A trace over the last seconds: points, a line, a band about it. */
-function trace(canvas, shown, { points, line, band, unit }) {
-  const [pen, w, h] = cleared(canvas);
-  const end = shown[shown.length - 1].time, begin = end - SPAN, left = 52, bottom = h - 4;
+/** Lowest and highest value of what a trace shows; null where nothing is known. */
+function extent(shown, { points, line, band }) {
+  const end = shown[shown.length - 1].time;
   let low = Infinity, high = -Infinity;
   // Of an estimate, what is long past may leave the picture: a start that was far off would make all else a line.
-  const recent = band ? end - 0.5 * Math.min(SPAN, end - shown[0].time) : begin;
+  const recent = band ? end - 0.5 * Math.min(SPAN, end - shown[0].time) : end - SPAN;
   const reach = (v) => { if (v !== null && v !== undefined && isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); } };
   for (const one of shown) {
     if (one.time < recent) continue;
@@ -97,7 +98,20 @@ function trace(canvas, shown, { points, line, band, unit }) {
     reach(value);
     if (value !== null && value !== undefined) { reach(value - wide); reach(value + wide); }
   }
-  if (!(low <= high)) return;
+  return low <= high ? [low, high] : null;
+}
+
+/** Factor and unit of a whole card: of its numbers and of its axis. */
+function scaleOf(reached, values, unit) {
+  return readable(Math.max(0, ...[...(reached || []), ...values].filter(isFinite).map(Math.abs)), unit || "");
+}
+
+/** A trace over the last seconds: points, a line, a band about it, between the values it has reached. */
+function trace(canvas, shown, { points, line, band }, reached, [factor, unit]) {
+  const [pen, w, h] = cleared(canvas);
+  const end = shown[shown.length - 1].time, begin = end - SPAN, left = 52, bottom = h - 4;
+  if (!reached) return;
+  let [low, high] = reached;
   const least = 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1e-9), room = Math.max(0.08 * (high - low), least);
   low -= room;
   high += room;
@@ -105,14 +119,17 @@ function trace(canvas, shown, { points, line, band, unit }) {
   pen.font = "11px system-ui, sans-serif";
   pen.fillStyle = colour("--soft");
   pen.strokeStyle = colour("--line");
-  const [factor] = readable(Math.max(Math.abs(low), Math.abs(high)), unit);
-  for (const v of [low + room, high - room]) {
+  const marks = [];
+  for (const v of reached) {
     pen.beginPath();
     pen.moveTo(left, y(v));
     pen.lineTo(w, y(v));
     pen.stroke();
-    pen.fillText(digits(factor * v, 0.3 * factor * (high - low)), 0, y(v) + 4);
+    marks.push(digits(factor * v, 0.3 * factor * (high - low)));
+    pen.fillText(marks[marks.length - 1], 0, y(v) + 4);
   }
+  pen.fillText(unit, 0, 0.5 * (y(reached[0]) + y(reached[1])) + 4);
+  canvas.setAttribute("aria-label", `from ${marks[0]} to ${marks[1]}${unit ? " " + unit : ""} in the last ${SPAN} s`);
   pen.save();
   pen.beginPath();
   pen.rect(left, 0, w - left, h);
@@ -151,25 +168,30 @@ function show() {
   const line = lines[lines.length - 1];
   if (!line) return;
   const shown = lines.filter((one) => one.time > line.time - SPAN);
-  put($("time"), line.time, line.time.toFixed(1) + " s");
+  put($("time"), line.time, line.stamp);
   put($("lag"), line.lag, line.lag.toFixed(2) + " s");
-  $("health").textContent = trouble || line.health;
+  write($("health"), trouble || line.health);
   $("health").dataset.health = trouble ? "none" : line.health;
+  $("why").hidden = !(line.causes && line.causes.length);
+  list(document.querySelector("#why ul"), (line.causes || []).map((text) => [text, false]));
   $("state").hidden = !line.rig;
-  if (line.rig) $("state").textContent = line.rig.state + (line.rig.added ? `, ${line.rig.added.toFixed(1)} m added` : "");
+  if (line.rig) write($("state"), line.rig.state + (line.rig.added ? `, ${said(line.rig.added, "m")} added` : ""));
   for (const [name, one] of Object.entries(line.estimates)) {
-    const made = card("estimates", name, ["value", "with"]);
-    const [factor, unit] = readable(Math.abs(one.value), one.unit);
-    put(made.value, one.value, digits(factor * one.value, factor * one.sd) + (unit ? " " + unit : ""));
-    put(made.with, one.sd, "± " + digits(2 * factor * one.sd, 2 * factor * one.sd) + (unit ? " " + unit : ""));
-    const of = (row) => row.estimates[name];
-    trace(made.canvas, shown, { line: (row) => of(row) ? of(row).value : null, band: (row) => 2 * of(row).sd, unit: one.unit });
+    const made = card("estimates", name, ["value", "with"]), of = (row) => row.estimates[name];
+    const curves = { line: (row) => of(row) ? of(row).value : null, band: (row) => of(row) ? 2 * of(row).sd : 0 };
+    const reached = extent(shown, curves), scale = scaleOf(reached, [one.value], one.unit);
+    put(made.value, one.value, said(one.value, one.unit, one.sd, scale));
+    put(made.with, one.sd, "± " + said(2 * one.sd, one.unit, 2 * one.sd, scale));
+    trace(made.canvas, shown, curves, reached, scale);
   }
   for (const [name, value] of Object.entries(line.measured)) {
     const made = card("traces", name, ["measured", "computed"]), computed = line.outputs[name];
-    put(made.measured, value, said(value, units[name]));
-    put(made.computed, computed, said(computed, units[name]));
-    trace(made.canvas, shown, { points: (row) => row.measured[name], line: (row) => row.outputs[name], unit: units[name] || "" });
+    const curves = { points: (row) => row.measured[name], line: (row) => row.outputs[name] };
+    const known = [value, computed].filter((x) => x !== null && x !== undefined);
+    const reached = extent(shown, curves), scale = scaleOf(reached, known, units[name]);
+    put(made.measured, value, said(value, units[name], 0, scale));
+    put(made.computed, computed, said(computed, units[name], 0, scale));
+    trace(made.canvas, shown, curves, reached, scale);
   }
   const others = Object.entries(line.inputs).concat(Object.entries(line.outputs).filter(([name]) => !(name in line.measured)));
   table(document.querySelector("#others table"), others);
@@ -192,26 +214,41 @@ function table(node, rows) {
     const row = node.rows[k] || node.insertRow();
     while (row.cells.length < 2) row.insertCell();
     row.dataset.name = name;
-    row.cells[0].textContent = name;
+    write(row.cells[0], name);
     put(row.cells[1], value, said(value, units[name]));
   });
 }
 
+/** Items of a list, of which those that stay are left alone. */
 function list(node, rows) {
-  node.replaceChildren();
-  for (const [text, passed] of rows) element(node, "li", passed ? "passed" : "", text);
+  while (node.children.length > rows.length) node.lastChild.remove();
+  rows.forEach(([text, passed], k) => {
+    const item = node.children[k] || element(node, "li");
+    write(item, text);
+    item.className = passed ? "passed" : "";
+  });
 }
 
+/** Alarms, each in a row that stays as long as it does; one that is not known to hold is outlined, and says so. */
 function alarms(line) {
-  const node = document.querySelector("#alarms ul");
+  const node = document.querySelector("#alarms ul"), names = line.alarms.map((one) => one.name);
   $("alarms").hidden = !line.alarms.length;
-  node.replaceChildren();
+  for (const row of [...node.children]) if (!names.includes(row.dataset.name)) row.remove();
   for (const one of line.alarms) {
-    const row = element(node, "li");
-    row.dataset.name = one.name;
-    element(row, "b", "", one.name);
-    element(row, "span", "", "since " + one.since.toFixed(1) + " s");
-    element(row, "span", "cause", one.text);
+    let row = [...node.children].find((other) => other.dataset.name === one.name);
+    if (!row) {
+      row = element(node, "li");
+      row.dataset.name = one.name;
+      element(element(row, "span", "what"), "b", "", one.name);
+      element(row, "span", "since", "since " + one.stamp);
+      element(row, "span", "cause");
+    }
+    const what = row.querySelector(".what"), doubted = one.known === false;
+    row.className = doubted ? "doubted" : "certain";
+    if (doubted && what.children.length < 2) element(what, "span", "doubt", "in doubt");
+    if (!doubted && what.children.length > 1) what.lastChild.remove();
+    write(row.querySelector(".since"), "since " + one.stamp);
+    write(row.querySelector(".cause"), one.text);
   }
 }
 
@@ -295,7 +332,8 @@ function draw() {
   }
   pen.fillStyle = colour("--soft");
   pen.font = "11px system-ui, sans-serif";
-  pen.fillText(`${(shape.high[2] - shape.low[2]).toFixed(0)} m high`, 8, h - 8);
+  const height = shape.high[2] - shape.low[2], [factor, unit] = readable(height, "m");
+  pen.fillText(`${(factor * height).toFixed(0)} ${unit} high`, 8, h - 8);
 }
 
 /** Sea and ground: a square as wide as all else. */
@@ -312,24 +350,51 @@ function levels(pen, w, h, place, middle) {
   }
 }
 
+function turned(around, up) {
+  view.around += around;
+  view.up = Math.max(-1.5, Math.min(1.5, view.up + up));
+  view.moved = changed = true;
+}
+
+function zoomed(factor) {
+  view.zoom = Math.max(0.3, Math.min(40, view.zoom * factor));
+  view.moved = changed = true;
+}
+
+function as_first() {
+  Object.assign(view, first);
+  view.moved = false;
+  changed = true;
+}
+
+const TURN = 0.1, ZOOM = 1.25;
+const KEYS = {
+  ArrowLeft: () => turned(TURN, 0), ArrowRight: () => turned(-TURN, 0), ArrowUp: () => turned(0, -TURN), ArrowDown: () => turned(0, TURN),
+  "+": () => zoomed(ZOOM), "=": () => zoomed(ZOOM), "-": () => zoomed(1 / ZOOM), Home: as_first,
+};
+
+/** Turn and zoom by pointers, wheel, keys and buttons. */
 function turn() {
-  const canvas = document.querySelector("#picture canvas");
-  let from = null;
-  canvas.addEventListener("pointerdown", (e) => { from = [e.clientX, e.clientY]; canvas.setPointerCapture(e.pointerId); });
-  canvas.addEventListener("pointerup", () => { from = null; });
+  const canvas = document.querySelector("#picture canvas"), fingers = new Map();
+  const apart = () => { const [a, b] = [...fingers.values()]; return Math.hypot(a[0] - b[0], a[1] - b[1]); };
+  canvas.addEventListener("pointerdown", (e) => { fingers.set(e.pointerId, [e.clientX, e.clientY]); canvas.setPointerCapture(e.pointerId); });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (e) => { fingers.delete(e.pointerId); });
   canvas.addEventListener("pointermove", (e) => {
+    const from = fingers.get(e.pointerId);
     if (!from) return;
-    view.around -= 0.008 * (e.clientX - from[0]);
-    view.up = Math.max(-1.5, Math.min(1.5, view.up + 0.008 * (e.clientY - from[1])));
-    from = [e.clientX, e.clientY];
-    view.moved = changed = true;
+    const before = fingers.size === 2 ? apart() : 0;
+    fingers.set(e.pointerId, [e.clientX, e.clientY]);
+    if (fingers.size === 2) zoomed(apart() / Math.max(before, 1));
+    else turned(-0.008 * (e.clientX - from[0]), 0.008 * (e.clientY - from[1]));
   });
-  canvas.addEventListener("wheel", (e) => {
+  canvas.addEventListener("wheel", (e) => { e.preventDefault(); zoomed(Math.exp(-0.0012 * e.deltaY)); }, { passive: false });
+  canvas.addEventListener("dblclick", as_first);
+  canvas.addEventListener("keydown", (e) => {
+    if (!KEYS[e.key] || e.ctrlKey || e.metaKey || e.altKey) return;
     e.preventDefault();
-    view.zoom = Math.max(0.3, Math.min(40, view.zoom * Math.exp(-0.0012 * e.deltaY)));
-    view.moved = changed = true;
-  }, { passive: false });
-  canvas.addEventListener("dblclick", () => { Object.assign(view, first); view.moved = false; changed = true; });
+    KEYS[e.key]();
+  });
+  for (const button of document.querySelectorAll("#picture button")) button.addEventListener("click", () => KEYS[button.value]());
 }
 
 // -- what comes ------------------------------------------------------------------------------------------------------------
@@ -344,7 +409,7 @@ function take(line) {
 function listen() {
   const source = new EventSource("events");
   const on = (kind, what) => source.addEventListener(kind, (e) => { what(JSON.parse(e.data)); changed = true; });
-  on("about", (about) => { units = about.units; $("title").textContent = document.title = about.title; });
+  on("about", (about) => { units = about.units; scales = about.scales; $("title").textContent = document.title = about.title; });
   on("lines", (all) => { lost(""); lines.length = 0; all.forEach(take); });
   on("line", (line) => { lost(""); take(line); });
   on("silent", (told) => lost(told.text));
@@ -359,7 +424,7 @@ function lost(text) {
   trouble = text;
   document.body.classList.toggle("old", text !== "");
   if (!text) return;
-  $("health").textContent = text;
+  write($("health"), text);
   $("health").dataset.health = "none";
 }
 

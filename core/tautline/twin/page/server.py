@@ -1,7 +1,10 @@
 """The server of the page: lines of the twin go to every browser that looks, as events (server-sent events).
 
 It runs in a thread of its own. The twin hands lines over and never waits: a browser that does not read loses the oldest
-lines, and what nobody looks at is not drawn. One who comes late gets the last minutes at once.
+lines, and what nobody looks at is not drawn. One who comes late gets the last minutes and the last picture at once.
+
+All that is kept for browsers is written in the server's thread alone: between what one gets at first and what comes for
+it after that there is no gap, and nothing comes twice.
 """
 
 from __future__ import annotations
@@ -11,13 +14,16 @@ import json
 import socket
 import threading
 from collections import deque
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tautline.scene.errors import option_error
+from tautline.scene.values.moments import stamp_said
+from tautline.scene.values.printed import scales
 from tautline.twin.page.picture import Picture
 
 HERE = Path(__file__).parent
@@ -31,6 +37,8 @@ DRAWN_EVERY = 0.5
 """Time between two pictures, s."""
 FAREWELL = 0.3
 """Time that browsers have to go after they were told that it has ended, s."""
+OF_TEXTS = ("m", "N", "rad/s")
+"""Units of numbers that the page says in a sentence."""
 STARTS_WITHIN = 10.0
 """How long the server may take to start, s."""
 
@@ -49,6 +57,8 @@ class Page:
         Says what the machine looks like.
     host : str
         Address that is listened at; by default nobody can see it from another computer.
+    system : str
+        The scene's ``units``, in which the page shows numbers, by the rule of the printed tables.
 
     Raises
     ------
@@ -57,19 +67,23 @@ class Page:
     """
 
     def __init__(
-        self, port: int, title: str, units: Mapping[str, str], application: Any, host: str = "127.0.0.1"
-    ) -> None:
+        self, port: int, title: str, units: Mapping[str, str], application: Any, host: str = "127.0.0.1",
+        system: str = "si",
+    ) -> None:  # fmt: skip
         try:
             import uvicorn
         except ImportError:
             cure = "pip install 'tautline[live]'"
             raise option_error("--serve", str(port), "needs starlette and uvicorn", cure) from None
-        self.title, self.units = title, dict(units)
+        known = sorted({*units.values(), *OF_TEXTS})
+        about = {"title": title, "units": dict(units), "scales": {unit: scales(unit, system) for unit in known}}
+        self._about = json.dumps(about)
         self.host, self._socket = host, _bound(host, port)
         self.port = int(self._socket.getsockname()[1])
         self._picture = Picture(application)
         self._lines: deque[str] = deque(maxlen=LATEST)
         self._trouble = ""
+        self._drawn: dict[str, str] = {}  # the last shape and the picture of it
         self._watching: set[asyncio.Queue[tuple[str, str]]] = set()
         self._newest: tuple[Any, np.ndarray] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -93,23 +107,25 @@ class Page:
         Parameters
         ----------
         line : mapping
-            As the twin tells it; what is not finite is None.
+            As the twin tells it; what is not finite is None. Browsers get its stamps in words, too (``stamp``).
         model, row : Model, (width,) array
             Of the simulation and its frame, which is copied.
         """
-        text = json.dumps(line, allow_nan=False)
-        self._lines.append(text)
-        self._trouble = ""
+        alarms = [{**one, "stamp": stamp_said(one["since"])} for one in line["alarms"]]
+        text = json.dumps({**line, "alarms": alarms, "stamp": stamp_said(line["time"])}, allow_nan=False)
         if model is not None and row is not None:
             self._newest = model, row.copy()
-        if self._loop is not None and self._watching:
-            self._loop.call_soon_threadsafe(self._send, "line", text)
+        self._call(self._take, text)
 
     def tell(self, trouble: str) -> None:
         """Say why no line comes, until one does; returns at once."""
-        self._trouble = json.dumps({"text": trouble})
-        if self._loop is not None and self._watching:
-            self._loop.call_soon_threadsafe(self._send, "silent", self._trouble)
+        self._call(self._fall_silent, json.dumps({"text": trouble}))
+
+    def _call(self, what: Callable[[str], None], text: str) -> None:
+        """Let the server's thread do something; nothing where it has ended, or never began."""
+        if self._loop is not None:
+            with suppress(RuntimeError):
+                self._loop.call_soon_threadsafe(what, text)
 
     def close(self) -> None:
         """End the server; browsers are told that it has ended."""
@@ -133,6 +149,17 @@ class Page:
 
         asyncio.run(serve())
 
+    def _take(self, text: str) -> None:
+        """Keep a line, and give it to all who look."""
+        self._lines.append(text)
+        self._trouble = ""
+        self._send("line", text)
+
+    def _fall_silent(self, text: str) -> None:
+        """Keep why no line comes, and tell all who look."""
+        self._trouble = text
+        self._send("silent", text)
+
     def _send(self, kind: str, text: str) -> None:
         """Give every browser an event; one that does not read loses its oldest."""
         for queue in self._watching:
@@ -149,7 +176,7 @@ class Page:
 
     async def _draw(self) -> None:
         """Draw the newest frame again and again, while somebody looks."""
-        loop, drawn, told = asyncio.get_running_loop(), None, 0
+        loop, drawn, number, shape = asyncio.get_running_loop(), None, 0, ""
         while True:
             await asyncio.sleep(DRAWN_EVERY)
             newest = self._newest
@@ -157,23 +184,23 @@ class Page:
                 continue
             drawn = newest
             picture = await loop.run_in_executor(None, self._picture.of, *newest)
-            if picture["number"] != told:
-                told = picture["number"]
-                self._send("shape", json.dumps(self._picture.shape))
-            self._send("picture", json.dumps(picture))
+            if picture["number"] != number:
+                number, shape = picture["number"], json.dumps(self._picture.shape)
+                self._send("shape", shape)
+            self._drawn = {"shape": shape, "picture": json.dumps(picture)}
+            self._send("picture", self._drawn["picture"])
 
     async def _events(self) -> AsyncIterator[str]:
         """What one browser gets: all that is known, and then what comes."""
         queue: asyncio.Queue[tuple[str, str]] = asyncio.Queue(WAITING)
-        about = {"title": self.title, "units": self.units}
-        yield _event("about", json.dumps(about))
-        yield _event("lines", "[" + ",".join(list(self._lines)) + "]")
-        if self._trouble:
-            yield _event("silent", self._trouble)
-        if self._picture.shape:
-            yield _event("shape", json.dumps(self._picture.shape))
+        # Both at once, before anything is waited for: what comes from here on is in the queue, and only there.
         self._watching.add(queue)
+        begin = [("about", self._about), ("lines", "[" + ",".join(self._lines) + "]")]
+        begin += [("silent", self._trouble)] if self._trouble else []
+        begin += self._drawn.items()
         try:
+            for kind, text in begin:
+                yield _event(kind, text)
             while not (self._server.should_exit and queue.empty()):
                 try:
                     kind, text = await asyncio.wait_for(queue.get(), 1.0)

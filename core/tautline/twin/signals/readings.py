@@ -179,14 +179,6 @@ class Readings:
         said, self._remarks = self._remarks, []
         return said
 
-    def state_of_health(self, settled: bool) -> str:
-        """Good, degraded or lost."""
-        lost = [health.fault == "lost" for health in self.health]
-        if all(lost) or any(track.missing and self.health[track.number].fault == "lost" for track in self.tracks):
-            return "lost"
-        poor = any(one.fault or one.contradicts or one.jumping(one.seen) for one in self.health) or self.made_up
-        return "degraded" if poor or self.far or not settled else "good"
-
     # -- inputs --------------------------------------------------------------------------------------------------------
 
     def inputs(self, row: Row, begun: bool, bounce: float = 0.0) -> list[tuple[str, np.ndarray]]:

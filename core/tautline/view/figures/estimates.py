@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from tautline.results.result import Result
 from tautline.view.figures.comparison import NothingToShow, marker, over_time, title
 from tautline.view.figures.drawings import Drawing
-from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, label, legend_above, scale, styled
+from tautline.view.figures.figure import (
+    COLOURS,
+    QUIET,
+    Axes,
+    Figure,
+    axes,
+    label,
+    legend_above,
+    scale,
+    shortened,
+    styled,
+)
 
 ESTIMATE, DEVIATION, RESIDUAL = "estimate ", "deviation ", "residual "
 """Beginnings of the names of variables of a twin's result."""
@@ -21,6 +33,13 @@ STAMP = 1.0e8
 LETTERS = 30
 """Of a vertical axis' label in one line."""
 HEALTHS = ("good", "degraded", "lost")
+STATES, ALARM = "alarm_state", "alarm"
+"""Variable of the state of each alarm, and of their names; results of earlier versions have the number alone."""
+DOUBTED, CERTAIN = 1, 2
+USUAL = 99.0
+"""Percentile of the sizes of residuals that a panel shows in any case, and all of the later half of the rows."""
+FAR = 2.0
+"""How many times as large as those a residual is before it is left out of the picture, and told in words."""
 
 
 def _named(result: Result, beginning: str) -> list[str]:
@@ -92,31 +111,89 @@ def residuals(results: Sequence[Result]) -> Figure:
 
 def _draw_residual(plot: Axes, result: Result, name: str, time: np.ndarray) -> str:
     value = np.asarray(result[RESIDUAL + name], float)
-    factor, unit = scale([_known(value)], result.variables[RESIDUAL + name].units)
+    usual = _usual_size(value)
+    far = np.abs(value) > FAR * usual if usual > 0.0 else np.zeros(value.shape, bool)
+    factor, unit = scale([_known(np.where(far, np.nan, value))], result.variables[RESIDUAL + name].units)
     plot.axhline(0.0, color=QUIET, lw=0.8, zorder=0)
     plot.plot(time, value / factor, color=COLOURS[0], lw=1.0, label="measured less expected", **marker(time))
+    if far.any():
+        shown = _known(value[~far]) / factor
+        low, high = min(0.0, float(shown.min())), max(0.0, float(shown.max()))
+        plot.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
+        k = int(np.nanargmax(np.abs(value)))
+        rows = "1 row is" if far.sum() == 1 else f"{far.sum()} rows are"
+        words = f"{rows} beyond, the farthest with {value[k] / factor:.3g} {unit} at {time[k]:.4g} s"
+        plot.text(0.99, 0.97, words, transform=plot.transAxes, ha="right", va="top", fontsize=8)
     return unit
+
+
+def _usual_size(value: np.ndarray) -> float:
+    """Size that hardly any residual has more of: what stands at the start, before anything is estimated, is far off."""
+    whole, later = _known(np.abs(value)), _known(np.abs(value[len(value) // 2 :]))
+    return float(max(np.percentile(whole, USUAL), later.max(initial=0.0))) if whole.size else 0.0
 
 
 @styled
 def alarms(results: Sequence[Result]) -> Figure:
-    """How many alarms there are, and how far the data can be trusted, against time."""
+    """When each alarm stood, and how far the data can be trusted, against time; of old results how many stood."""
     (result,) = results
     time, along = _times(result)
     if not {"alarms", "health"} <= set(result.variables):
         raise NothingToShow(result, "no alarms")
-    figure, plots = axes(2, 1, 8.0, 4.4, title([result]), sharex=True)
+    names = _alarms_that_came(result)
+    more = max(0, len(names or ()) - 6)
+    heights = [1.0 + more / 6.0, 1.0]
+    figure, plots = axes(2, 1, 8.0, 4.4 + 0.3 * more, title([result]), sharex=True, height_ratios=heights)
     upper, lower = plots[:, 0]
-    count = np.asarray(result["alarms"], float)
-    upper.step(time, count, color=COLOURS[0], where="post", **marker(time))
-    upper.set_ylim(-0.1, max(1.0, float(_known(count).max(initial=0.0))) + 0.3)
-    upper.yaxis.get_major_locator().set_params(integer=True)
-    upper.set_ylabel(label("alarms", "–"))
+    if names is None:
+        _draw_count(upper, result, time)
+    else:
+        _draw_bars(upper, result, names, time)
     lower.step(time, np.asarray(result["health"], float), color=COLOURS[1], where="post", **marker(time))
     lower.set_yticks(range(len(HEALTHS)), HEALTHS)
     lower.set_ylim(len(HEALTHS) - 0.8, -0.2)
     lower.set_ylabel("health of the data")
     return _finished(figure, plots, time, along)
+
+
+def _alarms_that_came(result: Result) -> dict[str, int] | None:
+    """Alarms that stood at any time, each with its place among all; None of a result that does not tell them apart."""
+    if not {STATES, ALARM} <= set(result.variables) or np.any(np.asarray(result[STATES]) < 0):
+        return None  # with rows of an earlier version the number is what all of them have
+    came = np.flatnonzero((np.asarray(result[STATES]) > 0).any(axis=0))
+    return {str(result[ALARM][k]): int(k) for k in came}
+
+
+def _draw_bars(plot: Axes, result: Result, names: Mapping[str, int], time: np.ndarray) -> None:
+    """A line for each alarm, with a bar for as long as it stood; one that was in doubt is hollow."""
+    states = np.asarray(result[STATES])
+    for row, k in enumerate(names.values()):
+        for state, fill in ((CERTAIN, COLOURS[1]), (DOUBTED, "none")):
+            spans = _spans(states[:, k] == state, time)
+            word = ("certain" if state == CERTAIN else "in doubt") if row == 0 else None
+            plot.broken_barh(spans, (row - 0.35, 0.7), facecolor=fill, edgecolor=COLOURS[1], lw=0.8, label=word)
+    plot.set_yticks(range(len(names)), [shortened(name) for name in names])
+    plot.set_ylim(max(1, len(names)) - 0.5, -0.5)
+    plot.grid(visible=False, axis="y")
+    plot.set_ylabel("alarms")
+    if not names:
+        plot.text(0.5, 0.5, "no alarm", transform=plot.transAxes, ha="center", va="center")
+
+
+def _spans(holds: np.ndarray, time: np.ndarray) -> list[tuple[float, float]]:
+    """Begin and length, s, of each stretch of rows at which something holds, up to the row at which it does no more."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], holds, [False]]).astype(int)))
+    begins, ends = edges[::2], np.minimum(edges[1::2], len(time) - 1)
+    return [(float(time[a]), float(time[b] - time[a])) for a, b in zip(begins, ends, strict=True)]
+
+
+def _draw_count(upper: Axes, result: Result, time: np.ndarray) -> None:
+    """How many alarms stood."""
+    count = np.asarray(result["alarms"], float)
+    upper.step(time, count, color=COLOURS[0], where="post", **marker(time))
+    upper.set_ylim(-0.1, max(1.0, float(_known(count).max(initial=0.0))) + 0.3)
+    upper.yaxis.set_major_locator(MaxNLocator(integer=True))
+    upper.set_ylabel(label("alarms", "–"))
 
 
 def _finished(figure: Figure, plots: np.ndarray, time: np.ndarray, along: str) -> Figure:
@@ -130,6 +207,6 @@ def _finished(figure: Figure, plots: np.ndarray, time: np.ndarray, along: str) -
 DRAWINGS = {
     "estimates": Drawing("estimates with two standard deviations", estimates, together=False, compared=True),
     "residuals": Drawing("sensors, measured less expected", residuals, together=False, compared=True),
-    "alarms": Drawing("number of alarms, and health of the data", alarms, together=False, compared=True),
+    "alarms": Drawing("alarms by name, and health of the data", alarms, together=False, compared=True),
 }
 """Figures of the result of a twin."""

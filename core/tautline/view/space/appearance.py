@@ -60,6 +60,8 @@ class Quantity:
         Frame -> (points,) array, SI.
     low, high : float
         Range over all frames, SI.
+    where : str
+        Where on a thing the values are taken, where there is more than these: a legend says it beside the range.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Quantity:
     values: Values
     low: float
     high: float
+    where: str = ""
 
     @property
     def signed(self) -> bool:
@@ -374,7 +377,9 @@ def still(array: np.ndarray) -> Values:
     return lambda frame: array
 
 
-def ranged(name: str, text: str, unit: str, values: np.ndarray, along: Values | None = None) -> Quantity:
+def ranged(
+    name: str, text: str, unit: str, values: np.ndarray, along: Values | None = None, where: str = ""
+) -> Quantity:
     """Make a quantity of an array with a leading axis time.
 
     Parameters
@@ -383,9 +388,11 @@ def ranged(name: str, text: str, unit: str, values: np.ndarray, along: Values | 
         Its least and its largest value are the range.
     along : callable or None
         Frame -> values at the points of the line, where those are not what is stored.
+    where : str
+        See `Quantity`.
     """
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
-    return Quantity(name, text, unit, along or stored(values), low, high)
+    return Quantity(name, text, unit, along or stored(values), low, high, where)
 
 
 def placed(points: np.ndarray, pose: np.ndarray) -> np.ndarray:

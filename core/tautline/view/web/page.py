@@ -385,7 +385,7 @@ def _quantity(appearance: Appearance, name: str, found: Sequence[Quantity]) -> d
         "unit": shade.unit, "digits": _digits_of((high - low) / shade.factor, max(abs(low), abs(high)) / shade.factor),
         "low": shade.low, "high": shade.high, "table": shade.table.tobytes().hex(),
         "ticks": [[tick, _tidy(tick)] for tick in ticks],
-        "range": [_tidy(low / shade.factor, 4), _tidy(high / shade.factor, 4)],
+        "range": [_tidy(low / shade.factor, 4), _tidy(high / shade.factor, 4)], "where": found[0].where,
     }  # fmt: skip
 
 

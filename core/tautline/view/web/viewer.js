@@ -410,7 +410,7 @@ function paint(name) {
     for (const [value, text] of shown.ticks) {
       made("span", $("ticks"), text).style.setProperty("--at", `${(100 * (value - shown.low)) / (shown.high - shown.low)}%`);
     }
-    $("range").textContent = `${shown.range[0]} to ${shown.range[1]} ${shown.unit} over the whole run`;
+    $("range").textContent = `${shown.range[0]} to ${shown.range[1]} ${shown.unit} ${shown.where ? `${shown.where}, ` : ""}in the stored frames`;
   }
   show(state.frame);
 }
