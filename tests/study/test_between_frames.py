@@ -140,12 +140,13 @@ def test_finer_frames_hold_whole_steps_and_none_is_shorter_than_a_step_of_the_ru
     assert frames_for_each(_Model(interval), own, step, frames) == count
 
 
-TENSION, SHEAVE, SPEED, RISE = (
-    Missed("max_tension", "largest tension at boom tip, side of winch, at 1.4 s", 1.0, 0.35),
-    Missed("max_sheave_load", "largest force on a sheave (tip)", 1.0, 0.345),
-    Missed("bit_speed_min", "least bit speed (bit)", -1.0, 0.05),
-    Missed("rise", "rise", 1.0, math.inf),
+TENSION, SHEAVE, SPEED = (
+    Missed("max_tension", "largest tension at boom tip, side of winch, at 1.4 s", "N", 1e3, 1.35e3, 1.0, 0.35),
+    Missed("max_sheave_load", "largest force on a sheave (tip)", "N", 2e3, 2.69e3, 1.0, 0.345),
+    Missed("bit_speed_min", "least bit speed (bit)", "m/s", 1.0, 0.95, -1.0, 0.05),
 )
+RISE = Missed("rise", "rise", "m", 0.0, 0.25, 1.0, math.inf)
+PRESSED = Missed("axial_force_min", "smallest axial force", "N", 2e-3, -0.271, -1.0, 136.5)
 
 
 def test_one_figure_of_each_cause_is_named_and_the_others_are_counted():
@@ -154,10 +155,12 @@ def test_one_figure_of_each_cause_is_named_and_the_others_are_counted():
     assert "1 more figure differs by as much or less" in told and told.endswith("such as 7.15 ms")
 
 
-def test_a_figure_that_reads_0_in_the_frames_is_told_without_a_share():
-    rise = BetweenFrames(2.0, 0.2, (RISE,))
-    assert "the rise is not 0" in rise.warned() and rise.record()["figures"][0]["share"] is None
-    assert "2 s apart" in rise.warned() and "every 0.2 s" in rise.warned()
+def test_a_figure_that_is_far_off_or_of_another_sign_is_told_by_its_values():
+    told = BetweenFrames(2.0, 0.2, (RISE, PRESSED))
+    assert "the rise is about 0.25 m, and 0 m in the run" in told.warned()
+    assert "the smallest axial force is about -0.271 N, and 0.002 N in the run" in told.warned()
+    assert [one["share"] for one in told.record()["figures"]] == [None, 136.5]
+    assert "2 s apart" in told.warned() and "every 0.2 s" in told.warned()
 
 
 def test_of_a_cable_the_cure_names_what_its_file_has_for_frames():

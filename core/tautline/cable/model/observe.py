@@ -18,13 +18,13 @@ from tautline.kernels.hermite import FIRST, SECOND, THIRD, table
 from tautline.results.variable import Variable, at_start, late_start
 
 FIGURES = {"axial_force_max": "N", "axial_force_min": "N", "displacement_max": "m", "speed_max": "m/s"}
-EXTREMES = {"axial_force_max|displacement_max|speed_max": "largest", "axial_force_min": "smallest"}
-"""Those that are extremes over the frames."""
 """Figures of a run and their units, of which a scene may set limits."""
 GAP = {"tie_gap_max": "m"}
 """The same of a scene with penalty springs between r or p."""
 ANGLE = {"tie_angle_max": "rad"}
 """The same of a scene with penalty springs between slopes."""
+EXTREMES = {"(axial_force|displacement|speed|tie_gap|tie_angle)_max": "largest", "axial_force_min": "smallest"}
+"""Those that are extremes over the frames, and of which kind."""
 FRAMES = 256
 """Whose gaps are found at once: of all together they would take as much memory as the variable itself."""
 SLOPES = WORDS[2]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import threading
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
@@ -36,8 +37,12 @@ def collected_rarely(rates: tuple[int, int, int] = RARELY) -> Iterator[None]:
 
 
 def collected_for_compiling() -> AbstractContextManager[None]:
-    """Collect even less inside, where garbage is collected rarely: elsewhere the search is the user's."""
-    return collected_rarely(COMPILING) if gc.get_threshold()[0] >= RARELY[0] else nullcontext()
+    """Collect even less inside, where garbage is collected rarely: elsewhere the search is the user's.
+
+    Only the main thread does so: what threads set beside one another would not be set back.
+    """
+    alone = threading.current_thread() is threading.main_thread()
+    return collected_rarely(COMPILING) if alone and gc.get_threshold()[0] >= RARELY[0] else nullcontext()
 
 
 def left_at_exit() -> None:

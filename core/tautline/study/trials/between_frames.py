@@ -57,15 +57,20 @@ class Missed(NamedTuple):
 
     Attributes
     ----------
-    name, text : str
+    name, text, unit : str
+    shown, finer : float
+        Its value of the run that is judged, and over all frames of the other one, SI.
     way : float
         1 of a largest value and -1 of a smallest.
     share : float
-        By how much it is passed, over itself; infinite where the frames read 0.
+        By how much frames as far apart as those of the run miss it, over what they show; infinite where that is 0.
     """
 
     name: str
     text: str
+    unit: str
+    shown: float
+    finer: float
     way: float
     share: float
 
@@ -73,8 +78,10 @@ class Missed(NamedTuple):
     def said(self) -> str:
         """The figure and what finer frames make of it: ``the largest tension is about 12 % larger``."""
         what = f"the {re.split(', | [(]', self.text)[0]}"
-        if not math.isfinite(self.share):
-            return f"{what} is not 0"
+        if self.share > 1.0:
+            # Of what is far off, or of another sign, no share tells anything.
+            finer, shown = (quantity(float(f"{x:.3g}"), self.unit) for x in (self.finer, self.shown))
+            return f"{what} is about {finer}, and {shown} in the run"
         return f"{what} is about {in_percent(self.share)} {'larger' if self.way > 0.0 else 'smaller'}"
 
 
@@ -126,8 +133,9 @@ class BetweenFrames:
 
     def record(self) -> dict[str, Any]:
         """The attribute of a result: what this holds, SI; the share of a figure that reads 0 is None."""
+        kept = ("name", "text", "unit", "shown", "finer")
         figures = [
-            {"name": one.name, "text": one.text, "share": one.share if math.isfinite(one.share) else None}
+            {key: getattr(one, key) for key in kept} | {"share": one.share if math.isfinite(one.share) else None}
             for one in self.figures
         ]
         return {"interval": self.interval, "finer": self.finer, "figures": figures, "limits": list(self.limits)}
@@ -181,7 +189,7 @@ def between_frames(model: Model, judged: Result, fine: Result) -> BetweenFrames:
         The run, and the other one, which has frames at the run's times and between them.
     """
     places = _places(fine, judged.time)
-    interval, finer = (float(np.median(np.diff(time))) for time in (judged.time, fine.time))
+    interval, finer = (float(f"{np.median(np.diff(result.time)):.9g}") for result in (judged, fine))
     seen, shown = _figures(model, fine), _figures(model, judged)
     figures = _missed(model, fine, places, seen, shown)
     limits = _broken(model, judged, shown, fine, seen, places)
@@ -229,7 +237,7 @@ def _missed(model: Model, fine: Result, places: np.ndarray, seen: Figures, shown
         if chance:
             share = min(share, _share(way, whole, own))
         if share > TOLD and abs(whole - here) + abs(whole - own) > NOTHING * _largest(seen, str(figure["unit"])):
-            found.append(Missed(name, str(figure["text"]), way, share))
+            found.append(Missed(name, str(figure["text"]), str(figure["unit"]), own, whole, way, share))
     return found
 
 
