@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, rate_at, stiffness_of, torque_at, torque_at_rest, weight_at
-from drillstring.drilling.chatter import chatter_told
+from drillstring.drilling.chatter import chatter_told, slowed_told
 from drillstring.drilling.end_groups import BLOCK, ROTATION
 from drillstring.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
@@ -485,6 +485,8 @@ def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """An explicit step that is too long for the torque of a bit at rest, which rises with its speed."""
     step = step_taken(scene.solver, scene.output.interval)
     for text in chatter_told(scene, ready.lumps, step):
+        yield "bit.slip_speed", text
+    if text := slowed_told(scene, ready.lumps):
         yield "bit.slip_speed", text
 
 

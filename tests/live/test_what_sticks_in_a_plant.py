@@ -93,6 +93,17 @@ def test_a_brake_that_is_open_before_the_first_step_holds_nothing_in_a_plant():
     assert np.allclose(plant.response(0.05), free.response(0.05), rtol=1e-9)
 
 
+def test_a_brake_that_is_too_weak_at_rest_slips_in_a_plant_as_in_the_first_step():
+    """It holds 12 kN of 49 kN."""
+    motor = {"torque": 0.0, "inertia": 300.0, "brake": {"torque": "60 kN m", "closed": 0.1}}
+    plant, said = plant_of(tautline.Simulation(lift(motor)), ["winch.torque"], [LOAD])
+    later = tautline.Simulation(lift(motor))
+    later.advance_to(0.01)
+    assert plant.stuck == () and not said
+    behind, _ = plant_of(later, ["winch.torque"], [LOAD])
+    assert np.allclose(plant.response(0.5), behind.response(0.5), rtol=1e-2, atol=1e-9)
+
+
 def test_a_drum_that_its_brake_holds_is_named_with_the_pull_at_which_it_slips():
     scene = lift({"torque": "26 kN m", "inertia": 300.0, "brake": {"torque": "60 kN m", "closed": 0.5}})
     plant, said = plant_of(tautline.Simulation(scene))

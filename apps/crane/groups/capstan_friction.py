@@ -43,6 +43,8 @@ from tautline.kernels.time_function import TimeFunctions, evaluate, sample_all
 
 CAPSTAN, EFFICIENCY, BEARING, TORQUE = range(4)
 NONE = -1
+SPENT = 1.0 - 1.0e-9
+"""Share of its limit from which what holds a rope holds all that it can."""
 LAST_DIGITS = 32.0 * float(np.finfo(float).eps)
 """Share of u that is the rounding of a few of its changes."""
 SLIP = np.dtype(
@@ -221,10 +223,10 @@ def _trial(g, i, t, q, v):
         return g.slid[i] * limit.most, g.slid[i], limit
     force = g.force[i] + row.stiffness * _travel_since_step(g, i, q, v)
     limit = _limit(g, i, t, force)
-    if g.held[0] == 1 and limit.most <= 0.0:
-        # An open brake, and a sheave without friction, hold nothing: in a step they slip as soon as anything moves.
-        return 0.0, 1, limit
-    if abs(force) <= limit.most:
+    # What was at its limit already slips as soon as anything moves: an open brake, one too weak, a sheave without
+    # friction. Rest is found with as much as they hold, and no step has been taken that could tell.
+    at_limit = g.held[0] == 1 and abs(force) >= SPENT * limit.most
+    if abs(force) <= limit.most and not at_limit:
         return force, 0, limit
     return (limit.most, 1, limit) if force > 0.0 else (-limit.most, -1, limit)
 
@@ -415,9 +417,11 @@ def _sticks(g: Slips, t: float) -> list[Stuck]:
     """The contacts that stick; what holds one drum, its brake and its friction, counts as one."""
     most: dict[tuple[int, int], float] = {}
     for i in map(int, np.flatnonzero(g.slid == 0)):
-        row = g.rows[i]
+        row, here = g.rows[i], most_difference(g, i, t)
+        if row.kind == TORQUE and abs(g.force[i]) >= SPENT * here:
+            continue
         key = int(row.kind), int(row.p if row.p != NONE else row.s)
-        most[key] = most.get(key, 0.0) + most_difference(g, i, t)
+        most[key] = most.get(key, 0.0) + here
     return [Stuck(place, STUCK[kind][0], n, "N", STUCK[kind][1]) for (kind, place), n in most.items() if n > 0.0]
 
 

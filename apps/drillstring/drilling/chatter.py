@@ -17,6 +17,9 @@ from tautline.scene.methods import method_of
 SAFE = 0.8
 """Share of that step that is taken where the step is chosen: weight on the bit may rise above that of the scene."""
 
+MANY = 1.0e6
+"""Steps of a run that take a minute or more."""
+
 
 def calm_step(scene: DrillstringScene, lumps: Lumps) -> float:
     """Longest step, s, at which a bit at rest does not chatter; infinite where it cannot."""
@@ -44,3 +47,15 @@ def chatter_told(scene: DrillstringScene, lumps: Lumps, step: float) -> list[str
         f"a bit at rest chatters at a step of {step:.4g} s, and loses energy: take a step of {calm:.2g} s, a "
         f"slip_speed of {speed:.2g} rad/s, or generalized-alpha, whose bit sticks exactly"
     ]
+
+
+def slowed_told(scene: DrillstringScene, lumps: Lumps) -> str:
+    """A sentence where a chosen step becomes so short by the bit at rest that the run takes long; else empty."""
+    taken = longest_step(scene, lumps, math.inf)
+    steps = scene.solver.end / taken
+    if scene.solver.step != "auto" or steps < MANY:
+        return ""
+    return (
+        f"the bit would chatter at rest with steps longer than {taken:.2g} s, so the run takes {steps:.2g} steps: give "
+        "a larger slip_speed, or take generalized-alpha, whose bit sticks exactly"
+    )

@@ -6,6 +6,7 @@ import numpy as np
 import yaml
 
 import tautline
+from drillstring.warnings import warnings
 
 TEMPLATE = Path(__file__).parents[3] / "data" / "drilling.yaml"
 END = 1.0
@@ -57,3 +58,10 @@ def test_the_result_of_a_simulation_tells_of_the_steps_that_its_advances_made():
     for _ in range(100):
         short.advance(0.001)
     assert not chatters(short.result)
+
+
+def test_a_bit_that_makes_a_chosen_step_so_short_that_the_run_takes_long_is_told_before_it():
+    slow = tautline.read(scene("auto") | {"solver": {"method": "rk4", "step": "auto", "end": 60.0}})
+    assert not [text for text in map(str, warnings(slow)) if "would chatter" in text]
+    (said,) = [text for text in map(str, warnings(slow.replace({"bit.slip_speed": 1e-4}))) if "would chatter" in text]
+    assert "so the run takes" in said and "larger slip_speed" in said
