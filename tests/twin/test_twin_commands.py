@@ -1,5 +1,6 @@
 """The commands ``record`` and ``twin``: what goes in, what comes out, and what they refuse."""
 
+import io
 import json
 import shlex
 import subprocess
@@ -110,6 +111,27 @@ def test_ended_and_resumed_from_its_state_it_answers_the_rows_that_are_left(rehe
     lines = [json.loads(line) for line in out.splitlines()]
     assert lines[0]["time"] == pytest.approx(2.4)
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
+
+
+def test_a_unit_that_was_stated_before_the_twin_was_stopped_holds_when_a_pipe_is_gone_on_with(
+    rehearsal, here, tmp_path, monkeypatch
+):
+    header, *rows = (rehearsal / "r.csv").read_text().splitlines()
+    names = [one.split(" ")[0] for one in header.split(",")]
+    objects = [dict(zip(names, (float(cell) for cell in row.split(",")), strict=True)) for row in rows]
+    for one in objects:
+        one["rope_tension"] *= 1e3
+    objects[0]["units"] = {"rope_tension": "N"}
+    lines = [json.dumps(one) + "\n" for one in objects]
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--json", "--resume", tmp_path / "twin.state"]
+    told = ""
+    for part in (lines[:12], lines[12:20], lines[20:]):
+        monkeypatch.setattr("sys.stdin", io.StringIO("".join(part)))
+        code, out, told = here(*arguments, "--source", "-")
+        assert code == 0, told
+    assert "the unit of rope_tension was N when the state was saved" in " ".join(told.split())
+    last = json.loads(out.splitlines()[-1])
+    assert last["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
 
 
 def test_an_operation_that_is_gone_on_with_keeps_what_its_result_has(rehearsal, here, tmp_path):

@@ -19,6 +19,7 @@ from tautline.results.disk import cure_of
 from tautline.results.errors import ResultError
 from tautline.twin.estimation.horizon import Sample
 from tautline.twin.memory import Memory, memory_of
+from tautline.twin.sources.stated_units import Stated
 from tautline.twin.watch import Watched
 from tautline.whole_file import whole_file
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from tautline.twin.twin import Twin
 
 FORMAT = 5
+CURE = "give the state that a twin of the same scene and map wrote, or remove the file to begin anew"
 WORDS = frozenset({
     "format", "scene", "layout", "times", "unknowns", "channels", "origin", "now", "unsettled", "restarts", "zeros",
     "rows", "tracks", "health", "alarms", "blows_due", "paused",
@@ -54,6 +56,7 @@ def save(twin: Twin, path: Path) -> None:
         "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
         "settling": twin.settling.memory(), "far": readings.far, "heard": twin.heard,
         "stepped": sorted(readings.stepped), "watch": twin.watch.watched(), "mark": twin.mark,
+        "stated": [[*place, names] for place, names in twin.stated.items()],
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
@@ -93,10 +96,9 @@ def load(twin: Twin, path: Path) -> float:
     ResultError
         For what is no state of this scene and this map; the twin is as before then.
     """
-    cure = "give the state that a twin of the same scene and map wrote, or remove the file to begin anew"
-    arrays, words = _read(path, cure)
+    arrays, words = _read(path, CURE)
     mine, blocks = twin.estimate.family.save(), arrays["blocks"]
-    foreign = ResultError(path, "belongs to another scene or another map", cure)
+    foreign = ResultError(path, "belongs to another scene or another map", CURE)
     if len(blocks) != len(mine) or _is_of_another_map(twin, words):
         raise foreign
     try:
@@ -132,6 +134,22 @@ def load(twin: Twin, path: Path) -> float:
         memory.put(twin)
     twin.notes += twin.watch.go_on_from(watched)
     return float(words["now"])
+
+
+def stated_in(path: Path) -> Stated:
+    """Units that were stated to the twin of a state, which a source is to know before it reads anything.
+
+    Raises
+    ------
+    ResultError
+        For what is no state.
+    """
+    return _stated(_read(path, CURE)[1])
+
+
+def _stated(words: dict[str, Any]) -> Stated:
+    """The same of its words; states of earlier versions have none."""
+    return {(column, where): tuple(names) for column, where, names in words.get("stated", [])}
 
 
 def _is_of_another_map(twin: Twin, words: dict[str, Any]) -> bool:
@@ -184,6 +202,7 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     twin.paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
     twin.heard = dict(words.get("heard", {}))
+    twin.stated = _stated(words)
     twin.mark = str(words.get("mark", ""))  # states of earlier versions have none, nor have results beside them
     readings.far, readings.stepped = dict(words.get("far", {})), set(words.get("stepped", []))
     twin.settling.recall(words.get("settling", twin.settling.memory()))

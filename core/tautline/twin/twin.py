@@ -36,6 +36,7 @@ from tautline.twin.signals.readings import Readings
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.rows import LONG_GAP
 from tautline.twin.signals.sensors import Health
+from tautline.twin.sources.stated_units import Stated
 from tautline.twin.watch import Compared, Watch, said
 
 MANY = 5.0
@@ -110,6 +111,7 @@ class Twin:
         self.mark = secrets.token_hex(8)
         self.loss = Loss()
         self.heard: dict[str, Any] = {}  # what was read of a source that is read once more from its begin
+        self.stated: Stated = {}  # units that were stated with readings, and hold until others are
         self.notes = self.estimate.notes  # one list
         self.notes += bare_bounds(self.map, self.plan)
         self.notes += self.operation.doubts(self.plan) if self.operation else []

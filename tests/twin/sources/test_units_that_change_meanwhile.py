@@ -3,6 +3,7 @@
 import asyncio
 import io
 import json
+import math
 import time as clock
 from datetime import UTC, datetime
 
@@ -80,6 +81,107 @@ def test_one_unit_beside_several_columns_does_not_count_and_this_is_told_with_a_
     assert [one.values["a"] for one in all_of(source)] == [10.0] * 3
     (note,) = told(source, "stands beside several columns")
     assert '{"unit": {"a": "..."}}' in note
+
+
+def in_lines(found, **more):
+    """Readings of `a` in lines of JSON, and their source."""
+    text = "".join(json.dumps({"time": k, **one}) + "\n" for k, one in enumerate(found))
+    source = Stream(io.StringIO(text), ["a"], units=UNITS, **more)
+    return [one.values["a"] for one in all_of(source)], source
+
+
+@pytest.mark.parametrize("beside", [{"depth": 2}, {"depth": "2.5"}, {"depth": 2, "seq": 7}])
+def test_one_unit_beside_numbers_that_are_no_columns_does_not_count_and_this_is_told(beside):
+    found, source = in_lines([{"a": 5, **beside, "unit": "m"}, {"a": 5}])
+    assert found == [5.0, 5.0] and len(source.notes) == 1
+    (note,) = told(source, "stands beside several columns")
+    assert '{"unit": {"a": "..."}}' in note
+
+
+def test_quality_status_and_stamp_are_no_numbers_that_a_unit_may_be_of():
+    found, _ = in_lines([{"a": 49e3, "quality": 192, "status": 0, "unit": "N"}])
+    assert found == pytest.approx([49.0])
+
+
+def test_one_unit_in_rows_without_a_column_is_not_told_of():
+    _, source = in_lines([{"depth": 5, "speed": 2, "unit": "m"}])
+    assert source.notes == []
+
+
+def test_a_unit_of_another_quantity_that_nothing_ties_to_a_column_holds_for_its_row_alone():
+    rows = [{"a": 49e3, "unit": "N"}, {"a": 5, "unit": "A"}, {"a": 49e3}, {"a": 5, "unit": "A"}]
+    found, source = in_lines(rows)
+    assert found == pytest.approx([49.0, math.nan, 49.0, math.nan], nan_ok=True)
+    (note,) = told(source, "'A' is a unit of another quantity")
+    assert "holds for readings beside it alone" in note and "give that key another name" in note
+
+
+def test_a_unit_of_another_quantity_that_is_of_a_reading_for_sure_holds_on_and_the_last_is_not_said_to_be_taken(mqtt):
+    sent = [{"value": 5, "unit": "m", "b": 1}, {"value": 5, "b": 1}]
+    assert all(math.isnan(one) for one in readings(mqtt, sent))
+    (note,) = told(mqtt, "given any more")
+    assert note.endswith("its readings count as missing, as m, the last one, is of another quantity")
+
+
+@pytest.mark.parametrize("keys", [("unit", "units"), ("units", "unit")])
+@pytest.mark.parametrize("first", [True, False])
+def test_an_object_of_units_goes_before_one_unit_whatever_their_order(keys, first):
+    one, other = {keys[0]: {"a": "N"}}, {keys[1]: "kip"}
+    found, _ = in_lines([{"a": 49e3} | (one | other if first else other | one)])
+    assert found == pytest.approx([49.0])
+
+
+def test_a_change_is_told_in_one_sentence_that_names_the_column_once():
+    _, source = in_lines([{"a": 1, "unit": one} for one in ("kN", "N", "kN", "quux", "kN")])
+    head = "in the data the unit of a has changed from"
+    assert source.notes == [
+        f"{head} kN to N: its readings are converted to kN",
+        f"{head} N to kN: its readings are in kN, as the map says",
+        f"{head} kN to quux, which is no known unit: its readings are taken in kN",
+    ]
+
+
+def test_blanks_around_a_unit_are_no_change():
+    found, source = in_lines([{"a": 49, "unit": one} for one in ("kN", " kN ", "kN")])
+    assert found == [49.0] * 3 and source.notes == []
+
+
+def test_units_that_change_nothing_are_told_once():
+    found, source = in_lines([{"a": 49, "unit": ("kN", "KN")[k % 2]} for k in range(50)])
+    assert found == [49.0] * 50 and len(source.notes) == 1
+
+
+def test_the_unit_of_the_map_that_is_stated_in_the_first_row_alone_is_not_told_as_missing():
+    found, source = in_lines([{"a": 49, "unit": "kN"}, {"a": 49}, {"a": 49}])
+    assert found == [49.0] * 3 and source.notes == []
+    # Where units have changed, nothing shows that this one was meant.
+    _, source = in_lines([{"a": 49e3, "unit": "N"}, {"a": 49, "unit": "kN"}, {"a": 49}])
+    assert len(told(source, "given any more")) == 1
+
+
+def test_a_stream_that_is_gone_on_with_knows_the_unit_that_was_stated_before_and_tells_it_once():
+    _, first = in_lines([{"a": 49e3, "unit": "N"}, {"a": 49e3}])
+    found, source = in_lines([{"a": 49e3}, {"a": 49e3}, {"a": 49, "unit": "kN"}], stated=first.stated)
+    assert found == pytest.approx([49.0] * 3)
+    before, change = source.notes
+    assert "was N when the state was saved: its readings are converted to kN. This holds until" in before
+    assert "has changed from N to kN" in change
+
+
+def test_units_that_are_kept_are_those_of_the_record_that_was_taken_and_not_of_one_that_waits():
+    rows = [{"time": 0, "a": 1, "unit": "kN"}, {"time": 1, "a": 1}, {"time": 2, "a": 1, "unit": "N"}]
+    source = Stream(io.StringIO("".join(json.dumps(one) + "\n" for one in rows)), ["a"], units=UNITS)
+    found = [(record.time, list(source.stated.values())) for record in iter(lambda: source.poll(5.0), None)]
+    assert found == [(0.0, [("kN",)]), (1.0, [("kN",)]), (2.0, [("N",)])]
+
+
+def test_a_message_knows_the_unit_of_its_topic_from_before(mqtt):
+    readings(mqtt, [{"value": 49e3, "unit": "N"}])
+    again = without_broker(list(UNITS), time="", units=UNITS, stated=mqtt.stated)
+    try:
+        assert readings(again, [{"value": 49e3}]) == pytest.approx([49.0])
+    finally:
+        again.close()
 
 
 # -- OPC UA ------------------------------------------------------------------------------------------------------------

@@ -108,7 +108,7 @@ def twin(
     silence_library_logs()
     with (
         _alone({"--state": given.state, "--account": given.account, "-o": given.output}),
-        closing(_open(application, scene, read, given)) as opened,
+        closing(_open(application, scene, read, given, resume if goes_on else None)) as opened,
     ):
         try:
             made = Twin(scene, read, live=opened.live, account=given.account)
@@ -132,14 +132,19 @@ def twin(
             raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
 
 
-def _open(application: Application, scene: Any, read: TwinMap, given: TwinOptions) -> Any:
-    """The source of a twin's rows; raises SceneError at the map where the fault lies there."""
+def _open(application: Application, scene: Any, read: TwinMap, given: TwinOptions, resume: Path | None) -> Any:
+    """The source of a twin's rows; raises SceneError at the map where the fault lies there.
+
+    It begins to read at once, so that it is told first which units hold.
+    """
     from tautline.twin.sources.opening import open_source
     from tautline.twin.sources.record import NoColumn
+    from tautline.twin.storage import stated_in
 
+    stated = stated_in(resume) if resume is not None else None
     units = {one.column: one.unit for one in read.sensors}
     try:
-        return open_source(given.source, list(units), time=read.time, speed=given.speed, units=units)
+        return open_source(given.source, list(units), time=read.time, speed=given.speed, units=units, stated=stated)
     except SceneError as error:
         _check_map(application, scene, read)
         columns, problems = list(units), []
@@ -434,7 +439,7 @@ class _Loop:
         if self.state is not None and counted:
             # What a live source gave is in no file: there its stamps tell what is new.
             again = self.rereading
-            rows = self.twin.readings.rows
+            rows, self.twin.stated = self.twin.readings.rows, self.source.stated
             self.twin.heard = {} if again is None else again.memory(rows.held, rows.newest)
             self._keep("state", partial(save, self.twin, self.state))
 

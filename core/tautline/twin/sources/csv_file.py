@@ -13,6 +13,7 @@ from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import SEPARATOR_LINE
 from tautline.scene.reading.text import LEGACY
 from tautline.twin.sources.record import Record, SourceStopped
+from tautline.twin.sources.stated_units import Stated
 from tautline.twin.sources.strays import Strays
 from tautline.twin.sources.table.cells import has_end
 from tautline.twin.sources.table.header import Header
@@ -55,6 +56,7 @@ class CsvFile:
         self.ended, self._number, self._whole = False, 0, True
         self.refused = self.left_out = 0
         self.dropped, self.notes = 0, list[str]()
+        self.stated: Stated = {}  # its header comes again
         self._speed, self._now, self._sleep = speed, now, sleep
         try:
             self._file = path.open(encoding="utf-8-sig", errors=LEGACY, newline="")

@@ -16,7 +16,7 @@ from tautline.twin.sources.connection import Connection, cause_of, split_address
 from tautline.twin.sources.objects import SAID_OF, UNIT, VALUE, ObjectReadings, why_no_reading
 from tautline.twin.sources.record import Record, SourceFault
 from tautline.twin.sources.stamps import Stamps
-from tautline.twin.sources.stated_units import Remarks
+from tautline.twin.sources.stated_units import Remarks, Stated
 
 MOST = 10_000
 """Records that may wait; beyond, the oldest is dropped."""
@@ -57,8 +57,9 @@ class Mqtt:
     """
 
     def __init__(
-        self, address: str, columns: Sequence[str], time: str = "", units: Mapping[str, str] | None = None
-    ) -> None:
+        self, address: str, columns: Sequence[str], time: str = "", units: Mapping[str, str] | None = None,
+        stated: Stated | None = None,
+    ) -> None:  # fmt: skip
         parts = split_address(address.replace("#", "%23"), address, "mqtt://localhost:1883/crane/#")
         topic = unquote(parts.path.lstrip("/"))
         if not parts.hostname or not topic:
@@ -77,7 +78,7 @@ class Mqtt:
         self._stamps = Stamps(time, self.notes, columns)
         self._topics: dict[str, str] = {}
         self._remarks = Remarks(self.notes)
-        self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors)
+        self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors, stated)
         self._fault: BaseException | None = None
         self._queue: queue.Queue[Record] = queue.Queue(MOST)
         self._client = paho.Client(paho.CallbackAPIVersion.VERSION2)
@@ -144,7 +145,7 @@ class Mqtt:
             if not self._readings.are_good(found, f"topic {topic}:"):
                 self.left_out += 1
                 return None
-            values |= self._readings.values(found, f"topic {topic}:", column)
+            values |= self._readings.values(found, f"topic {topic}:", key, column)
         elif column in values:
             values[column] = self._readings.number(column, found)
         if why := why_no_reading(found, self._columns, column):
@@ -218,6 +219,11 @@ class Mqtt:
             return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:
             return None
+
+    @property
+    def stated(self) -> Stated:
+        """Units that were stated last: what the broker sends meanwhile is not sent again."""
+        return self._readings.stated
 
     @property
     def waiting(self) -> int:

@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tautline.scene.errors import shorten
+from tautline.scene.reading.columns import NO_UNIT
 from tautline.twin.sources.stamps import Stamps, number_of
-from tautline.twin.sources.stated_units import Remarks, StatedUnits
+from tautline.twin.sources.stated_units import Remarks, Stated, StatedUnits
 
 QUALITY, STATUS, UNIT, VALUE = "quality", "status", ("unit", "units"), "value"
 SAID_OF = (QUALITY, STATUS)
@@ -43,14 +44,22 @@ class ObjectReadings:
         Where sentences for the user go.
     factors : dict of str to float
         Where what readings are multiplied by is kept, by column.
+    stated : dict, optional
+        Units that were stated before.
     """
 
     def __init__(
-        self, columns: Sequence[str], units: Mapping[str, str], notes: list[str], factors: dict[str, float]
-    ) -> None:
+        self, columns: Sequence[str], units: Mapping[str, str], notes: list[str], factors: dict[str, float],
+        stated: Stated | None = None,
+    ) -> None:  # fmt: skip
         self._columns, self._remarks = frozenset(columns), Remarks(notes)
-        self._stated = StatedUnits(units, notes, factors)
+        self._stated = StatedUnits(units, notes, factors, stated)
         self._of_data_access: set[str] = set()  # keys whose numbers are those of OPC DA
+
+    @property
+    def stated(self) -> Stated:
+        """The unit that was stated last, by column and by who states it."""
+        return self._stated.stated
 
     def number(self, column: str, value: Any) -> float:
         """A reading; NaN for what is no number, and for a text with a comma: that may be a mark of thousands."""
@@ -70,34 +79,57 @@ class ObjectReadings:
             return stamps.read(key, value) if math.isnan(number_of(value)) else math.nan
         return stamps.read(key, value)
 
-    def values(self, found: Mapping[str, Any], where: str, column: str = "") -> dict[str, float]:
-        """Readings of an object in the map's units, by column; that of `column`, its topic, may stand under `value`."""
+    def values(self, found: Mapping[str, Any], where: str, stamp: str | None, column: str = "") -> dict[str, float]:
+        """Readings of an object in the map's units, by column; that of `column`, its topic, may stand under `value`.
+
+        `stamp` is the key of its time.
+        """
         given = {column: found[VALUE]} if column in self._columns and VALUE in found else {}
-        stated = self._units_of(found, column if given else "", where)
+        stated, sure = self._units_of(found, column if given else "", where, stamp)
         given |= {name: found[name] for name in self._columns if name in found}
         return {
-            name: self.number(name, value) * self._stated.factor(name, [stated[name]] if name in stated else [], where)
+            name: self.number(name, value)
+            * self._stated.factor(name, [stated[name]] if name in stated else [], where, sure)
             for name, value in given.items()
         }
 
-    def _units_of(self, found: Mapping[str, Any], column: str, where: str) -> dict[str, str]:
-        """Units that an object states, by column: one for its only reading, or an object of them.
+    def _units_of(
+        self, found: Mapping[str, Any], column: str, where: str, stamp: str | None
+    ) -> tuple[dict[str, str], bool]:
+        """Units that an object states, by column, and whether they are of these columns for sure.
 
-        `column` is the one whose reading stands under `value`, and the unit beside it.
+        An object of units goes before one unit. That is of the reading that stands under `value`, the one of `column`,
+        or else of the only number.
         """
-        key = next((one for one in found if one in UNIT and one not in self._columns), None)
-        if key is None:
-            return {}
-        if isinstance(found[key], Mapping):
-            return {name: text for name, text in found[key].items() if isinstance(text, str)}
-        names = [column] if column else [name for name in found if name in self._columns]
-        if isinstance(found[key], str) and len(names) > 1:
+        said = {key: found[key] for key in found if key in UNIT and key not in self._columns}
+        for one in said.values():
+            if isinstance(one, Mapping):
+                return {name: text for name, text in one.items() if isinstance(text, str)}, True
+        texts = [(key, one) for key, one in said.items() if isinstance(one, str) and one.strip() not in NO_UNIT]
+        if not texts:
+            return {}, True
+        key, text = texts[0]
+        if column:
+            return {column: text}, True
+        names = self._numbers(found, stamp)
+        ours = [name for name in names if name in self._columns]
+        if ours and len(names) > 1:
             self._remarks.tell(
                 f"{where} {key}",
-                f"{where} the {key} {shorten(found[key])} stands beside several columns, and nothing shows of which it "
-                f'is: it does not count. Send an object, such as {{"{key}": {{"{names[0]}": "..."}}}}',
+                f"{where} the {key} {shorten(text)} stands beside several columns, and nothing shows of which it "
+                f'is: it does not count. Send an object, such as {{"{key}": {{"{ours[0]}": "..."}}}}',
             )
-        return {names[0]: found[key]} if isinstance(found[key], str) and len(names) == 1 else {}
+            return {}, True
+        return {name: text for name in ours}, False
+
+    def _numbers(self, found: Mapping[str, Any], stamp: str | None) -> list[str]:
+        """Keys of an object that a unit beside them may be of: columns, and whatever else is a number but its stamp."""
+        own = {stamp, *UNIT}
+        return [
+            key
+            for key, value in found.items()
+            if key in self._columns or not (key in own or key.lower() in SAID_OF or math.isnan(number_of(value)))
+        ]
 
     def are_good(self, found: Mapping[str, Any], where: str) -> bool:
         """Whether an object calls its readings good, or says nothing of that."""

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from tautline.errors import TautlineError
 from tautline.scene.errors import Problem, SceneError
+from tautline.twin.sources.stated_units import Stated
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +69,9 @@ class Source(Protocol):
         Records that were let go because they came faster than they were taken.
     factors : dict of str to float
         What readings are multiplied by, by column, to be in the map's unit, where the source gives another one.
+    stated : dict
+        Units that were stated with readings, up to the record that was given last, and that hold until others are: by
+        column and by who states them. Empty where they come anew when an operation is gone on with.
     waiting : int
         Records that have come and were not taken yet.
     notes : list of str
@@ -83,6 +87,10 @@ class Source(Protocol):
     dropped: int
     factors: dict[str, float]
     notes: list[str]
+
+    @property
+    def stated(self) -> Stated:
+        """Units that hold until others are stated."""
 
     @property
     def waiting(self) -> int:

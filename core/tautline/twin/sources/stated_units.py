@@ -16,6 +16,10 @@ from tautline.twin.sources.reading_units import OtherQuantity, factor_stated
 CHANGES = 20
 """Changes of the unit of a column that are told: where two senders take turns, each row would be one."""
 
+Place = tuple[str, str]
+"""A column, and who states units of it."""
+Stated = dict[Place, tuple[str, ...]]
+
 
 class Remarks:
     """Sentences that are told once each.
@@ -47,18 +51,40 @@ class StatedUnits:
         Where sentences for the user go.
     factors : dict of str to float
         Where what readings are multiplied by is kept, by column.
+    before : dict, optional
+        `stated` of an earlier process, which holds until a unit is stated.
+
+    Attributes
+    ----------
+    stated : dict
+        The unit that was stated last, and other names of it, by column and by who states it: a unit of another machine,
+        whose readings are left out, is none of this one. A new one at each change: other threads may keep it.
     """
 
-    def __init__(self, asked: Mapping[str, str], notes: list[str], factors: dict[str, float]) -> None:
+    def __init__(
+        self, asked: Mapping[str, str], notes: list[str], factors: dict[str, float], before: Stated | None = None
+    ) -> None:
         self._asked, self._notes, self._factors = asked, notes, factors
         self._remarks = Remarks(notes)
-        # By column and by who states it: a unit of another machine, whose readings are left out, is none of this one.
-        self._stated: dict[tuple[str, str], str] = {}
-        self._scales: dict[tuple[str, str], float] = {}
-        self._changes: dict[tuple[str, str], int] = {}
-        self._silent: set[tuple[str, str]] = set()
+        self.stated: Stated = dict(before or {})
+        self._scales: dict[Place, float] = {}
+        self._changes: dict[Place, int] = {}
+        self._alike: set[tuple[Place, frozenset[str]]] = set()  # pairs of units with one factor that were told
+        self._silent: set[Place] = set()
+        for place, names in self.stated.items():
+            self._go_on(place, names)
 
-    def factor(self, column: str, units: Sequence[str], where: str) -> float:
+    def _go_on(self, place: Place, names: Sequence[str]) -> None:
+        """Take a unit that an earlier process has heard."""
+        column, where = place
+        factor, then = meaning(names, self._asked.get(column))
+        self._hold(place, factor)
+        self._silent.add(place)
+        if then:
+            text = f"{where} the unit of {column} was {shorten(names[0])} when the state was saved{then}"
+            self._notes.append(f"{text}. This holds until a unit is stated")
+
+    def factor(self, column: str, units: Sequence[str], where: str, sure: bool = True) -> float:
         """What a reading is multiplied by to be in the map's unit; NaN for one of another quantity.
 
         Parameters
@@ -67,40 +93,67 @@ class StatedUnits:
             The unit that is stated, and other names of it; where there is none, the last one holds.
         where : str
             Who states it, for messages.
+        sure : bool
+            Whether it is that of this column for sure. If not, one of another quantity holds for this reading alone: it
+            may be no unit of it, or none at all.
         """
-        given = [one for one in units if one.strip() not in NO_UNIT]
-        place = column, where
+        given, place = _given(units), (column, where)
         if not given:
             return self._last(column, where)
-        self._silent.discard(place)
-        if self._stated.get(place) != given[0]:
+        if place not in self.stated or self.stated[place][0] != given[0]:
+            if not sure and math.isnan(meaning(given, self._asked.get(column))[0]):
+                return self._pass_over(column, given, where)
             self._take(column, given, where)
+        self._silent.discard(place)
         return self._scales[place]
 
+    def _pass_over(self, column: str, given: Sequence[str], where: str) -> float:
+        """Tell once of a unit of another quantity that is not of this column for sure; NaN."""
+        unit, (factor, then) = shorten(given[0]), meaning(given, self._asked.get(column))
+        why = f"This holds for readings beside it alone. If {unit} is no unit of {column}, give that key another name"
+        self._remarks.tell(f"beside {column} {given[0]}", f"{where} the unit of {column} is {unit}{then}. {why}")
+        return factor
+
     def _last(self, column: str, where: str) -> float:
-        """The factor of the unit that was stated last, which is told once until one is stated again; 1 without any."""
+        """The factor of the unit that was stated last, 1 without any; told once until one is stated again.
+
+        A logger that states the map's unit at its begin alone has nothing that could be mistaken.
+        """
         place = column, where
-        if place in self._stated and place not in self._silent:
+        factor = self._scales.get(place, 1.0)
+        if place in self.stated and place not in self._silent:
             self._silent.add(place)
-            last = shorten(self._stated[place])
-            text = f"{where} no unit of {column} is given any more: its readings are taken in {last}, the last one"
-            self._tell(place, text)
-        return self._scales.get(place, 1.0)
+            last = shorten(self.stated[place][0])
+            then = f"its readings are taken in {last}, the last one"
+            if math.isnan(factor):
+                then = f"its readings count as missing, as {last}, the last one, is of another quantity"
+            if factor != 1.0 or place in self._changes:
+                self._tell(place, f"{where} no unit of {column} is given any more: {then}")
+        return factor
 
     def _take(self, column: str, given: Sequence[str], where: str) -> None:
         """Take a unit that is another one than before, and tell it as a change."""
-        place, told = (column, where), list[str]()
-        before, self._stated[place] = self._stated.get(place), given[0]
-        factor = factor_told(column, given, self._asked.get(column), where, Remarks(told) if before else self._remarks)
-        self._scales[place] = factor
-        self._factors[column] = factor if math.isfinite(factor) else 1.0
-        if before is not None:
-            asked = self._asked.get(column)
-            then = told or ([f"its readings are in {asked}, as the map says"] if asked else [])
-            changed = f"{where} the unit of {column} has changed from {shorten(before)} to {shorten(given[0])}"
-            self._tell(place, f"{changed}. {'. '.join(then)}" if then else changed)
+        place, asked = (column, where), self._asked.get(column)
+        before = self.stated.get(place)
+        self.stated = {**self.stated, place: tuple(given)}
+        if before is None:
+            self._hold(place, factor_told(column, given, asked, where, self._remarks))
+            return
+        factor, then = meaning(given, asked)
+        then = then or (f": its readings are in {asked}, as the map says" if asked else "")
+        pair = place, frozenset((before[0], given[0]))
+        if factor != self._scales[place] or pair not in self._alike:
+            names = f"from {shorten(before[0])} to {shorten(given[0])}"
+            self._tell(place, f"{where} the unit of {column} has changed {names}{then}")
+        if factor == self._scales[place]:
+            self._alike.add(pair)
+        self._hold(place, factor)
 
-    def _tell(self, place: tuple[str, str], text: str) -> None:
+    def _hold(self, place: Place, factor: float) -> None:
+        self._scales[place] = factor
+        self._factors[place[0]] = factor if math.isfinite(factor) else 1.0
+
+    def _tell(self, place: Place, text: str) -> None:
         """Tell of a change; of a unit that changes with every other reading no more than some times."""
         count = self._changes[place] = self._changes.get(place, 0) + 1
         if count < CHANGES:
@@ -114,10 +167,8 @@ def factor_told(column: str, units: Sequence[str], asked: str | None, where: str
 
     Parameters
     ----------
-    units : sequence of str
-        The unit that is given, and other names of it.
-    asked : str or None
-        The map's unit, empty for none; None where nothing is asked for.
+    units, asked
+        As those of `meaning`.
     where : str
         Who gives it, for messages.
 
@@ -126,25 +177,49 @@ def factor_told(column: str, units: Sequence[str], asked: str | None, where: str
     float
         1 for a unit that nobody knows, NaN for one of another quantity.
     """
-    given = [one for one in units if one.strip() not in NO_UNIT]
+    factor, then = meaning(units, asked)
+    if then:
+        unit = _given(units)[0]
+        remarks.tell(f"unit of {column} {unit}", f"{where} the unit of {column} is {shorten(unit)}{then}")
+    return factor
+
+
+def meaning(units: Sequence[str], asked: str | None) -> tuple[float, str]:
+    """What a unit makes of readings.
+
+    Parameters
+    ----------
+    units : sequence of str
+        The unit that is given, and other names of it.
+    asked : str or None
+        The map's unit, empty for none; None where nothing is asked for.
+
+    Returns
+    -------
+    factor : float
+        What they are multiplied by to be in the map's unit; 1 for a unit that nobody knows, NaN for one of another
+        quantity.
+    then : str
+        What is said of that, to go on with behind the name of the unit; empty where readings stay as they are.
+    """
+    given = _given(units)
     if not given or asked is None:
-        return 1.0
-    what = f"{where} the unit of {column} is {shorten(given[0])}"
+        return 1.0, ""
     try:
         found = _first_factor(given, asked)
     except OtherQuantity as error:
         cure = "So there is no reading of it. Correct `unit` of this column in the map, or the unit at its source"
-        remarks.tell(f"unit of {column} {given[0]}", f"{what}, and the map says {asked}. '{given[0]}' {error}. {cure}")
-        return math.nan
+        return math.nan, f", and the map says {asked}. '{given[0]}' {error}. {cure}"
     if found is None:
         why = "which is no known unit" if asked else "and the map gives no unit"
-        taken = asked or "SI units"
-        remarks.tell(f"unit of {column} {given[0]}", f"{what}, {why}: its readings are taken in {taken}")
-        return 1.0
+        return 1.0, f", {why}: its readings are taken in {asked or 'SI units'}"
     factor, meant = found
-    if factor != 1.0 or meant:
-        remarks.tell(f"unit of {column} {given[0]}", f"{what}: its readings are converted to {asked}{meant}")
-    return factor
+    return factor, f": its readings are converted to {asked}{meant}" if factor != 1.0 or meant else ""
+
+
+def _given(units: Sequence[str]) -> list[str]:
+    """Names that say something, without blanks around them."""
+    return [one.strip() for one in units if one.strip() not in NO_UNIT]
 
 
 def _first_factor(units: Sequence[str], asked: str) -> tuple[float, str] | None:

@@ -15,6 +15,7 @@ from tautline.scene.reading.columns import SEPARATOR_LINE
 from tautline.twin.sources.objects import ObjectReadings
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps
+from tautline.twin.sources.stated_units import Stated
 from tautline.twin.sources.strays import Strays
 from tautline.twin.sources.table.cells import has_end
 from tautline.twin.sources.table.header import Header
@@ -37,23 +38,26 @@ class Stream:
         The column of the stamp; empty for the usual names.
     units : mapping, optional
         Units by column that the readings are wanted in; those of a header are converted.
+    stated : dict, optional
+        Units that an earlier process has heard.
     """
 
     def __init__(
         self, file: IO[str], columns: Sequence[str], time: str = "", name: str = "standard input",
-        units: Mapping[str, str] | None = None,
+        units: Mapping[str, str] | None = None, stated: Stated | None = None,
     ) -> None:  # fmt: skip
         self.name, self.live, self.again, self.ended = name, True, False, False
         self.refused, self.left_out, self.last, self._number = 0, 0, "", 0
         self.dropped, self.notes = 0, list[str]()
         self.factors: dict[str, float] = {}
         self._file, self._columns, self._time, self._units = file, list(columns), time, units
-        self._queue: queue.Queue[Record | Header | SceneError | SourceStopped | None] = queue.Queue(MOST)
+        self._queue: queue.Queue[Record | Header | Stated | SceneError | SourceStopped | None] = queue.Queue(MOST)
         self._header: Header | None = None
         self._lines: Lines | None = None
         self._objects, self._strays = False, Strays(name, self.notes)
         self._stamps = Stamps(time, self.notes, columns)
-        self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors)
+        self._readings = ObjectReadings(columns, units or {}, self.notes, self.factors, stated)
+        self.stated = self._readings.stated
         threading.Thread(target=self._listen, daemon=True, name="tautline source").start()
 
     def _listen(self) -> None:
@@ -89,7 +93,10 @@ class Stream:
         row: Row | None
         if self._objects or (self._lines is None and line.lstrip().startswith("{")):
             self._objects, whole = True, True  # half an object is none
+            before = self._readings.stated
             row = read_object(line, self._columns, self._stamps, self._readings)
+            if self._readings.stated is not before:
+                self._queue.put(self._readings.stated)  # before the records that it holds for
         elif self._lines is None and SEPARATOR_LINE.fullmatch(line):
             return  # of a spreadsheet
         elif self._lines is None:
@@ -138,6 +145,9 @@ class Stream:
         if isinstance(found, Header):
             self.factors |= found.factors
             return self.poll(timeout)
+        if isinstance(found, dict):
+            self.stated = found
+            return self.poll(timeout)
         if isinstance(found, (SceneError, SourceStopped)):
             self.ended = True
             raise found
@@ -179,5 +189,5 @@ def read_object(
     stamp = stamps.column([str(key) for key in found])
     values = dict.fromkeys(columns, math.nan)
     if readings.are_good(found, WHERE):
-        values |= readings.values(found, WHERE)
+        values |= readings.values(found, WHERE, stamp)
     return readings.stamp(stamps, stamp, found[stamp]) if stamp is not None else float("nan"), values

@@ -32,7 +32,7 @@ from tautline.twin.sources.opc_ua.nodes import (
     variables_of,
 )
 from tautline.twin.sources.record import Record, SourceFault
-from tautline.twin.sources.stated_units import Remarks, StatedUnits
+from tautline.twin.sources.stated_units import Remarks, Stated, StatedUnits
 
 MOST = 100_000
 PORT = 4840
@@ -99,6 +99,7 @@ class OpcUa:
         self.refused = self.left_out = 0
         self.dropped, self.notes = 0, list[str]()
         self.factors: dict[str, float] = {}
+        self.stated: Stated = {}  # a server is asked for its units at each connection
         self.missing: list[str] = []
         self._told: set[str] = set()
         self._units, self._remarks = units or {}, Remarks(self.notes)
