@@ -103,6 +103,28 @@ def test_each_alarm_has_a_bar_by_its_name_for_as_long_as_it_stood_and_one_in_dou
     assert [text.get_text() for text in lower.get_yticklabels()] == ["good", "degraded", "lost"]
 
 
+def test_an_alarm_that_was_not_watched_at_first_is_blank_there_and_all_keep_their_names():
+    upper, _ = with_states([[0, -1], [2, -1], [0, 2], [0, 2]], ["overload", "added"]).plot.alarms().axes
+    assert [text.get_text() for text in upper.get_yticklabels()] == ["overload", "added"]
+    spans = sorted(
+        (path.vertices[:, 0].min(), path.vertices[:, 0].max()) for one in upper.collections for path in one.get_paths()
+    )
+    assert spans == [(1.0, 2.0), (2.0, 3.0)]
+
+
+def test_alarms_that_changed_places_in_the_map_keep_their_names():
+    """No row is unknown as a whole, though each alarm was not watched at some."""
+    upper, _ = with_states([[2, -1], [2, -1], [-1, 0], [-1, 2]], ["before", "after"]).plot.alarms().axes
+    assert [text.get_text() for text in upper.get_yticklabels()] == ["before", "after"]
+
+
+def test_with_rows_of_which_no_alarm_is_known_the_figure_counts():
+    result = with_states([[-1, -1], [-1, -1], [0, 2], [1, 2]], ["overload", "slack"])
+    upper, _ = result.plot.alarms().axes
+    assert upper.get_ylabel() == "alarms [–]"
+    assert list(upper.lines[0].get_ydata()) == [0.0, 0.0, 1.0, 2.0]
+
+
 def test_where_no_alarm_came_the_figure_says_so():
     upper, _ = with_states([[0], [0], [0], [0]], ["overload"]).plot.alarms().axes
     assert [text.get_text() for text in upper.texts] == ["no alarm"]

@@ -83,6 +83,35 @@ def test_what_a_result_has_more_than_the_map_asks_for_is_not_dropped(twin, tmp_p
     assert "payload.position" in Result.read(path).variables
 
 
+ALARMED = MAP + "watch:\n  - {output: winch.tension, above: 10 kN, name: %s}\n"
+
+
+def test_what_was_stored_of_an_alarm_stays_when_it_is_renamed_taken_out_and_put_back(twin, tmp_path):
+    state, path = tmp_path / "s.st", tmp_path / "own.nc"
+    maps = (ALARMED % "heavy", ALARMED % "loaded", MAP, ALARMED % "heavy")
+    states = {}
+    for k, text in enumerate(maps):
+        (tmp_path / "map.yaml").write_text(text)
+        begun = ("--resume", state) if k else ()
+        code, told = twin(4 * k, 4 * k + 4, *begun, "--state", state, "-o", path)
+        assert code == 0, told
+        result = Result.read(path)
+        names = [str(name) for name in result["alarm"]]
+        assert len(set(names)) == len(names)
+        rows = np.asarray(result["alarm_state"]).reshape(-1, len(names))
+        kept = {name: list(rows[:, names.index(name)]) for name in ("heavy", "loaded") if name in names}
+        for name, before in states.items():
+            assert kept[name][: len(before)] == before, f"{name} after {text}"
+        states = kept
+    time = np.asarray(result["time"])
+    heavy, loaded = (np.array(states[name]) for name in ("heavy", "loaded"))
+    assert np.array_equal(heavy >= 0, (time < 4.0) | (time >= 12.0))
+    assert np.array_equal(loaded >= 0, (time >= 4.0) & (time < 8.0))
+    assert (heavy[time < 4.0] > 0).any() and (loaded > 0).any() and (heavy[time >= 12.0] > 0).any()
+    upper, _ = result.plot.alarms().axes
+    assert {"heavy", "loaded"} <= {text.get_text() for text in upper.get_yticklabels()}
+
+
 def test_a_twin_that_is_killed_as_soon_as_it_has_a_result_goes_on_from_the_state_beside_it(twin, tmp_path, monkeypatch):
     """What a kill leaves is what the files are at that moment."""
     (left := tmp_path / "left").mkdir()

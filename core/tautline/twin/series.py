@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,8 +24,9 @@ BATCH = 200
 """Lines that are written at a time."""
 STATES, ALARM = "alarm_state", "alarm"
 """Variable of the state of each alarm, and its dimension, of which the names are the coordinate."""
-NOT_STORED, OFF, IN_DOUBT, CERTAIN = -1, 0, 1, 2
-"""States of an alarm; the first is that of rows which an earlier version of the program has stored."""
+NOT_WATCHED, OFF, IN_DOUBT, CERTAIN = -1, 0, 1, 2
+"""States of an alarm; the first is that of rows at which it was not watched, or of which an earlier version of the
+program has stored none."""
 
 
 class Series:
@@ -87,9 +88,14 @@ class Series:
         add("alarms", "", "number of alarms", lambda line: len(line["alarms"]))
         add("health", "", "0 good, 1 degraded, 2 lost", lambda line: HEALTHS.index(line["health"]))
         add("lag", "s", "time of a line behind the newest sample", lambda line: line["lag"])
-        self._alarms = twin.watch.names()
+        self._watched = list(twin.watch.names())
+        earlier: dict[str, np.ndarray] | None = None
+        former: list[str] = []
+        if begin is not None and path.exists():
+            earlier, former = self._earlier(path, begin, twin.mark)
+        self._alarms = [*self._watched, *former]
         coordinates[ALARM] = np.array(self._alarms, object).astype(str)
-        text = "state of each alarm: 0 off, 1 in doubt, 2 certain, -1 not stored"
+        text = "state of each alarm: 0 off, 1 in doubt, 2 certain, -1 not watched"
         variables.append(Variable(STATES, ("time", ALARM), "", text))
         document = getattr(twin.scene, "document", None)
         attributes = {
@@ -98,15 +104,17 @@ class Series:
             "operation": twin.mark,
             "printed_in": getattr(twin.scene, "units", "si"),
         }  # fmt: skip
-        earlier = None if begin is None or not path.exists() else self._earlier(path, begin, twin.mark)
         self._store = Store(path, variables, coordinates, attributes, resumable=False)
         self._lines: list[Mapping[str, Any]] = []
         self.behind = False
         if earlier is not None:
             self._store.append(earlier)
 
-    def _earlier(self, path: Path, begin: float, mark: str) -> dict[str, np.ndarray]:
-        """Frames of the operation so far, up to a time; refuses a file of which anything would be lost by that."""
+    def _earlier(self, path: Path, begin: float, mark: str) -> tuple[dict[str, np.ndarray], list[str]]:
+        """Frames of the operation so far, up to a time, and names of alarms that are watched no more.
+
+        Refuses a file of which anything would be lost by going on with it.
+        """
         result = Result.read(path)
         names = {name for name, one in result.variables.items() if "time" in one.dims}
         wanted = {"time", *self._columns}
@@ -126,22 +134,13 @@ class Series:
             cause = f"begins at {stamp_said(float(times[0]))}, after {stamp_said(begin)}, from where the twin goes on"
             raise ResultError(path, cause, cure)
         kept = {name: np.asarray(result[name])[known] for name in wanted}
-        return kept | {STATES: self._states_before(result)[known]}
-
-    def _states_before(self, result: Result) -> np.ndarray:
-        """States (rows, alarms) of the alarms of now in an earlier result, which may have had others."""
-        states = np.full((len(result.time), len(self._alarms)), NOT_STORED, np.int8)
-        if STATES in result.variables:
-            names = [str(name) for name in result[ALARM]]
-            for k, name in enumerate(self._alarms):
-                if name in names:
-                    states[:, k] = result[STATES][:, names.index(name)]
-        return states
+        former, states = _states_before(result, self._watched)
+        return kept | {STATES: states[known]}, former
 
     def _states(self, line: Mapping[str, Any]) -> list[int]:
         """States (alarms,) in a line."""
         now = {one["name"]: CERTAIN if one["known"] else IN_DOUBT for one in line["alarms"]}
-        return [now.get(name, OFF) for name in self._alarms]
+        return [now.get(name, OFF if name in self._watched else NOT_WATCHED) for name in self._alarms]
 
     def add(self, line: Mapping[str, Any]) -> None:
         """Take a line."""
@@ -181,6 +180,17 @@ def heading(scene: Any) -> str:
     """What the twin of a scene is called in headings: by the scene's title; empty where it has none."""
     title = getattr(scene, "title", "")
     return f"Twin of {title}" if title else ""
+
+
+def _states_before(result: Result, watched: Sequence[str]) -> tuple[list[str], np.ndarray]:
+    """Alarms of an earlier result that are watched no more, and its states (rows, watched ones and those)."""
+    names = [str(name) for name in result[ALARM]] if STATES in result.variables else []
+    former = [name for name in names if name not in watched]
+    states = np.full((len(result.time), len(watched) + len(former)), NOT_WATCHED, np.int8)
+    for k, name in enumerate([*watched, *former]):
+        if name in names:
+            states[:, k] = result[STATES][:, names.index(name)]
+    return former, states
 
 
 def _take(*path: str) -> Any:

@@ -3,12 +3,14 @@
 import json
 import urllib.request
 from datetime import UTC, datetime
+from itertools import pairwise
 
+import numpy as np
 import pytest
 from twin.serving.lookers import events, line, opened, shown, told_of
 
 from crane.application import Crane
-from tautline.scene.values.printed import scales
+from tautline.scene.values.printed import scale_of_zero, scales
 from tautline.scene.values.printed import shown as printed
 
 pytest.importorskip("uvicorn", reason="the page needs the extra `live`")
@@ -42,7 +44,16 @@ def contrast(tab, where):
           const clear = (one) => (numbers(getComputedStyle(one).backgroundColor)[3] ?? 1) === 0;
           let behind = node;
           while (behind.parentElement && clear(behind)) behind = behind.parentElement;
-          return [numbers(getComputedStyle(node).color), numbers(getComputedStyle(behind).backgroundColor)];
+          let faded = 1, grey = false;
+          for (let one = node; one; one = one.parentElement) {
+            faded *= Number(getComputedStyle(one).opacity);
+            grey = grey || getComputedStyle(one).filter === "grayscale(1)";
+          }
+          const found = [node, behind].map((one, k) => numbers(getComputedStyle(one)[k ? "backgroundColor" : "color"]));
+          // As the filter does it: one light of all three, by their shares.
+          const light = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
+          const [over, under] = found.map((one) => grey ? [light(one), light(one), light(one)] : one.slice(0, 3));
+          return [over.map((x, k) => faded * x + (1 - faded) * under[k]), under];
         }""",
         where,
     )
@@ -73,6 +84,39 @@ def test_a_page_chooses_units_as_printed_tables_do(unit, system):
         factor, name = next((factor, name) for least, factor, name in scales(unit, system) if value >= least)
         number, _, word = printed(value, unit, system).partition(" ")
         assert (name, factor * value) == (word, pytest.approx(float(number), rel=2e-3))
+    assert ("0", scale_of_zero(unit, system)[1]) == printed(0.0, unit, system).partition(" ")[::2]
+
+
+@pytest.mark.parametrize("system", ["si", "metric", "field"])
+def test_nothing_is_said_in_the_unit_in_which_printed_tables_say_it(browser, serve, system):
+    units = {name: name for name in ("N", "m", "kg", "rad", "rad/s", "Pa", "N m", "s", "m/s")}
+    page = serve(units, system)
+    page.publish(line(1.0))
+    tab, _, wrong = opened(browser, page)
+    tab.wait_for_selector(MASS)
+    assert {unit: tab.evaluate("(unit) => said(0, unit)", unit) for unit in units} == {
+        unit: printed(0.0, unit, system) for unit in units
+    }
+    assert not wrong
+
+
+@pytest.mark.parametrize(("system", "speed"), [("si", "12.57 rad/s"), ("metric", "120.0 rpm"), ("field", "120.0 rpm")])
+def test_a_rotary_speed_is_said_as_printed_tables_say_it(browser, serve, system, speed):
+    """120 rpm are 4 pi rad/s."""
+    page = serve({"top_drive.speed": "rad/s"}, system)
+    page.publish(line(1.0))
+    tab, _, _ = opened(browser, page)
+    tab.wait_for_selector(MASS)
+    assert tab.evaluate("said(4 * Math.PI, 'rad/s')") == speed
+    assert float(speed.split()[0]) == float(printed(12.566371, "rad/s", system).split()[0])
+
+
+@pytest.mark.parametrize(("value", "sd"), [(-0.3, 10.0), (-0.004, 0.9), (-0.0, 0.0)])
+def test_what_rounds_to_zero_has_no_sign(browser, page, value, sd):
+    tab, _, _ = opened(browser, page)
+    assert float(tab.evaluate("([value, sd]) => digits(value, sd)", [value, sd])) == 0.0
+    assert not tab.evaluate("([value, sd]) => digits(value, sd)", [value, sd]).startswith("-")
+    assert tab.evaluate("digits(-12.4, 10)") == "-12"
 
 
 def test_numbers_are_in_the_units_of_the_scene(browser, serve):
@@ -97,6 +141,56 @@ def test_a_card_has_one_unit_for_its_numbers_and_its_axis(browser, page):
     axis = tab.locator(f"{TENSION} canvas").get_attribute("aria-label")
     assert axis == "from 0.38 to 1.30 kN in the last 60 s"
     assert tab.locator(f"{TENSION} .measured").inner_text() == "0.4000 kN"
+    assert not wrong
+
+
+WRITTEN = """window.written = new Map();
+const write = CanvasRenderingContext2D.prototype.fillText, clear = CanvasRenderingContext2D.prototype.clearRect;
+CanvasRenderingContext2D.prototype.clearRect = function (...at) {
+  written.delete(this.canvas);
+  clear.call(this, ...at);
+};
+CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+  if (text) written.set(this.canvas, [...(written.get(this.canvas) || []), [text, y]]);
+  write.call(this, text, x, y);
+};"""
+"""Keeps what is written on each canvas, with its height."""
+
+
+@pytest.mark.parametrize(
+    ("value", "spread", "number", "axis"),
+    [
+        (49050.0, 0.0, "49.05", "at 49.05 kN"),
+        (49050.0, 0.2, "49.05", "at 49.05 kN"),  # ten thousand times less than the axis is far
+        (0.0, 0.0, "0", "at 0 N"),
+        (1300.0, 500.0, None, "from 1.30 to 1.80 kN"),
+    ],
+)
+def test_no_text_at_an_axis_is_over_another_one(browser, page, value, spread, number, axis):
+    browser.add_init_script(WRITTEN)
+    for k in range(4):
+        force = {"winch.tension": value + spread * (k % 2)}
+        page.publish(line(float(k), measured=force, outputs=force))
+    tab, _, wrong = opened(browser, page)
+    tab.wait_for_selector('#time[data-value="3"]')
+    label = tab.locator(f"{TENSION} canvas")
+    assert label.get_attribute("aria-label") == f"{axis} in the last 60 s"
+    texts = label.evaluate("(canvas) => written.get(canvas)")
+    heights = sorted(y for _, y in texts)
+    assert all(after - before >= 11.0 for before, after in pairwise(heights)), texts
+    if number is not None:
+        assert [text for text, _ in texts] == [number, axis.split()[-1]]
+        assert tab.locator(f"{TENSION} .measured").inner_text().split()[1] == axis.split()[-1]
+    assert not wrong
+
+
+def test_an_estimate_that_stands_still_has_the_digits_of_its_card_at_its_axis(browser, page):
+    for k in range(4):
+        page.publish(line(float(k), estimates={"payload.mass": {"value": 5000.123, "sd": 0.05, "unit": "kg"}}))
+    tab, _, wrong = opened(browser, page)
+    tab.wait_for_selector('#time[data-value="3"]')
+    assert tab.locator(f"{MASS} .value").inner_text() == "5000.123 kg"
+    assert tab.locator(f"{MASS} canvas").get_attribute("aria-label") == "at 5000.123 kg in the last 60 s"
     assert not wrong
 
 
@@ -166,6 +260,10 @@ def test_words_stand_out_from_what_is_behind_them_by_day_and_at_night(chromium, 
     page.tell("no rows for 14 s")
     tab.wait_for_selector("#health[data-health=none]")
     assert contrast(tab, "#health") >= 4.5
+    # Figures at an axis have the colour of a hint, and what their canvas does to it.
+    tab.evaluate("for (const one of document.querySelectorAll('canvas')) one.style.color = 'var(--soft)'")
+    places += ["#traces canvas", "#estimates canvas"]
+    assert {where: contrast(tab, where) for where in places if contrast(tab, where) < 4.5} == {}
     context.close()
 
 
@@ -202,6 +300,24 @@ def test_the_picture_is_turned_and_zoomed_without_a_mouse(browser, page):
     assert tab.evaluate(view)[2] == pytest.approx(1.0)
     tab.locator('#picture button[value="Home"]').click()
     assert tab.evaluate(view) == [0, 0, 1]
+    for button, sign in (("ArrowLeft", 1.0), ("ArrowRight", -1.0)):
+        tab.locator(f'#picture button[value="{button}"]').click()
+        assert sign * tab.evaluate(view)[0] > 0.0
+        tab.locator('#picture button[value="Home"]').click()
+    assert not wrong
+
+
+def test_keys_and_buttons_before_the_first_picture_do_not_take_its_view_away(browser, page):
+    page.publish(line(1.0))
+    tab, _, wrong = opened(browser, page)
+    tab.wait_for_selector(MASS)
+    tab.locator("#picture canvas").focus()
+    for key in ("ArrowLeft", "ArrowDown", "+", "Home"):
+        tab.keyboard.press(key)
+    for button in ("ArrowRight", "ArrowUp", "-"):
+        tab.locator(f'#picture button[value="{button}"]').click()
+    tab.evaluate("shape = { eye: [1, 1, 0] }; try { begin(); } finally { shape = null; }")
+    assert tab.evaluate("[view.around, view.up, view.zoom]") == pytest.approx([0.25 * np.pi, 0.0, 1.0])
     assert not wrong
 
 
@@ -209,6 +325,7 @@ def test_two_fingers_zoom(browser, page):
     page.publish(line(1.0))
     tab, _, wrong = opened(browser, page)
     tab.wait_for_selector(MASS)
+    tab.evaluate("first = { around: 0, up: 0, zoom: 1 }; as_first()")
     zoom = tab.evaluate(
         """() => { const canvas = document.querySelector("#picture canvas");
         canvas.setPointerCapture = () => {};

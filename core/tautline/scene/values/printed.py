@@ -81,13 +81,20 @@ def _read_in(unit: str, system: str) -> str:
 def scales(unit: str, system: str = "si") -> list[tuple[float, float, str]]:
     """What `shown` chooses from, as data for a page: size in SI from which on it is taken, factor, and unit.
 
-    The largest unit comes first, and the last takes all that is smaller.
+    The largest unit comes first, and the last takes all that is smaller but zero (`scale_of_zero`).
     """
     system = _read_in(unit, system)
     if unit in SYSTEMS[system]:
         return choices_of(unit, system)
     large = [(factor, 1.0 / factor, f"{letter}{unit}") for factor, letter in LARGE] if unit in PREFIXED else []
     return [*large, (0.0, 1.0, unit)]
+
+
+def scale_of_zero(unit: str, system: str = "si") -> tuple[float, str]:
+    """Factor and unit in which `shown` writes zero: a system's first unit, and without one the plain unit of SI."""
+    first = 0 if unit in SYSTEMS[_read_in(unit, system)] else -1
+    _, factor, name = scales(unit, system)[first]
+    return factor, name
 
 
 def read(word: str, system: str) -> tuple[float, str] | None:

@@ -1,26 +1,33 @@
 "use strict";
 // What a twin tells, line by line, in a browser. Numbers arrive in SI; they are shown in the units of the scene.
 
-const SPAN = 60, KEPT = 4000;
+const SPAN = 60, KEPT = 4000, LETTERS = 13;
 const $ = (id) => document.getElementById(id);
 const lines = [];
-let units = {}, scales = {}, shape = null, picture = null, changed = false, trouble = "";
+let units = {}, scales = {}, zeros = {}, shape = null, picture = null, changed = false, trouble = "";
 
 // -- numbers ---------------------------------------------------------------------------------------------------------
 
 /** Factor and unit in which a quantity of about this size is shown: the rule of the command, which came with `about`. */
 function readable(size, unit) {
+  if (size === 0) return zeros[unit] || [1, unit];
   const found = (scales[unit] || []).find(([least]) => size >= least);
   return found ? found.slice(1) : [1, unit];
 }
 
+/** A number with so many places after its point; what rounds to zero has no sign. */
+function fixed(value, places) {
+  const text = value.toFixed(places);
+  return Number(text) === 0 ? text.replace("-", "") : text;
+}
+
 /** A number with as many digits as its deviation deserves, or four. */
 function digits(value, sd) {
-  if (sd > 0) return value.toFixed(Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(sd)))));
+  if (sd > 0) return fixed(value, Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(sd)))));
   const size = Math.abs(value);
   if (size < 1e-9) return "0";
   if (size < 1e-4 || size >= 1e6) return value.toExponential(3);
-  return value.toFixed(size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : size >= 1 ? 3 : 4);
+  return fixed(value, size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : size >= 1 ? 3 : 4);
 }
 
 /** A number or several with one unit, in a given scale or in the one of its size. */
@@ -106,8 +113,25 @@ function scaleOf(reached, values, unit) {
   return readable(Math.max(0, ...[...(reached || []), ...values].filter(isFinite).map(Math.abs)), unit || "");
 }
 
+/** Numbers beside an axis, at places v with their heights y: of the values reached, or one where two have no room. */
+function marks(pen, reached, y, sd, [factor, unit]) {
+  const [low, high] = reached, middle = 0.5 * (low + high), apart = y(low) - y(high);
+  if (apart < 2 * LETTERS) {
+    const text = digits(factor * middle, factor * sd);
+    pen.fillText(text, 0, y(middle) + (unit ? -2 : 4));
+    pen.fillText(unit, 0, y(middle) + LETTERS - 2);
+    return [text];
+  }
+  pen.fillText(unit, 0, y(middle) + 4);
+  return reached.map((v) => {
+    const text = digits(factor * v, 0.3 * factor * (high - low));
+    pen.fillText(text, 0, y(v) + 4);
+    return text;
+  });
+}
+
 /** A trace over the last seconds: points, a line, a band about it, between the values it has reached. */
-function trace(canvas, shown, { points, line, band }, reached, [factor, unit]) {
+function trace(canvas, shown, { points, line, band }, reached, scale, sd = 0) {
   const [pen, w, h] = cleared(canvas);
   const end = shown[shown.length - 1].time, begin = end - SPAN, left = 52, bottom = h - 4;
   if (!reached) return;
@@ -119,17 +143,14 @@ function trace(canvas, shown, { points, line, band }, reached, [factor, unit]) {
   pen.font = "11px system-ui, sans-serif";
   pen.fillStyle = colour("--soft");
   pen.strokeStyle = colour("--line");
-  const marks = [];
   for (const v of reached) {
     pen.beginPath();
     pen.moveTo(left, y(v));
     pen.lineTo(w, y(v));
     pen.stroke();
-    marks.push(digits(factor * v, 0.3 * factor * (high - low)));
-    pen.fillText(marks[marks.length - 1], 0, y(v) + 4);
   }
-  pen.fillText(unit, 0, 0.5 * (y(reached[0]) + y(reached[1])) + 4);
-  canvas.setAttribute("aria-label", `from ${marks[0]} to ${marks[1]}${unit ? " " + unit : ""} in the last ${SPAN} s`);
+  const said_there = marks(pen, reached, y, sd, scale), where = said_there.length > 1 ? `from ${said_there.join(" to ")}` : `at ${said_there}`;
+  canvas.setAttribute("aria-label", `${where}${scale[1] ? " " + scale[1] : ""} in the last ${SPAN} s`);
   pen.save();
   pen.beginPath();
   pen.rect(left, 0, w - left, h);
@@ -169,7 +190,7 @@ function show() {
   if (!line) return;
   const shown = lines.filter((one) => one.time > line.time - SPAN);
   put($("time"), line.time, line.stamp);
-  put($("lag"), line.lag, line.lag.toFixed(2) + " s");
+  put($("lag"), line.lag, fixed(line.lag, 2) + " s");
   write($("health"), trouble || line.health);
   $("health").dataset.health = trouble ? "none" : line.health;
   $("why").hidden = !(line.causes && line.causes.length);
@@ -182,7 +203,7 @@ function show() {
     const reached = extent(shown, curves), scale = scaleOf(reached, [one.value], one.unit);
     put(made.value, one.value, said(one.value, one.unit, one.sd, scale));
     put(made.with, one.sd, "± " + said(2 * one.sd, one.unit, 2 * one.sd, scale));
-    trace(made.canvas, shown, curves, reached, scale);
+    trace(made.canvas, shown, curves, reached, scale, one.sd);
   }
   for (const [name, value] of Object.entries(line.measured)) {
     const made = card("traces", name, ["measured", "computed"]), computed = line.outputs[name];
@@ -350,21 +371,23 @@ function levels(pen, w, h, place, middle) {
   }
 }
 
+/** Look from elsewhere; before the first picture there is no view that could be another one. */
+function look(from, moved = true) {
+  if (!first) return;
+  Object.assign(view, from, { moved });
+  changed = true;
+}
+
 function turned(around, up) {
-  view.around += around;
-  view.up = Math.max(-1.5, Math.min(1.5, view.up + up));
-  view.moved = changed = true;
+  look({ around: view.around + around, up: Math.max(-1.5, Math.min(1.5, view.up + up)) });
 }
 
 function zoomed(factor) {
-  view.zoom = Math.max(0.3, Math.min(40, view.zoom * factor));
-  view.moved = changed = true;
+  look({ zoom: Math.max(0.3, Math.min(40, view.zoom * factor)) });
 }
 
 function as_first() {
-  Object.assign(view, first);
-  view.moved = false;
-  changed = true;
+  look(first, false);
 }
 
 const TURN = 0.1, ZOOM = 1.25;
@@ -409,7 +432,7 @@ function take(line) {
 function listen() {
   const source = new EventSource("events");
   const on = (kind, what) => source.addEventListener(kind, (e) => { what(JSON.parse(e.data)); changed = true; });
-  on("about", (about) => { units = about.units; scales = about.scales; $("title").textContent = document.title = about.title; });
+  on("about", (about) => { units = about.units; scales = about.scales; zeros = about.zeros; $("title").textContent = document.title = about.title; });
   on("lines", (all) => { lost(""); lines.length = 0; all.forEach(take); });
   on("line", (line) => { lost(""); take(line); });
   on("silent", (told) => lost(told.text));

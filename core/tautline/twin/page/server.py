@@ -23,7 +23,7 @@ import numpy as np
 
 from tautline.scene.errors import option_error
 from tautline.scene.values.moments import stamp_said
-from tautline.scene.values.printed import scales
+from tautline.scene.values.printed import scale_of_zero, scales
 from tautline.twin.page.picture import Picture
 
 HERE = Path(__file__).parent
@@ -76,7 +76,12 @@ class Page:
             cure = "pip install 'tautline[live]'"
             raise option_error("--serve", str(port), "needs starlette and uvicorn", cure) from None
         known = sorted({*units.values(), *OF_TEXTS})
-        about = {"title": title, "units": dict(units), "scales": {unit: scales(unit, system) for unit in known}}
+        about = {
+            "title": title,
+            "units": dict(units),
+            "scales": {unit: scales(unit, system) for unit in known},
+            "zeros": {unit: scale_of_zero(unit, system) for unit in known},
+        }
         self._about = json.dumps(about)
         self.host, self._socket = host, _bound(host, port)
         self.port = int(self._socket.getsockname()[1])

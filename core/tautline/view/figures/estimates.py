@@ -158,14 +158,17 @@ def alarms(results: Sequence[Result]) -> Figure:
 
 def _alarms_that_came(result: Result) -> dict[str, int] | None:
     """Alarms that stood at any time, each with its place among all; None of a result that does not tell them apart."""
-    if not {STATES, ALARM} <= set(result.variables) or np.any(np.asarray(result[STATES]) < 0):
-        return None  # with rows of an earlier version the number is what all of them have
-    came = np.flatnonzero((np.asarray(result[STATES]) > 0).any(axis=0))
+    if not {STATES, ALARM} <= set(result.variables):
+        return None
+    states = np.asarray(result[STATES])
+    if states.shape[1] and (states < 0).all(axis=1).any():
+        return None  # of rows of an earlier version no alarm is known, and the number is what all rows have
+    came = np.flatnonzero((states > 0).any(axis=0))
     return {str(result[ALARM][k]): int(k) for k in came}
 
 
 def _draw_bars(plot: Axes, result: Result, names: Mapping[str, int], time: np.ndarray) -> None:
-    """A line for each alarm, with a bar for as long as it stood; one that was in doubt is hollow."""
+    """A line for each alarm, with a bar for as long as it stood; hollow in doubt, blank where it was not watched."""
     states = np.asarray(result[STATES])
     for row, k in enumerate(names.values()):
         for state, fill in ((CERTAIN, COLOURS[1]), (DOUBTED, "none")):
