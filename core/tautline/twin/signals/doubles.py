@@ -49,8 +49,9 @@ class Doubles:
         """
         if time > newest + 1e-9:
             self.end()
-            self._run = 0
-        elif self._run and time > self._before + 1e-9:
+            self._run, self._before = 0, -math.inf
+            return
+        if self._run and time > self._before + 1e-9:
             self._run += 1
         else:
             if self._run:  # a second step back before the first was made up for
