@@ -10,6 +10,8 @@ from twin.rehearsal import STILL
 from crane.application import Crane
 from tautline.results.result import Result
 from tautline.results.store import Store
+from tautline.twin import storage
+from tautline.twin.series import Series
 
 MAP = """
 sensors:
@@ -110,6 +112,15 @@ def test_what_was_stored_of_an_alarm_stays_when_it_is_renamed_taken_out_and_put_
     assert (heavy[time < 4.0] > 0).any() and (loaded > 0).any() and (heavy[time >= 12.0] > 0).any()
     upper, _ = result.plot.alarms().axes
     assert {"heavy", "loaded"} <= {text.get_text() for text in upper.get_yticklabels()}
+
+
+def test_the_first_lines_are_in_the_result_with_the_first_state_and_not_later(twin, tmp_path, monkeypatch):
+    """What goes on from a state does not give the lines before it again."""
+    stored, flush, save = [], Series.flush, storage.save
+    monkeypatch.setattr(Series, "flush", lambda series: stored.append("result") or flush(series))
+    monkeypatch.setattr(storage, "save", lambda *given: stored.append("state") or save(*given))
+    assert twin(0, 4, "--resume", tmp_path / "own.st", "-o", tmp_path / "own.nc")[0] == 0
+    assert stored[:3] == ["state", "result", "state"] and stored.count("result") > 1
 
 
 def test_a_twin_that_is_killed_as_soon_as_it_has_a_result_goes_on_from_the_state_beside_it(twin, tmp_path, monkeypatch):

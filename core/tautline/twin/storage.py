@@ -144,7 +144,10 @@ def stated_in(path: Path) -> Stated:
     ResultError
         For what is no state.
     """
-    return _stated(_read(path, CURE)[1])
+    try:
+        return _stated(_read(path, CURE)[1])
+    except (ValueError, TypeError):
+        raise ResultError(path, "is no state of a twin", CURE) from None
 
 
 def _stated(words: dict[str, Any]) -> Stated:

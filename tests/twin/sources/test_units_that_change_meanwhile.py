@@ -75,6 +75,23 @@ def test_the_unit_in_lines_of_json_is_converted_and_its_change_is_told(form):
     assert len(told(source, "in the data the unit of a has changed from kN to kip")) == 1
 
 
+@pytest.mark.parametrize("more", [{}, {"a": 0, "quality": "bad"}])
+def test_a_unit_that_is_stated_without_a_good_reading_holds_for_those_to_come(more):
+    lines = [{"time": 0, "units": {"a": "N"}, **more}, {"time": 1, "a": 49e3}]
+    source = Stream(io.StringIO("".join(json.dumps(one) + "\n" for one in lines)), list(UNITS), units=UNITS)
+    assert [one.values["a"] for one in all_of(source)][-1] == 49.0
+
+
+def test_a_unit_beside_a_bad_reading_of_its_topic_holds_for_those_to_come(mqtt):
+    mqtt._take(None, None, Message(json.dumps({"time": 0, "value": 0, "unit": "N", "quality": "bad"}), "crane/a"))
+    assert readings(mqtt, [{"value": 49000}]) == [49.0]
+
+
+def test_an_object_of_units_is_no_reading_that_is_left_out(mqtt):
+    assert readings(mqtt, [{"a": 49000, "units": {"a": "N"}}], "crane/x") == [49.0]
+    assert not told(mqtt, "holds an object")
+
+
 def test_one_unit_beside_several_columns_does_not_count_and_this_is_told_with_a_cure():
     lines = [{"time": k, "a": 10.0, "b": 2.0, "unit": "kip"} for k in range(3)]
     source = Stream(io.StringIO("".join(json.dumps(one) + "\n" for one in lines)), list(UNITS), units=UNITS)

@@ -362,7 +362,8 @@ class _Loop:
                 self._print({"time": time, "connection": note.status, "text": str(note)})
 
     def _give(self, lines: Sequence[dict[str, Any]]) -> None:
-        if lines and not self.begun:
+        begins = bool(lines) and not self.begun
+        if begins:
             # Killed behind the first lines of a result, a twin could not go on without a state beside it.
             self.begun = True
             self._save_state()
@@ -377,7 +378,8 @@ class _Loop:
             self._tell(line)
         self._remark(self.twin.readings.rows.notes)  # what is wrong with rows may be why there is no line
         now = clock.monotonic()
-        if lines and now - self.saved > SAVE_EVERY:
+        if begins or (lines and now - self.saved > SAVE_EVERY):
+            # The first state is behind the first lines: what goes on from it does not give them again.
             self._save()
 
     def _print(self, line: dict[str, Any]) -> None:
@@ -439,7 +441,7 @@ class _Loop:
         if self.state is not None and counted:
             # What a live source gave is in no file: there its stamps tell what is new.
             again = self.rereading
-            rows, self.twin.stated = self.twin.readings.rows, self.source.stated
+            rows, self.twin.stated = self.twin.readings.rows, {**self.twin.stated, **self.source.stated}
             self.twin.heard = {} if again is None else again.memory(rows.held, rows.newest)
             self._keep("state", partial(save, self.twin, self.state))
 

@@ -142,6 +142,7 @@ class Mqtt:
         if isinstance(found, dict):
             key = self._stamps.column([str(name) for name in found])
             stamp = self._readings.stamp(self._stamps, key, found[key]) if key is not None else None
+            self._readings.hear_units(found, f"topic {topic}:", key, column)
             if not self._readings.are_good(found, f"topic {topic}:"):
                 self.left_out += 1
                 return None

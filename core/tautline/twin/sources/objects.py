@@ -93,6 +93,16 @@ class ObjectReadings:
             for name, value in given.items()
         }
 
+    def hear_units(self, found: Mapping[str, Any], where: str, stamp: str | None, column: str = "") -> None:
+        """Take the units that an object states of columns for sure, though it has no good reading of them.
+
+        `stamp` and `column` are those of `values`.
+        """
+        stated, sure = self._units_of(found, column if column in self._columns and VALUE in found else "", where, stamp)
+        for name, unit in stated.items():
+            if sure and name in self._columns:
+                self._stated.factor(name, [unit], where)
+
     def _units_of(
         self, found: Mapping[str, Any], column: str, where: str, stamp: str | None
     ) -> tuple[dict[str, str], bool]:
@@ -225,6 +235,8 @@ def why_no_reading(found: Any, columns: Sequence[str], column: str) -> str:
     if not isinstance(found, dict):
         return ""
     for key, one in found.items():
+        if key in UNIT and key not in columns:
+            continue
         inside = isinstance(one, dict) and not one.keys().isdisjoint(columns)
         if inside or (key in columns and isinstance(one, (dict, list))):
             what = "an object" if isinstance(one, dict) else "a list"

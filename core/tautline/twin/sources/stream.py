@@ -188,6 +188,7 @@ def read_object(
         return None
     stamp = stamps.column([str(key) for key in found])
     values = dict.fromkeys(columns, math.nan)
+    readings.hear_units(found, WHERE, stamp)
     if readings.are_good(found, WHERE):
         values |= readings.values(found, WHERE, stamp)
     return readings.stamp(stamps, stamp, found[stamp]) if stamp is not None else float("nan"), values
