@@ -90,6 +90,12 @@ def test_finer_frames_do_not_change_the_estimated_error(scene, more, parts):
     assert between.interval == pytest.approx(14e-3 if more else 0.6)
 
 
+def test_of_a_run_that_was_gone_on_with_the_frames_of_the_scene_are_looked_between(scene, tmp_path):
+    begun = tautline.simulate(scene.replace({"output.interval": "10 ms"}), tmp_path / "begun.nc", end=0.6)
+    whole = tautline.simulate(scene, resume=begun, verify=True)
+    assert (whole.between_frames["interval"], whole.between_frames["finer"]) == pytest.approx((0.6, 0.06))
+
+
 def test_what_the_first_run_showed_is_told_where_the_second_does_not_end(scene, monkeypatch):
     from tautline.study.trials import step_error
 

@@ -418,8 +418,9 @@ def _sticks(g: Slips, t: float) -> list[Stuck]:
     most: dict[tuple[int, int], float] = {}
     for i in map(int, np.flatnonzero(g.slid == 0)):
         row, here = g.rows[i], most_difference(g, i, t)
-        if row.kind == TORQUE and abs(g.force[i]) >= SPENT * here:
-            continue
+        spent = abs(g.force[i] * g.by_p[i]) >= SPENT * here * max(1.0, float(g.found[row.before, STRETCH]))
+        if row.kind == TORQUE and spent:
+            continue  # it slips in the plant, see `_trial`
         key = int(row.kind), int(row.p if row.p != NONE else row.s)
         most[key] = most.get(key, 0.0) + here
     return [Stuck(place, STUCK[kind][0], n, "N", STUCK[kind][1]) for (kind, place), n in most.items() if n > 0.0]

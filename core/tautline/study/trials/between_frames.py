@@ -189,7 +189,8 @@ def between_frames(model: Model, judged: Result, fine: Result) -> BetweenFrames:
         The run, and the other one, which has frames at the run's times and between them.
     """
     places = _places(fine, judged.time)
-    interval, finer = (float(f"{np.median(np.diff(result.time)):.9g}") for result in (judged, fine))
+    # A run that was gone on with may have had other frames before: those of the scene are held against finer ones.
+    interval, finer = float(model.solver.interval), float(f"{np.median(np.diff(fine.time)):.9g}")
     seen, shown = _figures(model, fine), _figures(model, judged)
     figures = _missed(model, fine, places, seen, shown)
     limits = _broken(model, judged, shown, fine, seen, places)
