@@ -185,7 +185,7 @@ def test_a_buoy_without_a_length_of_rope_is_refused_in_words_that_are_true_of_it
 def test_an_empty_hook_on_few_elements_rests_where_it_is_drawn(mass, elements):
     """The tension on the hook's side of the tip is the weight below it, by hand: rope as long as it hangs, and hook.
 
-    On two elements the search had the rope turn over, and ended with nothing that is held.
+    On two elements the search folded the rope, and ended with nothing that is held.
     """
     path = [
         drum((0.0, 0.0, 10.0), 0.4, pay_out=0.0),

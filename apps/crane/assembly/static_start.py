@@ -42,8 +42,8 @@ springs that carry most of a load a rope pulls with next to nothing."""
 SHORTEST_WAY = 0.3
 """Share of the shortest piece of rope by which its length may change in one iteration."""
 CAREFUL = 0.1
-"""Share of that by which it may where rest was found with slack rope alone. A slight rope on few elements turns over by
-a longer way, folded, and pulls an empty hook up to its sheave, though it rests taut close to where it is drawn."""
+"""Share of that by which it may where rest was found with slack rope alone. A slight rope on few elements is folded by
+a longer way, and pulls an empty hook up to its sheave, though it rests taut close to where it is drawn."""
 
 
 def stretch_of(tension: float, stiffness: float, strain: str = "green") -> float:
