@@ -58,6 +58,8 @@ SAGGING = 0.02
 ENOUGH = 8
 ANOTHER_SIDE = 90.0
 """Angle, deg, by which a body is turned from its drawing beyond which another side of it is up."""
+TOO_FAST = 1000.0
+"""Swing of what remains of a load over that of the whole, as sqrt(mass), from which steps may not follow it."""
 HELD_BACK = 0.01
 """Share of the run for which an actuator may be off its command without a word."""
 RELATIONS = (
@@ -118,6 +120,19 @@ def _stays_on_the_hook(scene: CraneScene) -> Sentences:
             )
             yield f"bodies[{k}].release", text
         yield from _floats_after(scene, k)
+        yield from _thrown(scene, k)
+
+
+def _thrown(scene: CraneScene, k: int) -> Sentences:
+    """A body that turns and of which so little remains that no step follows the rope that throws it."""
+    body, left = scene.bodies[k], scene.bodies[k].after_release()
+    faster = math.sqrt(body.mass / left.mass) if left.mass > 0.0 else 0.0
+    if body.inertia is not None and faster > TOO_FAST:
+        text = (
+            f"{left.mass:.4g} kg remain of {body.mass:.4g} kg of {body.name}, which turns. On the same rope they swing "
+            f"{faster:.2g} times as fast as the whole, and the run may stop there. Give the mass of hook and shackle"
+        )
+        yield f"bodies[{k}].release.remaining", text
 
 
 def _floats_after(scene: CraneScene, k: int) -> Sentences:

@@ -37,6 +37,12 @@ Damping = Annotated[float, quantity("s", nonnegative=True, of="damping time")]
 Elements = Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS, examples=["10"])]
 
 
+SEGMENTS = (
+    "[{length: 0.5 m, elements: 4, axial_stiffness: 10 N, bending_stiffness: 0.00108 N*m^2, "
+    "mass_per_length: 0.0031 kg/m}]"
+)
+
+
 class Segment(Model):
     """A piece of the hose of one section.
 
@@ -76,7 +82,7 @@ class Hose(Model):
     bending_stiffness: BendingStiffness | None = None
     mass_per_length: MassPerLength | None = None
     damping: Damping | None = None
-    segments: Annotated[tuple[Segment, ...], Field(min_length=1)] | None = None
+    segments: Annotated[tuple[Segment, ...], Field(min_length=1)] | None = Field(None, examples=[SEGMENTS])
     root: Position = (0.0, 0.0, 0.0)
     direction: Direction = (1.0, 0.0, 0.0)
     clamp: Annotated[Literal["direction", "slope"], word("direction", "slope")] = "direction"

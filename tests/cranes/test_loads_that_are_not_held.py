@@ -154,6 +154,39 @@ def test_a_sum_that_stays_above_zero_or_comes_down_to_it_is_not_refused(tension)
     assert not [one for one in Crane().warnings(read(f"tension: {tension}")) if one.where == "path[0].drum.tension"]
 
 
+@pytest.mark.parametrize(
+    ("closed", "most"),
+    [
+        ("1.2", "1.2 at some time"),
+        ("{sum: [{constant: 1}, {constant: 1}]}", "2 at t = 0 s"),
+        ("{sum: [{ramp: {to: 1, over: 1}}, {ramp: {to: 1, over: 2}}]}", "2 at t = 2 s"),
+        ("{harmonic: {amplitude: 0.6, period: 4 s, mean: 0.5}}", "1.1 at t = 1 s"),
+        ("{harmonic: {amplitude: 0.5, period: 2 s}}", "-0.5 at t = 1.5 s"),
+        ("{chirp: {amplitude: 1.5, period: 4 s, rate: 1.0e-9}}", "1.5 at t = 1 s"),
+    ],
+)
+def test_a_share_beyond_0_to_1_that_a_brake_is_closed_by_is_refused_however_it_is_written(closed, most):
+    with pytest.raises(SceneError) as told:
+        Crane().warnings(read(braked(2.0, f", closed: {closed}")))
+    (problem,) = told.value.problems
+    assert (problem.key, problem.cause) == ("path[0].drum.brake.closed", f"is {most}")
+    assert problem.cure == "give a share from 0, open, to 1, closed"
+
+
+@pytest.mark.parametrize(
+    "closed",
+    [
+        "{harmonic: {amplitude: 0.5, period: 4 s, mean: 0.5}}",
+        "{sum: [{harmonic: {amplitude: 0.1, period: 4 s, mean: 0.2}}, {constant: 0.7}]}",
+        "{table: {time: [0, 1, 1.1, 2], value: [0, 0, 1, 1]}}",
+        "{sum: [{table: {time: [0, 1, 1.1, 2], value: [0, 0, 1, 1]}}, {constant: 0}]}",
+    ],
+)
+def test_a_share_of_0_to_1_is_taken_also_where_the_curve_of_a_table_swings_beyond_its_rows(closed):
+    """The natural cubic of that table goes from -0.14 to 1.14."""
+    Crane().warnings(read(braked(2.0, f", closed: {closed}")))
+
+
 def test_a_simulation_takes_no_tension_below_zero():
     sim = tautline.Simulation(read(f"tension: {WEIGHT}"), inputs=["winch.tension"], keep=False)
     with pytest.raises(SimulationError, match=r"winch.tension = -5000 is not 0 or more"):

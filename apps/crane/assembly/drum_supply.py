@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.scene.path import pushing
+from crane.scene.path import no_share, pushing
 from crane.scene.scene import CraneScene, Drum
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.functions import FunctionOfTime, Sum, Table
 from tautline.system.time_functions import FunctionRequest, bounds_of, compile_functions
 
 SAMPLES = 4001
@@ -54,14 +55,18 @@ def hoisted_spans(scene: CraneScene) -> list[int]:
 
 
 def check_drums(scene: CraneScene) -> None:
-    """Refuse more rope on a drum than its layers hold, at the start or wound on in the run; and a tension below 0.
+    """Refuse more rope on a drum than its layers hold, a tension below 0, and a brake closed by less than 0 or over 1.
+
+    Each at the start or later in the run.
 
     Raises
     ------
     SceneError
-        Naming each such drum, how much it would hold and when it is full; or the least tension and when it is held.
+        Naming each such drum, how much it would hold and when it is full; or the least tension and when it is held; or
+        the share by which the brake is closed and when.
     """
-    problems = [problem for drum in scene.drums for problem in (*_too_much(scene, drum), *_pushing(scene, drum))]
+    checks = (_too_much, _pushing, _no_share)
+    problems = [problem for drum in scene.drums for check in checks for problem in check(scene, drum)]
     if problems:
         raise SceneError(problems)
 
@@ -81,6 +86,29 @@ def _pushing(scene: CraneScene, drum: Drum) -> list[Problem]:
         return []
     key = (*scene.key_of(drum), "tension")
     return [scene.problem(key, *pushing(float(tension[k]), f"at t = {time[k]:.4g} s"))]
+
+
+def _no_share(scene: CraneScene, drum: Drum) -> list[Problem]:
+    """Of a brake that is to be closed by less than 0 or more than 1 in the run, be it by the sum of several."""
+    closed = None if drum.brake is None else drum.brake.closed
+    if closed is None:
+        return []
+    time = np.linspace(0.0, float(scene.solver.end), SAMPLES)
+    share = sample(compile_functions([FunctionRequest(_between_rows(closed))]), 0, time)[:, 0]
+    k = int(np.argmax(np.abs(share - 0.5)))
+    if abs(share[k] - 0.5) <= 0.5 + ROUNDING:
+        return []
+    key = (*scene.key_of(drum), "brake", "closed")
+    return [scene.problem(key, *no_share(float(share[k]), f"at t = {time[k]:.4g} s"))]
+
+
+def _between_rows(function: FunctionOfTime) -> FunctionOfTime:
+    """A function whose tables stay between their rows: that their curve swings beyond them was not asked for."""
+    if isinstance(function, Table):
+        return function.model_copy(update={"interpolation": "linear"})
+    if isinstance(function, Sum):
+        return Sum(terms=tuple(_between_rows(term) for term in function.terms))
+    return function
 
 
 def capacity_of(scene: CraneScene, drum: Drum) -> float | None:

@@ -120,7 +120,7 @@ class Body(Model):
     added_mass: Masses = (0.0, 0.0, 0.0)
     drag: Drag = Drag()
     volume: Annotated[float, quantity("m^3", nonnegative=True, of="volume")] = 0.0
-    guide: Axes = ()
+    guide: Axes = Field((), examples=["[x, y]"], description="of x, y and z those along which it is held")
     spring: Spring | None = None
     inertia: Inertias | None = None
     orientation: Angles = (0.0, 0.0, 0.0)
@@ -172,5 +172,16 @@ class Body(Model):
     def _dropped(self) -> Body:
         if self.release is not None and self.release.remaining >= self.mass:
             cause = f"is no less than the body has, {self.mass:g} kg: nothing drops"
-            raise fault(("release", "remaining"), cause, "give what remains on the hook, such as 0")
+            cure = "0" if self.inertia is None else "the mass of hook and shackle"
+            raise fault(("release", "remaining"), cause, f"give what remains on the hook, such as {cure}")
+        return self
+
+    @model_validator(mode="after")
+    def _turns(self) -> Body:
+        """A rigid body moves by its mass, or that of the water around it, along each axis where nothing guides it."""
+        for key, body in (("mass", self), (("release", "remaining"), self.after_release())):
+            moved = (axis in body.guide or body.added_mass[i] > 0.0 for i, axis in enumerate(XYZ))
+            if self.inertia is not None and body.mass == 0.0 and not all(moved):
+                cause = "is no mass of a body with `inertia`, which turns: nothing says how fast it moves"
+                raise fault(key, cause, "give the mass of hook and shackle, or remove `inertia`")
         return self

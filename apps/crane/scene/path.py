@@ -81,6 +81,7 @@ class Brake(Model):
     """Holds the drum by friction up to `torque`, N m: to the time `until`, s, or by the share that `closed` gives.
 
     `closed` is a function of time, 0 where the brake is open and 1 where it is closed. With neither it stays closed.
+    Where the curve of a table between two rows goes beyond 0 or 1, it counts as 0 or 1.
     """
 
     torque: Annotated[float, quantity("N m", nonnegative=True, of="torque")]
@@ -93,12 +94,12 @@ class Brake(Model):
             raise fault("closed", "is given together with `until`", "keep one of the two")
         beyond = [value for value in _values_of(self.closed) if not 0.0 <= value <= 1.0]
         if beyond:
-            raise fault("closed", f"is {beyond[0]:g} at some time", "give a share from 0, open, to 1, closed")
+            raise fault("closed", *no_share(beyond[0], "at some time"))
         return self
 
 
 def _values_of(function: FunctionOfTime | None) -> tuple[float, ...]:
-    """Values between which a function goes, of those that have such; a share beyond 0 to 1 counts as 0 or 1."""
+    """Values between which a function goes, of those that have such."""
     if isinstance(function, Constant):
         return (function.value,)
     if isinstance(function, Table):
@@ -106,6 +107,11 @@ def _values_of(function: FunctionOfTime | None) -> tuple[float, ...]:
     if isinstance(function, Ramp) and function.to is not None:
         return function.from_, function.to
     return ()
+
+
+def no_share(closed: float, when: str) -> tuple[str, str]:
+    """Cause and cure of a brake that is to be closed by a share below 0 or above 1 at a time."""
+    return f"is {closed:.6g} {when}", "give a share from 0, open, to 1, closed"
 
 
 def pushing(tension: float, when: str) -> tuple[str, str]:

@@ -175,11 +175,13 @@ AnyWall = OneOf(
 AnySurvey = OneOf(
     "a survey", {}, plain=Branch(str, lambda file: Survey(file=file)), whole=Branch(Survey), example="survey.csv"
 )
+SECTIONS = "[{hold: 600 m}, {build: {rate: 3 deg/30 m, to: 60 deg}}]"
+STRAIGHT_ON = "it goes on as the piece before it ends, and the first as well.inclination and well.azimuth say"
 BUILD, TURN = "{rate: 3 deg/30 m, to: 60 deg}", "{rate: 3 deg/30 m, to: 90 deg}"
 AnySection = OneOf(
     "a section of the well",
     {
-        "hold": Branch(Distance, lambda length: Hold(length=length)),
+        "hold": Branch(Distance, lambda length: Hold(length=length), without=STRAIGHT_ON),
         "build": Branch(Build, example=BUILD),
         "turn": Branch(Turn, example=TURN),
     },
@@ -192,7 +194,9 @@ class Well(Model):
 
     inclination: Inclination = 0.0
     azimuth: Angle = 0.0
-    sections: Annotated[tuple[Annotated[Hold | Build | Turn, AnySection], ...], Field(min_length=1)] | None = None
+    sections: Annotated[tuple[Annotated[Hold | Build | Turn, AnySection], ...], Field(min_length=1)] | None = Field(
+        None, examples=[SECTIONS]
+    )
     survey: Annotated[Survey | None, AnySurvey] = None
     diameter: HoleDiameter = Field(examples=["8.5 in"])
     wall: Annotated[Wall | None, AnyWall] = Field(examples=["none, or {stiffness: 1.0e9, friction: 0.2}"])

@@ -14,10 +14,20 @@ from tautline.scene.refusal import nearest, nearest_key, refusal
 
 
 class Branch:
-    """One way to write a value: its type, what to make of it (by default, the value itself), and an example."""
+    """One way to write a value: its type, what to make of it (by default, the value itself), and an example.
 
-    def __init__(self, kind: Any, make: Callable[[Any], Any] | None = None, example: str = "") -> None:
-        self.kind, self.make, self.example = kind, make, example
+    `without` says where else to write what people give it as a key, where its value has none.
+    """
+
+    def __init__(
+        self, kind: Any, make: Callable[[Any], Any] | None = None, example: str = "", without: str = ""
+    ) -> None:
+        self.kind, self.make, self.example, self.without = kind, make, example, without
+
+    @property
+    def has_keys(self) -> bool:
+        """Whether its value is a mapping of keys, not a number or a list."""
+        return isinstance(self.kind, type) and issubclass(self.kind, Model)
 
     def schema(self, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Schema of the value, made into what it stands for."""
@@ -81,18 +91,21 @@ class OneOf:
             if comma:
                 raise refusal(f"'{odd}' stands beside {chosen[0]}", comma)
             meant = nearest(str(odd), chosen) if str(odd).lower() != chosen[0] else ""
-            example = self.keyed[chosen[0]].example
-            inside = (
-                f"{chosen[0]} holds its keys in braces: write {chosen[0]}: {example}"
-                if example
-                else (f"make it a key of {chosen[0]}, or remove it")
-            )
-            cure = meant if meant.startswith("did") else inside
+            cure = meant if meant.startswith("did") else self._inside(chosen[0])
             raise refusal(f"'{odd}' stands beside {chosen[0]}", cure)
         if not value:
             raise refusal("is an empty mapping", cure)
         odd = next(iter(value))
         raise refusal(f"unknown key '{odd}'", nearest_key(str(odd), self.keyed))
+
+    def _inside(self, chosen: str) -> str:
+        """What to do with a key that stands beside the chosen one."""
+        branch = self.keyed[chosen]
+        if not branch.has_keys:
+            return f"remove it, because {chosen} has no keys" + (f": {branch.without}" if branch.without else "")
+        if branch.example:
+            return f"{chosen} holds its keys in braces: write {chosen}: {branch.example}"
+        return f"make it a key of {chosen}, or remove it"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         choices: dict[Any, CoreSchema] = {}

@@ -16,6 +16,7 @@ from tautline.scene.values.quantity import quantity
 
 Seconds = Annotated[float, quantity("s", positive=True)]
 Wait = Annotated[float, quantity("s", nonnegative=True)]
+RANGE = pydantic.Field(None, examples=["[4 t, 6 t]"], description="the least and the most")
 LONGEST_AHEAD = 600.0
 """Longest that can be looked ahead, s: nobody knows what a machine is made to do by then, and a run takes memory."""
 Ahead = Annotated[float, quantity("s", nonnegative=True, at_most=LONGEST_AHEAD)]
@@ -40,7 +41,7 @@ class Sensor(Model):
     sd: Written | None = None
     scale: float = 1.0
     zero: Annotated[float | Literal["first"], pydantic.Field(union_mode="left_to_right")] = 0.0
-    range: tuple[Written, Written] | None = None
+    range: tuple[Written, Written] | None = RANGE
     forecast: Annotated[Literal["hold", "waves"] | None, word("hold", "waves")] = None
     lost_after: Seconds | None = None
 
@@ -78,7 +79,7 @@ class Estimate(Model):
     offset: str | None = None
     start: Written | None = None
     sd: Written
-    range: tuple[Written, Written] | None = None
+    range: tuple[Written, Written] | None = RANGE
     drift: Written = 0.0
 
     @pydantic.model_validator(mode="after")
@@ -120,13 +121,17 @@ class Watch(Model):
 class TwinMap(Scene):
     """The whole file."""
 
-    sensors: Annotated[list[Sensor], pydantic.Field(min_length=1)]
+    sensors: Annotated[
+        list[Sensor], pydantic.Field(min_length=1, examples=["[{column: load, unit: kN, output: winch.tension}]"])
+    ]
     time: str = ""
-    estimate: tuple[Estimate, ...] = ()
+    estimate: tuple[Estimate, ...] = pydantic.Field(
+        (), examples=["[{parameter: 'bodies[0].mass', sd: 100 kg, range: [4 t, 6 t]}]"]
+    )
     window: Seconds | None = None
     delay: Wait | None = None
-    watch: tuple[Watch, ...] = ()
-    keep: tuple[str, ...] = ()
+    watch: tuple[Watch, ...] = pydantic.Field((), examples=["[{output: winch.tension, above: 60 kN, name: overload}]"])
+    keep: tuple[str, ...] = pydantic.Field((), examples=["[winch.tension]"])
     lost: Seconds = 5.0
     forecast_every: Seconds = 0.5
     restrict: Switch | None = None

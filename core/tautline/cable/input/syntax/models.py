@@ -311,7 +311,7 @@ class WrittenCable(Model):
     title: str | None = None
     CableModelMaterial: Material = Field(examples=["{Gravity: [0, 0, -9.81]}"])
     CableModel: Items = Field(examples=[f"[{EXAMPLE}]"])
-    Plots: Annotated[tuple[SubPlot, ...], Field()] = ()
+    Plots: tuple[SubPlot, ...] = Field((), examples=["[{SubPlot: [{Cable: 0, what: N}]}]"])
     GeneralizedAlpha: CableSolver = Field(examples=["{type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 10}"])
     limits: Limits = ()
 
