@@ -162,7 +162,7 @@ def test_a_sum_that_stays_above_zero_or_comes_down_to_it_is_not_refused(tension)
         ("{sum: [{ramp: {to: 1, over: 1}}, {ramp: {to: 1, over: 2}}]}", "2 at t = 2 s"),
         ("{harmonic: {amplitude: 0.6, period: 4 s, mean: 0.5}}", "1.1 at t = 1 s"),
         ("{harmonic: {amplitude: 0.5, period: 2 s}}", "-0.5 at t = 1.5 s"),
-        ("{chirp: {amplitude: 1.5, period: 4 s, rate: 1.0e-9}}", "1.5 at t = 1 s"),
+        ("{chirp: {amplitude: 0.9, period: 2 s, rate: 1.0e-9}}", "-0.9 at t = 1.5 s"),
     ],
 )
 def test_a_share_beyond_0_to_1_that_a_brake_is_closed_by_is_refused_however_it_is_written(closed, most):
