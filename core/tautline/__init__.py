@@ -104,12 +104,12 @@ def read(source: Any, folder: str | Path | None = None) -> Any:
 
     Parameters
     ----------
-    source : path, str or dict
+    source : path, str, dict or scene
         A file, a YAML text, or what such a text says as a dict: ``{"solver": {"step": "2 ms", ...}, ...}``. A str is a
-        text if it has more than one line, or reads as a mapping of keys to values.
+        text if it has more than one line, or reads as a mapping of keys to values. A scene is given back as it is.
     folder : path or None
         What the files that a text or a dict names are relative to; None for the current folder. Those of a file are
-        relative to its own.
+        relative to its own, and those of a scene have been found.
 
     Returns
     -------
@@ -121,10 +121,15 @@ def read(source: Any, folder: str | Path | None = None) -> Any:
     SceneError
         Listing every fault with its line, key, value and cure.
     ArgumentTypeError
-        Where `source` is none of these, or `folder` is given beside a file.
+        Where `source` is none of these, or `folder` is given beside a file or a scene.
     """
+    from tautline.errors import ArgumentTypeError
     from tautline.scene.reading.source import document_of
 
+    if hasattr(source, "document"):
+        if folder is not None:
+            raise ArgumentTypeError("the files that a scene names have been found: leave `folder` out")
+        return source
     document = document_of(source, folder)
     return _installed().for_scene(document).read(document)
 
@@ -218,7 +223,7 @@ def _installed() -> Installed:
 
 def _scene(scene: Any) -> Any:
     """What was read, or is read now; ArgumentTypeError for what is no scene and no source of one."""
-    return scene if hasattr(scene, "document") else read(scene)
+    return read(scene)
 
 
 def _overridden(scene: Any, **given: Any) -> tuple[Any, Any]:

@@ -169,6 +169,10 @@ def test_about_a_moving_state_a_small_disturbance_runs_as_the_linear_system_says
     assert np.linalg.norm(got - wanted) < 0.05 * np.linalg.norm(wanted)
 
 
+STICKS = pytest.mark.filterwarnings("ignore:what sticks never moves")
+
+
+@STICKS
 def test_a_stuck_sheave_holds_and_a_slack_rope_pulls_nothing_as_they_are():
     hoist = tautline.Simulation(DATA / "hoist.yaml")
     stuck = hoist.linearise(["winch.pay_out_speed"], ["payload.velocity"]).response(0.05)[0, 2, 0]
@@ -288,6 +292,7 @@ def test_a_vector_input_is_its_three_components():
         sim.linearise(["payload.forze"], ["payload.position"])
 
 
+@STICKS
 @pytest.mark.parametrize(
     "wrong", [float("nan"), float("inf"), "1 Hz", [[0.1, 0.2]], None, True, 1.0j, [[1.0], [1.0, 2.0]]]
 )
@@ -299,6 +304,7 @@ def test_a_response_refuses_what_is_no_frequency(wrong):
         plant.response(wrong)
 
 
+@STICKS
 def test_the_response_at_no_frequency_to_a_speed_is_refused_in_words_as_infinite():
     plant = tautline.Simulation(DATA / "hoist.yaml", keep=False).linearise(
         ["winch.pay_out_speed"], ["payload.position[2]"]

@@ -408,22 +408,48 @@ STUCK = {
     CAPSTAN: (f"the rope sticks on it {UNTIL}", "set its parameter groove_friction to 0"),
     EFFICIENCY: (f"its efficiency holds the rope {UNTIL}", "set its parameter efficiency to 1"),
     BEARING: (f"its bearing sticks {UNTIL}", "set its parameter bearing_friction to 0"),
-    TORQUE: ("its brake or its friction holds it until the rope pulls by more", "open its brake"),
 }
-"""What each kind of contact does that sticks, and what frees it."""
+"""What each kind of contact at a sheave does that sticks, and what frees it."""
+PULLS = "until the rope's pull and its motor's differ by more"
+NO_FRICTION = "set its friction_torque in the scene to 0"
+STUCK_DRUM = {
+    (True, False): (f"its brake holds it {PULLS}", "open its brake"),
+    (False, True): (f"its friction holds it {PULLS}", f"let its motor pull by more or less, or {NO_FRICTION}"),
+    (True, True): (f"its brake and its friction hold it {PULLS}", f"open its brake and {NO_FRICTION}"),
+}
+"""The same of a drum, by whether its brake and whether its friction holds it."""
+
+
+def _is_brake(g: Slips, i: int) -> bool:
+    """Whether a contact of a drum is its brake, which an input drives, and not the friction that it always has."""
+    return bool(g.functions.live[g.rows[i].function] >= 0)
+
+
+def _held_difference(g: Slips, i: int) -> float:
+    """Difference of the pulls on both sides that contact i holds now, N, with the sign of its force."""
+    row = g.rows[i]
+    if row.s != NONE:
+        return float(g.now[i])
+    return float(g.now[i] * g.by_p[i] / max(1.0, g.found[row.before, STRETCH]))
 
 
 def _sticks(g: Slips, t: float) -> list[Stuck]:
     """The contacts that stick; what holds one drum, its brake and its friction, counts as one."""
-    most: dict[tuple[int, int], float] = {}
+    contacts: dict[tuple[int, int], list[int]] = {}
     for i in map(int, np.flatnonzero(g.slid == 0)):
         row, here = g.rows[i], most_difference(g, i, t)
         spent = abs(g.force[i] * g.by_p[i]) >= SPENT * here * max(1.0, float(g.found[row.before, STRETCH]))
-        if row.kind == TORQUE and spent:
-            continue  # it slips in the plant, see `_trial`
-        key = int(row.kind), int(row.p if row.p != NONE else row.s)
-        most[key] = most.get(key, 0.0) + here
-    return [Stuck(place, STUCK[kind][0], n, "N", STUCK[kind][1]) for (kind, place), n in most.items() if n > 0.0]
+        if here > 0.0 and not (row.kind == TORQUE and spent):  # else it slips in the plant, see `_trial`
+            contacts.setdefault((int(row.kind), int(row.p if row.p != NONE else row.s)), []).append(i)
+    return [_stuck(g, t, kind, place, some) for (kind, place), some in contacts.items()]
+
+
+def _stuck(g: Slips, t: float, kind: int, place: int, contacts: list[int]) -> Stuck:
+    """What some contacts of one kind hold together."""
+    brakes = [_is_brake(g, i) for i in contacts if kind == TORQUE]
+    text, cure = STUCK_DRUM[any(brakes), not all(brakes)] if brakes else STUCK[kind]
+    most = sum(most_difference(g, i, t) for i in contacts)
+    return Stuck(place, text, most, "N", cure, abs(sum(_held_difference(g, i) for i in contacts)))
 
 
 register(

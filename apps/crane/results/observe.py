@@ -51,7 +51,9 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("fleet_angle", (*sheave, "end"), "rad", "angle of rope and sheave plane, where it runs on and off"),
         Variable("sheave_load", (*sheave, "axis"), "N", "force of the rope on the sheave"),
         Variable("sheave_rotation", sheave, "rad", "rotation of the sheave about its axis"),
-        Variable("slipping", sheave, "", "1 where the rope slips forwards over the sheave, -1 where backwards, else 0"),
+        Variable(
+            "slipping", sheave, "", "1 where the rope slips forwards over the sheave, -1 where backwards, else 0", True
+        ),
     ]
     of_bodies = [
         Variable("body_position", body, "m", "position of a body"),

@@ -162,7 +162,7 @@ def _sticks(g: RockBit | BladeBit, t: float) -> list[Stuck]:
     most = float(g.value[STATIC])
     if b.placed == 0 or b.settled != STICK or b.slip_speed > 0.0 or most <= 0.0:
         return []
-    return [Stuck(g.turn, "the bit sticks in the rock until it is turned by more", most, "N m")]
+    return [Stuck(g.turn, "the bit sticks in the rock until the string turns it by more", most, "N m")]
 
 
 for kind in (RockBit, BladeBit):

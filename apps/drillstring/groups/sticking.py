@@ -28,7 +28,10 @@ def stuck_on_the_wall(law: Any, springs: np.recarray, places: np.ndarray) -> lis
         Full place of a degree of freedom of each contact.
     """
     if isinstance(law, Projection):
-        held, text = law.rows.settled == STICK, "friction holds it on the wall until it is pushed by more"
+        held, text = (
+            law.rows.settled == STICK,
+            "friction holds it on the wall until all other forces together push it by more",
+        )
     elif isinstance(law, Karnopp):
         held, text = law.rows.held == 1, "karnopp's friction holds it on the wall in a run, and not here, up to no more"
     else:

@@ -155,11 +155,13 @@ class Stuck(NamedTuple):
     text : str
         What it does, as a sentence goes on after a name.
     most : float
-        Force or torque up to which it does so, in ``unit``; infinite where that is not known.
+        Force, torque or difference of these up to which it does so, in ``unit``; infinite where that is not known.
     unit : str
         ``N`` or ``N m``.
     cure : str
         What frees it, beside time.
+    now : float
+        What it is now, in ``unit``; NaN where that is not known.
     """
 
     place: int
@@ -167,6 +169,7 @@ class Stuck(NamedTuple):
     most: float
     unit: str
     cure: str = ""
+    now: float = math.nan
 
 
 Sticks = Callable[[Any, float], list[Stuck]]

@@ -23,12 +23,15 @@ class Variable:
         SI unit, such as ``N``.
     long_name : str
         What it is, in words; plots write it at their axes.
+    jumps : bool
+        Whether it says which of a few states something is in, such as 1 where it slips and else 0.
     """
 
     name: str
     dims: tuple[str, ...]
     units: str
     long_name: str
+    jumps: bool = False
 
 
 def listed(variables: Iterable[Variable]) -> list[str]:

@@ -67,6 +67,8 @@ class Output:
         Names of its places, where they are others than those of its dimensions.
     size : str
         Figure of a run that is the largest size of such vectors; empty where there is none.
+    jumps : bool
+        Whether it says which of a few states something is in, and jumps between them.
     """
 
     name: str
@@ -82,6 +84,7 @@ class Output:
     judged_by: tuple[str, str] = ("", "")
     labels: tuple[str, ...] = ()
     size: str = ""
+    jumps: bool = False
 
     @property
     def has_components(self) -> bool:
@@ -308,7 +311,7 @@ def outputs_of(
         shape = tuple(sizes.get(dim, 0) for dim in variable.dims[1:])
         made[variable.name] = Output(
             variable.name, variable.units, variable.long_name, shape, _whole(variable.name), None, variable.dims[1:],
-            _all_of(variable.name), variable.name,
+            _all_of(variable.name), variable.name, jumps=variable.jumps,
         )  # fmt: skip
     for variable in variables:
         what = (things or {}).get(variable.name)
@@ -342,7 +345,7 @@ def part_of(variable: Any, name: str, k: int, shape: tuple[int, ...] = (), text:
     """An output that is the k-th of a variable."""
     return Output(
         name, variable.units, text or variable.long_name, shape, _part(variable.name, k), None, variable.dims[2:],
-        _part_of_all(variable.name, k), variable.name,
+        _part_of_all(variable.name, k), variable.name, jumps=variable.jumps,
     )  # fmt: skip
 
 
@@ -357,6 +360,7 @@ def extreme_of(variable: Any, name: str, text: str, choose: Callable[[np.ndarray
     return Output(
         name, variable.units, text, (), lambda frame: choose(frame[source][0]),
         series=lambda frames: np.array([choose(one) for one in frames[source]]), source=source,
+        jumps=variable.jumps,
     )  # fmt: skip
 
 

@@ -182,3 +182,10 @@ def test_a_number_that_pyyaml_has_left_a_text_is_refused_with_the_name_of_pyyaml
     with pytest.raises(tautline.SceneError, match="remove the quotes, or add the unit") as refused:
         tautline.read(read | {"rope": read["rope"] | {"axial_stiffness": "8.0e+7"}})
     assert "PyYAML" not in str(refused.value)
+
+
+def test_a_scene_that_is_read_again_is_given_back_as_it_is():
+    scene = tautline.read(DATA / "hoist.yaml")
+    assert tautline.read(scene) is scene
+    with pytest.raises(TypeError, match="leave `folder` out"):
+        tautline.read(scene, folder=DATA)

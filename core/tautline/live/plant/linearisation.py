@@ -34,30 +34,24 @@ from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
 from tautline.live.errors import SimulationError, plain_numbers
 from tautline.live.forces import calls_of, room_for_all
+from tautline.live.plant.differences import FREE, Room, Slope, slopes
 from tautline.live.plant.growth import growth_said
+from tautline.live.plant.limits import Limited, limits_said
 from tautline.live.plant.stuck import held_said, stuck_said, told_stuck, what_sticks
 from tautline.scene.methods import method_of
 from tautline.system.handles import Input, Output
 
 COMPLEX_STEP = 1.0e-30
-STENCIL = ((1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0))
-"""Central differences of fourth order: steps, and the weight of the difference over each."""
 SMALL = 1.0e-5
 """Step of differences, m or rad, and the same times a frequency for speeds."""
 STEPS = SMALL, SMALL, 1.0
 """Steps of the residual's differences along positions, m or rad, speeds and accelerations. It is linear in the last of
 these: any step is right, and a small one would leave the rounding of the elastic forces, which grows with stiffness."""
-FINER, FINEST = 0.1, 1.0e-5
-"""By how much a step is made smaller where it meets a kink, and share of the first one that it stays above."""
-KINK = 1.0e-4
-"""Share of a derivative by which those of one and of two steps differ if a kink lies between, such as where a beam that
-lies on its wall by less than the step leaves it."""
-ROUNDED = 1.0e-12
-"""Share of an output that may be rounding."""
 SUMS_OVER_TIME = ("external_work", "dissipated_energy")
 """Outputs that grow with the run."""
 NOTHING = 1.0e-9
 """Share of an output's largest derivative below which one is rounding."""
+WHOLE = slice(None)
 LATER = 1.0e-30
 """A time, s, which is as good as 0, and not that of the first frame of a run."""
 
@@ -120,20 +114,24 @@ class Plant:
         Raises
         ------
         SimulationError
-            For what is no finite number or list of these, and at a frequency at which the response is infinite: 0 Hz
-            where an input is a speed, which goes on for ever.
+            For what is no finite number or list of these, at a frequency at which the response is infinite: 0 Hz
+            where an input is a speed, which goes on for ever, and at one so large that it is no finite number.
         """
         return np.array([self._response(f) for f in _frequencies(frequency)]).reshape(-1, *self.D.shape)
 
     def _response(self, frequency: float) -> np.ndarray:
         """Response at one frequency, Hz."""
-        s = 2.0j * np.pi * frequency
         try:
-            found = self.C @ np.linalg.solve(s * np.eye(len(self.A)) - self.A, self.B) + self.D + s * self.E
+            with np.errstate(all="ignore"):  # what is not finite is refused below
+                s = 2.0j * np.pi * frequency
+                found = self.C @ np.linalg.solve(s * np.eye(len(self.A)) - self.A, self.B) + self.D + s * self.E
         except np.linalg.LinAlgError:
             cause = f"the response at {frequency:g} Hz is infinite: an input that is a speed moves on for ever, or an "
             cause += "oscillation there has no damping"
             raise SimulationError(cause, "give another frequency") from None
+        if not np.isfinite(found).all():
+            cause = f"the response at {frequency:g} Hz is no finite number: what it is found from is too large for one"
+            raise SimulationError(cause, "give a frequency nearer to those at which the scene moves")
         return np.asarray(found)
 
 
@@ -173,7 +171,8 @@ def linearise(sim: Any, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
     work = _Linearisation(sim, *both)
     with calls_of(work.sim.parts.forces):
         found = work.plant()
-    for said in (*held_said(found.held), *stuck_said(work.stuck), *growth_said(found.A, work.system, work.step)):
+    told = *held_said(found.held), *stuck_said(work.stuck), *limits_said(work.limits)
+    for said in (*told, *growth_said(found.A, work.system, work.step)):
         warnings.warn(said, stacklevel=3)
     return found
 
@@ -197,6 +196,7 @@ class _Linearisation:
         self.outputs: list[Output] = [sim.outputs.handle(name) for name in outputs]
         self._refuse_rivals(sim)
         self._refuse_sums()
+        self._refuse_jumps()
         self.sim = sim.copy()
         self.system, self.state, self.t = self.sim.model.system, self.sim.parts.state, sim.time
         hold_laws(self.system.groups)
@@ -214,6 +214,8 @@ class _Linearisation:
         # An explicit step follows every mode, or the run is stopped.
         self.step = 0.0 if method_of(solver.method).explicit else solver.step
         self.functions = functions
+        self.limits: list[Limited] = []
+        self.here: dict[str, np.ndarray] = {}
         self.a = self.b = np.zeros((0, 0))
         listed = self._integrals()
         self.stuck = what_sticks(self.system, self.t)
@@ -234,6 +236,13 @@ class _Linearisation:
             if one.variable in SUMS_OVER_TIME or one.name in SUMS_OVER_TIME:
                 cause = f"{one.name} is a sum over time: no A, B, C, D can say what it is"
                 raise SimulationError(cause, "take a power, a force or a speed in its place")
+
+    def _refuse_jumps(self) -> None:
+        """Refuse outputs that say which of a few states something is in: they jump, and have no derivative."""
+        for one in self.outputs:
+            if one.jumps:
+                cause = f"{one.name} jumps between a few values: no A, B, C, D can say when"
+                raise SimulationError(cause, "take a force or a speed in its place")
 
     # -- the matrices --------------------------------------------------------------------------------------------------
 
@@ -317,24 +326,44 @@ class _Linearisation:
                     changed[order] += h * steering.factor
                     self.sim.inputs.hold(function, self.t, changed)
 
-            found.append(self._slope(moved, step, steer))
+            given = order == one.steering.order
+            slope = self._slope(moved, step, steer, self._room(one) if given else FREE)
+            if given:
+                self._note_limit(one, slope)
+            found.append(slope.value)
         for _, function, f in at:
             self.sim.inputs.hold(function, self.t, f)
         return np.array(found)
 
-    def _slope(self, moved: Sequence[np.ndarray], step: float, besides: Callable[[float], None]) -> np.ndarray:
-        """Derivative of the answer along changes of full q, v and a and of what else changes, of fourth order."""
+    def _room(self, one: Input) -> Room:
+        """How far an input is from the least and the most that may be given."""
+        steering, function = one.members[0]
+        value = sample_all(self.functions, [function], np.array([self.t]))[0, 0, steering.order] / steering.factor
+        return Room(max(0.0, value - steering.least), max(0.0, steering.most - value))
+
+    def _note_limit(self, one: Input, slope: Slope) -> None:
+        """Note an input that does something else when it rises than when it falls."""
+        if slope.limited:
+            differ = np.argmax(np.abs(slope.above - slope.below))
+            above, below = -float(slope.above[differ]), -float(slope.below[differ])  # the residual is less the forces
+            self.limits.append(Limited(one.steering, above, below))
+
+    def _slope(
+        self, moved: Sequence[np.ndarray], step: float, besides: Callable[[float], None], room: Room = FREE,
+        part: slice = WHOLE,
+    ) -> Slope:  # fmt: skip
+        """Derivative of a part of the answer along changes of full q, v and a and of what else changes."""
         state = self.state
         vectors = state.full_q, state.full_v, state.full_a
         kept = [array.copy() for array in (*vectors, state.residual)]
-        found = np.zeros(self.n + len(self.integrals))
-        for times, weight in STENCIL:
-            for sign in (1.0, -1.0):
-                h = sign * times * step
-                for array, before, change in zip(vectors, kept, moved, strict=False):
-                    array[:] = before + h * change
-                besides(h)
-                found += sign * weight / step * self._answer()
+
+        def sample(h: float) -> dict[str, np.ndarray]:
+            for array, before, change in zip(vectors, kept, moved, strict=False):
+                array[:] = before + h * change
+            besides(h)
+            return {"": self._answer()[part]}
+
+        found = slopes(sample, step, room)[""]
         for array, before in zip((*vectors, state.residual), kept, strict=True):
             array[:] = before
         return found
@@ -347,7 +376,7 @@ class _Linearisation:
             one.array[one.at] = before + h
 
         still = np.zeros(self.places.shape[0])
-        found = self._slope([still] * 3, 1.0e-3 * max(1.0, abs(before)), change)
+        found = self._slope([still] * 3, 1.0e-3 * max(1.0, abs(before)), change).value
         change(0.0)
         return found
 
@@ -361,7 +390,8 @@ class _Linearisation:
             full = self._full(np.eye(1, self.n, int(moving))[0], held)
             for order in range(3):
                 moved = [full if d == order else still for d in range(3)]
-                found[order, :, j] = self._slope(moved, STEPS[order] / np.abs(full).max(), lambda h: None)[self.n :]
+                step = STEPS[order] / np.abs(full).max()
+                found[order, :, j] = self._slope(moved, step, lambda h: None, part=slice(self.n, None)).value
         return found
 
     # -- the plant -----------------------------------------------------------------------------------------------------
@@ -465,6 +495,9 @@ class _Linearisation:
         states, inputs = np.eye(len(self.a)), np.eye(len(self.inputs))
         nothing = np.zeros(len(self.a)), np.zeros(len(self.inputs)), np.zeros(len(self.inputs))
         self.extremes = self._places_of_extremes()
+        self.here = (
+            self._outputs_at(0.0, self._motion(*nothing)) if any(one.places is None for one in self.outputs) else {}
+        )
         c = [self._along(self._motion(x, *nothing[1:])) for x in states]
         d = [self._along(self._motion(nothing[0], u, nothing[2])) for u in inputs]
         e = [self._along(self._motion(*nothing[:2], rate)) for rate in inputs]
@@ -527,8 +560,7 @@ class _Linearisation:
     def _along(self, change: _Change) -> np.ndarray:
         """Derivative of all outputs along a direction: exact of positions and velocities, else by differences."""
         parts = []
-        compiled = any(one.places is None for one in self.outputs)
-        differences = self._differences(change) if compiled else {}
+        differences = self._differences(change) if self.here else {}
         for one in self.outputs:
             if one.places is not None:
                 vector, places = one.places
@@ -538,59 +570,38 @@ class _Linearisation:
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def _differences(self, change: _Change) -> dict[str, np.ndarray]:
-        """Derivatives of the compiled outputs along a direction, each by a step that no kink lies in.
-
-        A smaller step brings one and two steps together where a kink parted them, and further apart where rounding
-        did, such as of the tension of a stiff rope in a direction that leaves it as it is. Where no step brings them
-        together, that counts where they are nearest.
-        """
+        """Derivatives of the compiled outputs along a direction."""
         q, v, a = (float(np.abs(part).max(initial=0.0)) for part in change[:3])
         largest = max(q, v / self._rate) or a / self._rate**2 or 1.0
-        step, least = SMALL / largest, FINEST * SMALL / largest
-        found: dict[str, np.ndarray] = {}
-        apart: dict[str, float] = {}
-        while True:
-            (one, size), (two, _) = (self._central(times * step, change) for times in (1.0, 2.0))
-            kinked = False
-            for name, slope in one.items():
-                off = float(np.abs(slope - two[name]).max(initial=0.0))
-                if off < apart.get(name, np.inf):
-                    found[name], apart[name] = (4.0 * slope - two[name]) / 3.0, off
-                kinked |= apart[name] > KINK * np.abs(found[name]).max(initial=0.0) + ROUNDED * size[name] / step
-            if not kinked or step * FINER < least:
-                return found
-            step *= FINER
+        room = FREE
+        for i, one in enumerate(self.inputs):
+            room = room.both(self._room(one).along(float(change.functions[one.steering.order, i])))
+        found = slopes(lambda h: self._outputs_at(h, change), SMALL / largest, room, self.here)
+        return {name: slope.value for name, slope in found.items()}
 
-    def _central(self, h: float, change: _Change) -> tuple[dict[str, np.ndarray], dict[str, float]]:
-        """Central differences of the compiled outputs along a direction, and how large these are."""
+    def _outputs_at(self, h: float, change: _Change) -> dict[str, np.ndarray]:
+        """The compiled outputs a step along a direction; all is put back."""
         state = self.state
         memory = self.sim.parts.memory
         noted = memory.read()
-        kept = [array.copy() for array in (state.full_q, state.full_v, state.full_a, state.residual)]
-        compiled = [one for one in self.outputs if one.places is None]
-        found: dict[str, np.ndarray] = {one.name: np.zeros(one.shape) for one in compiled}
-        size = dict.fromkeys(found, 0.0)
+        vectors = state.full_q, state.full_v, state.full_a, state.residual
+        kept = [array.copy() for array in vectors]
         steered = [(f, s, i) for i, one in enumerate(self.inputs) for s, f in one.members]
         at = {f: sample_all(self.functions, [f], np.array([self.t]))[0, 0] for f, _, _ in steered}
-        for sign in (1.0, -1.0):
-            for array, before, part in zip((state.full_q, state.full_v, state.full_a), kept, change[:3], strict=False):
-                array[:] = before + sign * h * part
-            for integral, grown in zip(self.integrals, change.integrals, strict=True):
-                integral.array[integral.at] += sign * h * grown
-            for function, steering, i in steered:
-                moved = sign * h * steering.factor * change.functions[:, i]
-                self.sim.inputs.hold(function, self.t, at[function] + moved)
-            frame = self._observed()
-            for one in compiled:
-                value = self._value(one, frame)
-                found[one.name] = found[one.name] + 0.5 * sign / h * value
-                size[one.name] = max(size[one.name], float(np.abs(value).max(initial=0.0)))
-            memory.write(noted)
-        for array, before in zip((state.full_q, state.full_v, state.full_a, state.residual), kept, strict=True):
+        for array, part in zip(vectors, change[:3], strict=False):
+            array += h * part
+        for integral, grown in zip(self.integrals, change.integrals, strict=True):
+            integral.array[integral.at] += h * grown
+        for function, steering, i in steered:
+            self.sim.inputs.hold(function, self.t, at[function] + h * steering.factor * change.functions[:, i])
+        frame = self._observed()
+        found = {one.name: self._value(one, frame) for one in self.outputs if one.places is None}
+        memory.write(noted)
+        for array, before in zip(vectors, kept, strict=True):
             array[:] = before
-        for function in at:
-            self.sim.inputs.hold(function, self.t, at[function])
-        return found, size
+        for function, before in at.items():
+            self.sim.inputs.hold(function, self.t, before)
+        return found
 
     def _observed(self) -> Any:
         """Variables of one frame of the state as it stands; laws note what they note at the end of a step."""

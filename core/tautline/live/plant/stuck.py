@@ -21,9 +21,10 @@ class Named(NamedTuple):
 
     @property
     def told(self) -> str:
-        """What it is, what holds it, and up to which force or torque where that is known."""
+        """What it is, what holds it, up to which force or torque, and what that is now, where these are known."""
         most = f" than {self.stuck.most:.4g} {self.stuck.unit}" if math.isfinite(self.stuck.most) else ""
-        return f"{self.name}: {self.stuck.text}{most}"
+        now = f", now {self.stuck.now:.4g} {self.stuck.unit}" if math.isfinite(self.stuck.now) else ""
+        return f"{self.name}: {self.stuck.text}{most}{now}"
 
 
 def what_sticks(system: System, time: float) -> list[Named]:

@@ -1,0 +1,198 @@
+"""Derivatives by differences: of fourth order, within what may be given, and with a look for kinks.
+
+Where a law is clamped a central difference across the clamp is half of the slope beside it. So a step stays within the
+bounds of what may be given, by one-sided differences at these. Within them a kink shows as two slopes, by one step and
+by two, that differ, and right at it as slopes of both sides that do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+FINER, FINEST = 0.1, 1.0e-5
+"""By how much a step is made smaller where it meets a kink, and share of the first one that it stays above."""
+KINK = 1.0e-4
+"""Share of a derivative by which those of one and of two steps differ if a kink lies between, such as where a beam that
+lies on its wall by less than the step leaves it."""
+ROUNDED = 1.0e-12
+"""Share of what is differenced that may be rounding."""
+SIDES = 1.0e-2
+"""Share of the larger slope by which those of both sides differ at a kink."""
+STAYS = 0.1
+"""Share of their difference by which it changes with a finer step, where it is a kink and no rounding."""
+ALIKE = 0.99
+"""Ratio of the smaller slope to the larger one from which both are as large: neither is that of a limit."""
+Sample = Callable[[float], Mapping[str, np.ndarray]]
+"""Values by their names, a step away."""
+
+
+class Room(NamedTuple):
+    """How far a step may go down and up."""
+
+    below: float = math.inf
+    above: float = math.inf
+
+    def along(self, rate: float) -> Room:
+        """That of something by which this moves at a rate."""
+        if rate == 0.0:
+            return FREE
+        below, above = self if rate > 0.0 else (self.above, self.below)
+        return Room(below / abs(rate), above / abs(rate))
+
+    def both(self, other: Room) -> Room:
+        """What is left where another has to be kept to as well."""
+        return Room(min(self.below, other.below), min(self.above, other.above))
+
+
+FREE = Room()
+
+
+class Slope(NamedTuple):
+    """A derivative, those of both sides, and whether these differ as at a limit: it is the smaller of them there."""
+
+    value: np.ndarray
+    below: np.ndarray
+    above: np.ndarray
+    limited: bool
+
+
+class _Stencil(NamedTuple):
+    """Points, in steps; weights of the best derivative, of those of second order by one step and by two, and of those
+    from below and above."""
+
+    points: tuple[float, ...]
+    best: tuple[float, ...]
+    one: tuple[float, ...]
+    two: tuple[float, ...]
+    below: tuple[float, ...]
+    above: tuple[float, ...]
+
+
+_UP = (-25 / 12, 4.0, -3.0, 4 / 3, -1 / 4)
+"""Weights at 0 to 4 steps, of fourth order."""
+CENTRAL = _Stencil(
+    (-2.0, -1.0, 0.0, 1.0, 2.0), (1 / 12, -2 / 3, 0.0, 2 / 3, -1 / 12), (0.0, -0.5, 0.0, 0.5, 0.0),
+    (-0.25, 0.0, 0.0, 0.0, 0.25), (0.5, -2.0, 1.5, 0.0, 0.0), (0.0, 0.0, -1.5, 2.0, -0.5),
+)  # fmt: skip
+UPWARDS = _Stencil((0.0, 1.0, 2.0, 3.0, 4.0), _UP, (-1.5, 2.0, -0.5, 0.0, 0.0), (-0.75, 0.0, 1.0, 0.0, -0.25), _UP, _UP)
+DOWNWARDS = _Stencil(tuple(-x for x in UPWARDS.points), *(tuple(-x for x in weights) for weights in UPWARDS[1:]))
+
+
+class _Seen(NamedTuple):
+    """Changes (points, ...) at the points of a stencil, with its step, and how large the values themselves are.
+
+    Of what does not change at all the slope is then exactly nothing.
+    """
+
+    stencil: _Stencil
+    step: float
+    changes: np.ndarray
+    size: float
+
+    def by(self, weights: tuple[float, ...]) -> np.ndarray:
+        return np.asarray(np.tensordot(weights, self.changes, 1)) / self.step
+
+    @property
+    def apart(self) -> float:
+        """How far the slopes by one step and by two are apart."""
+        return _largest(self.by(self.stencil.one) - self.by(self.stencil.two))
+
+    def kinked(self, step: float) -> bool:
+        """Whether that is more than the rounding of a step."""
+        return self.apart > KINK * _largest(self.by(self.stencil.best)) + ROUNDED * self.size / step
+
+    @property
+    def jump(self) -> np.ndarray:
+        """The slope above less that below."""
+        return self.by(self.stencil.above) - self.by(self.stencil.below)
+
+    @property
+    def sides_differ(self) -> bool:
+        most = max(_largest(self.by(self.stencil.above)), _largest(self.by(self.stencil.below)))
+        return _largest(self.jump) > SIDES * most + ROUNDED * self.size / self.step
+
+
+def slopes(
+    sample: Sample, step: float, room: Room = FREE, here: Mapping[str, np.ndarray] | None = None
+) -> dict[str, Slope]:
+    """Derivatives of all that is sampled, each by a step that no kink lies in.
+
+    A smaller step brings one and two steps together where a kink parted them, and further apart where rounding did,
+    such as of the tension of a stiff rope in a direction that leaves it as it is. Where no step brings them together,
+    that counts where they are nearest. Where slopes of both sides differ, the smaller one counts: what is at a limit
+    stays there, as it does in the tangents.
+
+    Parameters
+    ----------
+    sample : callable
+        A step -> arrays by their names.
+    step : float
+        The first one.
+    room : Room
+        How far steps may go; one way may be none.
+    here : mapping, optional
+        What is sampled at no step, where that is known.
+    """
+    stencil, step = _within(step, room)
+    at_hand = sample(0.0) if here is None else here
+    least = FINEST * step
+    found: dict[str, _Seen] = {}
+    while True:
+        for name, seen in _look(sample, at_hand, stencil, step).items():
+            if name not in found or seen.apart < found[name].apart:
+                found[name] = seen
+        if step * FINER < least or not any(one.kinked(step) for one in found.values()):
+            break
+        step *= FINER
+    at_kinks = _at_kinks(sample, at_hand, found)
+    return {name: _slope(seen, name in at_kinks) for name, seen in found.items()}
+
+
+def _within(step: float, room: Room) -> tuple[_Stencil, float]:
+    """The stencil and the step that stay within the room."""
+    if min(room) >= 2.0 * step:
+        return CENTRAL, step
+    upwards = room.above >= room.below
+    return (UPWARDS if upwards else DOWNWARDS), min(step, 0.25 * max(room))
+
+
+def _look(sample: Sample, here: Mapping[str, np.ndarray], stencil: _Stencil, step: float) -> dict[str, _Seen]:
+    """All that is sampled, at the points of a stencil."""
+    frames = [here if point == 0.0 else sample(point * step) for point in stencil.points]
+    found = {}
+    for name, value in here.items():
+        values = np.array([frame[name] for frame in frames], dtype=float)
+        found[name] = _Seen(stencil, step, values - value, _largest(values))
+    return found
+
+
+def _at_kinks(sample: Sample, here: Mapping[str, np.ndarray], found: Mapping[str, _Seen]) -> set[str]:
+    """Names of what is at a kink: slopes of its sides differ by as much with a finer step."""
+    some = {name: seen for name, seen in found.items() if seen.sides_differ}
+    kinks = set()
+    for step in {seen.step for seen in some.values()}:
+        finer = _look(sample, here, next(iter(found.values())).stencil, FINER * step)
+        for name, seen in some.items():
+            if seen.step == step and _largest(finer[name].jump - seen.jump) <= STAYS * _largest(seen.jump):
+                kinks.add(name)
+    return kinks
+
+
+def _slope(seen: _Seen, at_kink: bool) -> Slope:
+    """The slope that counts; at a kink in each number the smaller one, unless both are as large."""
+    best, below, above = (seen.by(weights) for weights in (seen.stencil.best, seen.stencil.below, seen.stencil.above))
+    if not at_kink:
+        return Slope(best, below, above, False)
+    down, up = np.abs(below), np.abs(above)
+    parted = np.abs(above - below) > SIDES * max(_largest(below), _largest(above))
+    limited = parted & (np.minimum(down, up) < ALIKE * np.maximum(down, up))
+    lesser = np.where(up < down, above, below)
+    return Slope(np.where(limited, lesser, best), below, above, bool(limited.any()))
+
+
+def _largest(values: np.ndarray) -> float:
+    return float(np.abs(values).max(initial=0.0))
