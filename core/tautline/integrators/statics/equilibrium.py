@@ -60,10 +60,6 @@ UNSETTLED = (
 )
 """The same of one that has nearly found balance."""
 
-HIDDEN = (
-    "rounding of the stiffest rows hides what acts: what is still out of balance moves the shape; give less stiffness"
-)
-"""The same of one whose balance rounding alone makes, where the scene does not know which stiffness it is."""
 ACTING = 1.0e-6
 """What a tolerance may leave in a row where stiffness makes its scale, over an equal share of what acts."""
 SEEN = 1.0e-6
@@ -122,7 +118,7 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
 
 class _Ended(NamedTuple):
     """How one search ended: iterations, residual over its scale, its row, whether it is balance, and whether the
-    stiffness was singular, the scene went far away, or rounding hides what acts."""
+    stiffness was singular or the scene went far away."""
 
     iterations: int
     residual: float
@@ -130,7 +126,6 @@ class _Ended(NamedTuple):
     found: bool = False
     loose: bool = False
     away: bool = False
-    hidden: bool = False
 
 
 def _why(system: System, ended: _Ended, spent: int, loose: bool, scale: np.ndarray) -> str:
@@ -145,8 +140,8 @@ def _why(system: System, ended: _Ended, spent: int, loose: bool, scale: np.ndarr
         amount = f"after {spent} iterations this constraint is still open by {share} of what is large in the scene"
     else:
         amount = f"after {spent} iterations {share} of {whole} is still out of balance there"
-    if system.softer or ended.hidden:
-        why = system.softer or HIDDEN
+    if system.softer:
+        why = system.softer
     elif ended.away or loose:
         why = LOOSE_OR_FAR
     else:
@@ -203,11 +198,9 @@ def _search(
             _balance_part(system, state, step_limit, tolerance, factors, np.zeros(n))
     iterations = int(counts[ITERATION])
     if stands == FOUND:
-        hidden = bool(numbers[PREVIOUS] > tolerance and (scale < system.scale).any()) and _hides(system, state, extent)
+        hidden = bool(system.softer and numbers[PREVIOUS] > tolerance) and _hides(system, state, extent)
         left = float(numbers[PREVIOUS])
-        return _Ended(
-            iterations, left if hidden else min(left, tolerance), int(counts[WORST]), not hidden, hidden=hidden
-        )
+        return _Ended(iterations, left if hidden else min(left, tolerance), int(counts[WORST]), not hidden)
     nearest = _Ended(iterations, float(numbers[NEAREST]), int(counts[WORST_THERE]))
     if stands != MORE:
         return nearest._replace(away=stands == AWAY, loose=stands == LOOSE)
