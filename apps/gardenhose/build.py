@@ -17,6 +17,7 @@ from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.model.build import Assembly
 from tautline.cable.model.handles import at_ends, stiffnesses
+from tautline.cable.model.magnitudes import stiff_along
 from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.integrators.statics.equilibrium import find_equilibrium
@@ -87,6 +88,7 @@ def build(scene: HoseScene) -> Model:
         settle=None if scene.coupling == "linear" else lambda state: begin_at_rest(scene, made, state),
         notes=notes,
         handles=lambda: _handles(made, model),
+        cause=lambda state, status: stiff_along(made.system, state, status),
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gardenhose.estimates import average, speeds
 from gardenhose.scene import HoseScene, Segment
 from tautline.cable.input.parts import CableScene, Coupling, Element, Motion, Node, Place, Tie
 from tautline.cable.input.syntax.nodal import NodalPart
@@ -20,6 +21,7 @@ from tautline.cable.input.syntax.nodal_items import PointMass
 from tautline.cable.input.syntax.solver import CableSolver
 from tautline.cable.model.build import Assembly, assemble_cables
 from tautline.cable.model.layout import Layout
+from tautline.cable.model.magnitudes import too_stiff
 from tautline.elements.nodal.jet import JET, Jets
 from tautline.scene.reading.document import Document
 from tautline.system.records import records_of
@@ -216,9 +218,18 @@ def step_limit(scene: HoseScene) -> float:
 
 def assembled(scene: HoseScene, fused: bool = True) -> Assembly:
     """The equations of a scene, with the velocity that it begins with; see `cables_of`."""
-    made = assemble_cables(cables_of(scene, fused), lambda layout: _jets(scene, layout))
+    cables = cables_of(scene, fused)
+    made = assemble_cables(cables, lambda layout: _jets(scene, layout))
+    made.system.softer = stiff_beside_all(scene, cables)
     _disturb(scene, made)
     return made
+
+
+def stiff_beside_all(scene: HoseScene, cables: CableScene) -> str:
+    """Cause and cure where a hose is too stiff along itself beside its weight and its water's thrust, else empty."""
+    if not too_stiff(cables):
+        return ""
+    return too_stiff(cables, average(scene, float(np.abs(speeds(scene)).max())).thrust)
 
 
 def _jets(scene: HoseScene, layout: Layout) -> list[Any]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gardenhose.cables import cables_of, stiff_beside_all
 from gardenhose.estimates import (
     RADIANS_PER_ELEMENT,
     SUPPORTS,
@@ -68,7 +69,7 @@ def warnings(scene: HoseScene) -> list[SceneWarning]:
         [*_held_column(scene, hose), *_rest(scene)],
     )
     before, behind = ([SceneWarning(*one, of_a_run=True) for one in found] for found in of_a_run)
-    return [*before, *(SceneWarning(*one) for one in _ends(scene, speed)), *behind]
+    return [*before, *(SceneWarning(*one) for one in (*_stiff(scene), *_ends(scene, speed))), *behind]
 
 
 def _steps(scene: HoseScene, hose: Average) -> Sentences:
@@ -110,6 +111,14 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
             f"{scene.output.interval / math.ceil(ratio):.6g} s. Give a multiple of the step"
         )
         yield "output.interval", text
+
+
+def _stiff(scene: HoseScene) -> Sentences:
+    """A hose so stiff along itself that its bending is lost beside it; between two ends it is stretched, and is not."""
+    text = stiff_beside_all(scene, cables_of(scene)) if scene.hose.end == "free" else ""
+    if text:
+        stiffest = max(range(len(scene.hose.pieces)), key=lambda i: scene.hose.pieces[i].axial_stiffness)
+        yield _at(scene, stiffest, "axial_stiffness"), text
 
 
 def _at(scene: HoseScene, i: int, key: str) -> str:

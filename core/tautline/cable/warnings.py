@@ -28,6 +28,7 @@ from tautline.cable.model.magnitudes import (
     rounded_gap,
     stiffest_element,
     stiffness_of,
+    too_stiff,
 )
 from tautline.cable.model.sides import sides_of
 from tautline.scene.errors import SceneWarning
@@ -467,6 +468,14 @@ def _twice(scene: CableScene) -> Sentences:
             names = " and ".join(map(str, sorted(pair)))
             methods = ", ".join(method for method, _ in entries)
             yield entries[-1][1], f"nodes {names} are tied by {WHAT[what]} more than once ({methods}): keep one"
+
+
+@warning("cable")
+def _stiff_along(scene: CableScene) -> Sentences:
+    """Ropes so stiff along themselves that what acts is lost beside it: at the stiffest."""
+    text = too_stiff(scene)
+    if text:
+        yield (*max(scene.elements, key=lambda element: element.EA).place, "EA"), text
 
 
 @warning("cable")

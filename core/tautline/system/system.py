@@ -134,6 +134,12 @@ class System:
         What each full degree of freedom is.
     force : float
         Force that counts as large, N; 0 for the largest of ``scale``.
+    given : float
+        Force that a scene at rest has to balance, N: ``force`` and ``scale`` may count stiffness, and a search for rest
+        holds what is left against this one too. 0 where it is not known, or nothing acts.
+    softer : str
+        Cause and cure of a search or a step without solution, where the scene is so stiff along itself that rounding
+        hides what acts; empty where it is not.
     neighbours : (m, 2) int array
         Full degrees of freedom at both ends of an element that must not move far apart at once, m, where a search for
         rest moves them: x and x, y and y, z and z, or the ways along a hole.
@@ -175,6 +181,8 @@ class System:
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     places: list[str] = field(default_factory=list)
     force: float = 0.0
+    given: float = 0.0
+    softer: str = ""
     neighbours: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     reach: float = 0.0
     room: np.ndarray = field(default_factory=lambda: np.zeros(0))

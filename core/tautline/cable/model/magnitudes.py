@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import math
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
 from tautline.cable.input.material import element_lengths, material_coordinates
 from tautline.cable.input.parts import CableScene, Tie
 from tautline.cable.input.syntax.nodal import item_of
+from tautline.integrators.state import WORST
+from tautline.integrators.status import Status
 from tautline.scene.model import MADE
+from tautline.system.system import System
 
 STIFF_SHARE = 1.0e-4
 """Share of the largest axial stiffness that counts as a large force."""
+TOO_STIFF, ENOUGH = 1.0e8, 1.0e7
+"""EA over the force that acts: from the first on it may hide beside stretch and rounding; at the second the stretch is
+1e-7, and six digits of a shape are those of a rope without any."""
 STIFF = 1.0e6
 """Chosen penalty over the stiffest element, at most: a joint gives 1e-6 of the stretch of an element."""
 ROUNDED = float(np.finfo(float).eps)
@@ -42,6 +49,41 @@ def largest_force(scene: CableScene) -> float:
     bending = max((e.EJ for e in scene.elements), default=0.0)
     stiff = max(axial, 1e-3 * bending)
     return given_force(scene) + STIFF_SHARE * stiff or 1.0
+
+
+def acting_force(scene: CableScene) -> float:
+    """Force that a scene at rest has to balance, N: what is given, else that which bends a rope by its own length.
+
+    Stiffness along a rope is no part of it, however large: it carries what acts and makes none of it.
+    """
+    gravity, lengths = float(np.linalg.norm(scene.gravity)), _lengths(scene).tolist()
+    fluid = sum(e.conveyed[0] * length for e, length in zip(scene.elements, lengths, strict=True) if e.conveyed)
+    bending = max((e.EJ for e in scene.elements), default=0.0)
+    return given_force(scene) + gravity * fluid or (
+        bending / float(_lengths(scene).sum()) ** 2 if bending > 0.0 else 0.0
+    )
+
+
+def too_stiff(scene: CableScene, flow: float = 0.0) -> str:
+    """Cause and cure where ropes are too stiff along themselves for sixteen digits; empty where they are not.
+
+    ``flow`` (N) is the thrust of what flows through them, which acts beside what the scene gives.
+    """
+    axial, acts = max((e.EA for e in scene.elements), default=0.0), acting_force(scene) + flow
+    if not acts > 0.0 or not TOO_STIFF * acts < axial < math.inf:
+        return ""
+    return (
+        f"the axial stiffness EA = {axial:.3g} N is too large beside the {acts:.2g} N that act. With sixteen digits no "
+        "search for rest and no step tells bending from stretch. Give less: where the ends do not stretch the rope, "
+        f"EA = {ENOUGH * acts:.1g} N gives the same shape to six digits"
+    )
+
+
+def stiff_along(system: System, state: Any, status: Status) -> tuple[Status, int, str] | None:
+    """Status, place and detail of a step without solution in a system that is `too_stiff`; None of any other."""
+    if status is not Status.NOT_CONVERGED or not system.softer:
+        return None
+    return status, int(state.counters[WORST]), system.softer
 
 
 def stiffest_element(scene: CableScene) -> float:

@@ -60,6 +60,11 @@ UNSETTLED = (
 )
 """The same of one that has nearly found balance."""
 
+ACTING = 1.0e-6
+"""What a tolerance may leave in a row where stiffness makes its scale, over an equal share of what acts."""
+SEEN = 1.0e-6
+"""Way over the extent of the scene that a balance may leave to go, where rounding hides the rest."""
+
 
 class Equilibrium(NamedTuple):
     """How the search ended: iterations, and the largest residual over its scale."""
@@ -107,7 +112,7 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
             return Equilibrium(spent, ended.residual)
         tried.append(ended)
     nearest = min(tried, key=lambda ended: ended.residual)
-    detail = _why(system, nearest, spent, tried[0].loose)
+    detail = _why(system, nearest, spent, tried[0].loose, scales_at_rest(system, tolerance))
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[nearest.worst], detail)
 
 
@@ -123,16 +128,21 @@ class _Ended(NamedTuple):
     away: bool = False
 
 
-def _why(system: System, ended: _Ended, spent: int, loose: bool) -> str:
-    """Amount, cause and cure of a search that failed."""
-    share = f"{100.0 * ended.residual:.2g} %"
+def _why(system: System, ended: _Ended, spent: int, loose: bool, scale: np.ndarray) -> str:
+    """Amount, cause and cure of a search that failed, whose residuals were judged by scales (n,), N."""
+    share, whole = f"{100.0 * ended.residual:.2g} %", "the scene's largest force"
+    if scale[ended.worst] < system.scale[ended.worst]:
+        left = ended.residual * scale[ended.worst] / (system.given * levers(system)[ended.worst])
+        share, whole = f"{100.0 * left:.2g} %", "the force that acts"
     if not np.isfinite(ended.residual):
         amount = f"after {spent} iterations the search has left what numbers can hold"
     elif ended.worst in system.algebraic:
         amount = f"after {spent} iterations this constraint is still open by {share} of what is large in the scene"
     else:
-        amount = f"after {spent} iterations {share} of the scene's largest force is still out of balance there"
-    if ended.away or loose:
+        amount = f"after {spent} iterations {share} of {whole} is still out of balance there"
+    if system.softer:
+        why = system.softer
+    elif ended.away or loose:
         why = LOOSE_OR_FAR
     else:
         why = UNSETTLED if ended.residual < NEXT_TO_REST else TOO_FAR
@@ -177,8 +187,8 @@ def _search(
     pairs, room, far = neighbours(system)
     lever[far] = step_limit / max(step_limit, system.reach)
     numbers, counts = np.array([step_limit, tolerance, first_shift, np.inf, np.inf]), np.zeros(4, np.int64)
-    factors = system.spare_factors()
-    search = Search(factors, system.at_rest, system.scale, lever, pairs, room, numbers, counts)
+    factors, scale = system.spare_factors(), scales_at_rest(system, tolerance)
+    search = Search(factors, system.at_rest, scale, lever, pairs, room, numbers, counts)
     stands = MORE
     while stands == MORE and counts[ITERATION] < most:
         # Between two iterations over all rows a part may be brought into balance.
@@ -188,12 +198,41 @@ def _search(
             _balance_part(system, state, step_limit, tolerance, factors, np.zeros(n))
     iterations = int(counts[ITERATION])
     if stands == FOUND:
-        return _Ended(iterations, min(float(numbers[PREVIOUS]), tolerance), int(counts[WORST]), found=True)
+        hidden = bool(system.softer and numbers[PREVIOUS] > tolerance) and _hides(system, state, extent)
+        left = float(numbers[PREVIOUS])
+        return _Ended(iterations, left if hidden else min(left, tolerance), int(counts[WORST]), not hidden)
     nearest = _Ended(iterations, float(numbers[NEAREST]), int(counts[WORST_THERE]))
     if stands != MORE:
         return nearest._replace(away=stands == AWAY, loose=stands == LOOSE)
     moved = np.delete(np.abs(state.q - origin), system.algebraic)
     return nearest._replace(away=bool(moved.max(initial=0.0) > FAR * extent))
+
+
+def scales_at_rest(system: System, tolerance: float) -> np.ndarray:
+    """What residuals are judged by on the way to rest, to a tolerance: the system's scales, but no more than what acts.
+
+    A scale (n,), N, may count stiffness. Beside a large one a tolerance of it would be more than all that acts on a
+    row. It may be more than what acts as long as it leaves no more than `ACTING` of a row's share.
+    """
+    if not system.given > 0.0:
+        return system.scale
+    most = system.given * max(1.0, ACTING / (tolerance * max(system.size, 1))) * levers(system)
+    most[system.algebraic] = np.inf  # a constraint is no force
+    return np.minimum(system.scale, most)
+
+
+def _hides(system: System, state: State, extent: float) -> bool:
+    """Whether what is left of a balance, which rounding may have made, still moves the shape by more than `SEEN`."""
+    factors, x = system.spare_factors(), np.zeros(system.size)
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, factors.matrix, x)
+    for row in system.at_rest:
+        replace_by_identity(factors.matrix, row)
+        x[row] = 0.0
+    if factorise_matrix(factors):
+        return True
+    solve_matrix(factors, x)
+    way = np.abs(np.delete(x * levers(system), system.algebraic))
+    return not bool(way.max(initial=0.0) <= SEEN * extent)
 
 
 def levers(system: System) -> np.ndarray:

@@ -17,7 +17,7 @@ import numpy as np
 
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import WORST, State
-from tautline.integrators.statics.equilibrium import levers
+from tautline.integrators.statics.equilibrium import levers, scales_at_rest
 from tautline.integrators.statics.stability import ASIDE, Stability, count_negative
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
@@ -100,15 +100,16 @@ def relax(
     mass = new_matrix(system.size, system.bandwidth, system.border)
     moves = np.ones(system.size)
     moves[system.algebraic] = 0.0
+    scale = scales_at_rest(system, tolerance)
     last_q, last_a = state.q.copy(), np.zeros(system.size)
     worst = 0
     for round_ in range(1, most // BETWEEN + 1):
         motion.take_steps()
         m = _mass(still, state, mass)
-        force = np.abs(m @ (moves * state.a)) * moves / system.scale
+        force = np.abs(m @ (moves * state.a)) * moves / scale
         size, worst = float(force.max(initial=0.0)), int(force.argmax()) if force.size else 0
         if not np.isfinite(size):
-            raise StoppedEarly(Status.NOT_FINITE, 0.0, system.names[worst], "during the relaxation")
+            raise StoppedEarly(Status.NOT_FINITE, 0.0, system.names[worst], _during(system))
         if size <= tolerance:
             _settle(system, state)
             return Relaxation(BETWEEN * round_, size)
@@ -116,8 +117,13 @@ def relax(
         if square > 0.0:
             motion.damp_critically(square)
         last_q, last_a = state.q.copy(), state.a.copy()
-    detail = f"still moving after {most} steps of dynamic relaxation"
+    detail = f"still moving after {most} steps of dynamic relaxation" + (system.softer and f"; {system.softer}")
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
+
+
+def _during(system: System) -> str:
+    """When a step of a relaxation failed, and the cause where the system knows one."""
+    return "during the relaxation" + (system.softer and f"; {system.softer}")
 
 
 @dataclass
@@ -165,7 +171,7 @@ class _DampedMotion:
                 continue
             if status != Status.DONE:
                 name = system.name_of(int(state.counters[WORST]))
-                raise StoppedEarly(Status(status), 0.0, name, "during the relaxation")
+                raise StoppedEarly(Status(status), 0.0, name, _during(system))
             state.q[system.at_rest] = self.held
             state.v[system.at_rest] = state.a[system.at_rest] = 0.0
             damp(system.dofs, state, exp(-self.alpha * together * self.h))
