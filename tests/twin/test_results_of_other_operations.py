@@ -18,7 +18,9 @@ sensors:
   - {column: winch_pos, unit: m, input: winch.pay_out}
   - {column: rope_tension, unit: kN, output: winch.tension, sd: 0.5 kN}
 ahead: 0 s
+delay: 0 s
 """
+"""Without a delay no row waits for those behind it: a result has ended where its state has."""
 
 
 @pytest.fixture

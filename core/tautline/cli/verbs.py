@@ -190,6 +190,12 @@ Serve = Annotated[
         "--serve", metavar="PORT", help="Show it in a browser; 0: a free port. HOST:PORT to be seen from elsewhere."
     ),
 ]
+ServeNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--serve-name", metavar="NAME", help="Show it under this name too, as of a reverse proxy. Can be repeated."
+    ),
+]
 Lines = Annotated[bool, typer.Option("--json", help="Print a JSON object a sample on standard output, SI units.")]
 RecordFile = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", parser=file_named, help="Where to.")]
 RowRate = Annotated[str, typer.Option("--rate", help="Rows a second.")]
@@ -499,6 +505,7 @@ def twin(
     state: StateFile = None,
     account: AccountFile = None,
     serve: Serve = None,
+    serve_names: ServeNames = None,
     force: Force = False,
     as_json: Lines = False,
     quiet: Quiet = False,
@@ -508,7 +515,7 @@ def twin(
 
     given = verb.TwinOptions(
         source=source, speed=speed, output=output, resume=resume, state=state or resume, account=account, serve=serve,
-        force=force,
+        serve_names=serve_names or (), force=force,
     )  # fmt: skip
     verb.twin(context.obj, scene, map, changes, given, as_json, quiet)
 

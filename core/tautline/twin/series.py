@@ -39,7 +39,8 @@ class Series:
     twin : Twin
         Whose names and units it has.
     begin : float, optional
-        Time, s, from which an operation is gone on with: what the result has up to then stays at its beginning.
+        Time, s, from which an operation is gone on with: what the result has up to then stays at its beginning, and
+        what it has of later rows is replaced. NaN where no row was answered before.
 
     Attributes
     ----------
@@ -130,7 +131,7 @@ class Series:
             raise ResultError(path, cause, "name another file with -o, or let the map keep the same as before")
         times = np.asarray(result["time"])
         known = times <= begin
-        if times.size and not known.any():
+        if times.size and not known.any() and np.isfinite(begin):  # else all its rows are answered anew
             cause = f"begins at {stamp_said(float(times[0]))}, after {stamp_said(begin)}, from where the twin goes on"
             raise ResultError(path, cause, cure)
         kept = {name: np.asarray(result[name])[known] for name in wanted}

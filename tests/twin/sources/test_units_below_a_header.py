@@ -69,3 +69,30 @@ def test_units_below_a_header_that_comes_later_hold_from_there_or_end_the_source
 @pytest.mark.parametrize("line", ["begun,by,the,mate\n", ",,,\n", "s,2,m,N\n", "time,winch,heave,rope\n"])
 def test_another_line_below_the_header_gives_no_units(tmp_path, of, line):
     assert rows_of(of(tmp_path, f"time,winch,heave,rope\n{line}0,1,2,3\n"))[0] == (0.0, 1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("of", [file, stream])
+@pytest.mark.parametrize(
+    ("between", "told", "rope"),
+    [
+        ("time,winch,heave,rope\ns,m,m,N\n", ["r.csv:4: other units than before"], 4.0),
+        ("time,winch,heave,rope\ns,m,m,kN\n", [], 4000.0),
+        ("time,winch,heave,rope [N]\ns,m,m,N\n", ["r.csv:3: a new header"], 4.0),
+        ("time,winch,heave,rope\n", [], 4000.0),
+    ],
+)
+def test_units_that_change_midway_by_a_line_of_units_are_told(tmp_path, of, between, told, rope):
+    """The titles come without units, which alone say nothing new: the line behind them does."""
+    source = of(tmp_path, "time [s],winch [m],heave [m],rope [kN]\n1,1,3,4\n" + between + "2,1,3,4000\n")
+    assert rows_of(source) == [(1.0, 1.0, 3.0, 4.0), (2.0, 1.0, 3.0, rope)]
+    notes = [note for note in source.notes if "before" in note or "new header" in note]
+    assert len(notes) == len(told) and all(one[5:] in note for one, note in zip(told, notes, strict=True))
+
+
+@pytest.mark.parametrize("of", [file, stream])
+def test_a_line_of_units_that_takes_back_what_its_titles_changed_is_told(tmp_path, of):
+    text = "time,winch,heave,rope [N]\n1,1,3,4000\ntime,winch,heave,rope\ns,m,m,N\n2,1,3,4000\n"
+    source = of(tmp_path, text)
+    assert [row[-1] for row in rows_of(source)] == [4.0, 4.0]
+    assert ":3: a new header" in " ".join(source.notes)
+    assert ":4: the units of before again" in " ".join(source.notes)

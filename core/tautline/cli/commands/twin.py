@@ -22,7 +22,7 @@ from tautline.cli.output.preparing import preparing
 from tautline.cli.output.scene_warnings import print_warnings
 from tautline.cli.run import Ended, ExitCode
 from tautline.results.errors import WriteError
-from tautline.scene.errors import SceneError, option_error
+from tautline.scene.errors import SceneError
 
 if TYPE_CHECKING:
     from tautline.application.protocol import Application
@@ -42,7 +42,8 @@ POLL = 0.05
 """How long a record is waited for at a time, s."""
 PIECE = 0.002
 """How long is looked ahead between two looks at the source, s."""
-MOST_PORT = 65535
+NOT_HELD, MESH = "not in ±", "a mesh that is too coarse: compare with a twin of more elements"
+"""What is said of estimates in the summary: deviations know of noise alone."""
 SILENCE = 1.0
 """After how long without records those that wait for others are answered, s."""
 
@@ -65,6 +66,8 @@ class TwinOptions:
         Where the state of the twin and the damage of its rope are kept; None for nowhere.
     serve : str or None
         Port of the page, or ``HOST:PORT``.
+    serve_names : sequence of str
+        Further names under which the page is asked for.
     force : bool
         Whether an operation that begins anew may replace the result of another one.
     """
@@ -76,6 +79,7 @@ class TwinOptions:
     state: Path | None
     account: Path | None
     serve: str | None
+    serve_names: Sequence[str]
     force: bool
 
 
@@ -117,12 +121,12 @@ def twin(
             if begin is not None and opened.again and made.readings.rows.shift and not made.heard:
                 _refuse_unknown_rows(resume)
             if begin is not None:
-                say(f"going on from {stamp_said(begin)}")
+                say(_said_of_begin(begin, len(made.readings.rows.waiting)))
             if made.plan_names.unwatched:
                 say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
             while made.notes:
                 say(made.notes.pop(0), "yellow")
-            page = _page(given.serve, path, made)
+            page = _page(given, path, made)
             series = Series(given.output, made, begin) if given.output is not None else None
             _Loop(made, opened, series, page, given.state, as_json, quiet).run()
         except StoppedEarly as stop:
@@ -223,21 +227,22 @@ def silence_library_logs() -> None:
     logging.getLogger(CHATTERING).addHandler(NOWHERE)
 
 
-def _page(where: str | None, path: Path, made: Twin) -> Any:
+def _page(given: TwinOptions, path: Path, made: Twin) -> Any:
     """The page at a port, or at a host and a port; None where none was asked for."""
-    if where is None:
+    from tautline.twin.page.hosts import checked_names, place_of
+
+    names = checked_names(given.serve_names, given.serve is not None)
+    if given.serve is None:
         return None
     from tautline.twin.page.server import Page
     from tautline.twin.series import heading
     from tautline.whole_file import legible
 
-    host, _, port = where.rpartition(":")
-    if not port.isdecimal() or int(port) > MOST_PORT:
-        raise option_error("--serve", where, "is no port", "write a number such as 8080, or 0.0.0.0:8080")
+    host, port = place_of(given.serve)
     estimated = {one.name: one.unit for one in made.plan.unknowns}
     units = {**made.plan_names.inputs, **made.units, **estimated}
     title, system = heading(made.scene) or legible(path.stem), getattr(made.scene, "units", "si")
-    page = Page(int(port), title, units, made.application, host or "127.0.0.1", system)
+    page = Page(port, title, units, made.application, host, system, names)
     say(f"the twin is shown at {page.address}")
     return page
 
@@ -287,6 +292,7 @@ class _Loop:
                 status = "source failed"
             for one in self.rereading.rest() if self.rereading is not None else ():
                 self._add(one)
+            self._save_before_end()
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
@@ -307,7 +313,7 @@ class _Loop:
         heard = clock.monotonic()
         while not self.source.ended:
             self._pass_on()
-            busy = self.twin.work(PIECE) if self.source.live else self.twin.work()
+            busy = self.twin.work(PIECE if self._hurries else None)
             record = self.source.poll(0.0 if busy else POLL)
             if record is None:
                 if clock.monotonic() - heard > SILENCE:
@@ -320,6 +326,13 @@ class _Loop:
             for one in (record,) if self.rereading is None else self.rereading.new(record):
                 self._add(one)
             self.silence.rested()
+
+    @property
+    def _hurries(self) -> bool:
+        """Whether a machine waits for answers: then a look ahead makes way for rows. A record is looked ahead of whole,
+        also one that is piped in: what is found must not depend on how busy this computer is."""
+        backlog = self.twin.backlog
+        return backlog is not None and not backlog.is_record
 
     def _watch_silence(self) -> None:
         """Tell that rows have stopped coming, where they should come while they are measured."""
@@ -337,8 +350,7 @@ class _Loop:
         if not record.whole:
             say(f"{self.source.name}: the last line has no line end, so its last cell counts as missing", "yellow")
             if self.rereading is not None:
-                self._save()
-                self.state = None
+                self._save_before_end()
         if self.rereading is not None:
             self.twin.readings.rows.place = self.rereading.place
         self._give(self.twin.add(record.time, record.values, record.arrived, record.repeated))
@@ -424,11 +436,19 @@ class _Loop:
                 say(f"{stamp_said(line['time'])}: {name} has ended, after {line['time'] - since:.3g} s")
         self.told = {name: float(one["since"]) for name, one in active.items()}
 
+    def _save_before_end(self) -> None:
+        """Keep the last state, of before what is answered only as the source has ended.
+
+        Rows that wait are answered without those behind them then. When more have come they are answered anew.
+        """
+        self._save()
+        self.state = None
+
     def _save(self) -> None:
         """Keep the result, what goes over operations, and then the state: what it has counted is not counted again."""
         if self.series is not None:
             self._keep("result", self.series.flush)  # what the state is later than is in the result then
-        if self.lines:
+        if self.lines or self.twin.readings.rows.waiting:
             self._save_state()
         self.saved = clock.monotonic()
 
@@ -507,6 +527,7 @@ class _Loop:
                 (name, f"{said(one['value'], one['unit'], system)} ± {said(2.0 * one['sd'], one['unit'], system)}")
                 for name, one in estimates.items()
             ]
+            rows += [(NOT_HELD, MESH)] if estimates else []
             rows += [("not observable", text) for text in self.last["not_observable"]]
             rows += self.twin.operation.summary() if self.twin.operation is not None else []
         counts = sorted(self.twin.readings.rows.counts.items())
@@ -541,6 +562,18 @@ class _Loop:
         why = ", ".join(causes) or "the source gave no row"
         cure = f"; {STAMPS}" if counted["no stamp"] else ""
         say(f"no row of data could be used: {why}{cure}", "red")
+
+
+def _said_of_begin(time: float, waiting: int) -> str:
+    """From where a twin goes on: the time of its last row, and how many rows behind it wait."""
+    from tautline.scene.values.moments import stamp_said
+
+    where = f"going on from {stamp_said(time)}" if math.isfinite(time) else "going on"
+    return where + (
+        f", with {_many(waiting, 'row')} that waited for others and {'is' if waiting == 1 else 'are'} answered now"
+        if waiting
+        else ""
+    )
 
 
 def _many(count: int, what: str) -> str:

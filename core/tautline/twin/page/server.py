@@ -11,10 +11,9 @@ from __future__ import annotations
 
 import asyncio
 import json
-import socket
 import threading
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,7 @@ import numpy as np
 from tautline.scene.errors import option_error
 from tautline.scene.values.moments import stamp_said
 from tautline.scene.values.printed import scale_of_zero, scales
+from tautline.twin.page.hosts import KnownHosts, address_of, bound
 from tautline.twin.page.picture import Picture
 
 HERE = Path(__file__).parent
@@ -56,19 +56,21 @@ class Page:
     application : Application
         Says what the machine looks like.
     host : str
-        Address that is listened at; by default nobody can see it from another computer.
+        Address that is listened at, or name of this computer; by default nobody can see it from another one.
     system : str
         The scene's ``units``, in which the page shows numbers, by the rule of the printed tables.
+    names : collection of str
+        Further names under which it is asked for, such as that of a reverse proxy.
 
     Raises
     ------
     SceneError
-        Where the port is taken, and where what serves pages is not installed.
+        Where the port is taken, for a host that is not this computer, and where what serves pages is not installed.
     """
 
     def __init__(
         self, port: int, title: str, units: Mapping[str, str], application: Any, host: str = "127.0.0.1",
-        system: str = "si",
+        system: str = "si", names: Collection[str] = (),
     ) -> None:  # fmt: skip
         try:
             import uvicorn
@@ -83,7 +85,7 @@ class Page:
             "zeros": {unit: scale_of_zero(unit, system) for unit in known},
         }
         self._about = json.dumps(about)
-        self.host, self._socket = host, _bound(host, port)
+        self.host, self._names, self._socket = host, names, bound(host, port)
         self.port = int(self._socket.getsockname()[1])
         self._picture = Picture(application)
         self._lines: deque[str] = deque(maxlen=LATEST)
@@ -104,7 +106,7 @@ class Page:
     @property
     def address(self) -> str:
         """Where a browser finds it."""
-        return f"http://{self.host}:{self.port}"
+        return address_of(self.host, self.port)
 
     def publish(self, line: Mapping[str, Any], model: Any = None, row: np.ndarray | None = None) -> None:
         """Hand a line over, and the frame that it belongs to; returns at once.
@@ -222,12 +224,12 @@ class Page:
     def _app(self) -> Any:
         from starlette.applications import Starlette
         from starlette.middleware import Middleware
-        from starlette.middleware.trustedhost import TrustedHostMiddleware
         from starlette.responses import Response, StreamingResponse
         from starlette.routing import Route
 
         async def events(_request: Any) -> StreamingResponse:
-            headers = {"Cache-Control": "no-store"}
+            # A proxy that gathers events would give them late, or never.
+            headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
             return StreamingResponse(self._events(), media_type="text/event-stream", headers=headers)
 
         async def file(request: Any) -> Response:
@@ -238,24 +240,9 @@ class Page:
             return Response((HERE / name).read_bytes(), media_type=kind, headers=headers)
 
         routes = [*(Route(path, file) for path in FILES), Route("/events", events)]
-        # A page from elsewhere whose name was made to lead here is not answered. Whoever serves all computers does so.
-        known = ["*"] if self.host in ("0.0.0.0", "::", "") else ["127.0.0.1", "localhost", self.host]
-        return Starlette(routes=routes, middleware=[Middleware(TrustedHostMiddleware, known, www_redirect=False)])
+        known = Middleware(KnownHosts, host=self.host, names=self._names)
+        return Starlette(routes=routes, middleware=[known])
 
 
 def _event(kind: str, text: str) -> str:
     return f"event: {kind}\ndata: {text}\n\n"
-
-
-def _bound(host: str, port: int) -> socket.socket:
-    """A socket at a port; raises SceneError where it is taken."""
-    made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        made.bind((host, port))
-        made.listen()
-    except (OSError, OverflowError) as error:
-        made.close()
-        cause = f"cannot be listened at on {host}: {getattr(error, 'strerror', None) or error}"
-        raise option_error("--serve", str(port), cause, "give another port, or 0 for a free one") from None
-    return made

@@ -81,6 +81,7 @@ class Header:
         # Whether the next line may have its units: no row was read by it. And whether rows came before it.
         self._bare, self._behind, self._below = not below, False, below
         self._kept = False  # whether the units below are of the same titles before: others take their place
+        self._former: tuple[object, ...] | None = None  # how rows before this header were read; None where none came
         self.separator = separator_of(line)
         titles = self.titles = titles_of(line, self.separator)
         self.columns, self.where = columns, where
@@ -140,7 +141,7 @@ class Header:
             if self._later is None or later.weight >= self._later.weight:
                 self._later = later
             return self if sure else None
-        found._behind = True
+        found._behind, found._former = True, self._way if self._begun else self._former
         found._told, found._numbers.marks = self._told, self._numbers.marks
         if found.titles == self.titles:
             found.offsets = self.offsets
@@ -235,9 +236,10 @@ class Header:
             self._later, self._bare = Later(NewHeader(error), self.separator, self.width, True, True, ""), False
             return self
         found._told, found._numbers.marks, found._behind = self._told, self._numbers.marks, self._behind
-        found.offsets, found.before = self.offsets, self.before
-        if self._kept and self._way != found._way:
-            self.notes.append(f"{self.where}:{number}: other units than before. Rows from here on are read by them")
+        found.offsets, found.before, found._former = self.offsets, self.before, self._former
+        if (self._kept or self._former is not None) and self._way != found._way:
+            units = "the units of before again" if found._way == self._former else "other units than before"
+            self.notes.append(f"{self.where}:{number}: {units}. Rows from here on are read by them")
         return found
 
     def _described(self, line: str, number: int, told: bool) -> Header | None:
