@@ -114,8 +114,8 @@ class Brief:
     ----------
     names : frozenset of str
         Figures that are wanted; empty for all.
-    limits : bool
-        Whether the limits are.
+    begin : float
+        Time, s, from which on frames count for figures and limits. The first frame tells what was at the start.
     batch, work : int
         Frames, and steps, iterations and factorisations, of the first batch.
     compiled : bool
@@ -126,7 +126,7 @@ class Brief:
     """
 
     names: frozenset[str] = frozenset()
-    limits: bool = True
+    begin: float = 0.0
     batch: int = 1
     work: int = FIRST_WORK
     compiled: bool = False
@@ -502,7 +502,8 @@ class Run:
             self.brief.batch, self.brief.work, self.brief.compiled = self.batch, self.work, True
         counters, solver = self.state.counters, self.model.solver
         taken = self.reached / counters[STEPS] if counters[STEPS] else self.step
-        headline = without_rounding(self._headline(result), result, taken)
+        counted = self._counted(result)
+        headline = without_rounding(self._headline(counted), counted, taken)
         attributes: dict[str, Any] = {
             "status": status,
             "start": self.began.attribute,
@@ -525,7 +526,7 @@ class Run:
             "phase_lag": self.phase_lag(taken) if self._tells("phase_lag") else None,
             "warnings": self._all_warnings(result, taken, warnings) if self.brief is None else [],
             "headline": headline,
-            "limits": self._limits(result, headline),
+            "limits": self._limits(counted, headline),
             **(further or {}),
         }
         return store.finish(attributes, restart=self.memory)
@@ -541,19 +542,21 @@ class Run:
         """Whether an attribute is wanted."""
         return self.brief is None or name in self.brief.names
 
+    def _counted(self, result: Result) -> Result:
+        """The frames that count, of a result that has all of them; statistics know theirs by themselves."""
+        if self.brief is None or self.brief.begin <= 0.0 or self.model.keep is not None:
+            return result
+        return result.from_time(self.brief.begin)
+
     def _headline(self, result: Result) -> dict[str, dict[str, Any]]:
         """The application's figures, or those of them that are wanted."""
         if self.brief is not None and self.brief.names and self.model.figures is not None:
-            judged = (
-                {bound.output for bound in self.model.bounds if not bound.of_frames} if self.brief.limits else set()
-            )
+            judged = {bound.output for bound in self.model.bounds if not bound.of_frames}
             return self.model.figures(result, self.brief.names | judged)
         return self.model.headline(result)
 
     def _limits(self, result: Result, headline: dict[str, dict[str, Any]]) -> list[dict[str, Any]]:
         """Records of the application's limits, and then of those that the scene gives itself."""
-        if self.brief is not None and not self.brief.limits:
-            return []
         of_application = self.model.limits(result) if self.model.limits is not None else []
         tallies = getattr(result, "tallies", None)
         if tallies is not None:

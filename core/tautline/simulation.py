@@ -192,17 +192,19 @@ def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., FrameSto
     headline: Callable[[Any], dict[str, dict[str, Any]]] = model.headline
     limits, names = model.limits, tuple(model.keep.names)
     if brief is not None and brief.names:
-        judged = {bound.output for bound in model.bounds if not bound.of_frames} if brief.limits else set()
+        judged = {bound.output for bound in model.bounds if not bound.of_frames}
         names = tuple(brief.names | judged)
     if names and (figures := model.figures) is not None:
 
         def headline(result: Result) -> dict[str, dict[str, Any]]:
             return figures(result, names)
 
-    bounds = model.bounds
-    if brief is not None and not brief.limits:
-        limits, bounds = None, ()
     make = partial(
-        StatisticsStore, keep=model.keep, headline=headline, limits=limits, bounds=bounds, figures=model.figure_units
+        StatisticsStore,
+        keep=model.keep,
+        headline=headline,
+        limits=limits,
+        bounds=model.bounds,
+        figures=model.figure_units,
     )
     return make, told_by_digest(model)

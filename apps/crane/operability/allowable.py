@@ -60,19 +60,20 @@ def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confi
     """
     if values.size < FEWEST or not np.isfinite(values).all():
         return dict.fromkeys(FITTED, math.nan)
-    way = one.way
     # A force that has fallen below is none that the floor holds, such as a component, or the force of a rod.
     bound = -one.floor if values.min() >= one.floor else math.inf
-    fit = fit_gumbel(way * values, ratio, bound)
-    found = {"location": way * fit.location, "scale": fit.scale}
+    fit = fit_gumbel(one.badness(values), ratio, bound)
+    # Location and scale are those of what is fitted: of a quotient those of what it is divided by.
+    found = {"location": one.sign * fit.location, "scale": fit.scale}
     for name, estimate in (
         ("most_probable", fit.most_probable(confidence)), ("percentile", fit.percentile(share, confidence)),
     ):  # fmt: skip
         # Low and high are those of the value, whichever of them is the bad one.
-        low, high = sorted((way * estimate.low, way * estimate.high))
-        found |= {name: way * estimate.value, f"{name}_low": low, f"{name}_high": high}
-    beyond = fit.exceedance(way * one.limit, confidence)
-    if fit.scale == 0.0 and one.strict and way * one.limit == fit.location:
+        low, high = sorted(float(one.from_badness(end)) for end in (estimate.low, estimate.high))
+        found |= {name: float(one.from_badness(estimate.value)), f"{name}_low": low, f"{name}_high": high}
+    limit = float(one.badness(one.limit))
+    beyond = fit.exceedance(limit, confidence)
+    if fit.scale == 0.0 and one.strict and limit == fit.location:
         beyond = Estimate(1.0, 1.0, 1.0)
     return found | {"exceedance": beyond.value, "exceedance_low": beyond.low, "exceedance_high": beyond.high}
 
@@ -280,8 +281,7 @@ def _allowables(
     found = np.empty((len(criteria), len(headings), len(periods)), object)
     for k, i, j in np.ndindex(*found.shape):
         run = (status[i, j] != STEEP) & (status[i, j] != ABSENT)
-        way = criteria[k].way
-        bounds = [way * extremes[f"{compared}{end}"][k, i, j][run] for end in ("", "_low", "_high")]
+        bounds = [criteria[k].badness(extremes[f"{compared}{end}"][k, i, j][run]) for end in ("", "_low", "_high")]
         # A storm that did not come to its end is none to lift in.
         failed = status[i, j][run] == FAILED
         slack = (extremes["scale"][k, i, j] == 0.0) & (extremes["location"][k, i, j] == criteria[k].floor)
@@ -289,8 +289,9 @@ def _allowables(
         bounds = [np.where(failed | slack, np.inf, one) for one in bounds]
         low, high = np.minimum(bounds[1], bounds[2]), np.maximum(bounds[1], bounds[2])
         made = allowable(
-            heights[run], bounds[0], low, high, way * criteria[k].limit, float(heights[-1]), criteria[k].strict
-        )
+            heights[run], bounds[0], low, high, float(criteria[k].badness(criteria[k].limit)), float(heights[-1]),
+            criteria[k].strict,
+        )  # fmt: skip
         found[k, i, j] = _mark_slack_bounds(made, heights[run], slack & ~failed)
         if not run.any():
             found[k, i, j] = Allowable(math.nan, math.nan, math.nan, UNKNOWN)

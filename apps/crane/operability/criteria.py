@@ -8,8 +8,10 @@ from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, NamedTuple
 
+import numpy as np
 from pydantic_core import PydanticCustomError
 
+from crane.results.summary import INVERSE, extreme_over_time
 from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
 from tautline.scene.limits import ABOVE, extreme_of
@@ -58,6 +60,32 @@ class Criterion(NamedTuple):
         return 1.0 if self.sense == AT_MOST else -1.0
 
     @property
+    def sign(self) -> float:
+        """1 where what is fitted has the sign of the figure, or of what it is divided by; -1 where the other."""
+        return -self.way if self.name in INVERSE else self.way
+
+    @property
+    def extreme(self) -> bool:
+        """Whether each storm has one extreme of it, on the side that is bad: that grows with the length of a storm.
+
+        Sums and counts over time, means, and values at the end are none.
+        """
+        bad = "largest" if self.sense == AT_MOST else "smallest"
+        return self.output or extreme_over_time(self.name) == bad
+
+    def badness(self, values: Any) -> Any:
+        """Values as they are fitted, with large ones bad.
+
+        Of a constant over an extreme it is the extreme, over that constant: a safety factor is judged as the tension
+        that it is of, whose largest values have a distribution of extremes.
+        """
+        return self.sign * (_inverse(values) if self.name in INVERSE else values)
+
+    def from_badness(self, values: Any) -> Any:
+        """The figure, of values as they are fitted."""
+        return _inverse(self.sign * values) if self.name in INVERSE else self.sign * values
+
+    @property
     def strict(self) -> bool:
         """Whether what is equal to the limit is beyond it: ``<`` and ``>``, not ``<=`` and ``>=``."""
         return "=" not in self.text
@@ -98,6 +126,12 @@ class Criterion(NamedTuple):
     def collected(self) -> Any:
         """What a sweep is asked for."""
         return {"output": self.name, "statistic": self.statistic, "name": self.column} if self.output else self.name
+
+
+def _inverse(values: Any) -> Any:
+    """1 / x of values above zero; no tension at all has a safety factor without end."""
+    values = np.asarray(values, float)
+    return np.divide(1.0, values, out=np.where(np.isnan(values), np.nan, np.inf), where=values > 0.0)[()]
 
 
 def read_criteria(
@@ -233,26 +267,47 @@ COUNTS = frozenset(
 """Figures that many storms have none of, or that are whole numbers: Gumbel's distribution is a rough one of them."""
 
 
-def notes_on(criteria: Sequence[Criterion], every: bool) -> list[str]:
-    """What is sound of limits and better done otherwise.
-
-    Parameters
-    ----------
-    every : bool
-        Whether every frame is kept, those of the lead-in among them.
-    """
-    found = [
+def notes_on(criteria: Sequence[Criterion]) -> list[str]:
+    """What is sound of limits and better done otherwise."""
+    return [
         f"{one.text}: counts, and figures of slack, have no Gumbel distribution, and the fit is rough; better give "
         "min_tension > 0 with some margin"
         for one in criteria
         if one.name in COUNTS
     ]
-    if every and criteria:
-        found.append(
-            "limits are judged, and cycles of fatigue counted, over the lead-in too. One limit needs all frames. The "
-            "lead-in is then included. Give limits on tension and positions alone to leave the lead-in out"
+
+
+def check_scaled(criteria: Sequence[Criterion], of_command: Sequence[Criterion], duration: str) -> None:
+    """Refuse limits that shorter storms tell nothing of: Gumbel's rule for a longer time is one of extremes.
+
+    Parameters
+    ----------
+    of_command : sequence of Criterion
+        Those of them that the command gives; the scene gives the others.
+    duration : str
+        That is asked about, as an option takes it.
+
+    Raises
+    ------
+    SceneError
+        Listing every such limit.
+    """
+    problems: list[Problem] = []
+    for one in criteria:
+        if one.extreme:
+            continue
+        kind = extreme_over_time(one.name)
+        what = (
+            f"bounds the {kind} of a storm on its other side"
+            if kind
+            else f"{one.name} is a sum, a count or a mean over a storm, or a value at its end, and no extreme"
         )
-    return found
+        cause = f"{what}: it is not known for {duration} from shorter storms"
+        where = OPTION if one in of_command else "limits of the scene"
+        cure = f"give --simulate {duration}, as long as --duration, or leave this limit out"
+        problems.append(Problem(where, None, "", one.text, cause, cure))
+    if problems:
+        raise SceneError(problems)
 
 
 def lasting_notes(scene: Any) -> list[str]:

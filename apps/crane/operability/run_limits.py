@@ -74,17 +74,15 @@ def of_run(records: Iterable[Mapping[str, Any]]) -> list[RunLimit]:
 
 
 def failures(
-    data: Any, table: Table, conditions: Sequence[Condition], limits: Sequence[RunLimit]
+    outcome: Any, table: Table, conditions: Sequence[Condition], limits: Sequence[RunLimit]
 ) -> list[Failed]:  # fmt: skip
-    """The limits that failed in any storm that came to its end, by the rows of a sweep."""
-    done, found = data["status"].values == "done", []
+    """The limits that failed in any storm that came to its end, of the outcome of a sweep."""
+    data, found = outcome.data, []
     for limit in limits:
-        if limit.columns[0] not in data:
-            continue
-        failed, value, margin = (np.asarray(data[name].values, float) for name in limit.columns)
-        broken = done & (failed > 0.0)
+        broken = outcome.unsatisfied.marked(limit.name, len(outcome.cases))
         if not broken.any():
             continue
+        _, value, margin = (np.asarray(data[name].values, float) for name in limit.columns)
         worst = int(np.flatnonzero(broken)[np.argmin(margin[broken])])
         way = 1.0 if limit.sense == AT_MOST else -1.0
         bound = float(value[worst] + way * margin[worst])

@@ -23,6 +23,7 @@ from crane.operability.conditions import (
 from crane.operability.criteria import (
     Criterion,
     bare_notes,
+    check_scaled,
     lasting_notes,
     limits_of_scene,
     none_given,
@@ -141,6 +142,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
         raise none_given(scene)
     criteria = read_criteria(texts, figures, handles.outputs, handles.instead)
     of_command = criteria[: len(read_criteria(asked.limits, figures, handles.outputs))]
+    if asked.simulated < asked.duration:
+        check_scaled(criteria, of_command, f"{asked.duration:g}s")
     collect = [one.collected for one in criteria]
     names = {one.column for one in criteria}
     collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
@@ -152,7 +155,7 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     # Those of the scene are told with its other numbers without a unit.
     doubts = duration_notes(asked) + bare_notes(of_command, scene.units) + reversed_notes(of_command)
     doubts += share_notes(asked, criteria) + above_strength(criteria, scene)
-    notes += notes_on(criteria, not storm.output.statistics)
+    notes += notes_on(criteria)
     notes += lasting_notes(scene) + outside_notes(asked)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
 
@@ -167,7 +170,7 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
             execution.say(f"note: {note}")
         said_before[:] = doubts
 
-    outcome = run_sweep(read, application, storm, replace(execution, begin=begun))
+    outcome = run_sweep(read, application, storm, replace(execution, begin=begun), asked.lead)
     found = Found(outcome, criteria, notes=notes, warnings=[*doubts], said_before=said_before)
     if outcome.interrupted or not outcome.done:
         return found
@@ -176,11 +179,10 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
         outcome.data, asked.conditions, criteria, asked.seeds, ratio, asked.share, asked.confidence, asked.compared,
         NOTHING,
     )  # fmt: skip
-    found.failed = failures(outcome.data, found.table, asked.conditions, of_every_run)
+    found.failed = failures(outcome, found.table, asked.conditions, of_every_run)
     found.warnings += failed_notes(found.table, len(asked.seeds), scene.units)
     if asked.scatter is not None:
-        counted = asked.simulated if storm.output.statistics else asked.lead + asked.simulated
-        found.fatigue = _fatigue(outcome.data, asked, counted, scene, found.table)
+        found.fatigue = _fatigue(outcome.data, asked, scene, found.table)
     share = None if found.fatigue is None else found.fatigue.share
     found.warnings += warnings_of(found.failed, found.table, share, scene.units)
     if found.fatigue is not None:
@@ -382,8 +384,8 @@ def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:
     return {"solver.end": asked.lead + asked.simulated, "output": output}
 
 
-def _fatigue(data: Any, asked: Asked, counted: float, scene: Any, table: Table) -> Fatigue:
-    """Damage over the scatter diagram, of cycles counted over so long, s: with the lead-in where that is kept."""
+def _fatigue(data: Any, asked: Asked, scene: Any, table: Table) -> Fatigue:
+    """Damage over the scatter diagram; the lead-in counts for nothing."""
     assert asked.scatter is not None
     shape = (len(table.headings), len(table.periods), len(table.heights), len(asked.seeds))
     arrays = {name: np.full(shape, math.nan) for name in COLLECTED}
@@ -401,6 +403,6 @@ def _fatigue(data: Any, asked: Asked, counted: float, scene: Any, table: Table) 
         for name, array in arrays.items():
             array[at] = np.where(done[some], data[name].values[some], math.nan)
     return fatigue_over(
-        asked.scatter, table.heights, table.periods, *arrays.values(), counted, scene.rope.breaking_load,
+        asked.scatter, table.heights, table.periods, *arrays.values(), asked.simulated, scene.rope.breaking_load,
         asked.constant,
     )  # fmt: skip

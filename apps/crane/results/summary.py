@@ -368,10 +368,20 @@ JOINED = {
     r"rise.*": "last",
 }
 """How figures of pieces of a run make those of the whole; the others are sums or counts over all frames."""
+OF_EVENTS = {r"max_snap|longest_slack": "largest", r"smallest_bending_ratio": "smallest"}
+"""Extremes that pieces of a run do not tell: of events that may be cut in two, and of contacts that may go on."""
+INVERSE = frozenset({"safety_factor"})
+"""Figures that are a constant over an extreme: safety factor, the breaking load over the largest tension."""
 OF_PIECES = ("max_tension", "max_tension_", "max_sheave_load", "max_winch_power", "rise", "max_offlead")
 """One figure of each part of the headline that has such figures; ``max_tension_`` begins those of each place."""
 OF_TURNS = ("equivalent_tension_range", "tension_cycles")
 """Figures that follow from the turning points of the tensions."""
+
+
+def extreme_over_time(name: str) -> str:
+    """Which extreme of all frames a figure is: ``largest`` or ``smallest``; empty of sums, counts, means and ends."""
+    found = (how for rule, how in (JOINED | OF_EVENTS).items() if re.fullmatch(rule, name))
+    return next((how for how in found if how in ("largest", "smallest")), "")
 
 
 def _without_times(ranges: np.ndarray, count: np.ndarray) -> RainflowCycles:

@@ -18,6 +18,7 @@ from tautline.results.attributes import attributes_of, mark_of
 from tautline.results.errors import ResultError
 from tautline.results.headline import plain
 from tautline.results.layout import FORMAT, Coordinate, as_number, decoded, encoded
+from tautline.results.on_demand import OnDemand
 from tautline.results.output_path import SIGNATURE
 from tautline.results.variable import Variable, listed
 
@@ -92,16 +93,37 @@ class Result:
             _check_order(path, file["time"][()])
         return result
 
+    def from_time(self, begin: float) -> Result:
+        """The same run without its frames before a time, s; of those its first tells what was at the start.
+
+        All of it where no frame is as late. Variables are read when they are asked for.
+        """
+        # The rounding of a sum of steps must not leave out the frame at `begin` itself.
+        first = int(np.searchsorted(self.time, begin * (1.0 - 1e-12)))
+        if not 0 < first < len(self.time):
+            return self
+        moving, fixed = self._parted()
+        arrays, start = (
+            OnDemand({one.name: functools.partial(_between, self, one.name, some) for one in moving})
+            for some in (slice(first, None), slice(0, 1))
+        )
+        return Result(None, (moving, arrays, fixed, self.attributes, {}), start=self.start or start)
+
     def of_frames(self, which: np.ndarray) -> Result:
         """The same run with some of its frames, kept in memory; their numbers are ``which`` (m,) int."""
-        moving = [one for one in self.variables.values() if one.dims[:1] == ("time",)]
+        moving, fixed = self._parted()
+        arrays = {one.name: self[one.name][which] for one in moving}
+        return Result(None, (moving, arrays, fixed, self.attributes, {}), start=self.start)
+
+    def _parted(self) -> tuple[list[Variable], dict[str, Coordinate]]:
+        """The variables that change from frame to frame, and the others with their values."""
+        of_frames = {name for name, one in self.variables.items() if one.dims[:1] == ("time",)}
         fixed = {
             name: (one.dims, self[name], one.units, one.long_name)
             for name, one in self.variables.items()
-            if one.dims[:1] != ("time",)
+            if name not in of_frames
         }
-        arrays = {one.name: self[one.name][which] for one in moving}
-        return Result(None, (moving, arrays, fixed, self.attributes, {}), start=self.start)
+        return [one for name, one in self.variables.items() if name in of_frames], fixed
 
     @functools.cached_property
     def attributes(self) -> dict[str, Any]:
@@ -338,6 +360,11 @@ def _variable(name: str, data: h5py.Dataset) -> Variable:
 def _values(data: h5py.Dataset) -> np.ndarray:
     """All values of a dataset, texts as a store is given them."""
     return np.asarray(data.asstr()[...], dtype=str) if h5py.check_string_dtype(data.dtype) else data[...]
+
+
+def _between(result: Result, name: str, some: slice) -> np.ndarray:
+    """Some frames of a variable."""
+    return result[name][some]
 
 
 def _read_only(values: np.ndarray) -> np.ndarray:

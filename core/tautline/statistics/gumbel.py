@@ -22,6 +22,8 @@ from tautline.errors import ArgumentError
 SAMPLES = 20_000
 """Samples by which the distribution of the estimates is known."""
 ITERATIONS, SETTLED = 200, 1.0e-12
+FARTHEST = 1.0e200
+"""Reduced variate beyond which nothing is told apart."""
 FEWEST = 3
 """Maxima below which no interval is of use."""
 
@@ -85,7 +87,9 @@ class Gumbel(NamedTuple):
         if self.scale == 0.0:
             certain = float(level < self.location)
             return Estimate(certain, certain, certain)
-        z = (level - self.location) / self.scale
+        # What is farther off than a number can tell has the probability 0 or 1 all the same.
+        with np.errstate(over="ignore"):
+            z = float(np.clip(np.subtract(level, self.location) / self.scale, -FARTHEST, FARTHEST))
         a, b = _pivots(self.count)
         bounds = np.quantile(a + z * b, tails)
         high, low = (_beyond(float(q) - math.log(self.ratio)) for q in bounds)
@@ -131,7 +135,9 @@ def fit_gumbel(maxima: np.ndarray, ratio: float = 1.0, bound: float = math.inf) 
         raise ArgumentError(f"ratio = {ratio}: must be finite and above 0")
     # A power of two loses no digit: numbers near the ends of the range of floats are fitted as others are.
     power = math.frexp(float(np.abs(maxima).max()))[1]
-    maxima, bound = np.ldexp(maxima, -power), float(np.ldexp(bound, -power))
+    # Beside tiny maxima a bound may be more than a number can be: it is then out of reach, as if there were none.
+    with np.errstate(over="ignore", under="ignore"):
+        maxima, bound = np.ldexp(maxima, -power), float(np.ldexp(bound, -power))
     location, scale, count = _fit(maxima, bound)
     return Gumbel(float(np.ldexp(location, power)), float(np.ldexp(scale, power)), count, ratio)
 

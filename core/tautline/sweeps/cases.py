@@ -20,7 +20,7 @@ from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
 from tautline.sweeps.inputs import Inputs, stamps_of
-from tautline.sweeps.verbs import Watch, asks_limits, chosen, names_of, of_run, tables_of
+from tautline.sweeps.verbs import Watch, chosen, names_of, of_run, tables_of
 from tautline.version import __version__
 
 DONE, BAD_INPUT, LOST, FAULT = "done", "bad input", "worker lost", "internal error"
@@ -44,6 +44,8 @@ class Row:
         The sentence to that; empty if done.
     values : dict
         Name -> number or list of numbers in SI, or text; empty if not done.
+    limits : list of str
+        Names of the limits that a run that is done does not satisfy.
     wall_time, cpu_time, loop_time : float
         Of the case, of its thread, and of its compiled loop, s.
     process : int
@@ -54,6 +56,7 @@ class Row:
     status: str
     message: str = ""
     values: dict[str, Any] = field(default_factory=dict)
+    limits: list[str] = field(default_factory=list)
     wall_time: float = 0.0
     cpu_time: float = 0.0
     loop_time: float = 0.0
@@ -72,6 +75,8 @@ class Job:
         The scene; its folder is absolute.
     files : mapping
         Path -> hash of the files that the scene and what varies in it name, as they were when the sweep began.
+    begin : float
+        Time, s, from which on frames of a run count.
     """
 
     application: str
@@ -80,6 +85,7 @@ class Job:
     options: Mapping[str, Any] = field(default_factory=dict)
     collected: tuple[Collected, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
+    begin: float = 0.0
 
 
 class Cancelled(TautlineError):
@@ -152,7 +158,7 @@ class Runner:
         try:
             with self._turn or nullcontext():
                 scene = self.tried.pop(case, None)
-                found, row.loop_time = self._found(self.varied(changes) if scene is None else scene)
+                found, row.limits, row.loop_time = self._found(self.varied(changes) if scene is None else scene)
             kept = chosen(found, self.job.collected)
             row.values = {name: plain(one.value) for name, one in kept.items()}
             # What is told of the columns goes without the values: it is kept, and sent by the workers of a cluster.
@@ -173,18 +179,20 @@ class Runner:
         row.wall_time, row.cpu_time = time.perf_counter() - began, time.thread_time() - used
         return row, found
 
-    def _found(self, scene: Any) -> tuple[dict[str, Finding], float]:
+    def _found(self, scene: Any) -> tuple[dict[str, Finding], list[str], float]:
+        """Findings of a case, limits that it does not satisfy, and the time of its compiled loop, s."""
         if self.job.verb != SIMULATE:
             table = tables_of(self.application)[self.job.verb]
-            return table.find(scene, table.read(scene, self.job.options)), 0.0
+            return table.find(scene, table.read(scene, self.job.options)), [], 0.0
         from tautline.simulation import simulate
 
         model = self.application.build(scene)
-        watch = Watch(model, self.job.collected)
+        watch = Watch(model, self.job.collected, self.job.begin)
         result = simulate(model, progress=self._go_on, brief=self._brief())
         sometimes = getattr(self.application, "sometimes", ())
         found = of_run(result, model, self.job.collected, watch, sometimes)
-        return found, float(result.attributes["cpu_time"])
+        failed = [str(record["name"]) for record in result.limits if record["passed"] is False]
+        return found, failed, float(result.attributes["cpu_time"])
 
     def _brief(self) -> Any:
         """What is wanted of a run; threads have one each, for the length of batches goes from run to run in it."""
@@ -193,7 +201,7 @@ class Runner:
         known = getattr(self._own, "brief", None)
         if known is None:
             names = names_of(self.job.collected)
-            known = self._own.brief = Brief(names, not names or any(asks_limits(name) for name in names))
+            known = self._own.brief = Brief(names, begin=self.job.begin)
         known.turn = self._turn
         return known
 
@@ -216,12 +224,14 @@ class Runner:
 
 def job_of(
     application: Any, scene: Any, verb: str, options: Mapping[str, Any], collected: Sequence[Collected],
-    files: Mapping[str, str] | None = None,
+    files: Mapping[str, str] | None = None, begin: float = 0.0,
 ) -> Job:  # fmt: skip
     """The job of a scene that was read, and of files as they are."""
     document = scene.document
     home = Path(document.folder).resolve()
-    return Job(application.name, replace(document, home=home), verb, dict(options), tuple(collected), files or {})
+    return Job(
+        application.name, replace(document, home=home), verb, dict(options), tuple(collected), files or {}, begin
+    )
 
 
 def _application(name: str) -> Any:

@@ -41,7 +41,9 @@ STATISTICS = ("max", "min", "mean", "rms", "sd", "range", "last")
 """What can be collected of an output over time."""
 EXAMPLE = "vary: {'bodies[0].mass': [2 t, 5 t, 10 t]}"
 SERIES = ("linspace", "logspace")
-OWN_COLUMNS = ("case", "status", "message", "case_wall_time", "case_cpu_time", "percentile", "parameter")
+OWN_COLUMNS = (
+    "case", "status", "message", "case_wall_time", "case_cpu_time", "percentile", "parameter", "limits_not_satisfied",
+)  # fmt: skip
 """Columns and dimensions of the result that are not collected."""
 
 

@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
@@ -33,6 +33,7 @@ from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity.contents import model_hash
 from tautline.scene.reading.document import join_key
 from tautline.sweeps.cases import DONE, UNFINISHED, Row, Runner, job_of
+from tautline.sweeps.doubts import Unsatisfied
 from tautline.sweeps.execution import Execution
 from tautline.sweeps.file import ORIGIN, SIMULATE, SweepFile, plan_cases, read_sweep, refused
 from tautline.sweeps.inputs import InputChanged, hashes_of, stamps_of
@@ -83,6 +84,8 @@ class Outcome:
         The sentence to the latter, empty else.
     result, table, percentiles : Path or None
         Files that were written.
+    unsatisfied : Unsatisfied
+        Limits that cases fail which came to their end.
     aside : Path or None
         Folder of the files of an earlier sweep, whose place this one has not taken: it stopped early, or no case ended.
     """
@@ -101,6 +104,7 @@ class Outcome:
     table: Path | None = None
     percentiles: Path | None = None
     aside: Path | None = None
+    unsatisfied: Unsatisfied = field(default_factory=Unsatisfied)
 
     @property
     def ended(self) -> str:
@@ -212,9 +216,14 @@ def sweep(
     return outcome.data.to_xarray()
 
 
-def run_sweep(read: SweepFile, application: Any, scene: Any, execution: Execution | None = None) -> Outcome:
-    """Run a sweep that was read; what is refused is refused before anything is written."""
-    one = _Sweep(read, application, scene, execution or Execution())
+def run_sweep(
+    read: SweepFile, application: Any, scene: Any, execution: Execution | None = None, begin: float = 0.0
+) -> Outcome:
+    """Run a sweep that was read; what is refused is refused before anything is written.
+
+    Frames of a run count from the time `begin`, s, on.
+    """
+    one = _Sweep(read, application, scene, execution or Execution(), begin)
     one.check()
     try:
         one.claim()
@@ -227,7 +236,7 @@ def run_sweep(read: SweepFile, application: Any, scene: Any, execution: Executio
 class _Sweep:
     """A sweep under way."""
 
-    def __init__(self, read: SweepFile, application: Any, scene: Any, execution: Execution) -> None:
+    def __init__(self, read: SweepFile, application: Any, scene: Any, execution: Execution, begin: float = 0.0) -> None:
         self.began, self.used = time.perf_counter(), time.process_time()
         self.read, self.application, self.scene = read, application, scene
         jobs, folder = execution.jobs, execution.folder
@@ -240,11 +249,11 @@ class _Sweep:
         self.cases = plan_cases(read, application, scene)
         scenes = self._scenes()
         files = hashes_of(scenes)
-        self.job = job_of(application, scene, read.verb, read.options, self.collected, files)
+        self.job = job_of(application, scene, read.verb, read.options, self.collected, files, begin)
         self.runner = Runner(self.job, application, scene)
         self.journal: Journal | None = None
         if folder is not None:
-            mark, about = self._mark(scenes), read.said()
+            mark, about = self._mark(scenes), read.said() | self._begun_at()
             self.journal = Journal(folder, mark, len(self.cases), execution.resume, files, about)
         self.columns: dict[str, Finding] = dict(self.journal.columns or {}) if self.journal is not None else {}
         self.kept: list[Row] = []
@@ -262,9 +271,13 @@ class _Sweep:
         """What makes it this sweep: the scene with its files, and all of the sweep's file that changes a number."""
         # The cases of a grid are numbered in the order of its keys, which a sorted text would not tell.
         order = list(self.read.vary)
-        whole: list[Any] = [self.read.said(), order, self.scene.document.root]
+        whole: list[Any] = [self.read.said() | self._begun_at(), order, self.scene.document.root]
         whole.append([model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes])
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+    def _begun_at(self) -> dict[str, Any]:
+        """From when on frames count, where it is not all of them."""
+        return {"begin": self.job.begin} if self.job.begin else {}
 
     def _scenes(self) -> list[Any]:
         """The scene, and others that name all files that values name: records of motion, responses."""
@@ -288,7 +301,7 @@ class _Sweep:
 
     def check(self) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
-        problems: dict[Problem, None] = {}
+        problems: dict[Problem, list[Problem]] = {}
         finished = self.journal.done if self.journal is not None else ()
         began, kept = time.perf_counter(), KEPT // max(1, len(self.scene.document.text))
         for case in range(len(self.cases)):
@@ -305,11 +318,14 @@ class _Sweep:
             except SceneError as error:
                 told = ", ".join(f"{key} = {value}" for key, value in changes.items())
                 found = refused(self.read, error, f"case {case}: {told}").problems
-                problems |= dict.fromkeys(self._with_bounds(problem) for problem in found)
+                for problem in found:
+                    # Values that a distribution makes are all at one line, and what is said of them is the same.
+                    drawn = self._drawn(problem) is not None
+                    problems.setdefault(replace(problem, value=None) if drawn else problem, []).append(problem)
             if len(problems) > SHOWN:
                 break
         if problems:
-            raise SceneError(problems)
+            raise SceneError([self._with_bounds(some) for some in problems.values()])
         try:
             model = self.runner.prepare(self.cases.changes(0), self.execution.announce)
         except SceneError:
@@ -327,13 +343,27 @@ class _Sweep:
             sometimes = getattr(self.application, "sometimes", ())
             self.of_none = {name: one for name, one in named.items() if one.text in sometimes}
 
-    def _with_bounds(self, problem: Problem) -> Problem:
-        """Add to what a distribution makes, and the scene cannot have, that there are others with bounds."""
+    def _drawn(self, problem: Problem) -> Any:
+        """The distribution that made the value of a problem; None where none did."""
         for one in self.cases.parameters:
             if one.spread is not None and problem.key and problem.key.startswith(join_key(("vary", one.key))):
-                bounded = f"the {one.spread.name} distribution reaches there: take truncated_normal, or other numbers"
-                return replace(problem, cure=f"{problem.cure}; {bounded}" if problem.cure else bounded)
-        return problem
+                return one.spread
+        return None
+
+    def _with_bounds(self, same: Sequence[Problem]) -> Problem:
+        """One problem for all that differ in their values alone.
+
+        Of what a distribution makes, and the scene cannot have, it says how often, and that there are others with
+        bounds.
+        """
+        problem = same[0]
+        spread = self._drawn(problem)
+        if spread is None:
+            return problem
+        often = f" ({len(same)} of the {len(self.cases)} values are refused for this)" if len(same) > 1 else ""
+        bounded = f"the {spread.name} distribution reaches there: take truncated_normal, or other numbers"
+        cure = f"{problem.cure}; {bounded}" if problem.cure else bounded
+        return replace(problem, cause=f"{problem.cause}{often}", cure=cure)
 
     def claim(self) -> None:
         """Have the folder for this sweep alone; what an earlier run of it has finished by now is known then."""
@@ -469,12 +499,13 @@ class _Sweep:
             "sweep": self.read.document.told, "title": self.read.title or self.scene.title or "",
             "printed_in": str(getattr(self.scene, "units", "si")),
         }  # fmt: skip
-        data = dataset(self.cases, columns | self.columns, self._all_rows(), attributes)
+        unsatisfied = Unsatisfied()
+        data = dataset(self.cases, columns | self.columns, unsatisfied.of(self._all_rows()), attributes)
         if self.cases.indices and not interrupted:
             from tautline.sweeps.indices import sobol_indices
 
             data = data.with_variables(sobol_indices(data, self.cases))
-        outcome = Outcome(data, self.cases, earlier=earlier, interrupted=interrupted)
+        outcome = Outcome(data, self.cases, earlier=earlier, interrupted=interrupted, unsatisfied=unsatisfied)
         status = data["status"].values.ravel()
         outcome.done = int((status == DONE).sum())
         outcome.failed = int(((status != DONE) & (status != "not run")).sum())

@@ -34,6 +34,8 @@ TIMES = {
     "case_cpu_time": ("cpu_time", "processor time of the case"),
 }
 """Times of a case: variable -> field of its row, and text. A run's own, of its loop alone, have other names."""
+NOT_SATISFIED = "limits_not_satisfied"
+"""Names of the limits that a case fails, with semicolons; a table of which no case fails any has no such column."""
 CURE = "make room, and go on with --resume"
 """What helps where one of the files of a sweep cannot be written."""
 DATASET, TABLE, RANKED = "sweep.nc", "sweep.csv", "percentiles.csv"
@@ -100,10 +102,10 @@ def dataset(
     """
     count = len(cases)
     status, message = np.full(count, NOT_RUN, object), np.full(count, "", object)
-    times = {name: np.full(count, np.nan) for name in TIMES}
+    times, failed = {name: np.full(count, np.nan) for name in TIMES}, np.full(count, "", object)
     values: dict[str, list[Any]] = {name: [None] * count for name in columns}
     for row in rows:
-        status[row.case], message[row.case] = row.status, row.message
+        status[row.case], message[row.case], failed[row.case] = row.status, row.message, "; ".join(row.limits)
         for name, array in times.items():
             array[row.case] = getattr(row, TIMES[name][0])
         for name, value in row.values.items():
@@ -127,6 +129,9 @@ def dataset(
     for name, array in times.items():
         entries[name] = (cases.dims, array.reshape(cases.shape), {"units": "s", "long_name": TIMES[name][1]})
     entries["status"] = (cases.dims, status.reshape(cases.shape), {"long_name": "how the case ended"})
+    if failed.any():
+        about = {"long_name": "limits of the run that are not satisfied"}
+        entries[NOT_SATISFIED] = (cases.dims, failed.reshape(cases.shape), about)
     entries["message"] = (cases.dims, message.reshape(cases.shape), {"long_name": "why it ended early"})
     for name in [name for name in coordinates if name in entries]:
         del entries[name]

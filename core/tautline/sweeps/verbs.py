@@ -107,9 +107,12 @@ class Watch:
     ----------
     model : Model
         Its ``observe`` is told to look at them too.
+    collected : sequence of Collected
+    begin : float
+        Time, s, before which frames do not count, where the model does not say.
     """
 
-    def __init__(self, model: Any, collected: Sequence[Collected]) -> None:
+    def __init__(self, model: Any, collected: Sequence[Collected], begin: float = 0.0) -> None:
         self.asked = [one for one in collected if one.output]
         self.outputs = {one.name: output_of(_handles(model).outputs, one.output) for one in self.asked}
         # Of an output of several numbers the largest, or the smallest, of all of them.
@@ -117,7 +120,7 @@ class Watch:
         self.rows: dict[str, list[np.ndarray]] = {one.name: [] for one in self.asked}
         self.times: list[np.ndarray] = []
         # The rounding of a sum of steps must not leave out the frame at `begin` itself.
-        self.begin = model.keep.begin * (1.0 - 1e-12) if model.keep is not None else 0.0
+        self.begin = (begin if model.keep is None else model.keep.begin) * (1.0 - 1e-12)
         if self.asked:
             observe = model.observe
             model.observe, model.on_demand = lambda frames: self._look(frames, observe(frames)), None

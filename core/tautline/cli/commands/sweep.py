@@ -76,6 +76,7 @@ def sweep(
     if note := version_note():
         say(f"warning: {note}", "yellow")
 
+    from tautline.sweeps.doubts import doubts_of_values
     from tautline.sweeps.execution import Execution
     from tautline.sweeps.sweep import run_sweep
 
@@ -85,8 +86,10 @@ def sweep(
             execution = replace(execution, announce=compiling, say=say)
         outcome = run_sweep(read, application, scene, execution)
     figures, undrawn = _draw(outcome, folder)
+    doubts = outcome.unsatisfied.warnings(len(outcome.cases))
+    doubts += doubts_of_values(outcome.cases, scene, application.warnings)
     following = typed(catalogue.name, "sweep", file, "-o", folder, "--resume") + as_given(changes)
-    _report(file, outcome, figures, undrawn, warnings, as_json, quiet, following)
+    _report(file, outcome, figures, undrawn, warnings, doubts, as_json, quiet, following)
 
 
 def _draw(outcome: Outcome, folder: Path) -> tuple[list[Path], list[str]]:
@@ -103,9 +106,12 @@ def _draw(outcome: Outcome, folder: Path) -> tuple[list[Path], list[str]]:
 
 def _report(
     file: Path, outcome: Outcome, figures: list[Path], undrawn: list[str], warnings: Sequence[SceneWarning],
-    as_json: bool, quiet: bool, following: str,
+    doubts: list[str], as_json: bool, quiet: bool, following: str,
 ) -> None:  # fmt: skip
-    """Tell how the sweep ended; ``following`` is the command that goes on with it."""
+    """Tell how the sweep ended; ``following`` is the command that goes on with it.
+
+    ``doubts`` make its numbers less sure than they read: they are told whoever asks for quiet.
+    """
     if not quiet:
         console().print(two_columns(_rows(outcome)))
         for text in [*failures(outcome), *_left_out(outcome)]:
@@ -115,6 +121,8 @@ def _report(
                 say(f"wrote {path}", "green")
         for text in undrawn:
             say(f"note: {text}")
+    for text in doubts:
+        say(f"warning: {text}", "yellow")
     if outcome.aside is not None:
         say(f"results of an earlier sweep are not those of this one: they are in {outcome.aside}", "yellow")
     if outcome.interrupted:
@@ -137,6 +145,8 @@ def _report(
                 "earlier_results": None if outcome.aside is None else str(outcome.aside),
                 "figures": [str(path) for path in figures],
                 "not_drawn": undrawn,
+                "limits_not_satisfied": outcome.unsatisfied.told(),
+                "warnings": doubts,
                 "scene_warnings": warning_records(warnings),
                 "wall_time": outcome.wall_time,
                 "cpu_time": outcome.cpu_time,

@@ -1,0 +1,100 @@
+"""What makes the rows of a sweep less sure than they read: limits that cases fail, and values that are hardly meant.
+
+A case that fails a limit has come to its end, and its numbers stand among those of the others: a rope that has parted
+has a largest tension like any other. `simulate` says both of one run; here each is said once for all cases.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tautline.scene.errors import SceneError
+from tautline.scene.values.printed import shown
+from tautline.sweeps.cases import DONE, Row
+from tautline.sweeps.file import ORIGIN
+from tautline.sweeps.plans import AS_IN_THE_SCENE, Cases, Parameter, word_of
+
+
+@dataclass
+class Unsatisfied:
+    """Limits that cases fail which came to their end.
+
+    Attributes
+    ----------
+    cases : dict
+        Name of the limit -> numbers of the cases.
+    """
+
+    cases: dict[str, list[int]] = field(default_factory=dict)
+
+    def of(self, rows: Iterable[Row]) -> Iterator[Row]:
+        """The rows as they are, looked at as they pass."""
+        for row in rows:
+            for name in row.limits if row.status == DONE else ():
+                self.cases.setdefault(name, []).append(row.case)
+            yield row
+
+    def marked(self, name: str, count: int) -> np.ndarray:
+        """Which of so many cases fail a limit, (count,) bool."""
+        found = np.zeros(count, bool)
+        found[self.cases.get(name, [])] = True
+        return found
+
+    def warnings(self, count: int) -> list[str]:
+        """A sentence for each limit, of so many cases in all."""
+        return [
+            f"{name} failed in {len(cases)} of {count} case{'s' if count > 1 else ''}, first case {min(cases)}. The "
+            "numbers of such a case are among those of the others"
+            for name, cases in self.cases.items()
+        ]
+
+    def told(self) -> list[dict[str, Any]]:
+        """The same as records: limit, number of cases, and the first of them."""
+        return [{"limit": name, "cases": len(some), "first_case": min(some)} for name, some in self.cases.items()]
+
+
+def doubts_of_values(cases: Cases, scene: Any, warnings_of: Callable[[Any], Sequence[Any]]) -> list[str]:
+    """What the scene's check says of the smallest and the largest value of each parameter, and not of the scene itself.
+
+    Each place of the scene is told once. Two cases for each parameter are asked, however many there are: a check may
+    take as long as a short run.
+    """
+    known = {(one.where, one.text) for one in warnings_of(scene)}
+    places = {place for place, _ in known}
+    found: dict[str, str] = {}
+    for case, one in _outermost(cases):
+        try:
+            varied = scene.replace(cases.changes(case), origin=ORIGIN)
+        except SceneError:
+            continue
+        for doubt in warnings_of(varied):
+            if (doubt.where, doubt.text) not in known and doubt.where not in found and doubt.where not in places:
+                value = _value(cases, one, case, str(getattr(scene, "units", "si")))
+                found[doubt.where] = f"case {case}, {one.key} = {value}: {doubt.where}: {doubt.text}"
+    return list(found.values())
+
+
+def _outermost(cases: Cases) -> Iterator[tuple[int, Parameter]]:
+    """The cases with the smallest and with the largest number of each parameter; of words the first of each."""
+    asked: set[int] = set()
+    for one in cases.parameters:
+        if one.numeric:
+            numbers = np.asarray(cases.numbers[one.key], float)
+            some = [int(np.nanargmin(numbers)), int(np.nanargmax(numbers))]
+        else:
+            words = [word_of(value) for value in cases.values[one.key]]
+            some = [words.index(word) for word in dict.fromkeys(words)][:2]
+        for case in some:
+            if case not in asked:
+                asked.add(case)
+                yield case, one
+
+
+def _value(cases: Cases, one: Parameter, case: int, system: str) -> str:
+    if one.numeric and cases.values[one.key][case] is not AS_IN_THE_SCENE:
+        return shown(float(cases.numbers[one.key][case]), one.unit, system)
+    return str(word_of(cases.values[one.key][case]))
