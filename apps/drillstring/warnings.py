@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, rate_at, stiffness_of, torque_at, torque_at_rest, weight_at
-from drillstring.drilling.chatter import chatter_told, slowed_told
-from drillstring.drilling.end_groups import BLOCK, ROTATION
+from drillstring.drilling.chatter import blades_told, rest_told, slowed_told
+from drillstring.drilling.end_groups import BLOCK, ROTATION, requests
 from drillstring.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
-from drillstring.model.build import requests
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared
 from drillstring.results.limits import SNUG
@@ -400,7 +399,8 @@ def _weak_drive(scene: DrillstringScene, ready: Prepared) -> Sentences:
     if not scene.bit.on_bottom or not isinstance(drive, Controller) or drive.torque_limit is None:
         return
     functions = compile_functions(requests(scene))
-    spin = float(np.abs(sample(functions, ROTATION, np.linspace(0.0, scene.solver.end, 201))[:, 1]).max())
+    speeds = sample(functions, ROTATION, np.linspace(0.0, scene.solver.end, 201))[:, 1]
+    spin = float(speeds[np.abs(speeds).argmax()])
     if spin == 0.0:
         return
     weight = scene.bit.weight or 0.0
@@ -482,10 +482,12 @@ def _sticking(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 
 def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """An explicit step that is too long for the torque of a bit at rest, which rises with its speed."""
+    """A step that is too long for a bit: explicit for its torque at rest, or for what its blades make it do."""
     step = step_taken(scene.solver, scene.output.interval)
-    for text in chatter_told(scene, ready.lumps, step):
+    for text in rest_told(scene, ready.lumps, step):
         yield "bit.slip_speed", text
+    for text in blades_told(scene, ready.lumps, step):
+        yield "solver.step", text
     if text := slowed_told(scene, ready.lumps):
         yield "bit.slip_speed", text
 

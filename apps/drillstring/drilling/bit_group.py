@@ -26,7 +26,7 @@ from drillstring.drilling.bit_rock import (
     stores,
     strain,
 )
-from drillstring.drilling.bit_torque import act_torque, change_torque, prepare_torque, settle_torque
+from drillstring.drilling.bit_torque import act_torque, change_torque, prepare_torque, settle_torque, way_of
 from drillstring.groups.friction import SLIP, STICK, STIFFNESS
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import Stuck, register
@@ -49,7 +49,7 @@ def _begin(g, t, h, beta, gamma, q, v, a):
 def _switch(g, t, q, v, converged, changed):
     b = g.row[0]
     if b.placed == 1:
-        measure(g, t, q, v)
+        measure(g, t, q, v, way_of(b, v[g.turn]))
         changed[0] += change_torque(b, v[g.turn], g.value[KINETIC], g.value[STATIC], converged)
 
 
@@ -58,7 +58,7 @@ def _residual(g, t, q, v, a, r):
     b = g.row[0]
     weight, torque = b.weight, -b.torque
     if b.placed == 1:
-        measure(g, t, q, v)
+        measure(g, t, q, v, way_of(b, v[g.turn]))
         weight = g.value[WEIGHT]
         torque = act_torque(b, v[g.turn], g.value[KINETIC], g.value[STATIC])[0]
     for k in range(g.places.size):
@@ -71,7 +71,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     b = g.row[0]
     if b.placed == 0:
         return
-    measure(g, t, q, v)
+    measure(g, t, q, v, way_of(b, v[g.turn]))
     _, by_spin, by_kinetic, by_static = act_torque(b, v[g.turn], g.value[KINETIC], g.value[STATIC])
     w, low, high = g.slope[WEIGHT], g.slope[KINETIC], g.slope[STATIC]
     along = ck * w[DEPTH] + cc * w[SPEED]
@@ -111,7 +111,7 @@ def _commit(g, t, h, q, v, a):
         b.placed = 1
     else:
         return
-    measure(g, t, q, v)
+    measure(g, t, q, v, way_of(b, v[g.turn]))
     settle_torque(b, v[g.turn], g.value[KINETIC], g.value[STATIC])
     _keep_power(g, h, q, v)
 

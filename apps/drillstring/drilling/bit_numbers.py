@@ -6,7 +6,9 @@ rate is ``cut max(0, W - threshold)^a S(Omega)``. A drag bit after Detournay and
 
     W = a zeta eps d + W_f,   T = a^2 eps d / 2 + mu gamma a W_f / 2,   W_f = min(W, a l sigma),
 
-so that d = (W - W_f) / (a zeta eps).
+so that d = (W - W_f) / (a zeta eps). That is one that turns forward. A drag bit that turns backward cuts no chips,
+d = 0: nothing before its cutters carries any of the weight, and all of it presses bit and rock together. It rubs with
+``back W``, T = mu gamma a W / 2, also beyond a l sigma. Roller bits, whose torque is given, are alike both ways.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ FLOATS = (
     # the scene's
     "weight", "torque", "stiffness", "damping",
     "threshold", "cut", "weight_exponent", "speed_exponent", "slow",
-    "limit", "below", "above", "excess", "decay", "slip_speed",
+    "limit", "below", "above", "back", "excess", "decay", "slip_speed",
     "cut_weight", "cut_torque", "blades",
     "inertia", "spring",
     # of the last accepted step, and of the step under way
@@ -34,13 +36,13 @@ FLOATS = (
 WHOLE = ("placed", "settled", "status", "level", "dropped", "reversed")
 BIT = np.dtype([(name, np.float64) for name in FLOATS] + [(name, np.int64) for name in WHOLE])
 """A bit on bottom. Weight N and torque N m that it starts with; rock N/m, N s/m; rate: threshold N, factor, exponents,
-speed rad/s below which a power of it is linear; torque: weight N on the flats at most, m, m, m, decay rad/s (0: none),
-speed rad/s at which it is in full (0: exact); blades: N/m and N of a depth of cut, and their number; inertia kg m^2 and
-spring N m/rad against which a bit that sticks is held. Then time s, depth of the hole below its datum m, and its rate
-m/s; stiffness of sticking N m s/rad, torque on the bit N m, the way it slips, its speed rad/s; depth at which the flats
-would lie loosely m. Weight N, torque N m and energy J in the rock of the last step; the means of both over the step,
-and the power that went into the rock W. Whether the hole's bottom was placed, and the status of sticking (see
-bit_torque.py)."""
+speed rad/s below which a power of it is linear; torque: weight N on the flats at most, m, m, m of a bit that turns
+backward, m, decay rad/s (0: none), speed rad/s at which it is in full (0: exact); blades: N/m and N of a depth of cut,
+and their number; inertia kg m^2 and spring N m/rad against which a bit that sticks is held. Then time s, depth of the
+hole below its datum m, and its rate m/s; stiffness of sticking N m s/rad, torque on the bit N m, the way it slips, its
+speed rad/s; depth at which the flats would lie loosely m. Weight N, torque N m and energy J in the rock of the last
+step; the means of both over the step, and the power that went into the rock W. Whether the hole's bottom was placed,
+and the status of sticking (see bit_torque.py)."""
 
 SLOW = 0.01
 """Share of the speed at which a rate of penetration is given, below which a power of the speed becomes linear."""
@@ -67,7 +69,7 @@ def bit_row(bit: Bit, hole_diameter: float, tubes: Sequence[Tube], spin: float, 
     b.weight, b.stiffness, b.damping = bit.weight, bit.rock.stiffness, bit.rock.damping
     if bit.torque is not None:
         at = bit.torque.weight or bit.weight
-        b.above = bit.torque.kinetic / at
+        b.above = b.back = bit.torque.kinetic / at
         b.excess = (bit.torque.static - bit.torque.kinetic) / at
         b.decay = bit.torque.decay or 0.0
     if bit.cutting is not None:
@@ -102,6 +104,7 @@ def _cut(b: np.record, bit: Bit, hole_diameter: float) -> None:
     b.cut_torque = 0.5 * radius**2 * law.specific_energy
     b.below = 0.5 * law.friction * law.bit_constant * radius
     b.above = b.cut_torque / b.cut_weight
+    b.back = b.below
     b.threshold, b.cut = b.limit, 1.0 / (2.0 * pi * b.cut_weight)
     b.weight_exponent = b.speed_exponent = 1.0
     b.blades = float(law.blades or 0)
@@ -115,13 +118,13 @@ def speed_factor(b: np.record, spin: float) -> float:
 
 
 def torque_at(b: np.record, weight: float, spin: float) -> float:
-    """Torque that resists a bit that turns steadily, N m, at a weight on bit N and a rotary speed rad/s."""
-    held = b.below * min(weight, b.limit) + b.above * max(0.0, weight - b.limit)
+    """Torque that resists a bit that turns steadily, N m, by weight on bit N and rotary speed rad/s; forward at 0."""
+    held = b.below * min(weight, b.limit) + b.above * max(0.0, weight - b.limit) if spin >= 0.0 else b.back * weight
     return float(held + (b.excess * weight * exp(-abs(spin) / b.decay) if b.decay > 0.0 else 0.0))
 
 
 def torque_at_rest(b: np.record, weight: float) -> float:
-    """Torque up to which a bit at rest is held, N m, at a weight on bit N."""
+    """Torque up to which a bit at rest is held against turning forward, N m, at a weight on bit N."""
     return torque_at(b, weight, 0.0) if b.decay > 0.0 else torque_at(b, weight, 0.0) + float(b.excess * weight)
 
 

@@ -5,8 +5,9 @@ there are (bit_numbers.py has the laws); the depth of the hole at the end of a s
 the trapezoidal rule. `BladeBit` cuts with blades, each what the one before it has left: the bottom that the last blade
 left at every angle is kept in a ring, and the hole deepens by the mean over a turn of what they cut. Both write
 ``value``: weight on bit N, kinetic and static torque N m, rate of penetration m/s; and ``slope`` (3, 4), the
-derivatives of the first three by depth, speed along the hole, angle and rotary speed of the bit. Depths of bit and
-bottom are counted from the bit's ``datum``.
+derivatives of the first three by depth, speed along the hole, angle and rotary speed of the bit. Both torques are those
+for the way in which the bit turns, or is pushed to turn where it stands: backward where ``way`` is negative. A drag bit
+cuts no chips then, and all its weight rubs. Depths of bit and bottom are counted from the bit's ``datum``.
 """
 
 from __future__ import annotations
@@ -131,7 +132,7 @@ def _weight(b, free, lever):
 
 
 @kernel
-def _measure_rock(g, t, q, v):
+def _measure_rock(g, t, q, v, way):
     b = g.row[0]
     value, slope = g.value, g.slope
     value.fill(0.0)
@@ -154,8 +155,10 @@ def _measure_rock(g, t, q, v):
     slope[WEIGHT, SPIN] = -yields * press * b.cut * turning_slope * drilled
     flat = min(weight, b.limit)
     excess = max(0.0, weight - b.limit)
-    held = b.below * flat + b.above * excess
-    per_weight = b.below if weight < b.limit else b.above
+    held, per_weight = b.back * weight, b.back
+    if way >= 0.0:
+        held = b.below * flat + b.above * excess
+        per_weight = b.below if weight < b.limit else b.above
     fade, fade_slope = 0.0, 0.0
     if b.decay > 0.0:
         fast = max(0.0, abs(spin) - b.slip_speed)
@@ -175,14 +178,14 @@ def _place_rock(g, t, q, v):
     b = g.row[0]
     b.hole = depth_of(g, q) - b.weight / b.stiffness
     b.time = t
-    _measure_rock(g, t, q, v)
+    _measure_rock(g, t, q, v, v[g.turn])
     b.drilled = g.value[RATE]
 
 
 @kernel
 def _advance_rock(g, t, q, v):
     b = g.row[0]
-    _measure_rock(g, t, q, v)
+    _measure_rock(g, t, q, v, v[g.turn])
     b.hole += 0.5 * (t - b.time) * (b.drilled + g.value[RATE])
     b.drilled = g.value[RATE]
     b.time = t
@@ -224,7 +227,7 @@ def _behind(g, angle):
 
 
 @kernel
-def _measure_blades(g, t, q, v):
+def _measure_blades(g, t, q, v, way):
     b = g.row[0]
     value, slope = g.value, g.slope
     value.fill(0.0)
@@ -236,7 +239,7 @@ def _measure_blades(g, t, q, v):
     cut = b.blades * max(0.0, depth - left)
     flat = min(b.limit, b.stiffness * max(0.0, depth - b.seat))
     value[WEIGHT] = b.cut_weight * cut + flat
-    value[KINETIC] = b.cut_torque * cut + b.below * flat
+    value[KINETIC] = b.cut_torque * cut + b.below * flat if way >= 0.0 else b.back * value[WEIGHT]
     value[STATIC] = value[KINETIC]
     # Blades that were turned back pass over what they have cut already.
     value[RATE] = cut * max(0.0, v[g.turn]) / (2.0 * pi) if q[g.turn] >= newest else 0.0
@@ -248,6 +251,8 @@ def _measure_blades(g, t, q, v):
         slope[WEIGHT, ANGLE] = -b.cut_weight * blades * falls
         slope[KINETIC, ANGLE] = -b.cut_torque * blades * falls
     for k in range(4):
+        if way < 0.0:
+            slope[KINETIC, k] = b.back * slope[WEIGHT, k]
         slope[STATIC, k] = slope[KINETIC, k]
 
 
@@ -267,7 +272,7 @@ def _place_blades(g, t, q, v):
     b.seat = depth - flat / b.stiffness
     b.hole = depth
     b.time = t
-    _measure_blades(g, t, q, v)
+    _measure_blades(g, t, q, v, v[g.turn])
     b.drilled = g.value[RATE]
 
 
@@ -287,7 +292,7 @@ def _rename(g, angle, pitch):
 def _advance_blades(g, t, q, v):
     """Remember the bottom that the blades leave, where they have come further than before."""
     b = g.row[0]
-    _measure_blades(g, t, q, v)
+    _measure_blades(g, t, q, v, v[g.turn])
     depth, size = depth_of(g, q), g.ring.shape[0]
     pitch = 2.0 * pi / b.blades
     _rename(g, q[g.turn], pitch)

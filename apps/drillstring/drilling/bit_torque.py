@@ -5,6 +5,9 @@ static torque, with no creep but what the stiffness ``c`` of the projection leav
 kinetic torque, which may depend on speed, weight on bit and depth of cut. Stick and slip are found within the
 iterations of an implicit step. An explicit method takes the torque as a function of the speed, in full above
 ``slip_speed``. ``b`` is a row of ``BIT`` (bit_numbers.py); torques are those on the bit, positive clockwise.
+
+Torques may differ by the way in which the bit turns, for a drag bit cuts forward only. Then a bit at rest is held
+between two bounds that are not alike, which is Coulomb's law still: ``way_of`` says whose bound is asked for.
 """
 
 from __future__ import annotations
@@ -16,6 +19,14 @@ from tautline.kernels.jit import kernel
 @kernel
 def _sign(x):
     return 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
+
+
+@kernel
+def way_of(b, spin):
+    """The way in which a bit slips, or is pushed where it is held: forward where it is not negative."""
+    if b.slip_speed > 0.0:
+        return spin
+    return b.way if b.status == SLIP else b.c * spin - b.force
 
 
 @kernel

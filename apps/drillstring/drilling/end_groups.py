@@ -16,6 +16,8 @@ from drillstring.scene.ends import Controller
 from drillstring.string.lumps import Tube
 from tautline.elements.nodal.load import Loads
 from tautline.kernels.time_function import TimeFunctions, value_at
+from tautline.scene.functions import Constant
+from tautline.system.time_functions import FunctionRequest, Steering
 
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
@@ -43,6 +45,29 @@ class Along(NamedTuple):
 def is_driven(scene: DrillstringScene) -> bool:
     """Whether a controller turns the string, not a prescribed speed: a stiff drive's speed is prescribed."""
     return isinstance(scene.top.rotation, Controller) and scene.top.rotation.kind != "stiff"
+
+
+def requests(scene: DrillstringScene) -> list[FunctionRequest]:
+    """Block position, the rotary's angle from where it is at t = 0, and the torque of a drive that is given it."""
+    rotation = scene.top.rotation
+    speed = rotation.speed if isinstance(rotation, Controller) else rotation
+    key = "top.rotation.controller.speed" if isinstance(rotation, Controller) else "top.rotation"
+    block = (
+        Steering("top.block", "m", "block position, positive down"),
+        Steering("top.block_speed", "m/s", "block speed, positive down", 1),
+    )
+    rotary = (
+        Steering("top.rotary_speed", "rad/s", "rotary speed, clockwise looking downhole", 1),
+        Steering("top.rotary_angle", "rad", "angle of the rotary since the start"),
+    )
+    made = [
+        FunctionRequest(scene.top.block, end=scene.solver.end, key="top.block", inputs=block),
+        FunctionRequest(speed, integrate=True, end=scene.solver.end, key=key, inputs=rotary),
+    ]
+    if TORQUE_INPUT in scene.driven:
+        torque = Steering(TORQUE_INPUT, "N m", "torque of the top drive, in place of its controller's")
+        made.append(FunctionRequest(Constant(value=0.0), key="top.rotation", inputs=(torque,)))
+    return made
 
 
 def groups_at_ends(

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from drillstring.drilling.chatter import chatter_told, longest_step
-from drillstring.drilling.end_groups import ROTATION, notes_of_ends
-from drillstring.model.handles import handles, requests
+from drillstring.drilling.end_groups import ROTATION, notes_of_ends, requests
+from drillstring.model.handles import handles
 from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.break_away import ON_BOTTOM

@@ -8,17 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.drilling.end_groups import TORQUE_INPUT, is_driven
+from drillstring.drilling.end_groups import TORQUE_INPUT, is_driven, requests
 from drillstring.results.places import reaches_of_links
-from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.factors import factors_of
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import shares_at_ends, tension_at_ends
 from tautline.scene.errors import SceneError
-from tautline.scene.functions import Constant
 from tautline.system.handles import Handles, Output, Parameter, inputs_of, outputs_of, part_of, prepared_of, same_as
-from tautline.system.time_functions import FunctionRequest, Steering
 
 AT_BIT = {
     "position": "position", "velocity": "velocity", "rotation_rate": "rotary_speed", "rotation": "rotation",
@@ -48,29 +45,6 @@ def driven(scene: DrillstringScene, names: tuple[str, ...]) -> DrillstringScene:
         cure = "write controller: {kind: pi, speed: ..., inertia: ...} here, or drive top.rotary_speed"
         raise SceneError([scene.problem("top.rotation", cause, cure)])
     return scene.driven_by(names) if names else scene
-
-
-def requests(scene: DrillstringScene) -> list[FunctionRequest]:
-    """Block position, the rotary's angle from where it is at t = 0, and the torque of a drive that is given it."""
-    rotation = scene.top.rotation
-    speed = rotation.speed if isinstance(rotation, Controller) else rotation
-    key = "top.rotation.controller.speed" if isinstance(rotation, Controller) else "top.rotation"
-    block = (
-        Steering("top.block", "m", "block position, positive down"),
-        Steering("top.block_speed", "m/s", "block speed, positive down", 1),
-    )
-    rotary = (
-        Steering("top.rotary_speed", "rad/s", "rotary speed, clockwise looking downhole", 1),
-        Steering("top.rotary_angle", "rad", "angle of the rotary since the start"),
-    )
-    made = [
-        FunctionRequest(scene.top.block, end=scene.solver.end, key="top.block", inputs=block),
-        FunctionRequest(speed, integrate=True, end=scene.solver.end, key=key, inputs=rotary),
-    ]
-    if TORQUE_INPUT in scene.driven:
-        torque = Steering(TORQUE_INPUT, "N m", "torque of the top drive, in place of its controller's")
-        made.append(FunctionRequest(Constant(value=0.0), key="top.rotation", inputs=(torque,)))
-    return made
 
 
 def handles(scene: DrillstringScene, lumps: Lumps, model: Any) -> Handles:

@@ -10,17 +10,22 @@ from typing import Any
 
 import numpy as np
 
+from drillstring.drilling.end_groups import ROTATION, requests
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.string.buckled import Buckled, buckled_at_rest, buckled_in_frames
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
+from tautline.kernels.time_function import sample
 from tautline.scene.values.printed import shown
+from tautline.system.time_functions import compile_functions
 
 TO_A_HALF_WAVE = {LUMPED: 4, BEAM: 2}
 """Elements that a half wave of buckling wants. A column of n links to a half wave buckles at a compression that is
 (pi / 2 n)^2 / 3 too low, 5 % with four; a cubic element bends by itself."""
 STATIONS = 200
 """Places at which the hole's direction is looked at."""
+INSTANTS = 201
+"""Times of a run at which it is looked for whether the string turns."""
 FLAT = 1.0e-6
 """Size of the hole's directions out of a plane, over that within it, below which the hole lies in the plane."""
 OFF_THE_PLANE = 1.0e-6
@@ -36,7 +41,10 @@ def told_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> str:
         return ""
     pushed = shown(found.compression, "N", scene.units)
     what = f"compresses {lumps.tubes[found.section].name} by up to {pushed} at rest"
-    return _told(scene, lumps, found, what, "will", _flatness(well))
+    flat = _flatness(well)
+    if _leaves_the_plane(scene, lumps):
+        flat = None
+    return _told(scene, lumps, found, what, "will", flat)
 
 
 def told_of_a_run(result: Any, scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[str]:
@@ -84,9 +92,9 @@ def _reasons(scene: DrillstringScene, lumps: Lumps, found: Buckled, flat: str | 
     """Why a run cannot show that a string buckles, and what would have it shown."""
     causes, cures = [], []
     tube, own = lumps.tubes[found.section], lumps.section == found.section
-    if flat is not None and all(one.eccentricity == (0.0, 0.0) for one in lumps.tubes):
+    if flat is not None:
         causes.append(f"The {flat}, and nothing pushes the string out of it")
-        cures.append(f"give string[{found.section}] an `eccentricity`, such as [0, 2 mm], or the hole its survey")
+        cures.append(_push(scene, lumps, found.section))
     half_wave = pi * sqrt(2.0 * tube.youngs_modulus * tube.second_moment / found.compression)
     wanted, now = ceil(tube.length * TO_A_HALF_WAVE[scene.model.kind] / half_wave), int(own.sum())
     if wanted > now:
@@ -95,6 +103,31 @@ def _reasons(scene: DrillstringScene, lumps: Lumps, found: Buckled, flat: str | 
         total = lumps.length.size + wanted - now
         cures.append(f"give string[{found.section}] `elements: {wanted}` and model `elements: {total}`")
     return causes, cures
+
+
+def _eccentric(lumps: Lumps) -> bool:
+    """Whether any section has its mass off its axis."""
+    return any(one.eccentricity != (0.0, 0.0) for one in lumps.tubes)
+
+
+def _leaves_the_plane(scene: DrillstringScene, lumps: Lumps) -> bool:
+    """Whether a string will be pushed out of the plane of its hole: mass off its axis does it in turning."""
+    return _eccentric(lumps) and _turns(scene)
+
+
+def _turns(scene: DrillstringScene) -> bool:
+    """Whether something turns the string at any time of the run: the scene, or what drives it from outside."""
+    times = np.linspace(0.0, scene.solver.end, INSTANTS)
+    speeds = sample(compile_functions(requests(scene)), ROTATION, times)[:, 1]
+    return bool(scene.driven) or bool(np.any(speeds != 0.0))
+
+
+def _push(scene: DrillstringScene, lumps: Lumps, section: int) -> str:
+    """What would push a string out of the plane of its hole; without a turn an eccentricity does not."""
+    own = f"give string[{section}] an `eccentricity`, such as [0, 2 mm]"
+    turn = "let the string turn (`top.rotation`), since an eccentricity pushes nothing while it does not"
+    cures = [*([] if _eccentric(lumps) else [own]), *([] if _turns(scene) else [turn])]
+    return f"{' and '.join(cures)}{', ' * bool(cures)}or give the hole its survey".removeprefix("or ")
 
 
 def _directions(well: Wellbore) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.scene.scene import LUMPED
-from drillstring.statics.enough_links import ELEMENTS, size_lowered
+from drillstring.statics.enough_links import ELEMENTS, PART, size_lowered
 from drillstring.statics.motion import REAMING
 from tautline.scene.errors import SceneWarning
 from tautline.scene.values.printed import shown
@@ -260,13 +260,11 @@ def _coarse(points: list[Point], system: str) -> list[str]:
     """Whether so few links are too few: a lump touches the wall for half a link on either side, the first for half."""
     few = [point for point in points if point.model == LUMPED and point.link_depth.size < FEW_LINKS]
     found = [(*_furthest(point), point) for point in few]
-    share, what, worst = max(found, key=lambda one: one[0], default=(0.0, "", None))
+    share, way, worst = max(found, key=lambda one: one[0], default=(0.0, "", None))
     if worst is None or share < COARSE:
         return []
-    few_are = f"{worst.link_depth.size} links are few, and the {what} is {100.0 * share:.0f} % off"
-    return [
-        f"{_head(worst, points, system)}: {few_are} that of the soft string; give more with --elements, or leave it out"
-    ]
+    few_are = f"{worst.link_depth.size} links are few, and {_off_told(worst, way, share, system)}"
+    return [f"{_head(worst, points, system)}: {few_are}; give more with --elements, or leave it out"]
 
 
 def _doublings(cases: list[Case], system: str) -> list[tuple[str, str]]:
@@ -326,11 +324,20 @@ def _beside_soft_string(cases: list[Case], system: str) -> list[str]:
     for found, end in ((settled, _GO_BY_STATICS), (unknown, _NOT_DOUBLED)):
         share, way, worst = max(found, key=lambda one: one[0], default=(0.0, "", None))
         if worst is not None and share >= COARSE:
-            told.append(
-                f"{_head(worst, every, system)}: the {_LOADS[way]} is {100.0 * share:.0f} % off that of the soft "
-                f"string{end}"
-            )
+            told.append(f"{_head(worst, every, system)}: {_off_told(worst, way, share, system)}{end}")
     return told
+
+
+def _off_told(point: Point, way: str, share: float, system: str) -> str:
+    """By how much a load is off that of the soft string: in per cent of that, as the table has it, or else of what."""
+    off = f"the {_LOADS[way]} is"
+    soft = point.soft[way]
+    if way != "slack_off" or _size_lowered(point) == abs(soft.hook_load):
+        return f"{off} {100.0 * share:.0f} % off that of the soft string"
+    apart = shown(abs(point.hook_load(way) - soft.hook_load), "N", system)
+    base = f"{100.0 * PART:.0f} % of the soft string's hook load picking up"
+    # Of a load that is next to nothing any change is thousands of per cent.
+    return f"{off} {apart} off that of the soft string, a difference of {100.0 * share:.0f} % of {base}"
 
 
 _LOADS = {"pick_up": "hook load picking up", "slack_off": "hook load slacking off", "rotating": "torque"}
@@ -351,21 +358,26 @@ def soft_string_is_off(cases: list[Case]) -> bool:
 
 
 def _furthest(point: Point) -> tuple[float, str]:
-    """Share by which hook load or torque is off that of the soft string, and which of them is off by more."""
+    """Share by which hook load or torque is off that of the soft string, and the motion whose load is off by most."""
     apart = _apart(point)
     worst = max(apart, key=lambda way: apart[way], default="")
-    return apart.get(worst, 0.0), _LOADS.get(worst, "")
+    return apart.get(worst, 0.0), worst
 
 
 def _apart(point: Point) -> dict[str, float]:
     """Share by which each load is off that of the soft string; none of what was not found."""
-    up, down, turned = (point.soft[way] for way in ("pick_up", "slack_off", "rotating"))
-    sizes = {"pick_up": abs(up.hook_load), "slack_off": size_lowered(up.hook_load, down.hook_load)}
+    turned = point.soft["rotating"]
+    sizes = {"pick_up": abs(point.soft["pick_up"].hook_load), "slack_off": _size_lowered(point)}
     found = {way: abs(point.hook_load(way) - point.soft[way].hook_load) / size for way, size in sizes.items() if size}
     # In a vertical hole there is no torque to compare.
     if abs(turned.surface_torque) >= NOTHING:
         found["rotating"] = _share(point.torque("rotating"), turned.surface_torque)
     return {way: share for way, share in found.items() if np.isfinite(share)}
+
+
+def _size_lowered(point: Point) -> float:
+    """What a difference of the hook load slacking off is measured by, N."""
+    return size_lowered(*(point.soft[way].hook_load for way in ("pick_up", "slack_off")))
 
 
 def _of(point: Point, points: list[Point]) -> str:

@@ -17,6 +17,7 @@ from drillstring.string.factors import same
 from drillstring.verbs.torque_drag import parse_frictions, unlikely_frictions
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
+from tautline.scene.values.printed import shown
 
 DATA = Path(__file__).parents[3] / "data"
 JWELL = (DATA / "jwell.yaml").read_text(encoding="utf8")
@@ -75,6 +76,21 @@ def test_so_few_links_that_only_the_torque_is_off_are_told(folder, capsys):
         assert code == 0
         text = f"{elements} links are few, and the torque is 5 % off that of the soft string"
         assert (text in " ".join(err.split())) == told, err
+
+
+def test_a_hook_load_beside_next_to_nothing_is_off_by_newtons_and_by_a_share_of_what_is_named(folder, capsys):
+    """Slacking off leaves little: the share is of half the load picking up, the table's of that little."""
+    level = BUILD.replace("to: 45 deg", "to: 90 deg").replace("{hold: 1100 m}", "{hold: 2400 m}")
+    (folder / "level.yaml").write_text(level)
+    here = commands_of(Drillstring(), capsys)
+    code, out, err = here("torque-drag", "level.yaml", "--elements", "3", "--json")
+    found, told = only_object(out), " ".join(err.split())
+    soft_up, soft_down = (found["soft_string"][way][0] for way in ("pick_up", "slack_off"))
+    apart = abs(found["slack_off"][0] - soft_down)
+    assert code == 0 and abs(soft_down) < 0.5 * soft_up
+    share = f"a difference of {100.0 * apart / (0.5 * soft_up):.0f} % of 50 % of the soft string's hook load picking up"
+    assert f"the hook load slacking off is {shown(apart, 'N', 'si')} off that of the soft string, {share}" in told
+    assert "% off" not in told
 
 
 @pytest.fixture

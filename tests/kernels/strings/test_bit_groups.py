@@ -16,13 +16,14 @@ LAST = 0.4
 """Time of the last accepted step, s; the state asked for is that of t = 1."""
 NUMBERS = dict(
     stiffness=3.0, damping=0.0, threshold=0.2, cut=0.3, weight_exponent=1.0, speed_exponent=1.0, slow=0.1, limit=0.5,
-    below=0.4, above=0.7, excess=0.3, decay=1.4, c=2.0, force=-0.3, way=1.0, time=LAST, drilled=0.1, placed=1,
-    status=SLIP, settled=SLIP, inertia=1.0, spring=1.0,
+    below=0.4, above=0.7, back=0.25, excess=0.3, decay=1.4, c=2.0, force=-0.3, way=1.0, time=LAST, drilled=0.1,
+    placed=1, status=SLIP, settled=SLIP, inertia=1.0, spring=1.0,
 )  # fmt: skip
 UNPLACED = "before the bottom is placed"
 LAWS = {
     "turning": {},
     "turning backwards": {"way": -1.0},
+    "stuck and pushed backwards": {"status": STICK, "settled": STICK, "force": 9.0},
     "stuck": {"status": STICK, "settled": STICK},
     "just let go": {"settled": STICK, "level": 1},
     "with a damper": {"damping": 0.8},
@@ -38,7 +39,9 @@ BLADES = {
     "blades": {},
     "stuck blades": {"status": STICK, "settled": STICK},
     "blades on pressed flats": {"limit": 9.0},
-    "blades turned back": {"back": 1.0},
+    "blades turned back": {"turned": 1.0},
+    "blades turning backwards": {"turned": 1.0, "way": -1.0},
+    "blades that begin to turn backwards": {"way": -1.0},
     "blades off the bottom": {"lift": 3.0},
 }
 CASES = [("rock", name, seed) for name in LAWS for seed in range(2)]
@@ -59,10 +62,10 @@ def scratch():
     return np.zeros(4), np.zeros((3, 4))
 
 
-def blade_bit(state, back=0.0, lift=0.0, **changes):
+def blade_bit(state, turned=0.0, lift=0.0, **changes):
     """A bit whose blades have passed over a bottom that falls as a wave does."""
     depth = DIRECTION @ state.q[PLACES]
-    newest = state.q[TURN] - 0.35 + back
+    newest = state.q[TURN] - 0.35 + turned
     angle = newest + np.linspace(-4.0, 0.0, 40)
     ring = np.column_stack([angle, depth - 0.6 + lift + 0.1 * angle - 0.1 * newest + 0.02 * np.sin(3.0 * angle)])
     ring = np.roll(ring, 7, axis=0)

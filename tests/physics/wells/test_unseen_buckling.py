@@ -122,6 +122,36 @@ def test_a_string_that_is_out_of_the_plane_of_its_hole_may_buckle_and_nothing_is
         assert ("perfectly straight" in said) == there
 
 
+ECCENTRIC = dict(collar=", eccentricity: [0, 2 mm], elements: 60", elements=75)
+
+
+def still(**changed):
+    """The scene whose string does not turn."""
+    return scene(**changed).replace({"top.rotation": 0.0})
+
+
+def test_a_string_with_its_mass_off_its_axis_that_does_not_turn_is_pushed_by_nothing_and_is_warned_of():
+    """Mass off the axis pushes by its inertia: m e Omega^2, which is nothing at rest."""
+    bent = still(**ECCENTRIC)
+    result = tautline.simulate(bent)
+    across = result["lateral_displacement"][..., 1]
+    assert np.abs(across).max() < 1e-9
+    (said,) = said_of(result)
+    told = [one.text for one in checked(bent) if "The run will not" in one.text]
+    for text in (said, *told):
+        assert "nothing pushes the string out of it" in text and "let the string turn (`top.rotation`)" in text
+        assert "or give the hole its survey" in text and "give string[1] an `eccentricity`" not in text
+    assert told
+
+
+def test_the_cure_of_a_string_in_its_plane_is_what_it_lacks_of_eccentricity_and_a_turn():
+    bare = scene(collar=", elements: 60", elements=75)
+    turning, resting = (next(one.text for one in checked(at) if "It compresses" in one.text or "buckles" in one.text)
+                        for at in (bare, bare.replace({"top.rotation": 0.0})))  # fmt: skip
+    assert "give string[1] an `eccentricity`" in turning and "let the string turn" not in turning
+    assert "give string[1] an `eccentricity`" in resting and "let the string turn" in resting
+
+
 class Seen(dict):
     """Frames of a run."""
 
