@@ -12,7 +12,7 @@ rope: {mass_per_length: 0.01, axial_stiffness: 8.0e7, damping: 1 ms}
 bodies: [{name: load, position: [0, 0, 0], %s}]
 path:
   - anchor: {name: top, position: [0, 0, 20]}
-  - end: {name: hook, body: load, offset: [0, 0, 0.2]}
+  - end: {name: hook, body: load, offset: %s}
 mesh: {elements_per_span: 1}
 %s
 solver: {step: 2 ms, end: 0.1}
@@ -21,8 +21,8 @@ output: {interval: 10 ms}
 WATER = "water: {surface: 5, density: 1025}"
 
 
-def scene(body, more=""):
-    return tautline.read(SCENE % (body, more))
+def scene(body, more="", offset="[0, 0, 0.2]"):
+    return tautline.read(SCENE % (body, offset, more))
 
 
 def remaining(kg):
@@ -55,6 +55,16 @@ def test_a_body_that_turns_and_has_no_mass_is_refused_with_what_to_give(body, ke
 )
 def test_a_point_a_guided_body_and_one_that_moves_water_are_not_refused_and_run(body, more):
     assert tautline.simulate(scene(body, more)).attributes["status"] == "done"
+
+
+@pytest.mark.parametrize("body", [f"mass: 0, {MOMENTS}, force: [0, 0, -98.1]", remaining(0)])
+def test_rope_that_ends_at_the_centre_of_a_body_without_mass_moves_it(body):
+    assert tautline.simulate(scene(body, offset="[0, 0, 0]")).attributes["status"] == "done"
+
+
+def test_a_release_from_a_body_without_mass_asks_for_the_mass():
+    with pytest.raises(SceneError, match="mass = 0: is nothing that a release can drop"):
+        scene("mass: 0, release: {at: 0.05, remaining: 0}")
 
 
 def test_the_cure_of_a_load_that_grows_is_not_refused_when_it_is_followed():

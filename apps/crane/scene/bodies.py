@@ -170,18 +170,10 @@ class Body(Model):
 
     @model_validator(mode="after")
     def _dropped(self) -> Body:
+        if self.release is not None and self.mass == 0.0:
+            raise fault("mass", "is nothing that a release can drop", "give the mass of the load with its hook")
         if self.release is not None and self.release.remaining >= self.mass:
             cause = f"is no less than the body has, {self.mass:g} kg: nothing drops"
             cure = "0" if self.inertia is None else "the mass of hook and shackle"
             raise fault(("release", "remaining"), cause, f"give what remains on the hook, such as {cure}")
-        return self
-
-    @model_validator(mode="after")
-    def _turns(self) -> Body:
-        """A rigid body moves by its mass, or that of the water around it, along each axis where nothing guides it."""
-        for key, body in (("mass", self), (("release", "remaining"), self.after_release())):
-            moved = (axis in body.guide or body.added_mass[i] > 0.0 for i, axis in enumerate(XYZ))
-            if self.inertia is not None and body.mass == 0.0 and not all(moved):
-                cause = "is no mass of a body with `inertia`, which turns: nothing says how fast it moves"
-                raise fault(key, cause, "give the mass of hook and shackle, or remove `inertia`")
         return self

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 from weakref import WeakValueDictionary
 
-from crane.scene.bodies import Drag
+from crane.scene.bodies import XYZ, Drag
 from crane.scene.path import Anchor, Drum, End, PathItem, Sheave
 from tautline.scene.functions import FunctionOfTime
 from tautline.scene.model import Model, Scene
@@ -121,11 +121,28 @@ def _bodies(scene: Scene) -> Iterator[Fault]:
         elif body.release is not None and body.release.remaining == 0.0:
             at: Key = ("bodies", i, "release", "remaining")
             yield at, "leaves a body without mass and without a rope", "give a mass greater than zero"
+    yield from _turning(scene)
     rigid = {body.name for body in scene.bodies if body.inertia is not None}
     for item in scene.sheaves:
         if item.body in rigid:
             cause = f"body {item.body} turns, and a sheave rides only on a body that does not"
             yield (*scene.key_of(item), "body"), cause, f"remove inertia from {item.body}"
+
+
+def _turning(scene: Scene) -> Iterator[Fault]:
+    """A rigid body moves by its mass, that of the water around it, or that of the rope which ends at its centre."""
+    centred = {item.body for item in scene.path if isinstance(item, End) and not any(item.offset)}
+    for i, body in enumerate(scene.bodies):
+        if body.inertia is None or body.name in centred:
+            continue
+        for key, one in ((("mass",), body), (("release", "remaining"), body.after_release())):
+            moved = (axis in body.guide or one.added_mass[k] > 0.0 for k, axis in enumerate(XYZ))
+            if one.mass == 0.0 and not all(moved):
+                cause = (
+                    "is no mass of a body with `inertia` and a rope beside its centre: nothing says how fast it moves"
+                )
+                yield ("bodies", i, *key), cause, "give the mass of hook and shackle, or remove `inertia`"
+                break
 
 
 def _neighbours(scene: Scene) -> Iterator[Fault]:

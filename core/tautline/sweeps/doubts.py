@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.scene.errors import SceneError
+from tautline.errors import TautlineError
 from tautline.scene.values.printed import shown
 from tautline.sweeps.cases import DONE, Row
 from tautline.sweeps.file import ORIGIN
@@ -26,22 +26,22 @@ class Unsatisfied:
     Attributes
     ----------
     cases : dict
-        Name of the limit -> numbers of the cases.
+        Name of the limit -> numbers of the cases, each once, also where a journal has it twice.
     """
 
-    cases: dict[str, list[int]] = field(default_factory=dict)
+    cases: dict[str, set[int]] = field(default_factory=dict)
 
     def of(self, rows: Iterable[Row]) -> Iterator[Row]:
         """The rows as they are, looked at as they pass."""
         for row in rows:
             for name in row.limits if row.status == DONE else ():
-                self.cases.setdefault(name, []).append(row.case)
+                self.cases.setdefault(name, set()).add(row.case)
             yield row
 
     def marked(self, name: str, count: int) -> np.ndarray:
         """Which of so many cases fail a limit, (count,) bool."""
         found = np.zeros(count, bool)
-        found[self.cases.get(name, [])] = True
+        found[sorted(self.cases.get(name, ()))] = True
         return found
 
     def warnings(self, count: int) -> list[str]:
@@ -61,24 +61,28 @@ def doubts_of_values(cases: Cases, scene: Any, warnings_of: Callable[[Any], Sequ
     """What the scene's check says of the smallest and the largest value of each parameter, and not of the scene itself.
 
     Each place of the scene is told once. Two cases for each parameter are asked, however many there are: a check may
-    take as long as a short run.
+    take as long as a short run. A case whose scene is refused has a row that says so.
     """
-    known = {(one.where, one.text) for one in warnings_of(scene)}
+    try:
+        known = {(one.where, one.text) for one in warnings_of(scene)}
+    except TautlineError:
+        known = set()
     places = {place for place, _ in known}
     found: dict[str, str] = {}
-    for case, one in _outermost(cases):
+    for case in _outermost(cases):
         try:
             varied = scene.replace(cases.changes(case), origin=ORIGIN)
-        except SceneError:
+            doubts = warnings_of(varied)
+        except TautlineError:
             continue
-        for doubt in warnings_of(varied):
+        for doubt in doubts:
             if (doubt.where, doubt.text) not in known and doubt.where not in found and doubt.where not in places:
-                value = _value(cases, one, case, str(getattr(scene, "units", "si")))
-                found[doubt.where] = f"case {case}, {one.key} = {value}: {doubt.where}: {doubt.text}"
+                values = _values(cases, case, str(getattr(scene, "units", "si")))
+                found[doubt.where] = f"case {case}, {values}: {doubt.where}: {doubt.text}"
     return list(found.values())
 
 
-def _outermost(cases: Cases) -> Iterator[tuple[int, Parameter]]:
+def _outermost(cases: Cases) -> Iterator[int]:
     """The cases with the smallest and with the largest number of each parameter; of words the first of each."""
     asked: set[int] = set()
     for one in cases.parameters:
@@ -91,7 +95,12 @@ def _outermost(cases: Cases) -> Iterator[tuple[int, Parameter]]:
         for case in some:
             if case not in asked:
                 asked.add(case)
-                yield case, one
+                yield case
+
+
+def _values(cases: Cases, case: int, system: str) -> str:
+    """What all parameters of a case are: a doubt may be due to any of them, or to two together."""
+    return ", ".join(f"{one.key} = {_value(cases, one, case, system)}" for one in cases.parameters)
 
 
 def _value(cases: Cases, one: Parameter, case: int, system: str) -> str:

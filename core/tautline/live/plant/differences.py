@@ -94,7 +94,9 @@ class _Seen(NamedTuple):
     size: float
 
     def by(self, weights: tuple[float, ...]) -> np.ndarray:
-        return np.asarray(np.tensordot(weights, self.changes, 1)) / self.step
+        # Each number in the same order, whatever stands beside it: a product of matrices rounds by their shapes.
+        parts = [weight * change for weight, change in zip(weights, self.changes, strict=True)]
+        return np.asarray(sum(parts)) / self.step
 
     @property
     def apart(self) -> float:
