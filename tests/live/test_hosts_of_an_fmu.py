@@ -116,8 +116,8 @@ ONE_STEP = "refused(lambda: (begin(), step(0.0)))"
 
 @pytest.fixture(scope="module")
 def young():
-    """Starts hosts that need not load FMPy, NumPy and numba anew, and have found nothing of Tautline."""
-    with young_processes(*OF_COMMANDS, "fmpy") as run:
+    """Starts hosts that need not load FMPy and what an FMU asks for anew; those that do are started by others here."""
+    with young_processes(*OF_COMMANDS, "fmpy", "tautline.live.fmu.unit", "crane.application") as run:
         yield run
 
 
