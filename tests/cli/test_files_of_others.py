@@ -231,7 +231,7 @@ def test_a_result_that_holds_no_number_somewhere_is_shown_without_it_or_refused_
 
 
 def test_a_result_that_holds_all_its_numbers_is_shown_without_a_word_of_that(here, lifted, tmp_path):
-    code, _, err = here("plot", lifted, "-o", tmp_path / "out")
+    code, _, err = here("plot", lifted, "--what", "tension", "-o", tmp_path / "out.png")
     assert code == 0 and "holds no number" not in err
 
 

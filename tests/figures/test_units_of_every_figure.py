@@ -3,6 +3,7 @@
 The reference is what each unit is worth in SI, written out here, against the figure of the same run in SI.
 """
 
+import functools
 import re
 
 import numpy as np
@@ -45,16 +46,18 @@ def in_field(run):
     return run
 
 
+@functools.cache
 def drawn_twice(kind):
     """Axes of each figure in SI beside the same in oilfield units, as (name, axis, axis)."""
     draw, make = RUNS[kind]
     in_si, own = draw([make()]), draw([in_field(make())])
     assert in_si.keys() == own.keys() and own
-    for name, figure in own.items():
-        for one, other in zip(in_si[name].axes, figure.axes, strict=True):
-            yield from (
-                (f"{name}, {which}", getattr(one, which), getattr(other, which)) for which in ("xaxis", "yaxis")
-            )
+    return [
+        (f"{name}, {which}", getattr(one, which), getattr(other, which))
+        for name, figure in own.items()
+        for one, other in zip(in_si[name].axes, figure.axes, strict=True)
+        for which in ("xaxis", "yaxis")
+    ]
 
 
 def unit_of(axis):

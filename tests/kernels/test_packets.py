@@ -57,6 +57,13 @@ def _sum_of(values):
     return total
 
 
+@entry
+def _slowly(load, x):
+    for _ in range(20_000):
+        load.force[0] += x
+    return x
+
+
 def test_numbers_of_fewer_bits_keep_their_sign_on_the_way_to_python():
     assert _small(np.zeros(2, np.int32)) == -1 and _small(np.zeros(2, np.int8)) == -1
     assert _small(np.zeros(2, np.float32)) == -1.0
@@ -93,6 +100,36 @@ def test_arguments_that_last_are_found_once_and_an_equal_one_in_their_place_is_f
     for place in (0, 1):
         other = Load(place, np.array([5.0, 6.0]))
         assert calls.call(_several, (1.0, 1, True, None, other))[2] == 5.0 + place
+
+
+def test_what_is_handed_over_for_one_call_is_that_of_the_call():
+    """The same tuple with other numbers in its array, another tuple, another number and another kind of number."""
+    calls, lasting, load = Lasting(), (1.5,), Load(0, np.array([2.0, 4.0]))
+    assert calls.call(_several, lasting, 3, True, None, load) == ((1.5, -3), False, 2.0, True)
+    load.force[0] = 3.0
+    assert calls.call(_several, lasting, 3, True, None, load)[2] == 3.0
+    assert calls.call(_several, lasting, 4, False, None, Load(1, load.force)) == ((1.5, -4), True, 4.0, True)
+    assert calls.call(_several, lasting, 3, True, None, Load(1, np.array([7.0, 8.0])))[2] == 8.0
+    assert calls.call(_several, lasting, 3, True, None, load)[2] == 3.0
+
+
+def test_an_array_that_got_another_shape_is_handed_over_with_that():
+    calls, values = Lasting(), np.arange(6.0).reshape(2, 3)
+    assert calls.call(_sum_of, (), values) == _sum_of(values.copy())
+    values.shape = 3, 2
+    assert calls.call(_sum_of, (), values) == _sum_of(values.copy())
+    assert calls.call(_sum_of, (), values[:, ::-1]) == _sum_of(values[:, ::-1].copy())
+
+
+def test_threads_that_call_with_the_same_arguments_each_get_their_own_answer():
+    calls, lasting = Lasting(), (Load(0, np.zeros(2)),)
+
+    def wrong(number):
+        given = [number + 0.001 * k for k in range(300)]
+        return [x for x in given if calls.call(_slowly, lasting, x) != x]
+
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(wrong, (1.0, 2.0, 3.0, 4.0))) == [[]] * 4
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))], ids=["copied", "sent"])

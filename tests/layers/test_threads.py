@@ -60,22 +60,27 @@ def test_the_last_of_several_python_threads_restores_the_number():
 
 
 def test_flutter_solves_few_eigenvalue_problems_each_on_one_thread(monkeypatch):
-    # 83 problems, 22 of them for the search alone, when the speeds that were tried were not among those drawn
-    threads = []
+    # 83 problems, 22 of them for the search alone, when the speeds that were tried were not among those drawn. Each has
+    # two parts, of motions in the plane of the hose and out of it.
+    threads, parts, problems = [], [], []
 
     def eig(*args, **options):
         threads.extend(blas())
-        problems.append(args[0].shape)
+        parts.append(args[0].shape)
         return solve(*args, **options)
 
-    problems: list[tuple[int, int]] = []
-    solve, before = small_motions.eig, blas()
+    def whole(*args):
+        problems.append(args[0].shape)
+        return solve_whole(*args)
+
+    solve, solve_whole, before = small_motions.eig, small_motions._all, blas()
     monkeypatch.setattr(small_motions, "eig", eig)
+    monkeypatch.setattr(small_motions, "_all", whole)
     found = gardenhose.flutter.stability(read(HOSE))
     assert set(threads) == {1}
     assert blas() == before
     assert len(problems) <= found.speed.size + SEARCH
-    assert len(problems) <= 65
+    assert len(problems) <= 65 and len(parts) == 2 * len(problems)
     # The speeds by 61 values and a search of its own, before.
     speeds = {one.plane: one.speed for one in found.critical}
     assert speeds == pytest.approx({"out": 13.841223931952742, "in": 13.91554323973101}, rel=1e-6)

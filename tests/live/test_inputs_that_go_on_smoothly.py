@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from scipy.integrate import solve_ivp
 
 import tautline
@@ -345,8 +346,17 @@ def test_commands_in_notches_are_overshot_no_more_than_by_slopes_alone(name, ord
 
 
 @pytest.mark.parametrize(("name", "share"), [(HEAVE, 16 / 81), (SPEED, 4 / 27)])
-@pytest.mark.parametrize("long", [0.1, 0.2, 1.0, 5.0])
-@pytest.mark.parametrize("given", [1.0, 1.0 + 1e-8, None])
+@pytest.mark.parametrize(
+    ("long", "given"),
+    [
+        (0.1, 1.0),
+        (1.0, 1.0 + 1e-8),
+        (5.0, None),
+        *studies(*((long, 1.0) for long in (0.2, 1.0, 5.0))),
+        *studies(*((long, 1.0 + 1e-8) for long in (0.1, 0.2, 5.0))),
+        *studies(*((long, None) for long in (0.1, 0.2, 1.0))),
+    ],
+)
 def test_what_is_held_behind_a_steady_rise_is_overshot_by_as_much_in_an_advance_of_any_length(name, share, long, given):
     """By 16/81 of the last move: the top of the quintic that leaves with its rate; of a speed by 4/27, of the cubic."""
     times = np.append(0.1 * np.arange(1, 11), [1.0 + long, 1.1 + long])

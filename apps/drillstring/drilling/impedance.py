@@ -45,10 +45,13 @@ def torsional_frequency(tubes: Sequence[Tube]) -> float:
     Exact for a stepped shaft: the torque at the bit of a vibration that begins with none of the rotation at the top.
     """
 
+    # Found once: it is asked for at hundreds of frequencies.
+    delays, impedances = list(map(delay_of, tubes)), list(map(pipe_impedance, tubes))
+
     def torque(omega: float) -> float:
         turn, twist = 0.0, 1.0
-        for tube in tubes:
-            angle, wave = omega * delay_of(tube), omega * pipe_impedance(tube)
+        for along, of_pipe in zip(delays, impedances, strict=True):
+            angle, wave = omega * along, omega * of_pipe
             turn, twist = (
                 turn * cos(angle) + twist / wave * sin(angle),
                 twist * cos(angle) - turn * wave * sin(angle),
@@ -57,8 +60,7 @@ def torsional_frequency(tubes: Sequence[Tube]) -> float:
 
     from scipy.optimize import brentq
 
-    delay = sum(map(delay_of, tubes))
-    ratio = max(map(pipe_impedance, tubes)) / min(map(pipe_impedance, tubes))
+    delay, ratio = sum(delays), max(impedances) / min(impedances)
     # A uniform string has pi / 2 over its delay; that of a stepped one can be lower, about as the ratio is, or higher.
     low, high = atan(1.0 / sqrt(ratio)) / ratio / delay, 2.0 * pi * len(tubes) / delay
     grid = np.geomspace(0.1 * low, high, LOOKS * len(tubes))

@@ -19,7 +19,7 @@ from typing import Any
 from tautline.kernels.machine.code import ROUTINES, load, name_of, read, write
 from tautline.kernels.machine.packet import LAUNCHER, RESULTS, Launcher, Machine, Packet, fits
 from tautline.kernels.machine.settings import UNCOMPILED, UNFUSED
-from tautline.kernels.memory import Form, Known, laid
+from tautline.kernels.memory import Form, Known, laid_out
 from tautline.kernels.numba_registration import compiler, stands_for, taught
 
 __all__ = ["Kernel", "addressed", "entry", "in_python", "kernel", "stands_for"]
@@ -72,7 +72,7 @@ class Kernel:
         self.targetoptions = OPTIONS | options
         self._found: dict[tuple[Form, ...], Machine] = {}
         self._recent: deque[tuple[tuple[Form, ...], tuple[Machine, Launcher]]] = deque(maxlen=4)
-        self.loads = self.compilations = 0
+        self.loads = self.compilations = self.forgotten = 0
 
     @functools.cached_property
     def compiled(self) -> Any:
@@ -99,6 +99,7 @@ class Kernel:
     def forget(self, which: Callable[[tuple[Form, ...]], bool]) -> None:
         """Forget the machine code for forms of arguments of which a function says yes."""
         self._recent.clear()
+        self.forgotten += 1
         for forms in [forms for forms in self._found if which(forms)]:
             del self._found[forms]
             if "compiled" in vars(self):
@@ -142,9 +143,7 @@ class Kernel:
         """
         words, given, found = [], [], {} if known is None else known
         for x in arguments:
-            # A yes or no has a word of its own, and None one that nobody reads.
-            plain = x is None or type(x) is bool
-            more, form = ([int(x or 0)], type(x)) if plain else laid(x, found, True)
+            more, form = laid_out(x, found)
             words += more
             given.append(form)
         forms = tuple(given)

@@ -146,6 +146,14 @@ def laid(value: Any, known: Known, scattered: bool = False) -> tuple[list[int], 
     return found
 
 
+def laid_out(argument: Any, known: Known) -> tuple[list[int], Any]:
+    """Words and form of an argument of a kernel, whose arrays may have gaps; ``known`` as of `laid`."""
+    # A yes or no has a word of its own, and None one that nobody reads.
+    if argument is None or type(argument) is bool:
+        return [int(argument or 0)], type(argument)
+    return laid(argument, known, True)
+
+
 _memory_from = (ctypes.c_char * 0).from_buffer
 """What stands where an array's numbers do, and is no longer than nothing: any array has room for it."""
 

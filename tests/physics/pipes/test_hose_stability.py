@@ -437,19 +437,23 @@ def test_a_mode_that_grows_at_some_speed_is_followed_from_the_slowest_to_the_fas
     assert np.isfinite(fluttering).all() and (np.diff(fluttering.real, axis=0) > 0.0).all()
 
 
-@pytest.mark.parametrize("speeds", [[30.0, 10.0, 20.0], [0.0, 10.0, 20.0, 30.0, 40.0]])
-def test_the_mode_that_flutters_is_one_column_however_coarse_the_speeds_as_galerkins_in_small_steps(speeds):
-    # of the reference the fluttering pair, and its neighbour that is to cross zero later, by steps of 0.05 m/s
-    model = reference.Hose(reference.Parameters(), 16)
-    found = stability(scene({"elements": 12}), speeds)
-    assert found.curves is not None and found.curves.doubtful() == []
-    assert not np.isnan(found.eigenvalues).any() and found.eigenvalues.shape[1] == 8
-    flutters, at = -8.37 + 33.2j, np.arange(10.0, 30.01, 0.05)
-    followed = {}
-    for speed in at:
+@cache
+def fluttering_of_the_reference():
+    """Of the reference the fluttering pair by speed, followed from 10 to 30 m/s by steps of 0.1 m/s."""
+    model, flutters, followed = reference.Hose(reference.Parameters(), 16), -8.37 + 33.2j, {}
+    for speed in np.arange(10.0, 30.01, 0.1):
         values = model.eigenvalues(speed)
         flutters = values[np.abs(values - flutters).argmin()]
         followed[round(float(speed), 2)] = flutters
+    return followed
+
+
+@pytest.mark.parametrize("speeds", [[30.0, 10.0, 20.0], [0.0, 10.0, 20.0, 30.0, 40.0]])
+def test_the_mode_that_flutters_is_one_column_however_coarse_the_speeds_as_galerkins_in_small_steps(speeds):
+    followed = fluttering_of_the_reference()
+    found = stability(scene({"elements": 12}), speeds)
+    assert found.curves is not None and found.curves.doubtful() == []
+    assert not np.isnan(found.eigenvalues).any() and found.eigenvalues.shape[1] == 8
     inside = found.out_of_plane[0] < 0.5
     first = int(np.flatnonzero(found.speed == 10.0)[0])
     (column,) = np.flatnonzero(inside & (np.abs(found.eigenvalues[first] - followed[10.0]) < 1e-2 * 34.0))
@@ -476,7 +480,7 @@ def test_a_hose_of_sixty_elements_tied_by_multipliers_flutters_where_one_of_ten_
 def test_what_nothing_holds_is_no_growth_in_a_hose_of_many_elements():
     # a hose on a pin without gravity turns as it likes: that is an eigenvalue of zero twice, which rounding parts
     pinned = scene({"elements": 64, "root_support": "pinned"}, gravity=[0, 0, 0])
-    assert not stability(pinned, [0.0, 5.0, 12.0]).grows.any()
+    assert not stability(pinned, [0.0, 12.0]).grows.any()
 
 
 def test_hose_without_water_has_the_frequencies_of_a_cantilever():

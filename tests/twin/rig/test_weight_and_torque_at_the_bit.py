@@ -1,6 +1,7 @@
 """Weight and torque at the bit of a deviated well, where the weight changes the friction of the string."""
 
 import functools
+from math import cos, hypot, pi, sin
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ RATE = INCLINED / (END - KICK)
 FRICTION = 0.25
 
 
+@functools.cache
 def own_soft_string(weight, sliding, friction=FRICTION, step=0.5):
     """Hook load N and friction torque N m at the top, by Heun's steps of Johancsik's equation from the bit up.
 
@@ -27,18 +29,18 @@ def own_soft_string(weight, sliding, friction=FRICTION, step=0.5):
     """
 
     def of(s, tension):
-        inclination = INCLINED * np.clip((s - KICK) / (END - KICK), 0.0, 1.0)
+        inclination = INCLINED * min(max((s - KICK) / (END - KICK), 0.0), 1.0)
         bend = RATE if KICK < s < END else 0.0
         od, bore = COLLAR if s > LENGTH - COLLARS else PIPE
-        w = 0.25 * np.pi * (od**2 - bore**2) * (7850.0 - 1200.0) * 9.81
-        wall = abs(tension * bend - w * np.sin(inclination))
+        w = 0.25 * pi * (od**2 - bore**2) * (7850.0 - 1200.0) * 9.81
+        wall = abs(tension * bend - w * sin(inclination))
         if sliding:
-            return w * np.cos(inclination) - friction * wall, 0.0
-        wall /= np.hypot(1.0, friction)
-        return w * np.cos(inclination), friction * wall * 0.5 * od
+            return w * cos(inclination) - friction * wall, 0.0
+        wall /= hypot(1.0, friction)
+        return w * cos(inclination), friction * wall * 0.5 * od
 
     tension, torque = -weight, 0.0
-    ends = np.arange(LENGTH, 0.0, -step)
+    ends = np.arange(LENGTH, 0.0, -step).tolist()
     for low in ends:
         first = of(low - 1e-6, tension)
         second = of(low - step + 1e-6, tension + step * first[0])

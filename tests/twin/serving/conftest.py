@@ -31,9 +31,23 @@ def chromium():
         made.close()
 
 
-@pytest.fixture
-def browser(chromium):
-    """One that knows nothing of the pages of other tests."""
+@pytest.fixture(scope="module")
+def profile(chromium):
+    """A window with one tab: to make one for a page, and its process, takes several times as long as to open the page.
+
+    Each page has a port of its own: what a browser keeps for one it does not show to another.
+    """
     made = chromium.new_context(viewport={"width": 1280, "height": 720})
+    made.new_page()
     yield made
     made.close()
+
+
+@pytest.fixture
+def browser(profile):
+    """A window with one empty tab."""
+    yield profile
+    first, *others = profile.pages
+    first.goto("about:blank")
+    for tab in others:
+        tab.close()

@@ -36,9 +36,11 @@ def events(address, count, timeout=5.0):
     return found
 
 
-def opened(browser, page):
-    """The page in a browser, with what it asked for and what went wrong."""
-    tab = browser.new_page()
+def opened(browser, page, before=""):
+    """The page in a browser, with what it asked for and what went wrong; with a script first in a tab of its own."""
+    tab = browser.pages[0] if browser.pages and not before else browser.new_page()
+    if before:
+        tab.add_init_script(before)
     asked, wrong = [], []
     tab.on("request", lambda request: asked.append(request.url))
     tab.on("pageerror", lambda error: wrong.append(str(error)))

@@ -167,11 +167,10 @@ CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
     ],
 )
 def test_no_text_at_an_axis_is_over_another_one(browser, page, value, spread, number, axis):
-    browser.add_init_script(WRITTEN)
     for k in range(4):
         force = {"winch.tension": value + spread * (k % 2)}
         page.publish(line(float(k), measured=force, outputs=force))
-    tab, _, wrong = opened(browser, page)
+    tab, _, wrong = opened(browser, page, WRITTEN)
     tab.wait_for_selector('#time[data-value="3"]')
     label = tab.locator(f"{TENSION} canvas")
     assert label.get_attribute("aria-label") == f"{axis} in the last 60 s"

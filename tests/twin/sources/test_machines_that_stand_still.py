@@ -4,10 +4,10 @@ import time as clock
 from datetime import UTC, datetime, timedelta
 from itertools import pairwise
 
-import numpy as np
 import pytest
 from twin.sources.test_sources_of_data import free_port, server
 
+from tautline.twin.sources.opc_ua import holding
 from tautline.twin.sources.opc_ua.holding import Change, Holding
 from tautline.twin.sources.opening import open_source
 
@@ -146,8 +146,8 @@ def test_a_lever_that_is_moved_now_and_then_has_a_reading_in_every_row():
 
 
 def test_how_often_a_variable_is_measured_is_found_once_a_change_however_many_records_repeat_it(monkeypatch):
-    made, asked, quantile = Holding(["a", "b"], 0.05), [], np.quantile
-    monkeypatch.setattr(np, "quantile", lambda *given: asked.append(given) or quantile(*given))
+    made, asked, usual = Holding(["a", "b"], 0.05), [], holding._usual
+    monkeypatch.setattr(holding, "_usual", lambda given: asked.append(given) or usual(given))
     for k in range(31):
         made.records([Change(0.1 * k, name, 0.1 * k, 0.1 * k, k == 0) for name in "ab"])
     changes = len(asked)

@@ -8,6 +8,7 @@ import numpy as np
 
 from tautline.integrators.linearise import evaluate, evaluate_damping
 from tautline.integrators.state import State
+from tautline.kernels.bound import Lasting
 from tautline.kernels.matrix import Rows, factorise_matrix, new_factors, new_matrix, rows_of, solve_matrix
 from tautline.scene.methods import RK4, Method
 from tautline.system.system import System
@@ -67,6 +68,7 @@ class CriticalStep:
         self._every = 0.1 * every / np.maximum(np.linalg.norm(every, axis=1, keepdims=True), 1e-300)
         self.modes = np.zeros((2, system.size))
         self._inertia = rows_of(self._mass.matrix)
+        self._calls = Lasting()
         self.mode = Mode(np.inf, 0.0, 0.0, np.zeros(system.size))
 
     def search(self, state: State, t: float) -> tuple[float, int]:
@@ -104,7 +106,7 @@ class CriticalStep:
         last, known = 0.0, bool(self.modes[which].any())
         for iteration in range(self.MOST):
             y = matrix @ x
-            solve_matrix(self._mass, y)
+            self._calls.call(solve_matrix, (self._mass,), y)
             size = float(np.linalg.norm(y))
             if size == 0.0 or not np.isfinite(size):
                 return None

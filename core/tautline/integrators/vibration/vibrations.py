@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -106,24 +107,65 @@ def _part(system: System, state: State, cm: float, cc: float, ck: float):
 
 def _all(mass, damping, stiffness, algebraic):
     """All eigenvalues; what the constraints forbid is taken out through the null space of their rows."""
-    free = np.setdiff1d(np.arange(len(mass)), algebraic)
-    basis = null_space(stiffness[np.ix_(algebraic, free)]) if algebraic.size else np.eye(free.size)
-    m, c, k = (basis.T @ part[np.ix_(free, free)] @ basis for part in (mass, damping, stiffness))
-    n = len(m)
+    parts = [_Part.of(rows, mass, damping, stiffness, algebraic) for rows in _apart(mass, damping, stiffness)]
     # Stiffness and mass are of very different size: time in units that make them alike.
-    unit = np.sqrt(np.linalg.norm(k) / np.linalg.norm(m)) if n and k.any() else 1.0
-    k, c = k / unit**2, c / unit
-    inverse = np.linalg.solve(m, np.hstack([k, c]))
-    value, left, right = eig(np.block([[np.zeros((n, n)), np.eye(n)], [-inverse[:, :n], -inverse[:, n:]]]), left=True)
-    # The last n rows of a left vector are those of M^T y.
-    value, change, rounding = _refined(m, c, k, value, right[:n], np.linalg.solve(m.T, left[n:]))
+    stiff, heavy = (np.linalg.norm([np.linalg.norm(matrix(part)) for part in parts]) for matrix in (_k, _m))
+    unit = np.sqrt(stiff / heavy) if stiff else 1.0
+    found = [_eigenvalues(part.m, part.c / unit, part.k / unit**2) for part in parts]
+    value, change, rounding = (np.concatenate([one[i] for one in found] or [np.zeros(0)]) for i in range(3))
     # Two values that meet have no vectors of their own: there the sums tell nothing.
     size = np.abs(value).max(initial=0.0)
     known = np.isfinite(rounding) & (np.abs(change) < APART * size)
     value, rounding = np.where(known, value, value - change), np.where(known, rounding, np.finfo(float).eps * size)
-    shape = np.zeros((len(mass), 2 * n), complex)
-    shape[free] = basis @ right[:n]
+    shape, begin = np.zeros((len(mass), value.size), complex), 0
+    for part, (*_, right) in zip(parts, found, strict=True):
+        end = begin + right.shape[1]
+        shape[part.free, begin:end] = part.basis @ right
+        begin = end
     return unit * value, shape, unit * rounding
+
+
+def _apart(*matrices):
+    """Rows that no entry of any matrix ties to others, as the two planes of a straight hose: arrays of their numbers.
+
+    What takes the cube of all rows takes the cubes of these.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    tied = csr_array(np.any([matrix != 0.0 for matrix in matrices], axis=0))
+    count, which = connected_components(tied, directed=False)
+    return [np.flatnonzero(which == i) for i in range(count)]
+
+
+class _Part(NamedTuple):
+    """Rows ``free`` that nothing ties to others, with what their constraints leave, ``basis``, and its matrices."""
+
+    free: np.ndarray
+    basis: np.ndarray
+    m: np.ndarray
+    c: np.ndarray
+    k: np.ndarray
+
+    @classmethod
+    def of(cls, rows, mass, damping, stiffness, algebraic):
+        """Of rows and all matrices."""
+        ties = np.intersect1d(rows, algebraic)
+        free = np.setdiff1d(rows, ties)
+        basis = null_space(stiffness[np.ix_(ties, free)]) if ties.size and free.size else np.eye(free.size)
+        return cls(free, basis, *(basis.T @ part[np.ix_(free, free)] @ basis for part in (mass, damping, stiffness)))
+
+
+_m, _k = attrgetter("m"), attrgetter("k")
+
+
+def _eigenvalues(m, c, k):
+    """Eigenvalues, by how much they were changed, how good they are, and their vectors."""
+    n = len(m)
+    inverse = np.linalg.solve(m, np.hstack([k, c]))
+    value, left, right = eig(np.block([[np.zeros((n, n)), np.eye(n)], [-inverse[:, :n], -inverse[:, n:]]]), left=True)
+    # The last n rows of a left vector are those of M^T y.
+    return *_refined(m, c, k, value, right[:n], np.linalg.solve(m.T, left[n:])), right[:n]
 
 
 def _refined(m, c, k, value, x, y):

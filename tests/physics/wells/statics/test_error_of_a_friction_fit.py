@@ -79,6 +79,7 @@ def counted(elements, without_clearance=False):
         return fit(tautline.read(WELL), measured, elements), made, solved
 
 
+@cache
 def fitted(*how):
     return counted(*how)[0]
 
