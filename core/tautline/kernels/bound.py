@@ -106,7 +106,11 @@ class Lasting:
         return Lasting, ()
 
     def call(self, function: Any, lasting: tuple[Any, ...], *more: Any) -> Any:
-        """Call a kernel with arguments that last and with some for this call alone: what it gives back."""
+        """Call a kernel with arguments that last and with some for this call alone: what it gives back.
+
+        Arrays that last, and those in tuples, are not to be resized or given another shape in place: where they lie
+        and how long they are was found in the call before.
+        """
         if UNCOMPILED:
             return function(*lasting, *more)
         key = function, function.forgotten, *map(id, lasting)
