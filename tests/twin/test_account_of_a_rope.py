@@ -116,6 +116,16 @@ def test_two_operations_add_up_and_one_is_not_counted_twice(run, tmp_path):
     assert [one["name"] for one in second.operations] == ["first", "second"]
 
 
+def test_an_operation_that_goes_on_behind_another_one_counts_no_row_twice(run, tmp_path):
+    path = tmp_path / "rope.npz"
+    one = fed(RopeAccount(ROPE, "first"), run, end=100)
+    one.save(path)
+    other = fed(RopeAccount.load(path, ROPE, "second"), run, end=50)
+    other.save(path)
+    again = fed(RopeAccount.load(path, ROPE, "first"), run, begin=60, end=100)
+    assert np.array_equal(again._cycles, other._cycles) and again.worst == other.worst
+
+
 def test_stopped_on_the_way_and_gone_on_with_it_is_the_same(run, tmp_path):
     path = tmp_path / "rope.npz"
     whole = fed(RopeAccount(ROPE, "a"), run)

@@ -1,5 +1,6 @@
 """A file that grew after its twin was stopped: what is said of it in the end is what one twin says that was not."""
 
+import io
 import json
 
 import numpy as np
@@ -7,7 +8,10 @@ import pytest
 from cli.in_process import commands_of
 
 from crane.application import Crane
+from tautline.cli.commands.twin import _Loop
+from tautline.results.errors import ResultError
 from tautline.results.result import Result
+from tautline.twin import storage
 
 MAP = """
 sensors:
@@ -47,7 +51,9 @@ def twin(tmp_path, capsys):
         code, out, told = command(*words, *more)
         assert code == 0, told
         read = [json.loads(line) for line in out.splitlines()]
-        return {line["time"]: line | {"lag": 0.0} for line in read if "estimates" in line}, told
+        lines = {line["time"]: line | {"lag": 0.0} for line in read if "estimates" in line}
+        assert len(lines) == sum("estimates" in line for line in read)
+        return lines, told
 
     return run
 
@@ -61,9 +67,75 @@ def test_a_twin_that_goes_on_in_a_file_that_grew_says_to_the_digit_what_one_says
     first, _ = twin(rows[: 1 + cut], *goes_on)
     rest, told = twin(rows, *goes_on)
     assert len(first) == cut and first.keys() & rest.keys(), "the last rows are answered anew"
-    assert "waited for others and are answered now" in " ".join(told.split())
+    assert "answered at the end of the source, and are answered anew where rows follow" in " ".join(told.split())
     answered = {time: line for time, line in first.items() if time < min(rest)}
     assert answered | rest == whole
     parts, once = Result.read(tmp_path / "parts.nc"), Result.read(tmp_path / "whole.nc")
     for name in set(once.variables) - {"lag"}:
         assert np.array_equal(parts[name], once[name], equal_nan=once[name].dtype.kind == "f"), name
+
+
+def test_where_no_row_is_new_nothing_is_answered_again_and_no_file_changes(twin, rows, tmp_path):
+    goes_on, cut = ("--resume", tmp_path / "st", "-o", tmp_path / "parts.nc"), 22
+    twin(rows[: 1 + cut], *goes_on)
+    before = Result.read(tmp_path / "parts.nc")
+    for _ in range(2):
+        again, told = twin(rows[: 1 + cut], *goes_on)
+        assert not again and "nothing is new: 22 rows not after 2.1 s" in " ".join(told.split())
+        assert "rows not processed" not in told and "ALARM" not in told
+        after = Result.read(tmp_path / "parts.nc")
+        assert np.array_equal(after.time, before.time) and after.attributes["status"] == "done"
+    whole, _ = twin(rows, "-o", tmp_path / "whole.nc")
+    rest, _ = twin(rows, *goes_on)
+    assert rest == {time: line for time, line in whole.items() if time >= min(rest)}
+    assert np.array_equal(Result.read(tmp_path / "parts.nc").time, Result.read(tmp_path / "whole.nc").time)
+
+
+def test_a_pipe_that_gives_no_row_answers_none_of_those_that_were_answered_at_its_end(
+    rows, tmp_path, monkeypatch, capsys
+):
+    command = commands_of(Crane(), capsys)
+    (tmp_path / "map.yaml").write_text(MAP)
+
+    def piped(lines):
+        monkeypatch.setattr("sys.stdin", io.StringIO("".join(lines)))
+        words = ["twin", "data/hoist.yaml", "--map", tmp_path / "map.yaml", "--source", "-", "--json"]
+        _, out, _ = command(*words, "--resume", tmp_path / "st")
+        return [json.loads(line)["time"] for line in out.splitlines()]
+
+    assert len(piped(rows[:21])) == 20
+    assert piped(rows[:1]) == []
+    more = piped([rows[0], *rows[21:31]])
+    assert more[0] < 2.0 < more[-1] and np.allclose(np.diff(more), 0.1)
+
+
+def test_a_state_that_could_not_be_written_before_the_end_is_written_later_as_it_was_then(
+    twin, rows, tmp_path, monkeypatch
+):
+    (tmp_path / "good").mkdir()
+    twin(rows[:23], "--resume", tmp_path / "good" / "st")
+    wanted = np.load(tmp_path / "good" / "st")
+    kept, tried = _Loop._save_before_end, []
+    real = storage.write
+
+    def fails(state, path):
+        if tried and tried[-1] == "end":
+            tried.append("failed")
+            raise ResultError(path, "the disk is full", "free some space")
+        real(state, path)
+
+    def at_end(self):
+        tried.append("end")
+        kept(self)
+
+    monkeypatch.setattr(storage, "write", fails)
+    monkeypatch.setattr(_Loop, "_save_before_end", at_end)
+    _, told = twin(rows[:23], "--resume", tmp_path / "st")
+    assert tried == ["end", "failed"] and "the state is saved again" in " ".join(told.split())
+    found = np.load(tmp_path / "st")
+    assert all(
+        np.array_equal(found[name], wanted[name], equal_nan=True)
+        for name in ("mean", "covariance", "sample_time", "sample_y")
+    )
+    now, then = (json.loads(one["words"].tobytes()) for one in (found, wanted))
+    assert now["now"] == then["now"] < 2.1 and now["heard"] == then["heard"]

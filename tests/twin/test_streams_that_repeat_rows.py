@@ -102,7 +102,13 @@ def test_a_stream_that_is_silent_has_not_ended_and_rows_in_doubt_wait_on(memory,
         came.extend(twin.answers())
 
     source.poll = poll
-    told = {"silence": Silence("a stream", 5.0), "_notice": lambda _: None, "_watch_silence": lambda: None}
+    told = {
+        "silence": Silence("a stream", 5.0),
+        "ending": None,
+        "_hurries": False,
+        "_notice": lambda _: None,
+        "_watch_silence": lambda: None,
+    }
     command._Loop._hear_all(
         SimpleNamespace(
             source=source, twin=twin, rereading=None, _add=add, _give=came.extend, _pass_on=lambda: None, **told

@@ -114,12 +114,13 @@ class RopeAccount:
         self.begin(operation)
 
     def begin(self, operation: str) -> None:
-        """Begin an operation; one that was counted last is gone on with."""
+        """Begin an operation; one that was counted last is gone on with, and no row of an earlier one counts again."""
         if self.operations and self.operations[-1]["name"] == operation:
             return
+        counted = [one["to"] for one in self.operations if one["name"] == operation and one["to"] is not None]
         self.operations.append({"name": operation, "from": None, "to": None})
         # How the rope was moved between two operations nobody saw.
-        self._ends, self._bent, self.reached = {}, {}, -np.inf
+        self._ends, self._bent, self.reached = {}, {}, max(counted, default=-np.inf)
 
     # -- counting ------------------------------------------------------------------------------------------------------
 

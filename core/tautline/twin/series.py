@@ -42,6 +42,9 @@ class Series:
         Time, s, from which an operation is gone on with: what the result has up to then stays at its beginning, and
         what it has of later rows is replaced. NaN where no row was answered before.
 
+    ended : bool
+        Whether later rows were answered as the source had ended: what the result has of them stays until a line comes.
+
     Attributes
     ----------
     behind : bool
@@ -54,7 +57,7 @@ class Series:
         and the result of an operation have the same mark.
     """
 
-    def __init__(self, path: Path, twin: Twin, begin: float | None = None) -> None:
+    def __init__(self, path: Path, twin: Twin, begin: float | None = None, ended: bool = False) -> None:
         plan = twin.plan
         self._columns: dict[str, Any] = {}
         variables: list[Variable] = []
@@ -108,8 +111,15 @@ class Series:
         self._store = Store(path, variables, coordinates, attributes, resumable=False)
         self._lines: list[Mapping[str, Any]] = []
         self.behind = False
-        if earlier is not None:
-            self._store.append(earlier)
+        self._before = earlier
+        if not ended:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Keep what the result has of before, and replace what it has of later rows."""
+        before, self._before = self._before, None
+        if before is not None:
+            self._store.append(before)
 
     def _earlier(self, path: Path, begin: float, mark: str) -> tuple[dict[str, np.ndarray], list[str]]:
         """Frames of the operation so far, up to a time, and names of alarms that are watched no more.
@@ -166,6 +176,7 @@ class Series:
             frames[name] = np.array([_filled(row, shape) for row in rows], float)
         frames[STATES] = np.array([self._states(line) for line in lines], np.int8)
         self.behind = True
+        self._go_on()
         self._store.append(frames)
         self.behind = False
 

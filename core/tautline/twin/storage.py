@@ -9,6 +9,8 @@ from __future__ import annotations
 import json
 import zipfile
 from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,8 +42,33 @@ ARRAYS = frozenset({
 """What every state of that format has."""
 
 
+@dataclass
+class Packed:
+    """The state of a twin at one moment, apart from the twin, which may go on.
+
+    Attributes
+    ----------
+    words : dict
+        What is text and single numbers, for JSON.
+    arrays : dict
+        Name -> array.
+    """
+
+    words: dict[str, Any]
+    arrays: dict[str, np.ndarray]
+
+    def heard(self, more: Mapping[str, Any]) -> None:
+        """Add to what is known of the rows of the source."""
+        self.words["heard"] = {**self.words["heard"], **more}
+
+
 def save(twin: Twin, path: Path) -> None:
     """Write the state of a twin; raises ResultError where that is not possible."""
+    write(packed(twin), path)
+
+
+def packed(twin: Twin) -> Packed:
+    """The state of a twin as it is now."""
     estimate, readings = twin.estimate, twin.readings
     states = estimate.family.save()
     h = estimate.horizon
@@ -60,7 +87,6 @@ def save(twin: Twin, path: Path) -> None:
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
-        "words": np.frombuffer(json.dumps(words).encode(), np.uint8),
         "blocks": np.array([s.block for s in states]), "at": estimate.family.at, "apart": estimate.family.apart,
         "theta0": h.theta0, "mean": h.mean, "prior": h.prior, "prior_mean": h.prior_mean,
         "numbers": np.array([h.prior_time, h.released, h.since, h.changed]),
@@ -77,6 +103,12 @@ def save(twin: Twin, path: Path) -> None:
         arrays[f"waves {name}"] = waves.memory()
     # What stands above is what programs of the same format have always read; this is all.
     arrays["held"], arrays["held_data"] = memory_of(twin)
+    return Packed(json.loads(json.dumps(words)), {name: np.array(one) for name, one in arrays.items()})
+
+
+def write(state: Packed, path: Path) -> None:
+    """Write a state; raises ResultError where that is not possible."""
+    arrays = {"words": np.frombuffer(json.dumps(state.words).encode(), np.uint8), **state.arrays}
     try:
         with whole_file(path) as waiting, waiting.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]

@@ -29,12 +29,12 @@ from tautline.twin.map.check import bare_bounds, checked
 from tautline.twin.map.file import TwinMap, driven_by, read_map
 from tautline.twin.map.plan import Plan
 from tautline.twin.operation import Operation
+from tautline.twin.pace import LONG_GAP
 from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling
 from tautline.twin.signals.backlog import LIMIT, Backlog
 from tautline.twin.signals.readings import Readings
 from tautline.twin.signals.row import Row
-from tautline.twin.signals.rows import LONG_GAP
 from tautline.twin.signals.sensors import Health
 from tautline.twin.sources.stated_units import Stated
 from tautline.twin.watch import Compared, Watch, said

@@ -10,7 +10,7 @@ from twin.serving.lookers import UNITS
 
 import tautline
 from crane.application import Crane
-from tautline.twin.page.hosts import place_of
+from tautline.twin.page.hosts import bound, checked_names, place_of
 from tautline.twin.page.server import Page
 
 uvicorn = pytest.importorskip("uvicorn", reason="the page needs the extra `live`")
@@ -104,6 +104,53 @@ def test_a_name_that_was_given_is_answered_and_another_one_is_told_the_cure(show
     assert status == 400 and "'rig.example.com'" in text and "--serve-name NAME" in text
 
 
+def test_a_name_with_the_dot_of_the_root_or_an_empty_port_is_the_same_name(shown):
+    at = shown("127.0.0.1", ("twin.example.com.",)).address
+    names = ["localhost.", "localhost:", "localhost.:80", "twin.example.com", "twin.example.com.:443"]
+    assert [asked(at, name)[0] for name in names] == [200] * len(names)
+    assert [asked(at, name)[0] for name in ("localhost:evil", "evil.com:localhost")] == [400, 400]
+
+
+@pytest.mark.parametrize("name", ["2001:db8::2", "[2001:db8::2]", "[2001:0DB8:0:0::2]"])
+def test_an_address_of_ipv6_is_a_name_with_and_without_brackets(name, shown):
+    assert asked(shown("127.0.0.1", checked_names([name], True)).address, "[2001:db8::2]:80")[0] == 200
+
+
+@pytest.mark.parametrize("host", ["0", "000.0", "0.0.0.0"])
+def test_all_forms_of_the_address_of_all_addresses_answer_any_name_and_print_two_places(host, shown):
+    page = shown(host)
+    assert page.addresses == [f"http://{socket.gethostname()}:{page.port}", f"http://localhost:{page.port}"]
+    assert asked(page.addresses[1], "rig.example.com")[0] == 200
+
+
+def led(monkeypatch, *places):
+    """Let the name `localhost` lead to addresses."""
+    whole = socket.getaddrinfo
+
+    def found(host, port, *more, **named):
+        if host != "localhost":
+            return whole(host, port, *more, **named)
+        six, four = (socket.AF_INET6, socket.SOCK_STREAM, 6, ""), (socket.AF_INET, socket.SOCK_STREAM, 6, "")
+        return [(*six, (one, port, 0, 0)) if ":" in one else (*four, (one, port)) for one in places]
+
+    monkeypatch.setattr(socket, "getaddrinfo", found)
+
+
+@pytest.mark.parametrize("places", [("2001:db8::5", "127.0.0.1"), (ELSEWHERE, "127.0.0.1"), ("::1", "127.0.0.1")])
+def test_a_name_is_listened_at_by_the_first_of_its_addresses_that_this_computer_has_ipv4_before_ipv6(
+    places, monkeypatch
+):
+    led(monkeypatch, *places)
+    with bound("localhost", 0) as made:
+        assert made.getsockname()[0] == "127.0.0.1"
+
+
+def test_a_port_that_is_taken_at_one_address_of_a_name_is_not_taken_at_another_one(monkeypatch):
+    led(monkeypatch, "127.0.0.1", "::1")
+    with bound("localhost", 0) as made, pytest.raises(tautline.TautlineError, match="give another port"):
+        bound("localhost", made.getsockname()[1])
+
+
 def test_events_tell_a_proxy_not_to_gather_them(shown):
     assert asked(shown("127.0.0.1").address, "localhost", "/events")[2]["X-Accel-Buffering"] == "no"
 
@@ -114,6 +161,9 @@ def test_events_tell_a_proxy_not_to_gather_them(shown):
         (["--serve-name", "twin.example.com"], "give --serve too"),
         (["--serve", "0", "--serve-name", "http://twin.example.com"], "write the name alone"),
         (["--serve", "0", "--serve-name", "twin.example.com:80"], "write the name alone"),
+        (["--serve", "0", "--serve-name", "a b"], "write the name alone"),
+        (["--serve", "0", "--serve-name", "*"], "a star stands for none"),
+        (["--serve", "0", "--serve-name", "*.example.com"], "a star stands for none"),
         (["--serve", f"{ELSEWHERE}:0"], "give a name or an address of this computer"),
     ],
 )

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from tautline.application.protocol import Application
     from tautline.twin.map.file import TwinMap
     from tautline.twin.sources.record import Record, Source
+    from tautline.twin.storage import Packed
     from tautline.twin.twin import Twin
 
 CHATTERING = "asyncua"
@@ -98,6 +99,7 @@ def twin(
     from tautline.results.output_path import check_found
     from tautline.scene.values.moments import stamp_said
     from tautline.twin.series import Series
+    from tautline.twin.sources.rereading import Ending
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
@@ -120,14 +122,15 @@ def twin(
             begin = load(made, resume) if resume is not None and goes_on else None
             if begin is not None and opened.again and made.readings.rows.shift and not made.heard:
                 _refuse_unknown_rows(resume)
+            ended = Ending.of(made.heard)
             if begin is not None:
-                say(_said_of_begin(begin, len(made.readings.rows.waiting)))
+                say(_said_of_begin(begin, len(made.readings.rows.waiting), ended is not None))
             if made.plan_names.unwatched:
                 say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
             while made.notes:
                 say(made.notes.pop(0), "yellow")
             page = _page(given, path, made)
-            series = Series(given.output, made, begin) if given.output is not None else None
+            series = Series(given.output, made, begin, ended is not None) if given.output is not None else None
             _Loop(made, opened, series, page, given.state, as_json, quiet).run()
         except StoppedEarly as stop:
             say(f"{path}: stopped at {stamp_said(stop.time)}, {stop.part}: {stop.sentence}", "red")
@@ -243,7 +246,7 @@ def _page(given: TwinOptions, path: Path, made: Twin) -> Any:
     units = {**made.plan_names.inputs, **made.units, **estimated}
     title, system = heading(made.scene) or legible(path.stem), getattr(made.scene, "units", "si")
     page = Page(port, title, units, made.application, host, system, names)
-    say(f"the twin is shown at {page.address}")
+    say(f"the twin is shown at {' and at '.join(page.addresses)}")
     return page
 
 
@@ -254,7 +257,7 @@ class _Loop:
         self, made: Twin, source: Source, series: Any, page: Any, state: Path | None, as_json: bool, quiet: bool
     ) -> None:
         from tautline.twin.sources.connection import Silence
-        from tautline.twin.sources.rereading import Rereading
+        from tautline.twin.sources.rereading import Ending, Rereading
 
         self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
         self.as_json, self.quiet = as_json, quiet
@@ -262,6 +265,9 @@ class _Loop:
         self.known_alarms: set[str] = set()
         self.unsaved: set[str] = set()
         self.begin = self.twin.now
+        self.ending = Ending.of(made.heard)
+        self.packed: Packed | None = None  # the state of before the end, once the source has ended
+        self.packed_at = 0  # lines until then
         self.begun = self.twin.now > -math.inf  # gone on with: there is a state of it
         rows = made.readings.rows
         self.rereading = Rereading(made.heard, self.begin, rows.shift) if source.again else None
@@ -292,8 +298,7 @@ class _Loop:
                 status = "source failed"
             for one in self.rereading.rest() if self.rereading is not None else ():
                 self._add(one)
-            self._save_before_end()
-            self._give(self.twin.finish())
+            self._answer_end()
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
         except SceneEnded as end:
@@ -317,7 +322,8 @@ class _Loop:
             record = self.source.poll(0.0 if busy else POLL)
             if record is None:
                 if clock.monotonic() - heard > SILENCE:
-                    self._give(self.twin.answers(silent=True))
+                    if self.ending is None:
+                        self._give(self.twin.answers(silent=True))
                     self._watch_silence()
                     heard = clock.monotonic()
                 continue
@@ -330,9 +336,10 @@ class _Loop:
     @property
     def _hurries(self) -> bool:
         """Whether a machine waits for answers: then a look ahead makes way for rows. A record is looked ahead of whole,
-        also one that is piped in: what is found must not depend on how busy this computer is."""
-        backlog = self.twin.backlog
-        return backlog is not None and not backlog.is_record
+        also one that is piped in: what is found must not depend on how busy this computer is.
+
+        That ends with the first row that has come at pace, however many of the record are still to be answered."""
+        return self.source.live and not self.source.pace.is_record
 
     def _watch_silence(self) -> None:
         """Tell that rows have stopped coming, where they should come while they are measured."""
@@ -353,6 +360,8 @@ class _Loop:
                 self._save_before_end()
         if self.rereading is not None:
             self.twin.readings.rows.place = self.rereading.place
+        if self.rereading is None or self.rereading.is_new:
+            self.ending = None
         self._give(self.twin.add(record.time, record.values, record.arrived, record.repeated))
 
     def _pass_on(self) -> None:
@@ -439,10 +448,23 @@ class _Loop:
     def _save_before_end(self) -> None:
         """Keep the last state, of before what is answered only as the source has ended.
 
-        Rows that wait are answered without those behind them then. When more have come they are answered anew.
+        Rows that wait are answered without those behind them then. When more have come they are answered anew. Where
+        it cannot be written now it is written later, as it is now.
         """
-        self._save()
-        self.state = None
+        if self.packed is None:
+            self._save()
+            self.packed, self.packed_at = self._packed(), self.lines
+
+    def _answer_end(self) -> None:
+        """Answer the rows that wait, as none comes behind them; once only, where none has come since."""
+        self._save_before_end()
+        if self.ending is not None:
+            return
+        from tautline.twin.sources.rereading import Ending
+
+        self._give(self.twin.finish())
+        if self.lines > self.packed_at and self.packed is not None:
+            self.packed.heard(Ending(self.twin.now, self.lines - self.packed_at).memory())
 
     def _save(self) -> None:
         """Keep the result, what goes over operations, and then the state: what it has counted is not counted again."""
@@ -454,16 +476,24 @@ class _Loop:
 
     def _save_state(self) -> None:
         """Keep the account, and the state behind it."""
-        from tautline.twin.storage import save
+        from tautline.twin.storage import write
 
         counted = self.twin.operation is None or self._keep("account", self.twin.operation.save)
         # A state that is later than the account would leave out how the rope was bent meanwhile.
         if self.state is not None and counted:
-            # What a live source gave is in no file: there its stamps tell what is new.
-            again = self.rereading
-            rows, self.twin.stated = self.twin.readings.rows, {**self.twin.stated, **self.source.stated}
-            self.twin.heard = {} if again is None else again.memory(rows.held, rows.newest)
-            self._keep("state", partial(save, self.twin, self.state))
+            self._keep("state", partial(write, self.packed or self._packed(), self.state))
+
+    def _packed(self) -> Packed:
+        """The state as it is now."""
+        from tautline.twin.storage import packed
+
+        # What a live source gave is in no file: there its stamps tell what is new.
+        again = self.rereading
+        rows, self.twin.stated = self.twin.readings.rows, {**self.twin.stated, **self.source.stated}
+        self.twin.heard = {} if again is None else again.memory(rows.held, rows.newest)
+        if self.ending is not None:
+            self.twin.heard |= self.ending.memory()
+        return packed(self.twin)
 
     def _keep(self, what: str, write: Callable[[], None]) -> bool:
         """Write a file, and whether that went well.
@@ -509,7 +539,9 @@ class _Loop:
     @property
     def _before(self) -> int:
         """Rows of a file that were answered by an earlier process."""
-        return self.rereading.before if self.rereading is not None else 0
+        if self.rereading is None:
+            return 0
+        return self.rereading.before + (self.ending.rows if self.ending is not None else 0)
 
     def _summarise(self) -> None:
         """Print what was found last, and what was wrong with the data."""
@@ -538,7 +570,8 @@ class _Loop:
             rows.append(("messages left out", str(self.source.left_out)))
         if self.source.dropped:
             rows.append(("records dropped, as they came too fast", str(self.source.dropped)))
-        if left := self.source.waiting + len(self.twin.readings.rows.waiting):
+        waiting = len(self.twin.readings.rows.waiting) if self.ending is None else 0  # else they were answered
+        if left := self.source.waiting + waiting:
             rows.append(("rows not processed", str(left)))
         rows.append(("rows processed", str(self.lines)))
         if not self.quiet:
@@ -556,7 +589,8 @@ class _Loop:
             count = self.source.left_out
             causes.append(f"{_many(count, 'message')} {'was' if count == 1 else 'were'} left out")
         if self._before:
-            old = f"{_many(self._before, 'row')} not after {stamp_said(self.begin)}, from where the twin goes on"
+            begin = self.begin if self.ending is None else self.ending.time
+            old = f"{_many(self._before, 'row')} not after {stamp_said(begin)}, from where the twin goes on"
             say(f"nothing is new: {', '.join([old, *causes])}")
             return
         why = ", ".join(causes) or "the source gave no row"
@@ -564,16 +598,20 @@ class _Loop:
         say(f"no row of data could be used: {why}{cure}", "red")
 
 
-def _said_of_begin(time: float, waiting: int) -> str:
-    """From where a twin goes on: the time of its last row, and how many rows behind it wait."""
+def _said_of_begin(time: float, waiting: int, answered: bool) -> str:
+    """From where a twin goes on: the time of its last row, and how many rows behind it wait, or were `answered` as the
+    source had ended."""
     from tautline.scene.values.moments import stamp_said
 
     where = f"going on from {stamp_said(time)}" if math.isfinite(time) else "going on"
-    return where + (
-        f", with {_many(waiting, 'row')} that waited for others and {'is' if waiting == 1 else 'are'} answered now"
-        if waiting
-        else ""
-    )
+    if not waiting:
+        return where
+    verb = "is" if waiting == 1 else "are"
+    if answered:
+        was = "was" if waiting == 1 else "were"
+        last = f"the last {_many(waiting, 'row')} {was} answered at the end of the source"
+        return f"{where}: {last}, and {verb} answered anew where rows follow"
+    return f"{where}, with {_many(waiting, 'row')} that waited for others and {verb} answered now"
 
 
 def _many(count: int, what: str) -> str:

@@ -23,7 +23,7 @@ import numpy as np
 from tautline.scene.errors import option_error
 from tautline.scene.values.moments import stamp_said
 from tautline.scene.values.printed import scale_of_zero, scales
-from tautline.twin.page.hosts import KnownHosts, address_of, bound
+from tautline.twin.page.hosts import KnownHosts, addresses_of, bound, plain
 from tautline.twin.page.picture import Picture
 
 HERE = Path(__file__).parent
@@ -85,7 +85,7 @@ class Page:
             "zeros": {unit: scale_of_zero(unit, system) for unit in known},
         }
         self._about = json.dumps(about)
-        self.host, self._names, self._socket = host, names, bound(host, port)
+        self.host, self._names, self._socket = plain(host), names, bound(host, port)
         self.port = int(self._socket.getsockname()[1])
         self._picture = Picture(application)
         self._lines: deque[str] = deque(maxlen=LATEST)
@@ -106,7 +106,12 @@ class Page:
     @property
     def address(self) -> str:
         """Where a browser finds it."""
-        return address_of(self.host, self.port)
+        return self.addresses[0]
+
+    @property
+    def addresses(self) -> list[str]:
+        """All of these, where it is shown to other computers too."""
+        return addresses_of(self.host, self.port)
 
     def publish(self, line: Mapping[str, Any], model: Any = None, row: np.ndarray | None = None) -> None:
         """Hand a line over, and the frame that it belongs to; returns at once.

@@ -9,11 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
-LONG_GAP = 120.0
-"""Step of stamps that is a gap however little is known of the sample interval, s: it is not simulated."""
-AT_ONCE, TOLD_BY = 2.0, 1.0
-"""Stamps that go by so many times as fast as rows come are of rows that were written before; and the time after which
-that is told, s."""
+from tautline.twin.pace import AT_ONCE, LONG_GAP, TOLD_BY
+
 TYPICAL = 5
 """Rows after which the sample interval is known."""
 CLOCK_WRONG = 1e-3

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tautline.twin.signals.arrivals import AT_ONCE, LONG_GAP, TOLD_BY
+from tautline.twin.pace import AT_ONCE, LONG_GAP, TOLD_BY
 
 LIMIT = 1.5
 """Time from which on a twin is behind its machine, where no look ahead is shorter, s."""
@@ -47,9 +47,6 @@ class Backlog:
         Whether the twin is behind the machine.
     held_up : bool
         Whether it is so by one long wait, such as that for a compiler at the start, and not as rows add up.
-    is_record : bool
-        Whether all rows so far were written before, so that nobody waits for their answers. What a link gives at once
-        after it has stalled is none: its machine goes on.
     """
 
     def __init__(self, limit: float = LIMIT, now: Callable[[], float] = clock.monotonic) -> None:
@@ -62,7 +59,6 @@ class Backlog:
         self._largest, self._least, self._since = 0.0, 0.0, -np.inf
         self._begun = (np.nan, np.nan)
         self._told = False
-        self.is_record, self._has_paced = False, False
 
     def take(self, stamp: float, arrived: float) -> None:
         """Take notice of the newest stamp, and of when the last record arrived, s."""
@@ -80,14 +76,6 @@ class Backlog:
         while len(self._came) > 1 and self._came[1][1] <= arrived - TOLD_BY:
             self._came.popleft()
         self._last = arrived + self._spare
-        self._look_for_record()
-
-    def _look_for_record(self) -> None:
-        """Follow whether rows that were written before are all that has come."""
-        (stamp, arrived), (last, then) = (self._came[0], self._came[-1]) if self._came else ((0.0, 0.0), (0.0, 0.0))
-        self._has_paced |= self._is_measured(False)
-        faster = last - stamp > AT_ONCE * (then - arrived)
-        self.is_record = not self._has_paced and (self.is_record or faster)
 
     def _spread(self, stamps: float, arrivals: float) -> None:
         """Follow how long after its arrival a record is due, by what lies between it and the one before, s."""

@@ -30,7 +30,8 @@ from typing import Any
 import numpy as np
 
 from tautline.scene.values.moments import duration_said
-from tautline.twin.signals.arrivals import AT_ONCE, LONG_GAP, TOLD_BY, TYPICAL, Arrivals
+from tautline.twin.pace import AT_ONCE, LONG_GAP, TOLD_BY
+from tautline.twin.signals.arrivals import TYPICAL, Arrivals
 from tautline.twin.signals.doubles import Doubles
 from tautline.twin.signals.row import Row
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import SEPARATOR_LINE
 from tautline.scene.reading.text import LEGACY
+from tautline.twin.pace import Pace
 from tautline.twin.sources.record import Record, SourceStopped
 from tautline.twin.sources.stated_units import Stated
 from tautline.twin.sources.strays import Strays
@@ -55,7 +56,7 @@ class CsvFile:
         self.name, self.live, self.again = str(path), speed == 1.0, True
         self.ended, self._number, self._whole = False, 0, True
         self.refused = self.left_out = 0
-        self.dropped, self.notes = 0, list[str]()
+        self.dropped, self.notes, self.pace = 0, list[str](), Pace()
         self.stated: Stated = {}  # its header comes again
         self._speed, self._now, self._sleep = speed, now, sleep
         try:
@@ -198,6 +199,7 @@ class CsvFile:
             # A row that was asked for late was there when it was due.
             arrived = max(due, self._arrived)
         self._arrived = arrived
+        self.pace.take(row.time, arrived)
         self.factors |= factors  # those of this row: the next may be read by another header
         self._next, self._later = self._later, self._taken()
         self.ended = self._next is None and self._stopped is None

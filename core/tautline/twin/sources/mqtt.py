@@ -12,6 +12,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from tautline.scene.errors import option_error
+from tautline.twin.pace import Pace
 from tautline.twin.sources.connection import Connection, cause_of, split_address
 from tautline.twin.sources.objects import SAID_OF, UNIT, VALUE, ObjectReadings, why_no_reading
 from tautline.twin.sources.record import Record, SourceFault
@@ -73,6 +74,7 @@ class Mqtt:
         self.refused = self.left_out = self.dropped = 0
         self.factors: dict[str, float] = {}
         self.notes: list[str] = []
+        self.pace = Pace()
         self._connection = Connection(address, self.notes)
         self._columns, self._topic = list(columns), topic
         self._stamps = Stamps(time, self.notes, columns)
@@ -118,6 +120,7 @@ class Mqtt:
             return
         if record is None:
             return
+        self.pace.take(record.time, record.arrived)
         while True:
             try:
                 self._queue.put_nowait(record)

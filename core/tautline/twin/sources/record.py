@@ -8,6 +8,7 @@ from typing import Protocol
 
 from tautline.errors import TautlineError
 from tautline.scene.errors import Problem, SceneError
+from tautline.twin.pace import Pace
 from tautline.twin.sources.stated_units import Stated
 
 
@@ -74,6 +75,8 @@ class Source(Protocol):
         column and by who states them. Empty where they come anew when an operation is gone on with.
     waiting : int
         Records that have come and were not taken yet.
+    pace : Pace
+        Whether all records that have come, those that wait among them, were written before.
     notes : list of str
         Sentences for the user that were not yet printed; who prints them takes them out.
     """
@@ -87,6 +90,7 @@ class Source(Protocol):
     dropped: int
     factors: dict[str, float]
     notes: list[str]
+    pace: Pace
 
     @property
     def stated(self) -> Stated:

@@ -14,6 +14,7 @@ import math
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from tautline.twin.sources.record import Record
@@ -31,6 +32,31 @@ LOST_BEFORE = (
     "the file has lost rows, or some were changed, since the state was saved, and its clock was set back before. "
     "As many new rows are left out as were lost"
 )
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Rows that were answered without others behind them, as their source had ended: when others come, they are anew.
+
+    Attributes
+    ----------
+    time : float
+        Of the last of them, s.
+    rows : int
+        How many they are.
+    """
+
+    time: float
+    rows: int
+
+    @classmethod
+    def of(cls, memory: Mapping[str, Any]) -> Ending | None:
+        """What a state says of them; None where it has none."""
+        return cls(float(memory["ended"][0]), int(memory["ended"][1])) if "ended" in memory else None
+
+    def memory(self) -> dict[str, Any]:
+        """What is to be saved with a state."""
+        return {"ended": [self.time, self.rows]}
 
 
 class Rereading:
@@ -51,6 +77,8 @@ class Rereading:
         Records that were left out, as they are not new.
     place : int
         Place of the last record that was given by `new`, from zero.
+    is_new : bool
+        Whether that record was not read before: else the state holds it, as it was not answered for good.
     notes : list of str
         Sentences for the user that were not yet printed.
     """
@@ -68,6 +96,7 @@ class Rereading:
         self._unproven: list[tuple[int, Record]] = []
         self._following = 0
         self.before, self.place, self.notes = 0, -1, list[str]()
+        self.is_new = True
         self._come, self._count, self._sum, self._summed = 0, 0, 0, 0
         self._end: tuple[int, Record] | None = None
 
@@ -159,6 +188,7 @@ class Rereading:
     def _given(self, place: int, record: Record, new: bool = True) -> Iterator[Record]:
         if new:
             self.place = place
+            self.is_new = not (self._known and self._fits and place < self._read)
             yield record
         else:
             self.before += 1

@@ -12,6 +12,7 @@ from typing import IO, Any
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.columns import SEPARATOR_LINE
+from tautline.twin.pace import Pace
 from tautline.twin.sources.objects import ObjectReadings
 from tautline.twin.sources.record import Record, SourceFault, SourceStopped
 from tautline.twin.sources.stamps import Stamps
@@ -49,6 +50,7 @@ class Stream:
         self.name, self.live, self.again, self.ended = name, True, False, False
         self.refused, self.left_out, self.last, self._number = 0, 0, "", 0
         self.dropped, self.notes = 0, list[str]()
+        self.pace, self._held_up = Pace(), 0.0
         self.factors: dict[str, float] = {}
         self._file, self._columns, self._time, self._units = file, list(columns), time, units
         self._queue: queue.Queue[Record | Header | Stated | SceneError | SourceStopped | None] = queue.Queue(MOST)
@@ -119,7 +121,15 @@ class Stream:
         if row is None:
             self.refused, self.last = self.refused + 1, line[:80]
             return
-        self._queue.put(Record(row[0], row[1], clock.monotonic(), whole))
+        arrived = clock.monotonic()
+        self.pace.take(row[0], arrived - self._held_up)
+        record = Record(row[0], row[1], arrived, whole)
+        try:
+            self._queue.put_nowait(record)
+        except queue.Full:
+            # The writer waits for us: the rows behind come at our pace, and that is none of a machine.
+            self._queue.put(record)
+            self._held_up += clock.monotonic() - arrived
 
     def _begin(self, header: Header) -> None:
         """Read lines by a header from now on; its factors hold for the records behind it in the queue."""

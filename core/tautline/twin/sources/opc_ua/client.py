@@ -15,6 +15,7 @@ from itertools import count
 from typing import Any
 
 from tautline.scene.errors import option_error
+from tautline.twin.pace import Pace
 from tautline.twin.sources.connection import Connection, cause_of, split_address
 from tautline.twin.sources.objects import ObjectReadings, what_is
 from tautline.twin.sources.opc_ua.holding import Change, Holding
@@ -97,7 +98,7 @@ class OpcUa:
             raise option_error("--source", address, "needs asyncua", "pip install tautline[live]") from None
         self.name, self.live, self.again, self.ended = address, True, False, False
         self.refused = self.left_out = 0
-        self.dropped, self.notes = 0, list[str]()
+        self.dropped, self.notes, self.pace = 0, list[str](), Pace()
         self.factors: dict[str, float] = {}
         self.stated: Stated = {}  # a server is asked for its units at each connection
         self.missing: list[str] = []
@@ -268,6 +269,8 @@ class OpcUa:
 
     def take_change(self, change: Change) -> None:
         """Put a change into the queue; one that finds no room is counted."""
+        if not change.first:  # the first reading of a variable is as old as its last change
+            self.pace.take(change.time, change.arrived)
         self._put(change)
 
     def tell_status(self, column: str, status: str, used: bool) -> None:
