@@ -28,6 +28,8 @@ given it from outside, N m."""
 TORQUE_INPUT = "top.torque"
 INSTANTS = 201
 """Times of a run at which its speeds are looked at, beside those at which their formulas change."""
+ROUNDED = 1.0e-9
+"""Speed over the fastest of a run below which it is rounding."""
 RING = 1024
 """Angles at which the bottom of the hole under a bit with blades is remembered."""
 
@@ -89,7 +91,9 @@ def speeds_of(scene: DrillstringScene, number: int) -> np.ndarray:
         nearest = np.ceil(halves) if w >= 0.0 else np.floor(halves)
         times.append((even + np.pi * (nearest - halves) / np.where(turning, rate, np.inf))[turning])
     at = np.unique(np.concatenate(times))
-    return np.asarray(sample(functions, number, at[(at >= 0.0) & (at <= end)])[:, 1])
+    speeds = sample(functions, number, at[(at >= 0.0) & (at <= end)])[:, 1]
+    # Rounding of what comes to rest is no turn the other way.
+    return np.where(np.abs(speeds) > ROUNDED * np.abs(speeds).max(), speeds, 0.0)
 
 
 def from_outside(scene: DrillstringScene, number: int) -> bool:

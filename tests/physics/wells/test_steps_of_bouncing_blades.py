@@ -117,6 +117,12 @@ def test_a_long_run_that_turns_the_bit_for_moments_only_is_counted_at_its_fastes
     assert checked(scene) and speeds_of(scene, ROTATION).max() == pytest.approx(SPIN, rel=1e-3)
 
 
+def test_rounding_of_a_string_that_comes_to_rest_is_no_turn_forward():
+    back = {"sum": [{"ramp": {"to": -0.37, "over": 1.3}}, {"ramp": {"to": 0.37, "over": 0.7, "at": 3.1}}]}
+    scene = drilled(LONG, output__interval=LONG, top__rotation=back, solver__end=600.0)
+    assert speeds_of(scene, ROTATION).max() == 0.0 and not checked(scene)
+
+
 @pytest.mark.parametrize(("solver", "damps"), [
     ({"rho_inf": 0.5}, True), ({"rho_inf": 1.0}, False), ({"method": "newmark", "rho_inf": None}, False),
     ({"method": "rk4", "rho_inf": None}, True),
