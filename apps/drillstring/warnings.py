@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, rate_at, stiffness_of, torque_at, torque_at_rest, weight_at
-from drillstring.drilling.chatter import blades_told, rest_told, slowed_told
-from drillstring.drilling.end_groups import BLOCK, ROTATION, requests
+from drillstring.drilling.chatter import blades_told, keeps_all, rest_told, slowed_told
+from drillstring.drilling.end_groups import BLOCK, ROTATION, requests, speeds_of, turns
 from drillstring.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
 from drillstring.model.lumped_string import lateral_mass
@@ -66,8 +66,6 @@ A_COLLAR = 1.15
 """Diameter of a collar over that of drill pipe, at least; heavy-weight pipe is about as wide as the pipe."""
 HORIZONTAL = np.radians(75.0)
 """Inclination at the end of a hole above which heavy pipe stands higher up on purpose."""
-UNDAMPED = 0.95
-"""Spectral radius at infinity above which the torque oscillates after the shock of a bit that sticks."""
 MORE_THAN_THE_STRING = "is more than the string weighs along the hole"
 OF_THE_BOTTOM = ("weight", "torque", "penetration", "cutting", "rock", "slip_speed")
 """Keys of a bit that count on bottom only."""
@@ -386,36 +384,38 @@ def _torque_on_bit(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A bit that is turned and has no law of torque."""
     if not scene.bit.on_bottom or scene.bit.torque is not None or scene.bit.cutting is not None:
         return
-    functions = compile_functions(requests(scene))
-    if np.any(sample(functions, ROTATION, np.linspace(0.0, scene.solver.end, 201))[:, 1]):
+    if turns(scene):
         cause = "is not given: the rock is taken to resist the turning bit with no torque at all, whatever its weight"
         cure = "give bit.torque, such as {static: 8 kN m, kinetic: 4 kN m}, or bit.cutting"
         yield "bit.torque", f"{cause}; {cure}"
 
 
 def _weak_drive(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """A drive whose torque limit is less than its bit needs, to turn on or to begin to turn; the wall takes more."""
+    """A drive whose torque limit is less than its bit needs, to turn on or to begin to turn; the wall takes more.
+
+    Each way in which the string is turned is judged by the torque of its own.
+    """
     drive = scene.top.rotation
     if not scene.bit.on_bottom or not isinstance(drive, Controller) or drive.torque_limit is None:
         return
-    functions = compile_functions(requests(scene))
-    speeds = sample(functions, ROTATION, np.linspace(0.0, scene.solver.end, 201))[:, 1]
-    spin = float(speeds[np.abs(speeds).argmax()])
-    if spin == 0.0:
-        return
+    speeds = speeds_of(scene, ROTATION)
+    fastest_each = max(0.0, float(speeds.max())), min(0.0, float(speeds.min()))
+    ways = [spin for spin in fastest_each if spin != 0.0]
     weight = scene.bit.weight or 0.0
-    b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, spin, False)[0]
-    turning, resting = torque_at(b, weight, spin), torque_at_rest(b, weight)
-    limit, needed, held = (shown(torque, "N m", scene.units) for torque in (drive.torque_limit, turning, resting))
-    on = shown(weight, "N", scene.units)
-    if drive.torque_limit < turning:
-        fastest = f"{quantity(spin / RPM, 'rpm')}, the fastest of the run"
-        cause = f"{limit} is less than the {needed} that the bit takes with {on} on it at {fastest}: the drive stalls"
-    elif drive.torque_limit < resting:
-        cause = f"{limit} is less than the {held} that hold a bit at rest with {on} on it: the drive may stall there"
-    else:
-        return
-    yield "top.rotation.controller.torque_limit", f"{cause}. Give more torque or less weight"
+    b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, 0.0, False)[0]
+    limit, on = shown(drive.torque_limit, "N m", scene.units), shown(weight, "N", scene.units)
+    stalls, may = [], []
+    for spin in ways:
+        turning, resting = torque_at(b, weight, spin), torque_at_rest(b, weight, spin)
+        needed, held = (shown(torque, "N m", scene.units) for torque in (turning, resting))
+        which = "" if len(ways) == 1 else " forward" if spin > 0.0 else " backward"
+        if drive.torque_limit < turning:
+            fastest = f"{quantity(spin / RPM, 'rpm')}, the fastest of the run{which}"
+            stalls.append(f"the {needed} that the bit takes with {on} on it at {fastest}: the drive stalls")
+        elif drive.torque_limit < resting:
+            may.append(f"the {held} that hold a bit at rest with {on} on it: the drive may stall there")
+    for text in dict.fromkeys(stalls or may):
+        yield "top.rotation.controller.torque_limit", f"{limit} is less than {text}. Give more torque or less weight"
 
 
 def _penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
@@ -469,11 +469,9 @@ def _sticking(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A method that cannot damp the shock of a bit that sticks."""
     if not scene.bit.on_bottom:
         return
-    alpha_f, method = scene.solver.alphas[1], method_of(scene.solver.method)
+    method = method_of(scene.solver.method)
     sticks = scene.bit.torque is not None or scene.bit.cutting is not None
-    # rho_inf = alpha_f / (1 - alpha_f) on the line of eqs 2.79-2.80; Newmark's is 1
-    rho = alpha_f / (1.0 - alpha_f) if method.has_alphas and alpha_f < 1.0 else 1.0
-    if not scene.solver.explicit and sticks and rho > UNDAMPED:
+    if sticks and keeps_all(scene):
         text = (
             "does not damp what a step cannot follow: after the shock of a bit that sticks its torque oscillates, and "
             "the bit is released too early; take generalized-alpha with rho_inf 0.9 or less"
@@ -488,8 +486,7 @@ def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
         yield "bit.slip_speed", text
     for text in blades_told(scene, ready.lumps, step):
         yield "solver.step", text
-    if text := slowed_told(scene, ready.lumps):
-        yield "bit.slip_speed", text
+    yield from slowed_told(scene, ready.lumps)
 
 
 # buckling

@@ -7,7 +7,7 @@ first ``commit`` puts the bottom where it carries that weight (bit_rock.py). Tor
 
 from __future__ import annotations
 
-from math import sqrt
+from math import isclose, sqrt
 
 from drillstring.drilling.bit_rock import (
     ANGLE,
@@ -34,6 +34,9 @@ from tautline.kernels.jit import kernel
 
 OWN = 4
 """Numbers that a bit records: weight N, torque that resists it N m, rate of penetration m/s, depth of the hole m."""
+
+SAME = 1.0e-12
+"""Relative difference of two torques that is rounding."""
 
 
 @kernel
@@ -162,7 +165,20 @@ def _sticks(g: RockBit | BladeBit, t: float) -> list[Stuck]:
     most = float(g.value[STATIC])
     if b.placed == 0 or b.settled != STICK or b.slip_speed > 0.0 or most <= 0.0:
         return []
-    return [Stuck(g.turn, "the bit sticks in the rock until the string turns it by more", most, "N m")]
+    return [Stuck(g.turn, f"the bit sticks in the rock until the string turns it {_ways(g, most)}by more", most, "N m")]
+
+
+def _ways(g: RockBit | BladeBit, most: float) -> str:
+    """For which way ``most``, N m, holds a bit, with the bound of the way back; empty where both ways are alike."""
+    b = g.row[0]
+    if b.cut_torque == 0.0:
+        return ""
+    back = float((b.back + b.excess) * g.value[WEIGHT])
+    # `measure` has written the torque of a rubbing weight by the same product.
+    if not isclose(most, back, rel_tol=SAME):
+        return f"backward by more than {back:.4g} N m, or forward "
+    rubs_only = g.value[WEIGHT] <= b.limit and b.force <= 0.0
+    return "" if rubs_only else "backward "
 
 
 for kind in (RockBit, BladeBit):

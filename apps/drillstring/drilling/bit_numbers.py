@@ -14,7 +14,7 @@ d = 0: nothing before its cutters carries any of the weight, and all of it press
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import exp, pi
+from math import copysign, exp, pi, ulp
 
 import numpy as np
 
@@ -123,9 +123,10 @@ def torque_at(b: np.record, weight: float, spin: float) -> float:
     return float(held + (b.excess * weight * exp(-abs(spin) / b.decay) if b.decay > 0.0 else 0.0))
 
 
-def torque_at_rest(b: np.record, weight: float) -> float:
-    """Torque up to which a bit at rest is held against turning forward, N m, at a weight on bit N."""
-    return torque_at(b, weight, 0.0) if b.decay > 0.0 else torque_at(b, weight, 0.0) + float(b.excess * weight)
+def torque_at_rest(b: np.record, weight: float, way: float = 1.0) -> float:
+    """Torque up to which a bit at rest is held, N m, at a weight on bit N; against turning back where ``way`` < 0."""
+    held = torque_at(b, weight, copysign(ulp(0.0), way))
+    return held if b.decay > 0.0 else held + float(b.excess * weight)
 
 
 def rate_at(b: np.record, weight: float, spin: float) -> float:

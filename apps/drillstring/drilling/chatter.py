@@ -13,16 +13,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from drillstring.drilling.bit_numbers import bit_row, torque_at
-from drillstring.drilling.end_groups import BLOCK, ROTATION, requests
+from drillstring.drilling.bit_numbers import bit_row, torque_at_rest
+from drillstring.drilling.end_groups import BLOCK, ROTATION, from_outside, speeds_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps
-from tautline.kernels.time_function import sample
 from tautline.scene.methods import method_of
 from tautline.scene.values.printed import quantity
-from tautline.system.time_functions import compile_functions
 
 SAFE = 0.8
 """Share of that step that is taken where the step is chosen: weight on the bit may rise above that of the scene."""
@@ -34,8 +30,8 @@ With rho_inf 0.5 a bit that swings up in truth did so at 0.6 and 1.2 times the f
 ROUNDED = 1.0e-9
 """Relative difference of two steps that is rounding."""
 
-INSTANTS = 201
-"""Times of a run at which its fastest rotary speed is looked for."""
+UNDAMPED = 0.95
+"""Spectral radius at infinity above which a method keeps what its step cannot follow."""
 
 MANY = 1.0e6
 """Steps of a run that take a minute or more."""
@@ -47,7 +43,7 @@ def calm_step(scene: DrillstringScene, lumps: Lumps) -> float:
         return math.inf
     b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, 0.0, True)[0]
     inertia = float(lumps.of_lumps(lambda tube: tube.rotary_inertia)[-1])
-    torque = max(torque_at(b, scene.bit.weight or 0.0, spin) for spin in (0.0, -math.ulp(0.0)))
+    torque = max(torque_at_rest(b, scene.bit.weight or 0.0, way) for way in (1.0, -1.0))
     reach = method_of(scene.solver.method).reach_of_vibration
     return reach * scene.bit.slip_speed * inertia / torque if torque > 0.0 else math.inf
 
@@ -56,16 +52,16 @@ def blade_step(scene: DrillstringScene, lumps: Lumps) -> float:
     """Longest step, s, at which a bit is seen to bounce on its blades; infinite where they cut nothing in the run."""
     if not scene.bit.on_bottom or scene.bit.cutting is None or scene.bit.cutting.blades is None:
         return math.inf
-    functions = compile_functions(requests(scene))
-    times = np.linspace(0.0, scene.solver.end, INSTANTS)
-    spin = float(sample(functions, ROTATION, times)[:, 1].max())
+    spin = float(speeds_of(scene, ROTATION).max())
     b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, spin, False)[0]
-    lowered = bool(np.any(sample(functions, BLOCK, times)[:, 1] > 0.0)) or bool(scene.driven)
-    if spin <= 0.0 or (b.weight <= b.limit and not lowered):
+    turned = spin > 0.0 or from_outside(scene, ROTATION)
+    lowered = bool((speeds_of(scene, BLOCK) > 0.0).any()) or from_outside(scene, BLOCK)
+    if not turned or (b.weight <= b.limit and not lowered):
         return math.inf
     mass = float(lumps.of_lumps(lambda tube: tube.mass_per_length)[-1])
     period = 2.0 * math.pi * math.sqrt(mass / (b.blades * b.cut_weight))
-    delay = 2.0 * math.pi / (b.blades * spin)
+    # How fast something outside will turn the bit is not known.
+    delay = 2.0 * math.pi / (b.blades * spin) if spin > 0.0 else math.inf
     return min(OF_THE_PERIOD * period, OF_THE_DELAY * delay)
 
 
@@ -101,20 +97,53 @@ def blades_told(scene: DrillstringScene, lumps: Lumps, step: float) -> list[str]
         return []
     digit = 10.0 ** (math.floor(math.log10(seen)) - 1)
     enough = f"{digit * math.floor(seen / digit):.2g} s"
+    wrong = "may damp that away, and the run may then show smooth drilling"
+    if keeps_all(scene):
+        wrong = "do not follow that, and the run may then show too little bouncing or too much"
     return [
         f"a step of {quantity(step, 's')} is too long for a bit with blades. Blades may make the bit bounce. Steps "
-        f"longer than about {enough} damp that away, and the run may then show smooth drilling. Take a step of "
-        f"{enough} or less"
+        f"longer than about {enough} {wrong}. Take a step of {enough} or less"
     ]
 
 
-def slowed_told(scene: DrillstringScene, lumps: Lumps) -> str:
-    """A sentence where a chosen step becomes so short by the bit at rest that the run takes long; else empty."""
-    taken = SAFE * calm_step(scene, lumps)
+def keeps_all(scene: DrillstringScene) -> bool:
+    """Whether a method damps hardly anything of what its step cannot follow; explicit ones do near their limit."""
+    alpha_f, method = scene.solver.alphas[1], method_of(scene.solver.method)
+    # rho_inf = alpha_f / (1 - alpha_f) on the line of eqs 2.79-2.80; Newmark's is 1
+    rho = alpha_f / (1.0 - alpha_f) if method.has_alphas and alpha_f < 1.0 else 1.0
+    return not scene.solver.explicit and rho > UNDAMPED
+
+
+def shortened_told(scene: DrillstringScene, lumps: Lumps, step: float) -> list[str]:
+    """A sentence where a chosen step, at most ``step`` s, is kept shorter to show how blades make the bit bounce."""
+    seen = blade_step(scene, lumps)
+    if scene.solver.step != "auto" or seen >= min(step, SAFE * calm_step(scene, lumps)):
+        return []
+    return [
+        f"step: auto takes steps of {seen:.2g} s at most, which show whether the blades make the bit bounce: that is "
+        f"{scene.solver.end / seen:.2g} steps or more"
+    ]
+
+
+def slowed_told(scene: DrillstringScene, lumps: Lumps) -> list[tuple[str, str]]:
+    """Key and sentence where a chosen step becomes so short by the bit that the run takes long; none where it is not.
+
+    The bit is at rest, or its blades may make it bounce: what wants the shorter steps is told.
+    """
+    calm, seen = SAFE * calm_step(scene, lumps), blade_step(scene, lumps)
+    taken = min(calm, seen)
     steps = scene.solver.end / taken
     if scene.solver.step != "auto" or steps < MANY:
-        return ""
-    return (
-        f"the bit would chatter at rest with steps longer than {taken:.2g} s, so the run takes {steps:.2g} steps: give "
-        "a larger slip_speed, or take generalized-alpha, whose bit sticks exactly"
-    )
+        return []
+    if calm <= seen:
+        return [(
+            "bit.slip_speed",
+            f"the bit would chatter at rest with steps longer than {taken:.2g} s, so the run takes {steps:.2g} steps: "
+            "give a larger slip_speed, or take generalized-alpha, whose bit sticks exactly",
+        )]  # fmt: skip
+    return [(
+        "solver.step",
+        f"auto takes steps of {taken:.2g} s at most, which show whether the blades make the bit bounce, so the run "
+        f"takes {steps:.2g} steps. Take fewer elements or a shorter `solver.end`, or give a step where bouncing does "
+        "not matter",
+    )]  # fmt: skip

@@ -15,9 +15,9 @@ from drillstring.drilling.top_drive import TopDrive
 from drillstring.scene.ends import Controller
 from drillstring.string.lumps import Tube
 from tautline.elements.nodal.load import Loads
-from tautline.kernels.time_function import TimeFunctions, value_at
+from tautline.kernels.time_function import TimeFunctions, sample, value_at
 from tautline.scene.functions import Constant
-from tautline.system.time_functions import FunctionRequest, Steering
+from tautline.system.time_functions import FunctionRequest, Steering, compile_functions
 
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
@@ -26,6 +26,10 @@ BLOCK, ROTATION, TORQUE = 0, 1, 2
 """Functions of time of a scene: the block's position m, the angle of the rotary rad, and the torque of a drive that is
 given it from outside, N m."""
 TORQUE_INPUT = "top.torque"
+INSTANTS = 201
+"""Times of a run at which its speeds are looked at, beside those at which their formulas change."""
+ROUNDED = 1.0e-9
+"""Speed over the fastest of a run below which it is rounding."""
 RING = 1024
 """Angles at which the bottom of the hole under a bit with blades is remembered."""
 
@@ -68,6 +72,41 @@ def requests(scene: DrillstringScene) -> list[FunctionRequest]:
         torque = Steering(TORQUE_INPUT, "N m", "torque of the top drive, in place of its controller's")
         made.append(FunctionRequest(Constant(value=0.0), key="top.rotation", inputs=(torque,)))
     return made
+
+
+def speeds_of(scene: DrillstringScene, number: int) -> np.ndarray:
+    """Speeds (m,) of the block, m/s, or of the rotary, rad/s, that a scene has throughout its run, BLOCK or ROTATION.
+
+    They are those at `INSTANTS`, on both sides of every change of the formula and half way between two, so that no
+    pulse is missed, and where a wave is fastest next.
+    """
+    functions, end = compile_functions(requests(scene)), scene.solver.end
+    even = np.linspace(0.0, end, INSTANTS)
+    tracks = functions.break_from[[functions.track_from[number], functions.track_to[number]]]
+    changes = np.unique(np.concatenate([[0.0, end], functions.breaks[tracks[0] : tracks[1]]]))
+    times = [even, changes, np.nextafter(changes, 0.0), 0.5 * (changes[1:] + changes[:-1])]
+    for _, w, c, phase, _ in functions.waves[functions.wave_from[number] : functions.wave_to[number]]:
+        halves, rate = (phase + even * (w + c * even)) / np.pi, w + 2.0 * c * even
+        turning = rate != 0.0
+        nearest = np.ceil(halves) if w >= 0.0 else np.floor(halves)
+        times.append((even + np.pi * (nearest - halves) / np.where(turning, rate, np.inf))[turning])
+    at = np.unique(np.concatenate(times))
+    speeds = sample(functions, number, at[(at >= 0.0) & (at <= end)])[:, 1]
+    # Rounding of what comes to rest is no turn the other way.
+    return np.where(np.abs(speeds) > ROUNDED * np.abs(speeds).max(), speeds, 0.0)
+
+
+def from_outside(scene: DrillstringScene, number: int) -> bool:
+    """Whether something outside the scene moves its block, or turns its string: BLOCK or ROTATION."""
+    names = {one.name for one in requests(scene)[number].inputs}
+    if number == ROTATION:
+        names.add(TORQUE_INPUT)
+    return not names.isdisjoint(scene.driven)
+
+
+def turns(scene: DrillstringScene) -> bool:
+    """Whether something turns the string at any time of the run: the scene, or what drives it from outside."""
+    return from_outside(scene, ROTATION) or bool(np.any(speeds_of(scene, ROTATION) != 0.0))
 
 
 def groups_at_ends(

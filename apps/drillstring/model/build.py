@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.drilling.chatter import chatter_told, longest_step
+from drillstring.drilling.chatter import chatter_told, longest_step, shortened_told
 from drillstring.drilling.end_groups import ROTATION, notes_of_ends, requests
 from drillstring.model.handles import handles
 from drillstring.model.lumped_model import assemble_lumps
@@ -72,6 +72,7 @@ def build(scene: DrillstringScene) -> Model:
     solver, stored = scene.solver, variables() + variables_of_ends(system.groups)
     criterion = "force" if may_switch(system.groups) else "energy"
     settings = settings_of(solver, scene.output.interval, TOLERANCE, criterion, error_of_steps(solver, STEP_ERROR))
+    notes += shortened_told(scene, lumps, settings.step)
     model = Model(
         system=system,
         solver=replace(settings, step=longest_step(scene, lumps, settings.step)),

@@ -10,22 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.drilling.end_groups import ROTATION, requests
+from drillstring.drilling.end_groups import turns
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.string.buckled import Buckled, buckled_at_rest, buckled_in_frames
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
-from tautline.kernels.time_function import sample
 from tautline.scene.values.printed import shown
-from tautline.system.time_functions import compile_functions
 
 TO_A_HALF_WAVE = {LUMPED: 4, BEAM: 2}
 """Elements that a half wave of buckling wants. A column of n links to a half wave buckles at a compression that is
 (pi / 2 n)^2 / 3 too low, 5 % with four; a cubic element bends by itself."""
 STATIONS = 200
 """Places at which the hole's direction is looked at."""
-INSTANTS = 201
-"""Times of a run at which it is looked for whether the string turns."""
 FLAT = 1.0e-6
 """Size of the hole's directions out of a plane, over that within it, below which the hole lies in the plane."""
 OFF_THE_PLANE = 1.0e-6
@@ -60,7 +56,8 @@ def told_of_a_run(result: Any, scene: DrillstringScene, well: Wellbore, lumps: L
         return []
     frame, found = seen
     flat = _flatness(well)
-    if flat is not None and _off_the_plane(well, lumps, np.asarray(result["lateral_displacement"][frame])):
+    # A string that is pushed may leave its plane after it is pushed the most, and buckles then.
+    if flat is not None and _off_the_plane(well, lumps, np.asarray(result["lateral_displacement"][frame:])):
         flat = None
     pushed, pulled = (shown(force, "N", scene.units) for force in (found.compression, -found.compression))
     where = f"at {shown(found.depth, 'm', scene.units)} and t = {result.time[frame]:.4g} s"
@@ -85,7 +82,7 @@ def _told(scene: DrillstringScene, lumps: Lumps, found: Buckled, what: str, will
     limit = shown(found.limit, "N", scene.units)
     span = " to ".join(shown(depth, "m", scene.units) for depth in (found.top, found.bottom))
     cause = f"{what}. Beyond {limit} it buckles: from {span}. The run {will} not show that. {'. '.join(causes)}"
-    return f"{cause}. To see it, {', and '.join(cures)}. Or take less force"
+    return f"{cause}. To see it, {'. In any case '.join(cures)}. Or take less force"
 
 
 def _reasons(scene: DrillstringScene, lumps: Lumps, found: Buckled, flat: str | None) -> tuple[list[str], list[str]]:
@@ -93,8 +90,13 @@ def _reasons(scene: DrillstringScene, lumps: Lumps, found: Buckled, flat: str | 
     causes, cures = [], []
     tube, own = lumps.tubes[found.section], lumps.section == found.section
     if flat is not None:
-        causes.append(f"The {flat}, and nothing pushes the string out of it")
-        cures.append(_push(scene, lumps, found.section))
+        # What is judged at rest is not flat where the string will leave its plane: this is a run that ends too early.
+        pushes = _leaves_the_plane(scene, lumps)
+        why = (
+            "the string has not left its plane before the run ends" if pushes else "nothing pushes the string out of it"
+        )
+        causes.append(f"The {flat}, and {why}")
+        cures.append("let the run last longer (`solver.end`)" if pushes else _push(scene, lumps, found.section))
     half_wave = pi * sqrt(2.0 * tube.youngs_modulus * tube.second_moment / found.compression)
     wanted, now = ceil(tube.length * TO_A_HALF_WAVE[scene.model.kind] / half_wave), int(own.sum())
     if wanted > now:
@@ -112,22 +114,15 @@ def _eccentric(lumps: Lumps) -> bool:
 
 def _leaves_the_plane(scene: DrillstringScene, lumps: Lumps) -> bool:
     """Whether a string will be pushed out of the plane of its hole: mass off its axis does it in turning."""
-    return _eccentric(lumps) and _turns(scene)
-
-
-def _turns(scene: DrillstringScene) -> bool:
-    """Whether something turns the string at any time of the run: the scene, or what drives it from outside."""
-    times = np.linspace(0.0, scene.solver.end, INSTANTS)
-    speeds = sample(compile_functions(requests(scene)), ROTATION, times)[:, 1]
-    return bool(scene.driven) or bool(np.any(speeds != 0.0))
+    return _eccentric(lumps) and turns(scene)
 
 
 def _push(scene: DrillstringScene, lumps: Lumps, section: int) -> str:
     """What would push a string out of the plane of its hole; without a turn an eccentricity does not."""
     own = f"give string[{section}] an `eccentricity`, such as [0, 2 mm]"
     turn = "let the string turn (`top.rotation`), since an eccentricity pushes nothing while it does not"
-    cures = [*([] if _eccentric(lumps) else [own]), *([] if _turns(scene) else [turn])]
-    return f"{' and '.join(cures)}{', ' * bool(cures)}or give the hole its survey".removeprefix("or ")
+    cures = [*([] if _eccentric(lumps) else [own]), *([] if turns(scene) else [turn])]
+    return f"{', and '.join(cures)}{', ' * bool(cures)}or give the hole its survey".removeprefix("or ")
 
 
 def _directions(well: Wellbore) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -146,12 +141,13 @@ def _flatness(well: Wellbore) -> str | None:
 
 
 def _off_the_plane(well: Wellbore, lumps: Lumps, offset: np.ndarray) -> bool:
-    """Whether a string is out of the plane of its hole, from its offsets (bodies, 2) on m1 and m2, m.
+    """Whether a string is ever out of the plane of its hole, from its offsets (frames, bodies, 2) on m1 and m2, m.
 
     Friction around a pipe that turns pushes it there. A hole that is upright has no plane: any offset counts.
     """
     _, size, axes = _directions(well)
     m1, m2, _ = well.frame(lumps.measured_depth)
-    moved = offset[:, :1] * m1 + offset[:, 1:] * m2
-    across = axes[size <= FLAT * size[0]]
-    return bool(np.abs(moved @ across.T).max(initial=0.0) > OFF_THE_PLANE)
+    ways = (
+        np.abs(offset[..., 0] * (m1 @ axis) + offset[..., 1] * (m2 @ axis)) for axis in axes[size <= FLAT * size[0]]
+    )
+    return any(float(way.max(initial=0.0)) > OFF_THE_PLANE for way in ways)

@@ -9,6 +9,8 @@ from physics.wells.strings import COLLAR, G, run, straight_hole
 from drillstring.drilling.bit_numbers import bit_row, torque_at
 from drillstring.drilling.chatter import calm_step
 from drillstring.model.prepared import prepared
+from drillstring.warnings import warnings
+from tautline.live.simulation import Simulation
 
 WEIGHT, RPM = 5e4, 2.0 * pi / 60.0
 RADIUS, MU, GAMMA, ZETA, EPS, FLATS = 0.108, 0.6, 0.9, 0.6, 60e6, 0.108 * 1.2e-3 * 60e6
@@ -81,3 +83,52 @@ def test_the_law_before_a_run_is_that_of_the_run():
     # Nearly all of the cutting force is along the hole: then it is the way back that holds the bit the most.
     inertia = float(prepared(steep).lumps.of_lumps(lambda tube: tube.rotary_inertia)[-1])
     assert calm_step(steep, prepared(steep).lumps) == pytest.approx(2.785 * 0.1 * inertia / RUBS, rel=1e-2)
+
+
+THERE_AND_BACK = {"table": {"time": [0, 1, 2, 3], "value": [30 * RPM, 30 * RPM, -60 * RPM, -60 * RPM]}}
+BACK = {"ramp": {"to": -60 * RPM, "over": 3.0}}
+
+
+@pytest.mark.parametrize(("speed", "limit", "said"), [
+    (-60 * RPM, 1.01 * RUBS, []), (-60 * RPM, 0.99 * RUBS, ["backward"]), (BACK, 0.5 * (RUBS + CUTS), []),
+    (30 * RPM, 1.01 * CUTS, []), (30 * RPM, 0.99 * CUTS, ["forward"]), (THERE_AND_BACK, 1.01 * CUTS, []),
+    (THERE_AND_BACK, 0.5 * (RUBS + CUTS), ["forward"]), (THERE_AND_BACK, 0.99 * RUBS, ["forward", "backward"]),
+])  # fmt: skip
+def test_a_weak_drive_is_judged_by_the_torque_of_the_ways_in_which_it_turns_its_bit(speed, limit, said):
+    drive = {"kind": "pi", "speed": speed, "proportional": 5e3, "integral": 2e3, "inertia": 2e3, "torque_limit": limit}
+    told = [one.text for one in warnings(turned({"controller": drive})) if one.where.endswith("torque_limit")]
+    spin, needed = {"forward": "30 rpm", "backward": "-60 rpm"}, {"forward": CUTS, "backward": RUBS}
+    assert len(told) == len(said)
+    for text, way in zip(told, said, strict=True):
+        assert f"at {spin[way]}, the fastest of the run" in text and "the drive stalls" in text
+        assert float(text.split("less than the ")[1].split(" kN m")[0]) == pytest.approx(needed[way] / 1e3, rel=1e-3)
+        assert (f"of the run {way}:" in text) == (speed is THERE_AND_BACK)
+
+
+def test_a_roller_bit_that_may_hold_its_drive_both_ways_is_told_once():
+    drive = {"kind": "pi", "speed": THERE_AND_BACK, "proportional": 5e3, "integral": 2e3, "inertia": 2e3}
+    bit = {"on_bottom": True, "weight": WEIGHT, "torque": {"static": 2e3, "kinetic": 1e3}}
+    scene = turned({"controller": drive | {"torque_limit": 1.5e3}}, bit=bit)
+    (text,) = [one.text for one in warnings(scene) if one.where.endswith("torque_limit")]
+    assert "the drive may stall there" in text
+
+
+@BLADES
+def test_what_is_said_of_a_drag_bit_that_sticks_names_the_torque_of_either_way(blades):
+    """Pushed back it is told up to which torque that way."""
+    (resting,) = Simulation(turned(0.0, blades)).linearise(["top.rotary_speed"], ["torque_on_bit"]).stuck
+    assert f"backward by more than {RUBS:.4g} N m, or forward by more than {CUTS:.4g} N m" in resting
+    pushed = Simulation(turned({"table": {"time": [0.0, 0.5, 9.0], "value": [0.0, -0.02, -0.02]}}, blades))
+    pushed.advance(1.0)
+    (back,) = pushed.linearise(["top.rotary_speed"], ["torque_on_bit"]).stuck
+    assert f"turns it backward by more than {RUBS:.4g} N m" in back and "forward" not in back
+
+
+@BLADES
+def test_a_bit_that_sticks_alike_both_ways_is_told_one_torque_without_a_way(blades):
+    """A roller bit, and a drag bit whose flats bear all of the weight."""
+    light = CUTTING | ({} if blades is None else {"blades": blades})
+    for law, most in (({"torque": {"static": 2e3, "kinetic": 2e3}}, 2e3), ({"cutting": light}, RUBS / 10.0)):
+        bit = {"on_bottom": True, "weight": WEIGHT if "torque" in law else WEIGHT / 10.0} | law
+        (alike,) = Simulation(turned(0.0, bit=bit)).linearise(["top.rotary_speed"], ["torque_on_bit"]).stuck
+        assert f"turns it by more than {most:.4g} N m" in alike

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from physics.wells.strings import COLLAR, DENSITY, E, area, straight_hole
 
+from drillstring.drilling.end_groups import ROTATION, speeds_of
 from drillstring.model.build import build
 from drillstring.warnings import warnings
 from tautline.simulation import simulate
@@ -96,6 +97,55 @@ def test_a_bit_that_cuts_nothing_in_the_run_needs_no_short_step():
     for changes in ({"bit": rubs, "top__block": 0.0}, {"top__rotation": -SPIN}, {"bit": bare}):
         assert not checked(drilled(LONG, output__interval=LONG, **changes))
     assert checked(drilled(LONG, output__interval=LONG, bit=rubs))
+
+
+def test_blades_are_counted_that_something_outside_turns_while_the_scene_does_not():
+    still = drilled(LONG, output__interval=LONG, top__rotation=0.0)
+    assert not checked(still) and not checked(still.driven_by(("top.block_speed",)))
+    for name in ("top.rotary_speed", "top.rotary_angle"):
+        (told,) = checked(still.driven_by((name,)))
+        assert float(told.text.split("longer than about ")[1].split(" s")[0]) == pytest.approx(0.03 * PERIOD, rel=0.05)
+
+
+@pytest.mark.parametrize("turned", [
+    {"table": {"time": [0.0, 1.0, 1.5, 2.0, 600.0], "value": [0.0, 0.0, SPIN, 0.0, 0.0]}},
+    {"table": {"time": [0.0, 301.0, 301.5, 302.0, 600.0], "value": [0.0, 0.0, SPIN, 0.0, 0.0]}},
+    {"harmonic": {"amplitude": SPIN, "period": 3.0}},
+], ids=["pulse", "pulse between instants", "sine whose zeros fall on the instants"])  # fmt: skip
+def test_a_long_run_that_turns_the_bit_for_moments_only_is_counted_at_its_fastest(turned):
+    scene = drilled(LONG, output__interval=LONG, top__rotation=turned, solver__end=600.0)
+    assert checked(scene) and speeds_of(scene, ROTATION).max() == pytest.approx(SPIN, rel=1e-3)
+
+
+def test_rounding_of_a_string_that_comes_to_rest_is_no_turn_forward():
+    back = {"sum": [{"ramp": {"to": -0.37, "over": 1.3}}, {"ramp": {"to": 0.37, "over": 0.7, "at": 3.1}}]}
+    scene = drilled(LONG, output__interval=LONG, top__rotation=back, solver__end=600.0)
+    assert speeds_of(scene, ROTATION).max() == 0.0 and not checked(scene)
+
+
+@pytest.mark.parametrize(("solver", "damps"), [
+    ({"rho_inf": 0.5}, True), ({"rho_inf": 1.0}, False), ({"method": "newmark", "rho_inf": None}, False),
+    ({"method": "rk4", "rho_inf": None}, True),
+], ids=["damped", "rho_inf 1", "newmark", "rk4"])  # fmt: skip
+def test_a_method_that_damps_nothing_is_not_said_to_damp(solver, damps):
+    usual = {"method": "generalized-alpha", "step": LONG, "end": 4.0} | solver
+    usual = {key: value for key, value in usual.items() if value is not None}
+    scene = drilled(LONG, output__interval=LONG, solver=usual)
+    texts = [one.text for one in warnings(scene)]
+    (told,) = [one for one in texts if "bit with blades" in one]
+    assert ("may damp that away" in told) is damps and ("do not follow that" in told) is not damps
+    assert any("does not damp" in one for one in texts) is not damps
+
+
+def test_steps_that_are_chosen_short_for_blades_are_told_and_warned_of_where_they_are_many():
+    model = build(drilled("auto", output__interval=0.1))
+    (note,) = [one for one in model.notes if "blades" in one]
+    assert f"steps of {0.03 * PERIOD:.2g} s at most" in note
+    assert not [one for one in build(drilled(SHORT)).notes if "blades" in one]
+    for share, many in ((0.98, False), (1.02, True)):
+        told = checked(drilled("auto", solver__end=share * 1e6 * 0.03 * PERIOD, output__interval=1e3))
+        assert [one.where for one in told] == ["solver.step"] * many
+        assert all("so the run takes 1e+06 steps" in one.text for one in told)
 
 
 @pytest.mark.parametrize("flats", [{}, {"wear_flat": "0.5 mm", "contact_strength": "60 MPa"}], ids=["sharp", "worn"])

@@ -152,6 +152,53 @@ def test_the_cure_of_a_string_in_its_plane_is_what_it_lacks_of_eccentricity_and_
     assert "give string[1] an `eccentricity`" in resting and "let the string turn" in resting
 
 
+def frames_of(given, off):
+    """What is said of a run whose string is pushed less from frame to frame, and is ``off`` its plane, m, in each."""
+    ready = prepared(given)
+    n, off = ready.lumps.length.size, np.asarray(off)
+    across = np.zeros((off.size, n + 1, 2))
+    across[:, 1:, 1] = off[:, None]  # m2 is east, and the hole goes north
+    tension = -1e6 * np.linspace(1.0, 0.9, off.size)[:, None] * np.ones(n)
+    run = Seen({"hook_load": np.zeros(off.size), "tension": tension, "lateral_displacement": across})
+    run.time = np.arange(float(off.size))
+    return told_of_a_run(run, given, ready.well, ready.lumps)
+
+
+def test_a_string_that_leaves_its_plane_after_the_largest_push_buckles_and_one_that_left_it_before_is_warned_of():
+    leaning = scene(lean="20 deg", elements=100)
+    assert "nothing pushes" not in "".join(frames_of(leaning, [0.0, 0.0, 1e-3]))
+    assert "nothing pushes" in frames_of(leaning, [0.0, 0.0, 0.0])[0]
+    kept = leaning.replace({"top.block": 0.0})
+    ready = prepared(kept)
+    n = ready.lumps.length.size
+    across = np.zeros((2, n + 1, 2))
+    across[0, 1:, 1] = 1e-3
+    run = Seen({"hook_load": np.zeros(2), "tension": -1e6 * np.array([[0.5], [1.0]]) * np.ones(n),
+                "lateral_displacement": across})  # fmt: skip
+    run.time = np.arange(2.0)
+    assert "nothing pushes" in told_of_a_run(run, kept, ready.well, ready.lumps)[0]
+
+
+def test_a_run_that_ends_before_a_string_that_is_pushed_leaves_its_plane_is_to_last_longer():
+    (said,) = frames_of(scene(lean="20 deg", elements=100, collar=", eccentricity: [0, 2 mm]"), [0.0, 0.0])
+    assert "has not left its plane before the run ends" in said and "let the run last longer (`solver.end`)" in said
+    assert "nothing pushes" not in said and "survey" not in said
+
+
+def test_elements_go_with_either_way_of_pushing_the_string_out_of_its_plane():
+    (text,) = [one.text for one in checked(still()) if "It compresses" in one.text]
+    cures = text.split("To see it, ")[1].split(". ")
+    assert "such as [0, 2 mm], and let the string turn" in cures[0] and cures[0].endswith("or give the hole its survey")
+    assert cures[1].startswith("In any case give string[1] `elements: ") and cures[2] == "Or take less force"
+
+
+def test_what_moves_the_block_from_outside_turns_no_string():
+    bent = still(**ECCENTRIC)
+    for name, there in (("top.block_speed", True), ("top.rotary_speed", False)):
+        told = [one.text for one in checked(bent.driven_by((name,))) if "nothing pushes" in one.text]
+        assert bool(told) == there
+
+
 class Seen(dict):
     """Frames of a run."""
 
