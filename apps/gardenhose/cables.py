@@ -21,7 +21,7 @@ from tautline.cable.input.syntax.nodal_items import PointMass
 from tautline.cable.input.syntax.solver import CableSolver
 from tautline.cable.model.build import Assembly, assemble_cables
 from tautline.cable.model.layout import Layout
-from tautline.cable.model.magnitudes import too_stiff
+from tautline.cable.model.magnitudes import outweighs, too_stiff
 from tautline.elements.nodal.jet import JET, Jets
 from tautline.scene.reading.document import Document
 from tautline.system.records import records_of
@@ -220,16 +220,25 @@ def assembled(scene: HoseScene, fused: bool = True) -> Assembly:
     """The equations of a scene, with the velocity that it begins with; see `cables_of`."""
     cables = cables_of(scene, fused)
     made = assemble_cables(cables, lambda layout: _jets(scene, layout))
+    made.system.hidden = outweighs(cables) and outweighs(cables, _thrust(scene))
     made.system.softer = stiff_beside_all(scene, cables)
     _disturb(scene, made)
     return made
 
 
 def stiff_beside_all(scene: HoseScene, cables: CableScene) -> str:
-    """Cause and cure where a hose is too stiff along itself beside its weight and its water's thrust, else empty."""
-    if not too_stiff(cables):
+    """Cause and cure where a hose is too stiff along itself beside its weight and its water's thrust, else empty.
+
+    Between two ends it is stretched by what acts, and its stiffness makes its shape.
+    """
+    if scene.hose.end != "free" or not outweighs(cables):
         return ""
-    return too_stiff(cables, average(scene, float(np.abs(speeds(scene)).max())).thrust)
+    return too_stiff(cables, _thrust(scene))
+
+
+def _thrust(scene: HoseScene) -> float:
+    """Momentum M U^2 of the water at its fastest, N."""
+    return average(scene, float(np.abs(speeds(scene)).max())).thrust
 
 
 def _jets(scene: HoseScene, layout: Layout) -> list[Any]:

@@ -114,8 +114,8 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
 
 
 def _stiff(scene: HoseScene) -> Sentences:
-    """A hose so stiff along itself that its bending is lost beside it; between two ends it is stretched, and is not."""
-    text = stiff_beside_all(scene, cables_of(scene)) if scene.hose.end == "free" else ""
+    """A hose so stiff along itself that its bending may be lost beside it: at the stiffest piece."""
+    text = stiff_beside_all(scene, cables_of(scene))
     if text:
         stiffest = max(range(len(scene.hose.pieces)), key=lambda i: scene.hose.pieces[i].axial_stiffness)
         yield _at(scene, stiffest, "axial_stiffness"), text

@@ -137,9 +137,11 @@ class System:
     given : float
         Force that a scene at rest has to balance, N: ``force`` and ``scale`` may count stiffness, and a search for rest
         holds what is left against this one too. 0 where it is not known, or nothing acts.
+    hidden : bool
+        Whether the scene is so stiff along itself that rounding may hide what acts: a search for rest then asks.
     softer : str
-        Cause and cure of a search or a step without solution, where the scene is so stiff along itself that rounding
-        hides what acts; empty where it is not.
+        Cause and cure of a search or a step without solution, where that may be the cause and less stiffness bends
+        alike; empty where it is not so.
     neighbours : (m, 2) int array
         Full degrees of freedom at both ends of an element that must not move far apart at once, m, where a search for
         rest moves them: x and x, y and y, z and z, or the ways along a hole.
@@ -182,6 +184,7 @@ class System:
     places: list[str] = field(default_factory=list)
     force: float = 0.0
     given: float = 0.0
+    hidden: bool = False
     softer: str = ""
     neighbours: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     reach: float = 0.0

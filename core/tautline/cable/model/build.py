@@ -18,7 +18,15 @@ from tautline.cable.model.eyelets import eyelets
 from tautline.cable.model.handles import handles
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
-from tautline.cable.model.magnitudes import acting_force, largest_force, mass_of, rounding_error, stiff_along, too_stiff
+from tautline.cable.model.magnitudes import (
+    acting_force,
+    largest_force,
+    mass_of,
+    outweighs,
+    rounding_error,
+    stiff_along,
+    too_stiff,
+)
 from tautline.cable.model.observe import EXTREMES, Observer, figure_units, headline, variables
 from tautline.cable.model.room import rooms
 from tautline.cable.model.sections import Sections
@@ -89,7 +97,7 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
     )  # fmt: skip
     system.q[: layout.initial.size] = layout.initial
     system.force, system.reach = force, FAR * float(np.ptp(layout.initial))
-    system.given, system.softer = acting_force(scene), too_stiff(scene)
+    system.given, system.hidden, system.softer = acting_force(scene), outweighs(scene), too_stiff(scene)
     system.neighbours = (layout.starts[layout.ends][:, None, :] + np.arange(3)[:, None]).reshape(-1, 2)
     system.room, system.room_between = rooms(layout, lengths)
     system.slopes = layout.slopes

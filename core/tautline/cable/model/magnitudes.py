@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.cable.input.geometry import drawn_of
 from tautline.cable.input.material import element_lengths, material_coordinates
 from tautline.cable.input.parts import CableScene, Tie
 from tautline.cable.input.syntax.nodal import item_of
@@ -69,21 +70,47 @@ def too_stiff(scene: CableScene, flow: float = 0.0) -> str:
 
     ``flow`` (N) is the thrust of what flows through them, which acts beside what the scene gives.
     """
-    axial, acts = max((e.EA for e in scene.elements), default=0.0), acting_force(scene) + flow
-    if not acts > 0.0 or not TOO_STIFF * acts < axial < math.inf:
+    if not outweighs(scene, flow) or stretched(scene):
         return ""
+    axial, acts = max(e.EA for e in scene.elements), acting_force(scene) + flow
     return (
-        f"the axial stiffness EA = {axial:.3g} N is too large beside the {acts:.2g} N that act. With sixteen digits no "
-        "search for rest and no step tells bending from stretch. Give less: where the ends do not stretch the rope, "
-        f"EA = {ENOUGH * acts:.1g} N gives the same shape to six digits"
+        f"the axial stiffness EA = {axial:.3g} N may be too large beside the {acts:.2g} N that act. With sixteen "
+        "digits a search for rest or a step may not tell bending from stretch. Give less: where the ends do not "
+        f"stretch the rope, EA = {ENOUGH * acts:.1g} N gives the same shape to six digits"
     )
 
 
+def outweighs(scene: CableScene, flow: float = 0.0) -> bool:
+    """Whether EA is so far above what acts, and a thrust ``flow`` (N), that rounding of the one may hide the other."""
+    axial, acts = max((e.EA for e in scene.elements), default=0.0), acting_force(scene) + flow
+    return acts > 0.0 and TOO_STIFF * acts < axial < math.inf
+
+
+def stretched(scene: CableScene) -> bool:
+    """Whether ropes may carry more than what acts on them: EA then makes tension, and less of it another shape.
+
+    That is so where a rope is drawn longer than its material, where springs pull, and where an end is driven while
+    another is held.
+    """
+    if any(item_of(part).stiffness(part) > 0.0 for part in scene.nodal):
+        return True
+    ropes = [i for i, element in enumerate(scene.elements) if element.EA > 0.0]
+    ends = {node for i in ropes for node in scene.elements[i].nodes}
+    held = sum(any(node.held[:3]) for node in scene.nodes)
+    if held > 1 and any(any(node.functions) for node in scene.nodes if node.id in ends):
+        return True
+    # By chords: the ends of slack rope, drawn with slopes of their own, have longer arcs than material.
+    return bool((drawn_of(scene).distance > (1.0 + 1.0 / TOO_STIFF) * _lengths(scene))[ropes].any())
+
+
 def stiff_along(system: System, state: Any, status: Status) -> tuple[Status, int, str] | None:
-    """Status, place and detail of a step without solution in a system that is `too_stiff`; None of any other."""
+    """Status, place and detail of a step without solution in a system that is `too_stiff`; None of any other.
+
+    What was left in the step that failed is not kept. A long step may fail as well, so both are said.
+    """
     if status is not Status.NOT_CONVERGED or not system.softer:
         return None
-    return status, int(state.counters[WORST]), system.softer
+    return status, int(state.counters[WORST]), f"try a smaller step first; if none helps, {system.softer}"
 
 
 def stiffest_element(scene: CableScene) -> float:

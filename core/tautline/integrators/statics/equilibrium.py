@@ -16,6 +16,7 @@ from tautline.integrators.newton_at_rest import (
     MORE,
     NEAREST,
     PREVIOUS,
+    ROUNDING,
     SHIFT,
     WORST,
     WORST_THERE,
@@ -24,7 +25,7 @@ from tautline.integrators.newton_at_rest import (
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.dofs import TIED
-from tautline.kernels.matrix import Factors, cut, factorise_matrix, replace_by_identity, solve_matrix
+from tautline.kernels.matrix import Factors, cut, factorise_matrix, replace_by_identity, sizes_of_rows, solve_matrix
 from tautline.system.system import System
 
 SHIFTS = (0.0, 1e-4, 1e-2, 1.0, 100.0)
@@ -62,6 +63,9 @@ UNSETTLED = (
 
 ACTING = 1.0e-6
 """What a tolerance may leave in a row where stiffness makes its scale, over an equal share of what acts."""
+OF_ROUNDING, NEAR_ROUNDING = 1.0, 1.0e3
+"""What is left in a row over its rounding: up to the first it is put down to rounding; up to the second it may be that
+a search stretches what is stiff by more than it bends it. Hoses that fail by their EA have 2e-4 to 190."""
 SEEN = 1.0e-6
 """Way over the extent of the scene that a balance may leave to go, where rounding hides the rest."""
 
@@ -112,7 +116,10 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
             return Equilibrium(spent, ended.residual)
         tried.append(ended)
     nearest = min(tried, key=lambda ended: ended.residual)
-    detail = _why(system, nearest, spent, tried[0].loose, scales_at_rest(system, tolerance))
+    scale = scales_at_rest(system, tolerance)
+    times = over_rounding(system, state, nearest.worst, nearest.residual * scale[nearest.worst])
+    why = _cause(nearest, tried[0].loose, times, system.softer)
+    detail = f"{_amount(system, nearest, spent, scale)}; {why}"
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[nearest.worst], detail)
 
 
@@ -128,25 +135,42 @@ class _Ended(NamedTuple):
     away: bool = False
 
 
-def _why(system: System, ended: _Ended, spent: int, loose: bool, scale: np.ndarray) -> str:
-    """Amount, cause and cure of a search that failed, whose residuals were judged by scales (n,), N."""
-    share, whole = f"{100.0 * ended.residual:.2g} %", "the scene's largest force"
+def _amount(system: System, ended: _Ended, spent: int, scale: np.ndarray) -> str:
+    """What a search that failed has left, whose residuals were judged by scales (n,), N."""
+    share, whole = f"{100.0 * ended.residual:.2g} % of", "the scene's largest force"
     if scale[ended.worst] < system.scale[ended.worst]:
         left = ended.residual * scale[ended.worst] / (system.given * levers(system)[ended.worst])
-        share, whole = f"{100.0 * left:.2g} %", "the force that acts"
+        share, whole = f"{100.0 * left:.2g} % of", "the force that acts"
+        if left > 1.0:
+            share = f"{float(f'{left:.2g}'):g} times"
     if not np.isfinite(ended.residual):
-        amount = f"after {spent} iterations the search has left what numbers can hold"
-    elif ended.worst in system.algebraic:
-        amount = f"after {spent} iterations this constraint is still open by {share} of what is large in the scene"
-    else:
-        amount = f"after {spent} iterations {share} of {whole} is still out of balance there"
-    if system.softer:
-        why = system.softer
-    elif ended.away or loose:
-        why = LOOSE_OR_FAR
-    else:
-        why = UNSETTLED if ended.residual < NEXT_TO_REST else TOO_FAR
-    return f"{amount}; {why}"
+        return f"after {spent} iterations the search has left what numbers can hold"
+    if ended.worst in system.algebraic:
+        return f"after {spent} iterations this constraint is still open by {share} what is large in the scene"
+    return f"after {spent} iterations {share} {whole} is still out of balance there"
+
+
+def _cause(ended: _Ended, loose: bool, times: float, softer: str) -> str:
+    """Cause and cure of a search that failed, by how it ended, and by how many times rounding it has left."""
+    if ended.away or loose:
+        return LOOSE_OR_FAR
+    if times <= OF_ROUNDING:
+        return softer
+    why = UNSETTLED if ended.residual < NEXT_TO_REST else TOO_FAR
+    return f"{why}; or {softer}" if times <= NEAR_ROUNDING else why
+
+
+def over_rounding(system: System, state: State, row: int, left: float) -> float:
+    """What is left in a row, N, over what rounding leaves in it; infinite where no stiffness is so large as to hide it.
+
+    Rounding is that of the state in which a search has ended: as it was drawn a row may have no stiffness.
+    """
+    if not system.softer:
+        return np.inf
+    factors = system.spare_factors()
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, factors.matrix, np.zeros(system.size))
+    rounding = ROUNDING * float(sizes_of_rows(factors.matrix, state.q)[row])
+    return left / rounding if rounding > 0.0 else np.inf
 
 
 def refuse_without_number(system: System, state: State) -> None:
@@ -198,7 +222,7 @@ def _search(
             _balance_part(system, state, step_limit, tolerance, factors, np.zeros(n))
     iterations = int(counts[ITERATION])
     if stands == FOUND:
-        hidden = bool(system.softer and numbers[PREVIOUS] > tolerance) and _hides(system, state, extent)
+        hidden = bool(system.hidden and numbers[PREVIOUS] > tolerance) and _hides(system, state, extent)
         left = float(numbers[PREVIOUS])
         return _Ended(iterations, left if hidden else min(left, tolerance), int(counts[WORST]), not hidden)
     nearest = _Ended(iterations, float(numbers[NEAREST]), int(counts[WORST_THERE]))

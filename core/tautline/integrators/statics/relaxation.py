@@ -17,7 +17,7 @@ import numpy as np
 
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import WORST, State
-from tautline.integrators.statics.equilibrium import levers, scales_at_rest
+from tautline.integrators.statics.equilibrium import NEAR_ROUNDING, levers, over_rounding, scales_at_rest
 from tautline.integrators.statics.stability import ASIDE, Stability, count_negative
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
@@ -102,14 +102,14 @@ def relax(
     moves[system.algebraic] = 0.0
     scale = scales_at_rest(system, tolerance)
     last_q, last_a = state.q.copy(), np.zeros(system.size)
-    worst = 0
+    size, worst = 0.0, 0
     for round_ in range(1, most // BETWEEN + 1):
         motion.take_steps()
         m = _mass(still, state, mass)
         force = np.abs(m @ (moves * state.a)) * moves / scale
         size, worst = float(force.max(initial=0.0)), int(force.argmax()) if force.size else 0
         if not np.isfinite(size):
-            raise StoppedEarly(Status.NOT_FINITE, 0.0, system.names[worst], _during(system))
+            raise StoppedEarly(Status.NOT_FINITE, 0.0, system.names[worst], _during(system, Status.NOT_FINITE))
         if size <= tolerance:
             _settle(system, state)
             return Relaxation(BETWEEN * round_, size)
@@ -117,13 +117,19 @@ def relax(
         if square > 0.0:
             motion.damp_critically(square)
         last_q, last_a = state.q.copy(), state.a.copy()
-    detail = f"still moving after {most} steps of dynamic relaxation" + (system.softer and f"; {system.softer}")
+    near = over_rounding(system, state, worst, size * float(scale[worst])) <= NEAR_ROUNDING
+    detail = f"still moving after {most} steps of dynamic relaxation" + (f"; {system.softer}" if near else "")
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
 
 
-def _during(system: System) -> str:
-    """When a step of a relaxation failed, and the cause where the system knows one."""
-    return "during the relaxation" + (system.softer and f"; {system.softer}")
+def _during(system: System, status: Status) -> str:
+    """When a step of a relaxation failed, and what it may be; what such a step has left is not kept, so both are said.
+
+    A number that overflows is no rounding.
+    """
+    if status is not Status.NOT_CONVERGED or not system.softer:
+        return "during the relaxation"
+    return f"during the relaxation; nothing holds a part of the scene, or {system.softer}"
 
 
 @dataclass
@@ -171,7 +177,7 @@ class _DampedMotion:
                 continue
             if status != Status.DONE:
                 name = system.name_of(int(state.counters[WORST]))
-                raise StoppedEarly(Status(status), 0.0, name, _during(system))
+                raise StoppedEarly(Status(status), 0.0, name, _during(system, Status(status)))
             state.q[system.at_rest] = self.held
             state.v[system.at_rest] = state.a[system.at_rest] = 0.0
             damp(system.dofs, state, exp(-self.alpha * together * self.h))
