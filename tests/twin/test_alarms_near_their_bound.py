@@ -13,6 +13,7 @@ from twin.rehearsal import STILL, WEIGHT, weight_twin
 
 from crane.application import Crane
 from tautline.twin.forecast import Found
+from tautline.twin.pace import Pace
 from tautline.twin.signals.sensors import Health
 from tautline.twin.sources.record import Record
 from tautline.twin.twin import Twin
@@ -115,7 +116,7 @@ class Readings:
     def __init__(self, readings):
         self.name, self.live, self.again, self.ended = "readings", False, False, False
         self.refused = self.left_out = self.dropped = self.waiting = 0
-        self.notes, self.factors = [], {}
+        self.notes, self.factors, self.pace = [], {}, Pace()
         self._rows = [Record(0.1 * k, {"rope": one + 1e-3 * (k % 7)}, 0.0) for k, one in enumerate(readings)]
 
     def poll(self, timeout):

@@ -118,9 +118,9 @@ def test_what_was_stored_of_an_alarm_stays_when_it_is_renamed_taken_out_and_put_
 
 def test_the_first_lines_are_in_the_result_with_the_first_state_and_not_later(twin, tmp_path, monkeypatch):
     """What goes on from a state does not give the lines before it again."""
-    stored, flush, save = [], Series.flush, storage.save
+    stored, flush, write = [], Series.flush, storage.write
     monkeypatch.setattr(Series, "flush", lambda series: stored.append("result") or flush(series))
-    monkeypatch.setattr(storage, "save", lambda *given: stored.append("state") or save(*given))
+    monkeypatch.setattr(storage, "write", lambda *given: stored.append("state") or write(*given))
     assert twin(0, 4, "--resume", tmp_path / "own.st", "-o", tmp_path / "own.nc")[0] == 0
     assert stored[:3] == ["state", "result", "state"] and stored.count("result") > 1
 

@@ -11,6 +11,7 @@ from cli.in_process import commands_of
 
 from crane.application import Crane
 from tautline.scene.values.moments import stamp_said
+from tautline.twin.pace import Pace
 from tautline.twin.signals.sensors import Health
 from tautline.twin.sources.record import Record
 from tautline.twin.twin import Twin
@@ -32,7 +33,8 @@ class Given:
     def __init__(self, rows, dropped=0, notes=()):
         self.name, self.live, self.again, self.ended, self.refused = "given", False, True, False, 0
         self.left_out = 0
-        self.dropped, self.notes, self._rows, self.factors = dropped, list(notes), list(rows), {}
+        self.dropped, self.notes, self._rows = dropped, list(notes), list(rows)
+        self.factors, self.pace = {}, Pace()
         self.waiting = 0
 
     def poll(self, timeout):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -24,14 +24,15 @@ class Variable:
     long_name : str
         What it is, in words; plots write it at their axes.
     jumps : bool
-        Whether it says which of a few states something is in, such as 1 where it slips and else 0.
+        Whether it says which of a few states something is in, such as 1 where it slips and else 0. A run knows it, and
+        files do not hold it.
     """
 
     name: str
     dims: tuple[str, ...]
     units: str
     long_name: str
-    jumps: bool = False
+    jumps: bool = field(default=False, compare=False)
 
 
 def listed(variables: Iterable[Variable]) -> list[str]:

@@ -7,6 +7,7 @@ from cli.in_process import commands_of
 from twin.rehearsal import STILL
 
 from crane.application import Crane
+from tautline.twin.pace import Pace
 from tautline.twin.sources.connection import Silence
 from tautline.twin.sources.record import Record
 
@@ -62,7 +63,7 @@ class Hangs:
     name, live, again, ended, refused, left_out, dropped, waiting = "logger", True, False, False, 0, 0, 0, 0
 
     def __init__(self, pause):
-        self.notes, self.factors, self._pause = [], {}, pause
+        self.notes, self.factors, self.pace, self._pause = [], {}, Pace(), pause
         self._rows = [(0.1 * k, {"winch_pos": 0.0, "rope_tension": 49.0}) for k in range(12)]
 
     def poll(self, timeout):

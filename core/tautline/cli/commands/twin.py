@@ -453,7 +453,8 @@ class _Loop:
         """
         if self.packed is None:
             self._save()
-            self.packed, self.packed_at = self._packed(), self.lines
+            if self.state is not None:
+                self.packed, self.packed_at = self._packed(), self.lines
 
     def _answer_end(self) -> None:
         """Answer the rows that wait, as none comes behind them; once only, where none has come since."""
