@@ -131,9 +131,10 @@ def _bodies(scene: Scene) -> Iterator[Fault]:
 
 def _turning(scene: Scene) -> Iterator[Fault]:
     """A rigid body moves by its mass, that of the water around it, or that of the rope which ends at its centre."""
-    centred = {item.body for item in scene.path if isinstance(item, End) and not any(item.offset)}
+    ends = [item for item in scene.path if isinstance(item, End)]
+    beside = {end.body for end in ends if any(end.offset)} - {end.body for end in ends if not any(end.offset)}
     for i, body in enumerate(scene.bodies):
-        if body.inertia is None or body.name in centred:
+        if body.inertia is None or body.name not in beside:
             continue
         for key, one in ((("mass",), body), (("release", "remaining"), body.after_release())):
             moved = (axis in body.guide or one.added_mass[k] > 0.0 for k, axis in enumerate(XYZ))

@@ -54,9 +54,9 @@ def blade_step(scene: DrillstringScene, lumps: Lumps) -> float:
         return math.inf
     spin = float(speeds_of(scene, ROTATION).max())
     b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, spin, False)[0]
-    turned = spin > 0.0 or from_outside(scene, ROTATION)
-    lowered = bool((speeds_of(scene, BLOCK) > 0.0).any()) or from_outside(scene, BLOCK)
-    if not turned or (b.weight <= b.limit and not lowered):
+    if not (spin > 0.0 or from_outside(scene, ROTATION)):
+        return math.inf
+    if b.weight <= b.limit and not from_outside(scene, BLOCK) and not (speeds_of(scene, BLOCK) > 0.0).any():
         return math.inf
     mass = float(lumps.of_lumps(lambda tube: tube.mass_per_length)[-1])
     period = 2.0 * math.pi * math.sqrt(mass / (b.blades * b.cut_weight))
@@ -119,9 +119,11 @@ def shortened_told(scene: DrillstringScene, lumps: Lumps, step: float) -> list[s
     seen = blade_step(scene, lumps)
     if scene.solver.step != "auto" or seen >= min(step, SAFE * calm_step(scene, lumps)):
         return []
+    if slowed_told(scene, lumps):  # which says the same as a warning
+        return []
     return [
         f"step: auto takes steps of {seen:.2g} s at most, which show whether the blades make the bit bounce: that is "
-        f"{scene.solver.end / seen:.2g} steps or more"
+        f"{float(f'{scene.solver.end / seen:.2g}'):g} steps or more"
     ]
 
 

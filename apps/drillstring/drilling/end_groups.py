@@ -26,8 +26,9 @@ BLOCK, ROTATION, TORQUE = 0, 1, 2
 """Functions of time of a scene: the block's position m, the angle of the rotary rad, and the torque of a drive that is
 given it from outside, N m."""
 TORQUE_INPUT = "top.torque"
-INSTANTS = 201
-"""Times of a run at which its speeds are looked at, beside those at which their formulas change."""
+INSTANTS, FEW = 201, 10
+"""Times of a run at which its speeds are looked at, beside those at which their formulas change; and waves up to which
+each is looked at where it is fastest: in a sum of more no single crest is the fastest speed."""
 ROUNDED = 1.0e-9
 """Speed over the fastest of a run below which it is rounding."""
 RING = 1024
@@ -78,18 +79,21 @@ def speeds_of(scene: DrillstringScene, number: int) -> np.ndarray:
     """Speeds (m,) of the block, m/s, or of the rotary, rad/s, that a scene has throughout its run, BLOCK or ROTATION.
 
     They are those at `INSTANTS`, on both sides of every change of the formula and half way between two, so that no
-    pulse is missed, and where a wave is fastest next.
+    pulse is missed, and at the next crest and trough of each of few waves.
     """
     functions, end = compile_functions(requests(scene)), scene.solver.end
     even = np.linspace(0.0, end, INSTANTS)
     tracks = functions.break_from[[functions.track_from[number], functions.track_to[number]]]
     changes = np.unique(np.concatenate([[0.0, end], functions.breaks[tracks[0] : tracks[1]]]))
     times = [even, changes, np.nextafter(changes, 0.0), 0.5 * (changes[1:] + changes[:-1])]
-    for _, w, c, phase, _ in functions.waves[functions.wave_from[number] : functions.wave_to[number]]:
+    waves = functions.waves[functions.wave_from[number] : functions.wave_to[number]]
+    for _, w, c, phase, _ in waves if len(waves) <= FEW else ():
         halves, rate = (phase + even * (w + c * even)) / np.pi, w + 2.0 * c * even
         turning = rate != 0.0
-        nearest = np.ceil(halves) if w >= 0.0 else np.floor(halves)
-        times.append((even + np.pi * (nearest - halves) / np.where(turning, rate, np.inf))[turning])
+        way = 1.0 if w >= 0.0 else -1.0
+        nearest = way * np.ceil(way * halves)
+        for extreme in (nearest, nearest + way):  # one of them is a crest, the other a trough
+            times.append((even + np.pi * (extreme - halves) / np.where(turning, rate, np.inf))[turning])
     at = np.unique(np.concatenate(times))
     speeds = sample(functions, number, at[(at >= 0.0) & (at <= end)])[:, 1]
     # Rounding of what comes to rest is no turn the other way.

@@ -62,7 +62,19 @@ def refusal(one):
 def test_a_string_that_is_stretched_between_its_ends_is_not_advised_to_be_softer(tmp_path):
     assert told(scene(tmp_path, 0.999, axial="1.0e4", bending=4e-6)) == ([], "")
     assert told(scene(tmp_path, 0.99)) == ([], "")
-    assert told(scene(tmp_path, 1.0)) != ([], "")  # nothing pulls at it, and its bending is lost
+    # Drawn as long as it is, its weight stretches it: it sags as 1 / cbrt(EA).
+    assert told(scene(tmp_path, 1.0, gravity=9.81)) == ([], "")
+
+
+def test_a_rope_with_a_free_end_is_told_though_it_is_drawn_longer_than_it_is(tmp_path):
+    assert CAUSE in told(scene(tmp_path, 0.999, end=FREE, gravity=9.81))[1]
+
+
+@pytest.mark.parametrize("axial", ["2.0e9", "1.0e10"])
+def test_a_slack_rope_without_bending_stiffness_that_finds_no_rest_is_told_that_its_stiffness_may_be_the_cause(
+    tmp_path, axial
+):
+    assert CAUSE in refusal(scene(tmp_path, 1.1, axial=axial, bending=0, gravity=9.81)).sentence
 
 
 def test_a_slack_rope_is_told_though_the_slopes_of_its_ends_are_drawn_as_they_are(tmp_path):

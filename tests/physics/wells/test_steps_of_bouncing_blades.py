@@ -111,7 +111,10 @@ def test_blades_are_counted_that_something_outside_turns_while_the_scene_does_no
     {"table": {"time": [0.0, 1.0, 1.5, 2.0, 600.0], "value": [0.0, 0.0, SPIN, 0.0, 0.0]}},
     {"table": {"time": [0.0, 301.0, 301.5, 302.0, 600.0], "value": [0.0, 0.0, SPIN, 0.0, 0.0]}},
     {"harmonic": {"amplitude": SPIN, "period": 3.0}},
-], ids=["pulse", "pulse between instants", "sine whose zeros fall on the instants"])  # fmt: skip
+    {"harmonic": {"amplitude": SPIN, "period": 3.0, "phase": pi}},
+    {"harmonic": {"amplitude": SPIN, "period": 3.0, "phase": 3.5}},
+], ids=["pulse", "pulse between instants", "sine of which all instants show zeros", "the same, back first",
+        "of which all show one side"])  # fmt: skip
 def test_a_long_run_that_turns_the_bit_for_moments_only_is_counted_at_its_fastest(turned):
     scene = drilled(LONG, output__interval=LONG, top__rotation=turned, solver__end=600.0)
     assert checked(scene) and speeds_of(scene, ROTATION).max() == pytest.approx(SPIN, rel=1e-3)

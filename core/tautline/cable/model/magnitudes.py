@@ -70,7 +70,7 @@ def too_stiff(scene: CableScene, flow: float = 0.0) -> str:
 
     ``flow`` (N) is the thrust of what flows through them, which acts beside what the scene gives.
     """
-    if not outweighs(scene, flow) or stretched(scene):
+    if not outweighs(scene, flow) or stretched(scene, flow):
         return ""
     axial, acts = max(e.EA for e in scene.elements), acting_force(scene) + flow
     return (
@@ -86,21 +86,24 @@ def outweighs(scene: CableScene, flow: float = 0.0) -> bool:
     return acts > 0.0 and TOO_STIFF * acts < axial < math.inf
 
 
-def stretched(scene: CableScene) -> bool:
+def stretched(scene: CableScene, flow: float = 0.0) -> bool:
     """Whether ropes may carry more than what acts on them: EA then makes tension, and less of it another shape.
 
-    That is so where a rope is drawn longer than its material, where springs pull, and where an end is driven while
-    another is held.
+    That is so where springs pull, and of ropes held at two places or more where an end is driven or a rope is drawn
+    next to as long as its material: what acts across it, and a thrust ``flow`` (N), then stretches it by about
+    sqrt(acts / EA). A rope that is held at one place hangs by what acts alone.
     """
     if any(item_of(part).stiffness(part) > 0.0 for part in scene.nodal):
         return True
+    if sum(any(node.held[:3]) for node in scene.nodes) < 2:
+        return False
     ropes = [i for i, element in enumerate(scene.elements) if element.EA > 0.0]
     ends = {node for i in ropes for node in scene.elements[i].nodes}
-    held = sum(any(node.held[:3]) for node in scene.nodes)
-    if held > 1 and any(any(node.functions) for node in scene.nodes if node.id in ends):
+    if any(any(node.functions) for node in scene.nodes if node.id in ends):
         return True
+    stretch = sqrt((acting_force(scene) + flow) / max(scene.elements[i].EA for i in ropes)) if ropes else 0.0
     # By chords: the ends of slack rope, drawn with slopes of their own, have longer arcs than material.
-    return bool((drawn_of(scene).distance > (1.0 + 1.0 / TOO_STIFF) * _lengths(scene))[ropes].any())
+    return bool((drawn_of(scene).distance > (1.0 - stretch) * _lengths(scene))[ropes].any())
 
 
 def stiff_along(system: System, state: Any, status: Status) -> tuple[Status, int, str] | None:

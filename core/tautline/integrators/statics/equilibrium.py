@@ -63,9 +63,10 @@ UNSETTLED = (
 
 ACTING = 1.0e-6
 """What a tolerance may leave in a row where stiffness makes its scale, over an equal share of what acts."""
-OF_ROUNDING, NEAR_ROUNDING = 1.0, 1.0e3
+OF_ROUNDING, NEAR_ROUNDING = 1.0, 1.0e7
 """What is left in a row over its rounding: up to the first it is put down to rounding; up to the second it may be that
-a search stretches what is stiff by more than it bends it. Hoses that fail by their EA have 2e-4 to 190."""
+a search stretches what is stiff by more than it bends it. Hoses that fail by their EA have 2e-4 to 190, slack ropes
+without bending stiffness up to 7e5, a rope that nothing holds 4e11."""
 SEEN = 1.0e-6
 """Way over the extent of the scene that a balance may leave to go, where rounding hides the rest."""
 
@@ -137,14 +138,13 @@ class _Ended(NamedTuple):
 
 def _amount(system: System, ended: _Ended, spent: int, scale: np.ndarray) -> str:
     """What a search that failed has left, whose residuals were judged by scales (n,), N."""
-    share, whole = f"{100.0 * ended.residual:.2g} % of", "the scene's largest force"
+    left, whole = ended.residual, "the scene's largest force"
     if scale[ended.worst] < system.scale[ended.worst]:
-        left = ended.residual * scale[ended.worst] / (system.given * levers(system)[ended.worst])
-        share, whole = f"{100.0 * left:.2g} % of", "the force that acts"
-        if left > 1.0:
-            share = f"{float(f'{left:.2g}'):g} times"
-    if not np.isfinite(ended.residual):
+        left *= scale[ended.worst] / (system.given * levers(system)[ended.worst])
+        whole = "the force that acts"
+    if not np.isfinite(left):
         return f"after {spent} iterations the search has left what numbers can hold"
+    share = f"{float(f'{left:.2g}'):g} times" if left > 1.0 else f"{100.0 * left:.2g} % of"
     if ended.worst in system.algebraic:
         return f"after {spent} iterations this constraint is still open by {share} what is large in the scene"
     return f"after {spent} iterations {share} {whole} is still out of balance there"
