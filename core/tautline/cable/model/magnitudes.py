@@ -26,7 +26,7 @@ STIFF = 1.0e6
 """Chosen penalty over the stiffest element, at most: a joint gives 1e-6 of the stretch of an element."""
 ROUNDED = float(np.finfo(float).eps)
 """Of a coordinate, by which the gap of two nodes is rounded."""
-JOINED = "shortest elements at nodes"
+JOINED, ACTING = "shortest elements at nodes", "force that acts"
 """Where a scene keeps them."""
 
 
@@ -55,8 +55,16 @@ def largest_force(scene: CableScene) -> float:
 def acting_force(scene: CableScene) -> float:
     """Force that a scene at rest has to balance, N: what is given, else that which bends a rope by its own length.
 
-    Stiffness along a rope is no part of it, however large: it carries what acts and makes none of it.
+    Stiffness along a rope is no part of it, however large: it carries what acts and makes none of it. The scene keeps
+    it: warnings and the builder ask it several times.
     """
+    kept = scene.__dict__.setdefault(MADE, {})
+    if ACTING not in kept:
+        kept[ACTING] = _acting_force(scene)
+    return float(kept[ACTING])
+
+
+def _acting_force(scene: CableScene) -> float:
     gravity, lengths = float(np.linalg.norm(scene.gravity)), _lengths(scene).tolist()
     fluid = sum(e.conveyed[0] * length for e, length in zip(scene.elements, lengths, strict=True) if e.conveyed)
     bending = max((e.EJ for e in scene.elements), default=0.0)
