@@ -17,6 +17,7 @@ from crane.assembly.loads import buoyancy_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import answers_no_heave, compensation_of, heave_point
 from crane.geometry.quaternion import quaternion_of
+from crane.overhauling import too_light
 from crane.results.drawn_askew import drawn_askew
 from crane.results.laid_by_turning import turning_foreseen, unwound
 from crane.results.limits import LEAST_RATIO
@@ -80,7 +81,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
-        *_sheaves(scene), *_steps(found), *_mesh(found), *foreseen(found), *turning_foreseen(found),
+        *_sheaves(scene), *_steps(found), *too_light(found), *_mesh(found), *foreseen(found), *turning_foreseen(found),
         *narrow_bights(found), *_undamped(scene), *_compression(scene), *_winches(found, actuator),
         *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator), *_dry(scene), *_floating(found),

@@ -295,6 +295,8 @@ def _refuse_load_above(scene: CraneScene, wheels: list[Wheel]) -> None:
         if any(up @ wheels[highest].center > up @ wheels[i].center for i in at):
             continue
         name, cure = scene.path[highest].name, "put it below, or write start: as drawn"
+        if scene.gravity[2] > 0.0:
+            cure = f"gravity points up. Write {scene.gravity[2]:g} with a minus, or {cure}"
         cause = f"is above {name}, which it hangs from: no taut rope holds it up there"
         if rises(scene, body):
             if scene.rope.length is not None:

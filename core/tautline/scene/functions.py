@@ -368,6 +368,8 @@ def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
         first = error.problems[0]
         if first.key == "column":  # of the scene, and not of the file
             raise fault("column", first.cause, first.cure) from None
+        if first.line is None:  # no line of the file is to blame, but that it was named
+            raise fault("file", first.cause, first.cure) from None
         words = first.cause
         if first.value is not None:
             whole = first.key == "row"

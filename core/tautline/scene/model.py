@@ -137,8 +137,11 @@ def _drop_consequential_errors(model: type[Model], errors: Sequence[Any], data: 
         place = error["loc"]
         if place and place[0] in cut:
             return True
-        missing = len(place) == 1 and error["type"] == "missing"
-        return missing and (any(one.startswith(f"did you mean '{place[0]}'?") for one in meant) or place[0] in run_in)
+        # Options make a mapping of their own where the file's is misspelt: what it lacks is in the file.
+        missing = error["type"] == "missing" or (error["type"] == KIND and error["msg"] == "is missing")
+        if not missing or not place:
+            return False
+        return any(one.startswith(f"did you mean '{place[0]}'?") for one in meant) or place[0] in run_in
 
     return [error for error in errors if not follows(error)]
 

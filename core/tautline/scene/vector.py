@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import Annotated, Any
@@ -27,10 +28,19 @@ def listed(count: int | None, of: str, example: str) -> BeforeValidator:
             raise refusal("is an empty list", cure)
         if count is not None and len(value) != count:
             entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
-            raise refusal(f"has {entries}, not {count}", cure)
+            raise refusal(f"has {entries}, not {count}", cure + _in_two(value, count))
         return value
 
     return BeforeValidator(read)
+
+
+def _in_two(value: Sequence[Any], count: int) -> str:
+    """What to write where decimal commas may have parted numbers in two, as 30,5 is two entries of a list."""
+    pairs = [pair for pair in itertools.pairwise(value) if all(type(part) is int for part in pair) and pair[1] >= 0]
+    if not pairs or not count < len(value) <= 2 * count:
+        return ""
+    whole, part = pairs[-1]
+    return f". Are there decimal commas? Write a point instead, such as {whole}.{part}"
 
 
 def three(example: str) -> BeforeValidator:

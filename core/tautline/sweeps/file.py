@@ -475,5 +475,15 @@ def _quantities(application: Any, scene: Any) -> Mapping[str, tuple[Quantity, fl
 
 
 def scene_path(read: SweepFile) -> Path:
-    """The scene's file, relative to the sweep's."""
-    return read.folder / read.scene
+    """The scene's file, relative to the sweep's.
+
+    Raises
+    ------
+    SceneError
+        At the key that names it, where there is none.
+    """
+    path = read.folder / read.scene
+    if not path.exists():
+        cure = "give its path relative to the sweep's file"
+        raise SceneError([read.problem(("scene",), f"there is no file {path}", cure)])
+    return path

@@ -1,4 +1,4 @@
-"""Slips of the pen that make a key, in YAML, of what was meant as a value: a decimal comma, and a missing blank."""
+"""Slips of the pen by which YAML makes a key of a value: a decimal comma, a missing blank or colon."""
 
 from __future__ import annotations
 
@@ -11,9 +11,14 @@ AFTER_COMMA = re.compile(r"[0-9]+([eE][+-]?[0-9]+)?(\s+\S.*|[^\W\d].*|\s*%)?", r
 WITHOUT_BLANK = re.compile(r"([^\W\d]\w*):(\S.*)")
 """A key and its value with no blank behind the colon: in braces YAML reads all of it as a key."""
 
+WITHOUT_COLON = re.compile(r"([^\W\d]\w*)\s+(\S.*)")
+"""A key and its value with no colon between them: in braces YAML reads all of it as a key."""
+
 
 def without_blank(known: Sequence[str], key: str) -> tuple[str, str]:
-    """Key and cure of ``step:5 ms`` in braces, where all of it is read as a key; empty for one that is not `known`."""
+    """Key and cure of ``step:5 ms`` and ``step 5 ms`` in braces, which are read as keys; empty if it is not `known`."""
+    if (parts := WITHOUT_COLON.fullmatch(key)) is not None and parts[1] in known:
+        return parts[1], f"a colon is missing: write {parts[1]}: {parts[2]}"
     parts = WITHOUT_BLANK.fullmatch(key)
     if parts is None or parts[1] not in known:
         return "", ""
@@ -34,6 +39,9 @@ def decimal_comma(data: Any, key: str) -> tuple[str, str]:
         return "", ""
     keys = list(data)
     before = data[keys[keys.index(key) - 1]] if keys.index(key) > 0 else None
+    if isinstance(before, float):  # 5.000,0 t: YAML has read 5.0 of it
+        name = str(keys[keys.index(key) - 1])
+        return f"are they marks of thousands and a decimal comma? Write one number with a point, for {name}", name
     whole = isinstance(before, int) and not isinstance(before, bool)
     if not whole and not (isinstance(before, str) and re.fullmatch(r"-0+", before)):
         return "", ""

@@ -12,6 +12,8 @@ LARGEST_FILE = 10_000_000
 RESULT = b"\x89HDF\r\n\x1a\n"
 """First bytes of a NetCDF-4 file."""
 
+ALIKE = 0.6
+"""Share of letters that two names have in common, from which one may be meant by the other."""
 LEGACY = "tautline-legacy"
 """How text that is read piece by piece is decoded, as `decode` does: ``errors=LEGACY``."""
 
@@ -66,8 +68,13 @@ def _neighbour(path: Path) -> str:
         names = [file.name for file in path.parent.iterdir()]
     except OSError:
         return "check the folder's name"
-    close = difflib.get_close_matches(path.name, names, n=1)
+    close = [name for name in difflib.get_close_matches(path.name, names) if _alike(Path(name).stem, path.stem)]
     return f"did you mean {path.parent / close[0]}?" if close else "check the name"
+
+
+def _alike(name: str, other: str) -> bool:
+    """Whether two names, without their endings, may be one with a slip of the pen: all scenes end alike."""
+    return difflib.SequenceMatcher(None, name, other).ratio() >= ALIKE
 
 
 def decode(data: bytes, path: Path, legacy: bool = False) -> str:

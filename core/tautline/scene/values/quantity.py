@@ -148,7 +148,7 @@ class Quantity:
         if isinstance(written, str) and written in self.words:
             return written
         value = self._text(written) if isinstance(written, str) else self._number(written)
-        self._bound(value)
+        self._bound(value, bare=not isinstance(written, str))
         return value
 
     def _number(self, written: Any) -> float:
@@ -218,7 +218,7 @@ class Quantity:
             raise refusal("is not a finite number", self.cure)
         return value
 
-    def _bound(self, value: float) -> None:
+    def _bound(self, value: float, bare: bool) -> None:
         unit = f" {self.unit}" if self.unit else ""
         if self.above is not None and not value > self.above:
             least = "greater than zero" if self.above == 0.0 else f"greater than {self.above:g}{unit}"
@@ -231,7 +231,10 @@ class Quantity:
             raise refusal(f"must be {bound}", f"give {self.meaning} of {bound}")
         if self.at_most is not None and not value <= self.at_most:
             bound = f"{self.at_most:g}{unit}"
-            raise refusal(f"must not be more than {bound}", f"give {self.meaning} of at most {bound}")
+            cure = f"give {self.meaning} of at most {bound}"
+            if self.unit == "rad" and bare and math.radians(value) <= self.at_most:
+                cure = f"a bare number is in radians: write {value:g} deg if these are degrees, or {cure}"
+            raise refusal(f"must not be more than {bound}", cure)
         # What may not be negative is a size, by which things are divided; what may be is a place, and added to others.
         is_size = self.above is not None or self.at_least is not None
         if not self.any_size and (is_outside(value) if is_size else abs(value) > LARGEST):
