@@ -9,7 +9,7 @@ import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, rate_at, stiffness_of, torque_at, torque_at_rest, weight_at
 from drillstring.drilling.chatter import blades_told, keeps_all, rest_told, slowed_told
-from drillstring.drilling.end_groups import BLOCK, ROTATION, requests, speeds_of, turns
+from drillstring.drilling.end_groups import BLOCK, ROTATION, from_outside, requests, speeds_of, turns
 from drillstring.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
 from drillstring.model.lumped_string import lateral_mass
@@ -404,23 +404,25 @@ def _weak_drive(scene: DrillstringScene, ready: Prepared) -> Sentences:
     weight = scene.bit.weight or 0.0
     b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, 0.0, False)[0]
     limit, on = shown(drive.torque_limit, "N m", scene.units), shown(weight, "N", scene.units)
-    stalls, may = [], []
+    stalls, may = dict[str, list[str]](), []
     for spin in ways:
         turning, resting = torque_at(b, weight, spin), torque_at_rest(b, weight, spin)
         needed, held = (shown(torque, "N m", scene.units) for torque in (turning, resting))
         which = "" if len(ways) == 1 else " forward" if spin > 0.0 else " backward"
         if drive.torque_limit < turning:
             fastest = f"{quantity(spin / RPM, 'rpm')}, the fastest of the run{which}"
-            stalls.append(f"the {needed} that the bit takes with {on} on it at {fastest}: the drive stalls")
+            stalls.setdefault(f"the {needed} that the bit takes with {on} on it", []).append(fastest)
         elif drive.torque_limit < resting:
             may.append(f"the {held} that hold a bit at rest with {on} on it: the drive may stall there")
-    for text in dict.fromkeys(stalls or may):
+    # A bit that takes as much backward as forward is told of once.
+    told = [f"{taken} at {', and at '.join(ways)}: the drive stalls" for taken, ways in stalls.items()]
+    for text in dict.fromkeys(told or may):
         yield "top.rotation.controller.torque_limit", f"{limit} is less than {text}. Give more torque or less weight"
 
 
 def _penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """A block that is not lowered as fast as the bit drills."""
-    if not scene.bit.on_bottom:
+    """A block that is not lowered as fast as the bit drills; nothing of one that is moved from outside."""
+    if not scene.bit.on_bottom or from_outside(scene, BLOCK):
         return
     functions = compile_functions(requests(scene))
     feed = value_at(functions, BLOCK, scene.solver.end)[1]
@@ -429,6 +431,9 @@ def _penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
         if feed > 0.0:
             cause = f"lowers the bit at {_rate(scene, feed)} onto a bottom that is not drilled"
             yield "top.block", f"{cause}; give bit.penetration or bit.cutting, or hold the block"
+        return
+    if from_outside(scene, ROTATION):
+        # How fast the bit turns, and drills, is not the scene's.
         return
     b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, spin, False)[0]
     rate = rate_at(b, scene.bit.weight or 0.0, spin)
@@ -514,14 +519,17 @@ def _weight_to_come(scene: DrillstringScene, ready: Prepared) -> float:
     """Weight on bit, N, to which the block's way leads without friction; 0 of a bit that hangs.
 
     A bit that drills takes the weight with which it drills as fast as the block is lowered at the end. Where it does
-    not drill, string and rock give way as two springs.
+    not drill, string and rock give way as two springs. Where it follows from what moves the block or turns the bit from
+    outside, it is not known, and 0.
     """
-    if not scene.bit.on_bottom:
+    drills = scene.bit.penetration is not None or scene.bit.cutting is not None
+    unknown = from_outside(scene, BLOCK) or (drills and from_outside(scene, ROTATION))
+    if not scene.bit.on_bottom or unknown:
         return 0.0
     functions = compile_functions(requests(scene))
     spin = value_at(functions, ROTATION, scene.solver.end)[1]
     b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, spin, False)[0]
-    if scene.bit.penetration is not None or scene.bit.cutting is not None:
+    if drills:
         then = weight_at(b, value_at(functions, BLOCK, scene.solver.end)[1], spin)
         if np.isfinite(then):
             return then

@@ -233,7 +233,7 @@ def stiff_beside_all(scene: HoseScene, cables: CableScene) -> str:
     """
     if scene.hose.end != "free" or not outweighs(cables):
         return ""
-    return too_stiff(cables, _thrust(scene))
+    return too_stiff(cables, _thrust(scene), "hose")
 
 
 def _thrust(scene: HoseScene) -> float:

@@ -92,6 +92,13 @@ def test_slopes_at_bounds_are_of_fourth_order():
         assert np.allclose(found.value, [4.0, 0.0], rtol=1e-12, atol=0.0)
 
 
+def test_what_may_not_change_either_way_has_no_slope_and_is_at_no_limit():
+    seen = []
+    found = slopes(lambda h: (seen.append(h), {"x": np.array([3.0 + h, h])})[1], 0.1, Room(0.0, 0.0))["x"]
+    assert not np.any([found.value, found.below, found.above]) and found.value.shape == (2,) and not found.limited
+    assert set(seen) == {0.0}
+
+
 def test_a_step_never_leaves_its_room():
     seen = []
     slopes(lambda h: (seen.append(h), {"x": np.array(abs(h) ** 1.5)})[1], 0.1, Room(0.01, 0.15))

@@ -8,6 +8,7 @@ from cli.in_process import commands_of, leave_out_pixels, only_object
 from sweep.short_hoist import write_sweep
 
 from crane.application import Crane
+from tautline.sweeps.doubts import Unsatisfied
 
 BREAKS = "vary:\n  'bodies[0].mass': [2 t, 150 t, 160 t]\ncollect: [max_tension]\n"
 
@@ -25,6 +26,12 @@ def test_limits_that_cases_fail_are_told_with_number_and_first_case_however_quie
     assert rows[0][column] == "" and all("breaking_load" in row[column] for row in rows[1:])
     # 1.1 MN bear no load of 1.5 MN: `check` would say so of that scene, and the sweep's own is sound.
     assert "bodies[0].mass = 160000 kg: rope.breaking_load" in words
+
+
+def test_a_limit_that_the_only_case_fails_is_told_without_others():
+    failed = Unsatisfied({"breaking_load": {0}})
+    assert failed.warnings(1) == ["breaking_load failed in the one case. Its numbers are given all the same"]
+    assert "first case 0" in failed.warnings(2)[0] and "among those of the others" in failed.warnings(2)[0]
 
 
 def test_cases_that_satisfy_all_limits_have_no_column_and_no_warning(tmp_path, capsys, monkeypatch):

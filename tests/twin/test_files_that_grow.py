@@ -91,6 +91,25 @@ def test_where_no_row_is_new_nothing_is_answered_again_and_no_file_changes(twin,
     assert np.array_equal(Result.read(tmp_path / "parts.nc").time, Result.read(tmp_path / "whole.nc").time)
 
 
+def test_a_result_that_is_missing_is_said_not_to_be_written_where_no_row_is_new(twin, rows, tmp_path):
+    result = tmp_path / "parts.nc"
+    goes_on = ("--resume", tmp_path / "st", "-o", result)
+    _, told = twin(rows[:23], *goes_on)
+    assert "not written" not in told
+    result.unlink()
+    _, told = twin(rows[:23], *goes_on)
+    words = " ".join(told.split())
+    assert words.count("parts.nc is not written: no row was answered") == 1 and not result.exists()
+    assert "nothing is new: 22 rows not after 2.1 s" in words
+
+
+def test_rows_that_a_file_has_lost_are_not_counted_as_rows_that_are_not_new(twin, rows, tmp_path):
+    """Of 22 rows the last wait for others: they are answered at the end of the file, and are gone from it then."""
+    twin(rows[:23], "--resume", tmp_path / "st")
+    _, told = twin(rows[:11], "--resume", tmp_path / "st")
+    assert "nothing is new: 10 rows not after 2.1 s" in " ".join(told.split())
+
+
 def test_a_pipe_that_gives_no_row_answers_none_of_those_that_were_answered_at_its_end(
     rows, tmp_path, monkeypatch, capsys
 ):

@@ -55,10 +55,13 @@ FITTED = (
 def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confidence: float) -> dict[str, float]:
     """Extremes of the maxima of storms, (n,), in the sense of a limit; NaN where there are too few, or one is unknown.
 
+    A safety factor without end is known: it is fitted as the tension that it is of, which is none. So is one of the
+    fit that has no end, which is infinite here.
+
     A storm that failed is no draw that is lacking by chance: what fails is often what snaps, and an extreme of the
     others would be too small.
     """
-    if values.size < FEWEST or not np.isfinite(values).all():
+    if values.size < FEWEST or not one.known(values).all():
         return dict.fromkeys(FITTED, math.nan)
     # A force that has fallen below is none that the floor holds, such as a component, or the force of a rod.
     bound = -one.floor if values.min() >= one.floor else math.inf
@@ -261,7 +264,7 @@ def tabulate(
             if criterion.column in nothing:
                 found = np.where(np.isnan(found), 0.0, found)
             values[(k, *at)] = np.where(good, found, np.nan)
-            good = good & np.isfinite(found)
+            good = good & criterion.known(found)
         number[at] = good.sum()
         status[at] = FAILED if not good.all() else COMPUTED if good.size >= FEWEST else FEW
         for k, criterion in enumerate(criteria if status[at] == COMPUTED else ()):

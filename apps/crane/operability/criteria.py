@@ -81,6 +81,10 @@ class Criterion(NamedTuple):
         """
         return self.sign * (_inverse(values) if self.name in INVERSE else values)
 
+    def known(self, values: Any) -> Any:
+        """Which of some values can be fitted: those that are finite as they are fitted."""
+        return np.isfinite(self.badness(values))
+
     def from_badness(self, values: Any) -> Any:
         """The figure, of values as they are fitted."""
         return _inverse(self.sign * values) if self.name in INVERSE else self.sign * values

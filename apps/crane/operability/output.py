@@ -34,6 +34,12 @@ def degrees(heading: float | None) -> str:
     return OWN if heading is None else f"{math.degrees(heading):.6g} deg"
 
 
+def _finite(values: Any) -> np.ndarray:
+    """Values as files have them: what has no end is no number there, and is told in words (`endless_notes`)."""
+    values = np.asarray(values, float)
+    return np.where(np.isfinite(values), values, math.nan)
+
+
 def dataset(
     table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any], failed: Sequence[Failed] = ()
 ) -> Variables:
@@ -46,11 +52,15 @@ def dataset(
     entries: dict[str, Any] = {
         "status": (state, table.status, {"long_name": "whether the sea state was computed"}),
         "storms_done": (state, table.done, {"units": "1", "long_name": "storms that came to their end"}),
-        "value": ((*of_limit, "seed"), table.values, {"long_name": "largest or smallest of each storm, SI units"}),
+        "value": (
+            (*of_limit, "seed"),
+            _finite(table.values),
+            {"long_name": "largest or smallest of each storm, SI units"},
+        ),
     }
     for name in FITTED:
         about = {"long_name": name.replace("_", " ")} | ({"units": "1"} if name.startswith("exceedance") else {})
-        entries[name] = (of_limit, table.extremes[name], about)
+        entries[name] = (of_limit, _finite(table.extremes[name]), about)
     for name, get in (
         ("allowable_height", lambda one: one.height), ("allowable_height_low", lambda one: one.low),
         ("allowable_height_high", lambda one: one.high),
@@ -131,7 +141,9 @@ def _write_states(table: Table, criteria: Sequence[Criterion], path: Path, faile
     for k, *at in np.ndindex(max(1, len(criteria)), *table.status.shape):
         i, j, n = at
         limit = [criteria[k].text, criteria[k].unit] if criteria else ["", ""]
-        fits = [float(table.extremes[name][k, i, j, n]) for name in FITTED] if criteria else [math.nan] * len(FITTED)
+        fits = [math.nan] * len(FITTED)
+        if criteria:
+            fits = _finite([table.extremes[name][k, i, j, n] for name in FITTED]).tolist()
         state = [table.status[i, j, n], int(table.done[i, j, n])]
         place = [*_place(table, i, j), float(table.heights[n])]
         rows.append([*limit, *place, *state, *fits, words_of(failed, (i, j, n))])

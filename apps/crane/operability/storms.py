@@ -181,6 +181,7 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     )  # fmt: skip
     found.failed = failures(outcome, found.table, asked.conditions, of_every_run)
     found.warnings += failed_notes(found.table, len(asked.seeds), scene.units)
+    found.warnings += endless_notes(found.table, criteria)
     if asked.scatter is not None:
         found.fatigue = _fatigue(outcome.data, asked, scene, found.table)
     share = None if found.fatigue is None else found.fatigue.share
@@ -305,6 +306,20 @@ def failed_notes(table: Table, storms: int, system: str = "si") -> list[str]:
         f"storms failed in {len(table.failed)} of the sea states: {shown}{also}. Storms that fail are often those in "
         f"which the rope snaps.{milder} such a sea state no extremes are given"
     ]
+
+
+def endless_notes(table: Table, criteria: Sequence[Criterion]) -> list[str]:
+    """Limits of which the values of storms, or what is found of them, have no end, and what files have of these."""
+    told = []
+    for k, one in enumerate(criteria):
+        ends = np.array([np.isinf(values[k]) for values in table.extremes.values()]).any(axis=0)
+        ends |= np.isinf(table.values[k]).any(axis=-1)
+        if count := int(ends.sum()):
+            told.append(
+                f"{one.text}: in {count} of the {ends.size} sea states a value, or an end of an interval, is a rope "
+                f"without tension. Its {one.name} has no end. It is left out of the tables"
+            )
+    return told
 
 
 def scale_notes(asked: Asked) -> list[str]:

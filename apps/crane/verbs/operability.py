@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crane.verbs.operability_options import OperabilityOptions, read_options
+from tautline.cli.options.finite import finite
 from tautline.cli.output.preparing import preparing
 from tautline.cli.verbs import Changes, GoOn, Json, Quiet, Scene, Scheduler, Workers
 
@@ -63,7 +64,9 @@ ScatterFile = Annotated[
 ]
 SnConstant = Annotated[
     float | None,
-    typer.Option("--sn-constant", metavar="K", help="S-N curve N (S / breaking load)^5 = K: gives a life."),
+    typer.Option(
+        "--sn-constant", metavar="K", callback=finite, help="S-N curve N (S / breaking load)^5 = K: gives a life.",
+    ),
 ]  # fmt: skip
 Folder = Annotated[
     Path | None,

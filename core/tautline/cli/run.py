@@ -49,15 +49,19 @@ class Ended(Exception):
 def searched(scene: Path, as_json: bool, search: Callable[[], T]) -> T:
     """What a search of a verb finds; one that finds nothing ends the command as a run that stopped early does.
 
+    One that takes long is told to be under way.
+
     Raises
     ------
     Ended
         Where the search raises `tautline.integrators.status.StoppedEarly`, which has been reported then.
     """
+    from tautline.cli.output.preparing import told_if_long
     from tautline.integrators.status import StoppedEarly
 
     try:
-        return search()
+        with told_if_long(lambda: f"searching {scene}: Ctrl-C ends it, and nothing is stored yet"):
+            return search()
     except StoppedEarly as stop:
         say(f"{scene}: stopped, {stop.part}: {stop.sentence}", "red")
         if as_json:

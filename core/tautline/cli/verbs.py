@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from tautline.application.installed import Single
+from tautline.cli.options.finite import a_number, finite
 from tautline.cli.options.places import file_named
 
 if TYPE_CHECKING:
@@ -33,7 +34,8 @@ Step = Annotated[
 ]
 End = Annotated[str | None, typer.Option("--end", help="Simulated time, with a unit or in s, instead of the scene's.")]
 RhoInf = Annotated[
-    float | None, typer.Option("--rho-inf", help="Spectral radius of generalized-alpha at infinity, 0 to 1.")
+    float | None,
+    typer.Option("--rho-inf", callback=finite, help="Spectral radius of generalized-alpha at infinity, 0 to 1."),
 ]
 Accuracy = Annotated[
     str | None,
@@ -132,11 +134,13 @@ Colour = Annotated[
 ]
 Radius = Annotated[
     float | None,
-    typer.Option("--radius", min=0.0, help="Times the true thickness. [dim]\\[default: true, but visible][/]"),
+    typer.Option(
+        "--radius", min=0.0, callback=finite, help="Times the true thickness. [dim]\\[default: true, but visible][/]"
+    ),
 ]
 Exaggerate = Annotated[
     float | None,
-    typer.Option("--exaggerate", min=0.0, help="Times the offset across: sag, place in the hole."),
+    typer.Option("--exaggerate", min=0.0, callback=finite, help="Times the offset across: sag, place in the hole."),
 ]
 Eye = Annotated[
     str | None,
@@ -150,8 +154,12 @@ Size = Annotated[
     str | None,
     typer.Option("--size", metavar="WxH", help="Pixels, 100 to 8192 each way. [dim]\\[default: 1280x720][/]"),
 ]
-Rate = Annotated[float | None, typer.Option("--rate", min=0.1, help="Pictures a second of a film, at most.")]
-Speed = Annotated[float | None, typer.Option("--speed", min=1e-6, help="Simulated over shown time of a film.")]
+Rate = Annotated[
+    float | None, typer.Option("--rate", min=0.1, callback=finite, help="Pictures a second of a film, at most.")
+]
+Speed = Annotated[
+    float | None, typer.Option("--speed", min=1e-6, callback=finite, help="Simulated over shown time of a film.")
+]
 Vtk = Annotated[bool, typer.Option("--vtk", help="Files for ParaView: a .pvd with .vtp frames.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Tables: CSV files with units in their headers.")]
 Variables = Annotated[
@@ -173,7 +181,12 @@ Series = Annotated[
 ]
 ReplaySpeed = Annotated[
     float | None,
-    typer.Option("--speed", min=1e-6, help="Of a file, times real time. [dim]\\[default: as fast as possible][/]"),
+    typer.Option(
+        "--speed",
+        min=1e-6,
+        callback=finite,
+        help="Of a file, times real time. [dim]\\[default: as fast as possible][/]",
+    ),
 ]
 ResumeState = Annotated[
     Path | None, typer.Option("--resume", metavar="STATE", help="Go on from this state, and keep it there.")
@@ -283,7 +296,9 @@ ReferenceStep = Annotated[
     typer.Option("--reference-step", help="Finest step of the reference, with a unit or in s."),
 ]
 Repeat = Annotated[int, typer.Option("--repeat", min=1, help="Runs of each setting, for its time.")]
-Budget = Annotated[float, typer.Option("--budget", min=0.1, help="Processor time in s that one run may take.")]
+Budget = Annotated[
+    float, typer.Option("--budget", min=0.1, callback=a_number, help="Processor time in s that one run may take.")
+]
 Quick = Annotated[bool, typer.Option("--quick", help="A tenth of the time, half of the grid; says what is left out.")]
 Stem = Annotated[
     str | None,

@@ -667,9 +667,11 @@ class Simulation:
     def linearise(self, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
         """Linearise about the state as it is: ``x. = A x + B u``, ``y = C x + D u``.
 
-        A and B are made of exact tangents, also where the state moves; contacts and friction hold as they do now. In C
-        and D positions and velocities of points are exact, and all other outputs by central differences of fourth
-        order.
+        A is made of exact tangents, also where the state moves; contacts and friction hold as they do now. In C and D
+        positions and velocities of points are exact. How the equations follow inputs and integrals, and all other
+        outputs, are found by differences of fourth order: central ones, and one-sided ones where a central step would
+        pass the least or the most that an input may be given. Where the slopes of both sides differ, as at the limit of
+        a drive, the smaller one is taken.
 
         Parameters
         ----------

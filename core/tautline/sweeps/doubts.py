@@ -46,9 +46,11 @@ class Unsatisfied:
 
     def warnings(self, count: int) -> list[str]:
         """A sentence for each limit, of so many cases in all."""
+        if count == 1:
+            return [f"{name} failed in the one case. Its numbers are given all the same" for name in self.cases]
         return [
-            f"{name} failed in {len(cases)} of {count} case{'s' if count > 1 else ''}, first case {min(cases)}. The "
-            "numbers of such a case are among those of the others"
+            f"{name} failed in {len(cases)} of {count} cases, first case {min(cases)}. The numbers of such a case are "
+            "among those of the others"
             for name, cases in self.cases.items()
         ]
 

@@ -149,9 +149,10 @@ def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
     for name, (dims, array, about) in entries.items():
         if array.dtype.kind == "f" and np.isfinite(array).any():
             # Places that no case reached stay empty.
+            finite = np.where(np.isfinite(array), array, np.nan)
             known = np.isfinite(array).any(axis=0)
             ranked = np.full((len(RANKS), *array.shape[1:]), np.nan)
-            ranked[:, known] = np.nanpercentile(array[:, known], RANKS, axis=0)
+            ranked[:, known] = np.nanpercentile(finite[:, known], RANKS, axis=0)
             text = f"percentiles of {about['long_name']}"
             found[name + PERCENTILES] = ((PERCENTILE, *dims[1:]), ranked, {**about, "long_name": text})
             text = f"cases that have a number, of which are the percentiles of {about['long_name']}"

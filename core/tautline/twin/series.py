@@ -47,6 +47,7 @@ class Series:
 
     Attributes
     ----------
+    path : Path
     behind : bool
         Whether there are lines that could not be written.
 
@@ -58,7 +59,7 @@ class Series:
     """
 
     def __init__(self, path: Path, twin: Twin, begin: float | None = None, ended: bool = False) -> None:
-        plan = twin.plan
+        plan, self.path = twin.plan, path
         self._columns: dict[str, Any] = {}
         variables: list[Variable] = []
         coordinates: dict[str, Any] = {}

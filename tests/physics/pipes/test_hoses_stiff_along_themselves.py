@@ -110,6 +110,14 @@ def test_a_hose_between_two_pins_that_hardly_stretches_sags_by_the_third_root_of
     assert not [one for one in warnings(hose(1e10, **{"hose.end": "pinned"})) if "axial stiffness EA" in one.text]
 
 
+def test_what_is_told_of_an_axial_stiffness_that_is_too_large_says_hose_to_whoever_has_a_hose():
+    scene = hose(1e12)
+    told = [one.text for one in warnings(scene) if "axial stiffness EA" in one.text]
+    told.append(refusal_of(1e12, 10, 0.0))
+    assert len(told) == 2
+    assert all("do not stretch the hose" in text and "rope" not in text for text in told)
+
+
 def test_a_rope_so_stiff_along_itself_does_not_begin_as_drawn_without_a_word(tmp_path):
     path = tmp_path / "stiff_rope.yaml"
     for start in ("static", "relaxed"):

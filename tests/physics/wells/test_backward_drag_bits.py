@@ -113,6 +113,29 @@ def test_a_roller_bit_that_may_hold_its_drive_both_ways_is_told_once():
     assert "the drive may stall there" in text
 
 
+def test_a_roller_bit_that_stalls_its_drive_both_ways_is_told_once_with_both_speeds():
+    drive = {"kind": "pi", "speed": THERE_AND_BACK, "proportional": 5e3, "integral": 2e3, "inertia": 2e3}
+    bit = {"on_bottom": True, "weight": WEIGHT, "torque": {"static": 2e3, "kinetic": 2e3}}
+    scene = turned({"controller": drive | {"torque_limit": 1.5e3}}, bit=bit)
+    (text,) = [one.text for one in warnings(scene) if one.where.endswith("torque_limit")]
+    both = (
+        "at 30 rpm, the fastest of the run forward, and at -60 rpm, the fastest of the run backward: the drive stalls"
+    )
+    assert both in text
+
+
+@pytest.mark.parametrize("outside", [("top.rotary_speed",), ("top.torque",), ("top.block_speed",), ("top.block",)])
+def test_what_drives_rotary_or_block_from_outside_decides_how_a_bit_drills_and_the_scene_is_not_blamed(outside):
+    """A bit of a scene that does not turn it is pushed on by its block: true, and not where something else turns it."""
+    scene = turned(0.0, feed=1e-2, length=2000.0, well__sections=[{"hold": 2000.0}])
+    drive = {"kind": "pi", "speed": 0.0, "proportional": 5e3, "integral": 2e3, "inertia": 2e3}
+    scene = scene.replace({"top.rotation": {"controller": drive}})
+    alone = [one.text for one in warnings(scene) if one.where == "top.block"]
+    assert any("The bit does not turn then" in text for text in alone)
+    driven = [one.text for one in warnings(scene.driven_by(outside)) if one.where == "top.block"]
+    assert not any("does not turn" in text or "leads to a weight on bit" in text for text in driven)
+
+
 @BLADES
 def test_what_is_said_of_a_drag_bit_that_sticks_names_the_torque_of_either_way(blades):
     """Pushed back it is told up to which torque that way."""

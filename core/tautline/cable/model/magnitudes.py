@@ -73,10 +73,11 @@ def _acting_force(scene: CableScene) -> float:
     )
 
 
-def too_stiff(scene: CableScene, flow: float = 0.0) -> str:
+def too_stiff(scene: CableScene, flow: float = 0.0, thing: str = "rope") -> str:
     """Cause and cure where ropes are too stiff along themselves for sixteen digits; empty where they are not.
 
-    ``flow`` (N) is the thrust of what flows through them, which acts beside what the scene gives.
+    ``flow`` (N) is the thrust of what flows through them, which acts beside what the scene gives. ``thing`` is what
+    whoever wrote the scene calls one of them.
     """
     if not outweighs(scene, flow) or stretched(scene, flow):
         return ""
@@ -84,7 +85,7 @@ def too_stiff(scene: CableScene, flow: float = 0.0) -> str:
     return (
         f"the axial stiffness EA = {axial:.3g} N may be too large beside the {acts:.2g} N that act. With sixteen "
         "digits a search for rest or a step may not tell bending from stretch. Give less: where the ends do not "
-        f"stretch the rope, EA = {ENOUGH * acts:.1g} N gives the same shape to six digits"
+        f"stretch the {thing}, EA = {ENOUGH * acts:.1g} N gives the same shape to six digits"
     )
 
 

@@ -15,7 +15,7 @@ from tautline.cli.options.changes import change_of
 from tautline.cli.options.lists import number, numbers, one_of, words
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
-from tautline.cli.output.preparing import preparing
+from tautline.cli.output.preparing import preparing, told_if_long
 from tautline.cli.output.scene_warnings import print_warnings, warning_records
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import Problem, SceneError
@@ -86,14 +86,16 @@ def study(catalogue: Catalogue, path: Path, output: Path | str | None, asked: St
     from tautline.integrators.status import Interrupted, StoppedEarly
     from tautline.study.accuracy.precision import study as run
 
-    (subject, warnings), grid = prepared(catalogue, path, asked), _grid(asked)
+    # What is wrong with options is said before a scene is prepared, which may take long.
+    grid, tolerance, reference = _grid(asked), percentage(asked.tolerance, "--tolerance"), _reference(asked)
+    subject, warnings = prepared(catalogue, path, asked)
     stem = stem_of(path, output, "study")
     budget = asked.budget if not asked.quick else min(asked.budget, QUICK_BUDGET)
     try:
         with working() as progress:
             found = run(
-                subject, grid, percentage(asked.tolerance, "--tolerance"), budget=budget, point=asked.point,
-                repetitions=1 if asked.quick else asked.repeat, reference=_reference(asked), progress=progress,
+                subject, grid, tolerance, budget=budget, point=asked.point,
+                repetitions=1 if asked.quick else asked.repeat, reference=reference, progress=progress,
                 reduced=asked.quick,
             )  # fmt: skip
     except StoppedEarly as stop:
@@ -138,9 +140,11 @@ def prepared(catalogue: Catalogue, path: Path, asked: Options) -> tuple[Subject,
 
 @contextmanager
 def working() -> Iterator[Any]:
-    """A line that says what is being run, on a terminal; a function that changes it."""
+    """A line that says what is being run; a function that changes it. Without a terminal it is told as time passes."""
     if not console().is_terminal:
-        yield lambda text: None
+        stage = [""]
+        with told_if_long(lambda: f"running: {stage[0] or 'the scene as it stands'}. Ctrl-C ends it"):
+            yield lambda text: stage.__setitem__(0, text)
         return
     with console().status("") as status:
         yield lambda text: status.update(text.replace("[", "\\["))

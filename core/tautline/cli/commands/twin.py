@@ -271,6 +271,7 @@ class _Loop:
         self.begun = self.twin.now > -math.inf  # gone on with: there is a state of it
         rows = made.readings.rows
         self.rereading = Rereading(made.heard, self.begin, rows.shift) if source.again else None
+        self.held_again = 0  # rows of the source that the state holds, as they were not answered for good
         self.silence = Silence(source.name, made.plan.lost)
         self.known = Counter(self.twin.readings.rows.counts)
         self.saved = clock.monotonic()
@@ -362,6 +363,8 @@ class _Loop:
             self.twin.readings.rows.place = self.rereading.place
         if self.rereading is None or self.rereading.is_new:
             self.ending = None
+        else:
+            self.held_again += 1
         self._give(self.twin.add(record.time, record.values, record.arrived, record.repeated))
 
     def _pass_on(self) -> None:
@@ -527,6 +530,7 @@ class _Loop:
         self._save()
         if self.series is not None:
             self._keep("result", partial(self.series.finish, status))
+            self._say_no_result()
         if self.page is not None:
             self.page.close()
         self._summarise()
@@ -537,12 +541,17 @@ class _Loop:
         if self.last is None and not self._before:
             raise Ended(ExitCode.STOPPED_EARLY)
 
+    def _say_no_result(self) -> None:
+        """Say that the file that was asked for does not come to be where no row was answered."""
+        if self.lines == 0 and not self.series.path.exists() and "result" not in self.unsaved:
+            say(f"{self.series.path} is not written: no row was answered", "yellow")
+
     @property
     def _before(self) -> int:
-        """Rows of a file that were answered by an earlier process."""
+        """Rows that a file has of those that were answered by an earlier process; what it has lost is not counted."""
         if self.rereading is None:
             return 0
-        return self.rereading.before + (self.ending.rows if self.ending is not None else 0)
+        return self.rereading.before + (self.held_again if self.ending is not None else 0)
 
     def _summarise(self) -> None:
         """Print what was found last, and what was wrong with the data."""

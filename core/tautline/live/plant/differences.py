@@ -31,7 +31,7 @@ Sample = Callable[[float], Mapping[str, np.ndarray]]
 
 
 class Room(NamedTuple):
-    """How far a step may go down and up."""
+    """How far a step may go down and up: nowhere where both are nothing."""
 
     below: float = math.inf
     above: float = math.inf
@@ -135,12 +135,14 @@ def slopes(
     step : float
         The first one.
     room : Room
-        How far steps may go; one way may be none.
+        How far steps may go; one way may be none. Where both are, nothing changes, and all derivatives are nothing.
     here : mapping, optional
         What is sampled at no step, where that is known.
     """
-    stencil, step = _within(step, room)
     at_hand = sample(0.0) if here is None else here
+    if max(room) == 0.0:
+        return {name: _still(value) for name, value in at_hand.items()}
+    stencil, step = _within(step, room)
     least = FINEST * step
     found: dict[str, _Seen] = {}
     while True:
@@ -152,6 +154,12 @@ def slopes(
         step *= FINER
     at_kinks = _at_kinks(sample, at_hand, found)
     return {name: _slope(seen, name in at_kinks) for name, seen in found.items()}
+
+
+def _still(value: np.ndarray) -> Slope:
+    """The slope of what cannot change: it is at no limit that one side could leave."""
+    none = np.zeros(np.shape(value))
+    return Slope(none, none, none, False)
 
 
 def _within(step: float, room: Room) -> tuple[_Stencil, float]:
