@@ -94,10 +94,15 @@ def test_check_judges_the_weight_to_which_the_block_leads_by_the_rule_for_the_we
     assert told[0].text.split("It ")[1].startswith(same[0].text.split(". To see it")[0])
 
 
-def test_check_judges_the_weight_at_which_a_bit_drills_as_fast_as_the_block_is_lowered():
+def test_check_judges_the_weight_that_a_block_faster_than_its_bit_makes_within_the_run():
+    """Drilled in proportion to the weight: dW/dt = K (v - c W), so that W = W_0 (3 - 2 exp(-K c t)) at three times."""
     faster, own = "{velocity: 60 m/h}", ", penetration: {rate: 20 m/h, speed: 60 rpm}"
-    told = [one for one in checked(scene(block=faster, bit=own)) if one.where == "top.block"]
-    assert kilonewtons(told[0].text, "weight on bit of ") == pytest.approx(3.0 * WEIGHT, rel=1e-3)
+    spring, end = (pushed() - WEIGHT) / WAY, 20.0
+    grown = WEIGHT * (3.0 - 2.0 * np.exp(-spring * 20.0 / 3600.0 / WEIGHT * end))
+    long = scene(block=faster, bit=own).replace({"solver.end": end})
+    told = [one for one in checked(long) if one.where == "top.block"]
+    assert kilonewtons(told[0].text, "weight on bit of ") == pytest.approx(grown, rel=2e-3)
+    assert not checked(scene(block=faster, bit=own).replace({"solver.end": 2.0})), "it has not come that far by then"
     assert not checked(scene(block="{velocity: 20 m/h}", bit=own))
 
 
