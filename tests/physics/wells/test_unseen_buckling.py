@@ -106,6 +106,14 @@ def test_check_judges_the_weight_that_a_block_faster_than_its_bit_makes_within_t
     assert not checked(scene(block="{velocity: 20 m/h}", bit=own))
 
 
+@pytest.mark.parametrize(
+    "block", ["0 m", "{ramp: {to: 30 mm, over: 5 s}}", "{velocity: {ramp: {to: -20 m/h, over: 5 s}}}"]
+)
+def test_no_buckling_is_told_of_a_threshold_that_a_block_held_raised_or_lowered_a_little_does_not_reach(block):
+    dull = ", penetration: {rate: 20 m/h, speed: 60 rpm, threshold: 90 kN, weight: 200 kN}"
+    assert checked(scene(block=block, bit=dull)) == []
+
+
 def test_nothing_is_said_of_a_string_below_its_limit_or_of_one_that_the_run_lets_buckle():
     below = scene(block="{ramp: {to: 0.03 m, over: 5 s}}")
     assert not checked(below) and not said_of(tautline.simulate(below))
