@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.drilling.bit_numbers import bit_row, rate_at, stiffness_of, torque_at, torque_at_rest, weight_at
+from drillstring.block_warnings import OFF, penetration
+from drillstring.drilling.bit_numbers import bit_row, torque_at, torque_at_rest
 from drillstring.drilling.chatter import blades_told, keeps_all, rest_told, slowed_told
-from drillstring.drilling.end_groups import BLOCK, ROTATION, from_outside, requests, speeds_of, turns
+from drillstring.drilling.end_groups import BLOCK, ROTATION, requests, speeds_of, turns
+from drillstring.drilling.weight_of_run import is_of_the_scene, weight_of_run
 from drillstring.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
 from drillstring.model.lumped_string import lateral_mass
@@ -19,10 +21,10 @@ from drillstring.results.unseen_buckling import told_at_rest
 from drillstring.scene.ends import Controller
 from drillstring.scene.hole import DRILLED
 from drillstring.scene.scene import BEAM, DrillstringScene
-from drillstring.string.buoyancy import CURE, buoyed_mass
+from drillstring.string.buoyancy import CURE, buoyed_mass, buoyed_weight
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
-from drillstring.string.strength import tension_at_rest
+from drillstring.string.strength import largest_at_rest, tension_at, tension_at_rest
 from drillstring.well.sections import dogleg_severity
 from tautline.kernels.time_function import sample, value_at
 from tautline.results.assessment.rounding import unrounded
@@ -50,8 +52,6 @@ DEEP = 0.5
 """Depth in the wall over the clearance that is warned of; a stabiliser's clearance is taken as `SNUG` at least."""
 LEANING = 0.01
 """Sine of the inclination that a vertical hole is taken to have: none is straight."""
-OFF = 0.05
-"""Difference of the block's speed from the rate of penetration, over the latter, that is reported."""
 UPRIGHT = np.radians(10.0)
 """Inclination below which a pipe in compression is not held by the hole."""
 THICK, HEAVIER = 0.7, 1.25
@@ -196,15 +196,16 @@ def _floating(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 def _yielding(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """Sections whose tension at rest is more than `LARGEST_SHARE` of their yield load."""
-    tension = tension_at_rest(scene, ready.well, ready.lumps)
+    tension, place = largest_at_rest(scene, ready.well, ready.lumps)
     for i, section in enumerate(scene.string):
         if section.yield_load is None or float(tension[i]) <= LARGEST_SHARE * section.yield_load:
             continue
         share = float(tension[i]) / section.yield_load
         load, most = (shown(force, "N", scene.units) for force in (float(tension[i]), section.yield_load))
+        where = shown(float(place[i]), "m", scene.units)
         text = (
-            f"{section.name} carries {load} at rest, {100.0 * share:.0f} % of its yield load of {most}; take a higher "
-            "grade, a heavier pipe, or a lighter string below it"
+            f"{section.name} carries {load} at rest at {where}, {100.0 * share:.0f} % of its yield load of {most}; "
+            "take a higher grade, a heavier pipe, or a lighter string below it"
         )
         yield f"string[{i}].yield_load", text
 
@@ -223,7 +224,7 @@ def soft_wall(scene: DrillstringScene, ready: Prepared) -> Sentences:
     places = lumps.measured_depth[1:] - 0.5 * lumps.length
     tubes = [lumps.tubes[k] for k in lumps.section]
     weight = np.array([abs(weight_in(fluid_of(scene.mud), tube, scene.gravity)) for tube in tubes])
-    tension = np.abs(tension_at_rest(scene, well, lumps))[lumps.section]
+    tension = np.abs(tension_at(scene, well, lumps, places))
     side = weight * np.maximum(np.sin(well.inclination(places)), LEANING)
     side = np.maximum(side, tension * np.hypot(*well.curvature(places)))
     diameter = np.array([tube.contact_od for tube in tubes])
@@ -420,56 +421,6 @@ def _weak_drive(scene: DrillstringScene, ready: Prepared) -> Sentences:
         yield "top.rotation.controller.torque_limit", f"{limit} is less than {text}. Give more torque or less weight"
 
 
-def _penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """A block that is not lowered as fast as the bit drills; nothing of one that is moved from outside."""
-    if not scene.bit.on_bottom or from_outside(scene, BLOCK):
-        return
-    functions = compile_functions(requests(scene))
-    feed = value_at(functions, BLOCK, scene.solver.end)[1]
-    spin = value_at(functions, ROTATION, scene.solver.end)[1]
-    if scene.bit.penetration is None and scene.bit.cutting is None:
-        if feed > 0.0:
-            cause = f"lowers the bit at {_rate(scene, feed)} onto a bottom that is not drilled"
-            yield "top.block", f"{cause}; give bit.penetration or bit.cutting, or hold the block"
-        return
-    if from_outside(scene, ROTATION):
-        # How fast the bit turns, and drills, is not the scene's.
-        return
-    b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, spin, False)[0]
-    rate = rate_at(b, scene.bit.weight or 0.0, spin)
-    if abs(feed - rate) <= OFF * rate:
-        return
-    then = weight_at(b, feed, spin)
-    if not np.isfinite(then):
-        yield "top.block", _pushed_on(_rate(scene, feed), spin)
-        return
-    found = shown(then, "N", scene.units)
-    moves = "raised" if feed < 0.0 else "lowered"
-    text = (
-        f"is {moves} at {_rate(scene, abs(feed))} at the end and the bit drills {_rate(scene, rate)} with its weight: "
-        f"the weight on bit goes to {found}"
-    )
-    yield "top.block", text
-
-
-def _pushed_on(feed: str, spin: float) -> str:
-    """That a bit which does not cut is pushed onto the bottom at a rate, and what to do."""
-    why = "The bit does not turn then, and does not cut"
-    cure = "Give top.rotation a speed"
-    if spin < 0.0:
-        why = "The bit turns backwards then, and a bit that turns backwards does not cut"
-        cure = "Give top.rotation a positive speed, which is clockwise looking down the hole"
-    return (
-        f"is lowered at {feed} at the end. {why}. The hole gets no deeper, so the weight on bit grows for as long as "
-        f"the block is lowered. {cure}, or hold the block"
-    )
-
-
-def _rate(scene: DrillstringScene, rate: float) -> str:
-    """A rate of penetration in the units of the scene."""
-    return shown(3600.0 * rate, "m/h", scene.units, digits=3)
-
-
 def _sticking(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """A method that cannot damp the shock of a bit that sticks."""
     if not scene.bit.on_bottom:
@@ -502,8 +453,12 @@ def _buckling(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 
 def _led_to(scene: DrillstringScene, ready: Prepared) -> Sentences:
-    """What is wrong with the weight on bit to which the block's way leads, by the rules for `bit.weight`."""
-    weight = _weight_to_come(scene, ready)
+    """What is wrong with the largest weight on bit that the block's way makes, by the rules for `bit.weight`."""
+    if not scene.bit.on_bottom or not is_of_the_scene(scene):
+        return
+    run = weight_of_run(scene, ready.lumps.tubes)
+    peak = int(run.weight.argmax())
+    weight = float(run.weight[peak])
     if weight <= (1.0 + OFF) * (scene.bit.weight or 0.0):
         return
     later = scene.model_copy(update={"bit": scene.bit.model_copy(update={"weight": weight})})
@@ -512,31 +467,8 @@ def _led_to(scene: DrillstringScene, ready: Prepared) -> Sentences:
         if any(check(scene, ready)):
             continue
         for _, text in check(later, ready):
-            yield "top.block", f"leads to a weight on bit of {told}. It {text.removeprefix(f'{told} ')}"
-
-
-def _weight_to_come(scene: DrillstringScene, ready: Prepared) -> float:
-    """Weight on bit, N, to which the block's way leads without friction; 0 of a bit that hangs.
-
-    A bit that drills takes the weight with which it drills as fast as the block is lowered at the end. Where it does
-    not drill, string and rock give way as two springs. Where it follows from what moves the block or turns the bit from
-    outside, it is not known, and 0.
-    """
-    drills = scene.bit.penetration is not None or scene.bit.cutting is not None
-    unknown = from_outside(scene, BLOCK) or (drills and from_outside(scene, ROTATION))
-    if not scene.bit.on_bottom or unknown:
-        return 0.0
-    functions = compile_functions(requests(scene))
-    spin = value_at(functions, ROTATION, scene.solver.end)[1]
-    b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, spin, False)[0]
-    if drills:
-        then = weight_at(b, value_at(functions, BLOCK, scene.solver.end)[1], spin)
-        if np.isfinite(then):
-            return then
-    way = _reach_of_block(scene)[1] - float(value_at(functions, BLOCK, 0.0)[0])
-    give = 1.0 / (stiffness_of(b) or scene.bit.rock.stiffness)
-    give += sum(tube.length / (tube.youngs_modulus * tube.area) for tube in ready.lumps.tubes)
-    return (scene.bit.weight or 0.0) + way / give
+            cause = f"leads to a weight on bit of {told} at t = {run.time[peak]:.4g} s"
+            yield "top.block", f"{cause}. It {text.removeprefix(f'{told} ')}"
 
 
 # mesh
@@ -548,7 +480,7 @@ def _mesh(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 CHECKS: tuple[Check, ...] = (
     _steps, *OF_THE_HOLE, _upside_down, _floating, soft_wall, _friction, _block, _shoe,
-    _past_the_shoe, _yielding, _relaxed, _off_bottom, _weight_on_bit, _torque_on_bit, _weak_drive, _penetration,
+    _past_the_shoe, _yielding, _relaxed, _off_bottom, _weight_on_bit, _torque_on_bit, _weak_drive, penetration,
     _sticking, _chatter, _buckling, _led_to, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
@@ -561,7 +493,7 @@ OF_A_RUN = frozenset(
         _past_the_shoe,
         _torque_on_bit,
         _weak_drive,
-        _penetration,
+        penetration,
         _sticking,
         _chatter,
         _buckling,
@@ -578,8 +510,7 @@ def figures(scene: DrillstringScene) -> dict[str, Any]:
     end = well.position(np.array([well.length]))[0]
     stations = np.linspace(0.0, well.length, 2001)
     severity, begin, end_of_arc = sharpest(well)
-    fluid, tubes = fluid_of(scene.mud), lumps.tubes
-    weight = float(sum(weight_in(fluid, tube, scene.gravity) * tube.length for tube in tubes))
+    weight = buoyed_weight(scene, lumps.tubes)
     return {
         "well": {
             "length": well.length,

@@ -135,11 +135,9 @@ def rate_at(b: np.record, weight: float, spin: float) -> float:
 
 
 def weight_at(b: np.record, rate: float, spin: float) -> float:
-    """Weight on bit, N, with which a bit drills steadily at a rate, m/s; inf where none does."""
+    """Weight on bit, N, with which a bit drills steadily at a rate above 0, m/s; inf where none does."""
     factor = b.cut * speed_factor(b, spin)
-    if rate <= 0.0 or factor == 0.0:
-        return float(b.threshold) if rate <= 0.0 else np.inf
-    return float(b.threshold + (rate / factor) ** (1.0 / b.weight_exponent))
+    return float(b.threshold + (rate / factor) ** (1.0 / b.weight_exponent)) if factor > 0.0 else np.inf
 
 
 def stiffness_of(b: np.record) -> float:

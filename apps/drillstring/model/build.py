@@ -100,7 +100,7 @@ def build(scene: DrillstringScene) -> Model:
 
 def _remarks(result: Any, scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[str]:
     """Sentences on what is seen in a run."""
-    found = pushed_at_the_top(result, scene) + told_of_a_run(result, scene, well, lumps)
+    found = pushed_at_the_top(result, scene, lumps) + told_of_a_run(result, scene, well, lumps)
     # Of a run that keeps statistics it is told already that they have no whirl ratio, nor how the bit turns.
     return found if scene.output.statistics else found + _stalled(result, scene) + whirl_remarks(result, lumps)
 

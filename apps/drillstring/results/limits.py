@@ -8,6 +8,7 @@ import numpy as np
 
 from drillstring.results.places import reaches_of_links
 from drillstring.scene.scene import DrillstringScene
+from drillstring.string.buoyancy import buoyed_weight
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import extreme_tension
 from tautline.results.assessment.limits import STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit
@@ -17,6 +18,9 @@ INTO_THE_WALL = 1.0
 """Depth of the string in the wall over its clearance, above which the wall is no wall."""
 ROUNDING = 1.0e-6
 """Share of the largest tension below which a hook load is what rounding leaves."""
+PUSHED = 0.01
+"""Share of the string's buoyed weight up to which a push is none that counts: a moment's wave in a string that falls
+onto its wall is less, and no figure of a rig is known better."""
 MOVED = 1.0e-6
 """Way of the block, m, below which it counts as held."""
 SNUG = 0.05
@@ -37,12 +41,13 @@ def limits(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[dict[str,
     return [*found, *_into_the_wall(result)]
 
 
-def pushed_at_the_top(result: Any, scene: DrillstringScene) -> list[str]:
+def pushed_at_the_top(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[str]:
     """A sentence where the hoist would have to push: hook load and the weight of the block together are below zero."""
     hook, block = np.asarray(result["hook_load"]), scene.top.weight
     lowest = int(hook.argmin())
     # Of a string that is not pulled rounding leaves a hook load of either sign.
-    if hook[lowest] + block >= -ROUNDING * np.abs(result["tension"]).max():
+    least = max(ROUNDING * float(np.abs(result["tension"]).max()), PUSHED * abs(buoyed_weight(scene, lumps.tubes)))
+    if hook[lowest] + block >= -least:
         return []
     load = shown(float(hook[lowest]), "N", scene.units)
     given, cures = (

@@ -17,7 +17,7 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.string.buckling import Limits, limit_at, limits_at
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps, Tube
-from drillstring.string.strength import ends_of_links, shares_at_ends
+from drillstring.string.strength import ends_of_links, shares_at_ends, tension_at
 from drillstring.well.wellbore import Wellbore
 
 PIECES = 100
@@ -119,8 +119,7 @@ def buckled_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Bu
     edges = _edges(well, lumps)
     ends = np.cumsum([tube.length for tube in lumps.tubes])
     section = np.searchsorted(ends[:-1], 0.5 * (edges[1:] + edges[:-1]), side="right")
-    weight = np.array([weight_in(fluid_of(scene.mud), tube, scene.gravity) for tube in lumps.tubes])[section]
-    tension = np.append(np.cumsum((weight * np.diff(well.tvd(edges)))[::-1])[::-1], 0.0) + scene.bit.load
+    tension = tension_at(scene, well, lumps, edges)
     depth, pushed = (np.stack([x[:-1], x[1:]], axis=1) for x in (edges, -tension))
     return _farthest(depth, section, pushed, _limits_of_pieces(scene, well, lumps, section, depth, pushed))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from drillstring.string.fluid import fluid_of, weight_in
@@ -54,3 +55,8 @@ def _lightest(scene: DrillstringScene) -> tuple[Path_, float]:
 def buoyed_mass(scene: DrillstringScene, tube: Tube) -> float:
     """Steel and contents of a section less the mud that it displaces, kg/m."""
     return weight_in(fluid_of(scene.mud), tube, 1.0)
+
+
+def buoyed_weight(scene: DrillstringScene, tubes: Sequence[Tube]) -> float:
+    """Buoyed weight of a whole string, N."""
+    return float(sum(weight_in(fluid_of(scene.mud), tube, scene.gravity) * tube.length for tube in tubes))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from drillstring.scene.scene import DrillstringScene
@@ -11,16 +13,44 @@ from drillstring.well.wellbore import Wellbore
 
 
 def tension_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> np.ndarray:
-    """Effective tension at the upper end of each section without friction, (sections,) N.
+    """Effective tension at the upper end of each section without friction, (sections,) N; see `tension_at`."""
+    return tension_at(scene, well, lumps, _ends(lumps)[:-1])
+
+
+def tension_at(scene: DrillstringScene, well: Wellbore, lumps: Lumps, place: np.ndarray) -> np.ndarray:
+    """Effective tension of a string at rest without friction at measured depths m of it, (n,) N each.
 
     A frictionless wall does no work along the hole, so from the bit's force on the tension grows by the buoyed weight
     of a metre for every metre of *vertical* depth, whatever the hole's course (C. A. Johancsik et al., 1984).
     """
-    fluid = fluid_of(scene.mud)
-    ends = np.cumsum([0.0] + [tube.length for tube in lumps.tubes])
-    depth = np.diff(well.tvd(ends))
-    weight = [weight_in(fluid, tube, scene.gravity) for tube in lumps.tubes]
-    return np.cumsum((np.array(weight) * depth)[::-1])[::-1] + scene.bit.load
+    fluid, ends = fluid_of(scene.mud), _ends(lumps)
+    weight = np.array([weight_in(fluid, tube, scene.gravity) for tube in lumps.tubes])
+    below = np.append(np.cumsum((weight * np.diff(well.tvd(ends)))[::-1])[::-1], 0.0)[1:] + scene.bit.load
+    section = np.clip(np.searchsorted(ends, place, side="right") - 1, 0, weight.size - 1)
+    return below[section] + weight[section] * (well.tvd(ends[1:])[section] - well.tvd(place))
+
+
+def largest_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> tuple[np.ndarray, np.ndarray]:
+    """Largest effective tension of each section at rest, (sections,) N, and measured depths (sections,) m of them.
+
+    It is at an end of the section, or in it where the hole is level: in a hole that climbs, where it is highest.
+    """
+    ends, level = _ends(lumps), well.level()
+    found = []
+    for upper, lower in pairwise(ends.tolist()):
+        # At its lower end a section is that end's limit from above, where another one begins.
+        inside = np.nextafter(lower, upper)
+        places = np.concatenate([[upper], level[(level > upper) & (level < lower)], [inside]])
+        tension = tension_at(scene, well, lumps, places)
+        most = int(np.argmax(tension))
+        found.append((tension[most], places[most]))
+    tension, place = np.array(found).T
+    return tension, place
+
+
+def _ends(lumps: Lumps) -> np.ndarray:
+    """Measured depths of the ends of sections, (sections + 1,) m, of a string at the rotary table."""
+    return np.cumsum([0.0] + [tube.length for tube in lumps.tubes])
 
 
 def extreme_tension(

@@ -138,6 +138,20 @@ class Wellbore:
         """True vertical depth [m] below the rotary table at s [m]."""
         return self.position(s)[..., 2]
 
+    def level(self) -> np.ndarray:
+        """Measured depths [m] at which the hole is level, (m,): where it turns from going down to going up, or back.
+
+        Along an arc of curvature k the tangent's part downwards is t_z cos(k d) + n_z sin(k d), n being its normal.
+        """
+        curvature = np.hypot(self.k1, self.k2)
+        bent = np.flatnonzero(curvature > 0.0)
+        k, length = curvature[bent], np.diff(self.md)[bent]
+        normal = (self.k1 * self.m1s[:-1, 2] + self.k2 * self.m2s[:-1, 2])[bent] / k
+        first = np.arctan2(-self.tangents[bent, 2], normal) % np.pi
+        places = [self.md[bent] + turn / k for turn in (first, first + np.pi)]
+        inside = [turn <= k * length for turn in (first, first + np.pi)]
+        return np.sort(np.concatenate([place[within] for place, within in zip(places, inside, strict=True)]))
+
     def inclination(self, s) -> np.ndarray:
         """Angle of the hole from the downward vertical [rad], 0 to pi, at s [m]."""
         return direction_angles(self.frame(s)[2])[0]

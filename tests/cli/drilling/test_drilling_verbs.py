@@ -151,6 +151,13 @@ def test_to_lower_the_block_more_slowly_is_the_cure_only_where_it_was_lowered(sp
     assert ("Lower the block more slowly, or put less force" in said) == lowered
 
 
+@pytest.mark.parametrize(("share", "told"), [(0.005, False), (0.02, True)])
+def test_a_push_of_less_than_a_hundredth_of_the_strings_weight_is_no_word(share, told):
+    weight = mass_per_length() * GRAVITY * 100.0
+    said = run(straight_hole(0.0, elements=2, bit={"force": -(1.0 + share) * weight})).warnings
+    assert any("a hoist cannot push" in one for one in said) == told
+
+
 @pytest.mark.parametrize("name", ["hanging", "configuration_a", "configuration_b", "whirl"])
 def test_no_push_is_told_of_a_string_that_is_not_pushed(name):
     assert not any("push" in one for one in run(shipped(name, solver__end=0.1, output__interval=0.1)).warnings)

@@ -116,7 +116,7 @@ def test_the_unit_that_was_perhaps_meant_stands_as_it_would_be_typed_in_a_scene_
     (tmp_path / "scene.yaml").write_text(STRING.replace("1.0e9", "1.0e3 N/m") + f"units: {system}\n")
     found = Installed().for_scene(tmp_path / "scene.yaml")
     told = [one.text for one in found.warnings(found.read(tmp_path / "scene.yaml")) if "is soft" in one.text]
-    assert len(told) == 1 and "Was 1.0e3 kN/m = 1 MN/m meant? Then correct the unit" in told[0]
+    assert len(told) == 1 and "Was 1.0e3 MN/m = 1 GN/m meant? Then correct the unit" in told[0]
     assert "\u00a0" not in told[0] and ("kip/ft" in told[0]) is (system == "field")
 
 
@@ -134,16 +134,16 @@ def test_warnings_beside_the_faults_of_a_scene_say_that_they_are_no_faults(tmp_p
 def test_a_wall_too_soft_for_its_string_is_warned_of_with_the_depth_and_the_unit_that_was_meant():
     assert walled(STRING) == []
     (found,) = walled(STRING.replace("1.0e9", "1.0e3"))
-    assert found.where == "well.wall.stiffness" and "1.0e3 kN/m = 1 MN/m" in found.text
+    assert found.where == "well.wall.stiffness" and "1.0e3 MN/m = 1 GN/m" in found.text
     depth = float(re.search(r"by about ([\d.]+) m into", found.text)[1])
-    # Johancsik by hand: steel of 490 pcf in mud of 12 ppg; the weight across is most in the last of 12 elements, more
-    # than the tension over 400 m radius above. In all (919 m), over 12 contacts of 1 kN/m.
+    # Johancsik by hand: steel of 490 pcf in mud of 12 ppg. The weight on bit compresses the last of 12 elements the
+    # most, and over 400 m radius that is more than the weight across. In all (919 m), over 12 contacts of 1 kN/m.
     area = np.pi / 4.0 * (0.127**2 - (4.276 * 0.0254) ** 2)
     weight = area * (490.0 * 16.0185 - 12.0 * 119.826) * 9.81
     length = 500.0 + 400.0 * np.pi / 3.0
-    tension = weight * (500.0 + 400.0 * 0.8660) - 177.9e3
-    lean = np.sin(np.pi / 3.0 - length / 24.0 / 400.0)
-    across = max(abs(tension) / 400.0, weight * lean)
+    lean = np.pi / 3.0 - length / 24.0 / 400.0
+    tension = weight * 400.0 * (np.sin(np.pi / 3.0) - np.sin(lean)) - 177.9e3
+    across = max(abs(tension) / 400.0, weight * np.sin(lean))
     assert depth == pytest.approx(across * length / 12.0 / 1.0e3, rel=0.01)
 
 

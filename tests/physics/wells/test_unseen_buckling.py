@@ -9,6 +9,7 @@ import pytest
 from physics.wells.strings import GRAVITY
 
 import tautline
+from drillstring.drilling.end_groups import turns
 from drillstring.model.build import build
 from drillstring.model.prepared import prepared
 from drillstring.results.unseen_buckling import told_of_a_run
@@ -94,11 +95,24 @@ def test_check_judges_the_weight_to_which_the_block_leads_by_the_rule_for_the_we
     assert told[0].text.split("It ")[1].startswith(same[0].text.split(". To see it")[0])
 
 
-def test_check_judges_the_weight_at_which_a_bit_drills_as_fast_as_the_block_is_lowered():
+def test_check_judges_the_weight_that_a_block_faster_than_its_bit_makes_within_the_run():
+    """Drilled in proportion to the weight: dW/dt = K (v - c W), so that W = W_0 (3 - 2 exp(-K c t)) at three times."""
     faster, own = "{velocity: 60 m/h}", ", penetration: {rate: 20 m/h, speed: 60 rpm}"
-    told = [one for one in checked(scene(block=faster, bit=own)) if one.where == "top.block"]
-    assert kilonewtons(told[0].text, "weight on bit of ") == pytest.approx(3.0 * WEIGHT, rel=1e-3)
+    spring, end = (pushed() - WEIGHT) / WAY, 20.0
+    grown = WEIGHT * (3.0 - 2.0 * np.exp(-spring * 20.0 / 3600.0 / WEIGHT * end))
+    long = scene(block=faster, bit=own).replace({"solver.end": end})
+    told = [one for one in checked(long) if one.where == "top.block"]
+    assert kilonewtons(told[0].text, "weight on bit of ") == pytest.approx(grown, rel=2e-3)
+    assert not checked(scene(block=faster, bit=own).replace({"solver.end": 2.0})), "it has not come that far by then"
     assert not checked(scene(block="{velocity: 20 m/h}", bit=own))
+
+
+@pytest.mark.parametrize(
+    "block", ["0 m", "{ramp: {to: 30 mm, over: 5 s}}", "{velocity: {ramp: {to: -20 m/h, over: 5 s}}}"]
+)
+def test_no_buckling_is_told_of_a_threshold_that_a_block_held_raised_or_lowered_a_little_does_not_reach(block):
+    dull = ", penetration: {rate: 20 m/h, speed: 60 rpm, threshold: 90 kN, weight: 200 kN}"
+    assert checked(scene(block=block, bit=dull)) == []
 
 
 def test_nothing_is_said_of_a_string_below_its_limit_or_of_one_that_the_run_lets_buckle():
@@ -193,10 +207,12 @@ def test_elements_go_with_either_way_of_pushing_the_string_out_of_its_plane():
 
 
 def test_what_moves_the_block_from_outside_turns_no_string():
+    """Nor is anything told then of the weight that the scene's own way of the block would make."""
     bent = still(**ECCENTRIC)
-    for name, there in (("top.block_speed", True), ("top.rotary_speed", False)):
-        told = [one.text for one in checked(bent.driven_by((name,))) if "nothing pushes" in one.text]
-        assert bool(told) == there
+    assert not turns(bent) and not turns(bent.driven_by(("top.block_speed",)))
+    assert turns(bent.driven_by(("top.rotary_speed",)))
+    for outside, there in (((), True), (("top.block_speed",), False), (("top.rotary_speed",), False)):
+        assert any("nothing pushes" in one.text for one in checked(bent.driven_by(outside))) == there
 
 
 class Seen(dict):
