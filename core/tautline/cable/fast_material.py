@@ -10,7 +10,7 @@ from tautline.cable.coarse_lines import Sentences
 from tautline.cable.drawn_out import Known, known_by, sampled
 from tautline.cable.input.geometry import arc_lengths, drawn_of
 from tautline.cable.input.material import element_lengths
-from tautline.cable.input.parts import CableScene, Element
+from tautline.cable.input.parts import CableScene
 from tautline.cable.model.magnitudes import acting_force
 from tautline.cable.model.short_waves import (
     Curve,
@@ -57,7 +57,7 @@ def _worst(scene: CableScene) -> Overtaken | None:
         return None
     tensions, lengths, acts = _drawn_tensions(scene), element_lengths(scene), acting_force(scene)
     pulled = [(curve, ends, sum(tensions[k] for k in curve.places)) for curve, ends in driven]
-    taut = [(curve, ends, tension) for curve, ends, tension in pulled if tension > acts]
+    taut = [(curve, ends, tension) for curve, ends, tension in pulled if acts < tension < np.inf]
     if not taut:
         return None
     times, moved = sampled({motion.id: motion for motion in scene.motions}, scene.solver.end)
@@ -83,12 +83,13 @@ def _rates(times: np.ndarray, moved: Callable[[int], np.ndarray]) -> Callable[[K
 
 
 def _drawn_tensions(scene: CableScene) -> np.ndarray:
-    """T = N/|r'| (elements,), N, of the mean stretch with which each element is drawn."""
+    """T = N/|r'| (elements,), N, of the mean stretch with which each element is drawn; no number of what is no rope.
+
+    It is EA times Green's strain, or EA (1 - 1/|r'|).
+    """
     lengths = element_lengths(scene)
-    stretch = arc_lengths(drawn_of(scene), lengths) / lengths
-    return np.array([_tension(element, float(each)) for element, each in zip(scene.elements, stretch, strict=True)])
-
-
-def _tension(element: Element, stretch: float) -> float:
-    """T = N/|r'|, N: EA times Green's strain, or EA (1 - 1/|r'|)."""
-    return element.EA * (1.0 - 1.0 / stretch if element.strain == "engineering" else 0.5 * (stretch**2 - 1.0))
+    stiffness = np.array([element.EA for element in scene.elements], dtype=float)
+    engineering = np.array([element.strain == "engineering" for element in scene.elements])
+    with np.errstate(all="ignore"):
+        stretch = arc_lengths(drawn_of(scene), lengths) / lengths
+        return stiffness * np.where(engineering, 1.0 - 1.0 / stretch, 0.5 * (stretch**2 - 1.0))

@@ -115,7 +115,8 @@ def most_overtaken(
     """The curve whose short waves grow most, if by more than `TOLD`; ``seen`` are each one's arguments of `growth`."""
     found = []
     for curve, (speed, tension, length) in zip(curves, seen, strict=True):
-        rate = growth(curve, speed, tension, length)
+        with np.errstate(all="ignore"):  # numbers of no rope grow by none
+            rate = np.nan_to_num(growth(curve, speed, tension, length), posinf=0.0)
         grown = float((0.5 * (rate[1:] + rate[:-1]) * np.diff(time)).sum())
         if grown > np.log(TOLD):
             k, fast = int(np.argmax(rate)), np.flatnonzero(rate)
