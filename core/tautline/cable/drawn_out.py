@@ -18,7 +18,7 @@ INSTANTS = 1000
 """How many instants of a run are looked at, beside those where a function has a corner."""
 
 
-class _Known(NamedTuple):
+class Known(NamedTuple):
     """A degree of freedom that is known in advance: a number plus multiples of motions, by their ids."""
 
     constant: float
@@ -61,7 +61,7 @@ def _emptied(scene: CableScene) -> Iterator[_Drawn]:
     """Elements that are left without material; alike driven ones share what was found of how they are."""
     if not any(node.functions[-1] for node in scene.nodes) and not scene.couplings:
         return
-    known, motions = _known_by(scene), {motion.id: motion for motion in scene.motions}
+    known, motions = known_by(scene), {motion.id: motion for motion in scene.motions}
     times: np.ndarray = np.zeros(0)
     changes: dict[frozenset[tuple[int, float]], np.ndarray] = {}
     kinds = {node.id: node.kind for node in scene.nodes}
@@ -73,10 +73,10 @@ def _emptied(scene: CableScene) -> Iterator[_Drawn]:
         if not apart.motions:
             continue
         if not times.size:
-            times, moved = _sampled(motions, scene.solver.end)
+            times, moved = sampled(motions, scene.solver.end)
         key = frozenset(apart.motions.items())
         if key not in changes:
-            changes[key] = sum((factor * moved(motion) for motion, factor in key), np.zeros(times.size))
+            changes[key] = sum((factor * moved(motion)[:, 0] for motion, factor in key), np.zeros(times.size))
         lengths = apart.constant + changes[key]
         # What begins without length is refused by name elsewhere.
         if lengths[0] > 0.0 and (gone := np.flatnonzero(lengths <= 0.0)).size:
@@ -89,24 +89,24 @@ def _crossing(times: np.ndarray, lengths: np.ndarray, i: int) -> float:
     return float(before + (after - before) * left / (left - right))
 
 
-def _sum(parts: list[tuple[float, _Known]], constant: float = 0.0) -> _Known:
+def _sum(parts: list[tuple[float, Known]], constant: float = 0.0) -> Known:
     """A number plus multiples of what is known."""
     motions: dict[int, float] = {}
     for factor, part in parts:
         constant += factor * part.constant
         for motion, own in part.motions.items():
             motions[motion] = motions.get(motion, 0.0) + factor * own
-    return _Known(constant, {motion: factor for motion, factor in motions.items() if factor != 0.0})
+    return Known(constant, {motion: factor for motion, factor in motions.items() if factor != 0.0})
 
 
-def _known_by(scene: CableScene) -> Callable[[int, int], _Known | None]:
+def known_by(scene: CableScene) -> Callable[[int, int], Known | None]:
     """Of a node and a degree of freedom, numbered from one: what is known of it in advance; None of what is free."""
     nodes, material = {node.id: node for node in scene.nodes}, material_coordinates(scene)
     couplings = {coupling.slave: coupling for coupling in scene.couplings}
     motions = {motion.id: motion for motion in scene.motions}
 
     @functools.cache
-    def of(node: int, dof: int) -> _Known | None:
+    def of(node: int, dof: int) -> Known | None:
         if coupling := couplings.get((node, dof)):
             parts = [(factor, of(master, number)) for master, number, factor in coupling.masters]
             sound = [(factor, part) for factor, part in parts if part is not None]
@@ -116,14 +116,14 @@ def _known_by(scene: CableScene) -> Callable[[int, int], _Known | None]:
         if function := nodes[node].functions[dof - 1]:
             motion = motions[function]
             # A rate goes on from pos0, a function is the value itself.
-            return _Known(motion.pos0 if motion.function is None else 0.0, {function: 1.0})
-        return _Known(value_of(nodes[node], dof, material), {})
+            return Known(motion.pos0 if motion.function is None else 0.0, {function: 1.0})
+        return Known(value_of(nodes[node], dof, material), {})
 
     return of
 
 
-def _sampled(motions: dict[int, Motion], end: float) -> tuple[np.ndarray, Callable[[int], np.ndarray]]:
-    """Instants of a run, s, and what a motion is at each, m."""
+def sampled(motions: dict[int, Motion], end: float) -> tuple[np.ndarray, Callable[[int], np.ndarray]]:
+    """Instants of a run (m,), s, and what a motion is at each (m, 3): its value, m, rate and second rate."""
     from tautline.cable.model.layout import request_of
     from tautline.kernels.time_function import sample
     from tautline.system.time_functions import compile_functions
@@ -132,4 +132,4 @@ def _sampled(motions: dict[int, Motion], end: float) -> tuple[np.ndarray, Callab
     corners = compiled.breaks[(compiled.breaks > 0.0) & (compiled.breaks < end)]
     times = np.unique(np.concatenate([np.linspace(0.0, end, INSTANTS + 1), corners]))
     place = {motion: i for i, motion in enumerate(motions)}
-    return times, functools.cache(lambda motion: sample(compiled, place[motion], times)[:, 0])
+    return times, functools.cache(lambda motion: sample(compiled, place[motion], times))

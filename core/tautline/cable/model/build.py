@@ -30,6 +30,7 @@ from tautline.cable.model.magnitudes import (
 from tautline.cable.model.observe import EXTREMES, Observer, figure_units, headline, variables
 from tautline.cable.model.room import rooms
 from tautline.cable.model.sections import Sections
+from tautline.cable.model.short_waves import overtaken
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
 from tautline.constraints.multiplier import Multipliers
 from tautline.integrators.statics.attainable import MANY, within_rounding
@@ -139,6 +140,7 @@ def build(scene: CableScene) -> Model:
         frames_tell_all=False,
         headline=lambda result: headline(result, scene),
         limits=lambda result: limits(result, scene, observer.sections.numbers().stiffness),
+        remarks=lambda result: overtaken(result, scene),
         figure_units=figure_units(scene),
         statistics={"rules": EXTREMES},
         start=solver.start,
