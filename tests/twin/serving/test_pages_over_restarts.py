@@ -173,6 +173,25 @@ def test_a_page_is_grey_while_the_computer_of_its_twin_does_not_answer(serve, ta
     grey(seen, "the twin does not answer")
 
 
+def test_a_turn_is_taken_back_where_the_finger_scrolls_the_page(serve, browser):
+    seen, _, wrong = opened(browser, serve())
+    found = seen.evaluate(
+        """() => { const canvas = document.querySelector("#picture canvas");
+        canvas.setPointerCapture = () => {};
+        first = { around: 1, up: 0.5, zoom: 1 };
+        as_first();
+        const send = (kind, clientY) => canvas.dispatchEvent(new PointerEvent(kind, { pointerId: 1, clientY }));
+        send("pointerdown", 100); send("pointermove", 90);
+        const turned = view.up;
+        send("pointercancel", 90);
+        const after = { ...view };
+        send("pointerdown", 100); send("pointermove", 90); send("pointerup", 90);
+        return [turned, after, view.moved]; }"""
+    )
+    assert found[0] != 0.5
+    assert found[1:] == [{"around": 1, "up": 0.5, "zoom": 1, "moved": False}, True] and not wrong
+
+
 # -- without one -------------------------------------------------------------------------------------------------------
 
 

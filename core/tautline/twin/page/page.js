@@ -402,15 +402,24 @@ const KEYS = {
 function turn() {
   const canvas = document.querySelector("#picture canvas"), fingers = new Map();
   const apart = () => { const [a, b] = [...fingers.values()]; return Math.hypot(a[0] - b[0], a[1] - b[1]); };
-  canvas.addEventListener("pointerdown", (e) => { fingers.set(e.pointerId, [e.clientX, e.clientY]); canvas.setPointerCapture(e.pointerId); });
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (e) => { fingers.delete(e.pointerId); });
+  let start = null;  // where it was looked from as the first finger came
+  canvas.addEventListener("pointerdown", (e) => {
+    if (!fingers.size) start = { around: view.around, up: view.up, moved: view.moved };
+    fingers.set(e.pointerId, [e.clientX, e.clientY]);
+    canvas.setPointerCapture(e.pointerId);
+  });
+  canvas.addEventListener("pointerup", (e) => { fingers.delete(e.pointerId); });
+  // The browser takes a finger that scrolls after some way only: what that way has turned was not meant.
+  canvas.addEventListener("pointercancel", (e) => { if (fingers.delete(e.pointerId)) look(start, start.moved); });
   canvas.addEventListener("pointermove", (e) => {
     const from = fingers.get(e.pointerId);
     if (!from) return;
     const before = fingers.size === 2 ? apart() : 0;
     fingers.set(e.pointerId, [e.clientX, e.clientY]);
-    if (fingers.size === 2) zoomed(apart() / Math.max(before, 1));
-    else turned(-0.008 * (e.clientX - from[0]), 0.008 * (e.clientY - from[1]));
+    if (fingers.size === 2) {
+      zoomed(apart() / Math.max(before, 1));
+      start.moved = view.moved;
+    } else turned(-0.008 * (e.clientX - from[0]), 0.008 * (e.clientY - from[1]));
   });
   canvas.addEventListener("wheel", (e) => { e.preventDefault(); zoomed(Math.exp(-0.0012 * e.deltaY)); }, { passive: false });
   canvas.addEventListener("dblclick", as_first);
