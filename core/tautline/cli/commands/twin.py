@@ -245,7 +245,7 @@ def _page(given: TwinOptions, path: Path, made: Twin) -> Any:
     estimated = {one.name: one.unit for one in made.plan.unknowns}
     units = {**made.plan_names.inputs, **made.units, **estimated}
     title, system = heading(made.scene) or legible(path.stem), getattr(made.scene, "units", "si")
-    page = Page(port, title, units, made.application, host, system, names)
+    page = Page(port, title, units, made.application, host, system, names, made.mark)
     say(f"the twin is shown at {' and at '.join(page.addresses)}")
     return page
 
@@ -287,32 +287,34 @@ class _Loop:
             Where the twin cannot go on; what it has found until then is stored.
         """
         from tautline.integrators.status import Interrupted, StoppedEarly
+        from tautline.scene.values.moments import stamp_said
         from tautline.twin.loss import SceneEnded
         from tautline.twin.sources.record import SourceStopped
 
-        status = "done"
+        status, why = "done", "the data have ended"
         try:
             try:
                 self._hear_all()
             except SourceStopped as fault:
                 say(str(fault), "red")
-                status = "source failed"
+                status, why = "source failed", str(fault)
             for one in self.rereading.rest() if self.rereading is not None else ():
                 self._add(one)
             self._answer_end()
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
-            status = "interrupted"
+            status, why = "interrupted", "the twin was stopped"
         except SceneEnded as end:
             say(f"the twin ends: {end}", "red")
-            status = "scene ended"
+            status, why = "scene ended", f"the twin has ended: {end}"
         except StoppedEarly as stop:
             if self.series is not None:
                 self._keep("result", partial(self.series.finish, stop.status.word))
+            self._leave_page(f"the twin stopped at {stamp_said(stop.time)}: {stop.sentence}")
             raise
         if status == "done" and self.lines and self.twin.loss.of_all:
-            say(f"nothing was simulated: {self.twin.loss.of_all}", "red")
-            status = "nothing simulated"
-        self._end(status)
+            status, why = "nothing simulated", f"nothing was simulated: {self.twin.loss.of_all}"
+            say(why, "red")
+        self._end(status, why)
 
     def _hear_all(self) -> None:
         """Answer all records of the source; raises SourceStopped."""
@@ -525,14 +527,18 @@ class _Loop:
         time = self.last["time"] if self.last else None
         self._print({"time": time, "file": what, "saved": saved, "text": text})
 
-    def _end(self, status: str) -> None:
+    def _leave_page(self, why: str) -> None:
+        """Tell who looks at the page why nothing comes any more, and end it."""
+        if self.page is not None:
+            self.page.close(why)
+
+    def _end(self, status: str, why: str) -> None:
         self._pass_on()
         self._save()
         if self.series is not None:
             self._keep("result", partial(self.series.finish, status))
             self._say_no_result()
-        if self.page is not None:
-            self.page.close()
+        self._leave_page(why)
         self._summarise()
         if status == "interrupted":
             raise Ended(ExitCode.INTERRUPTED)

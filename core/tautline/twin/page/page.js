@@ -183,14 +183,16 @@ function trace(canvas, shown, { points, line, band }, reached, scale, sd = 0) {
   pen.restore();
 }
 
+/** What is shown of a twin that has given no line. */
+const NOTHING = { stamp: "–", causes: [], inputs: {}, measured: {}, outputs: {}, estimates: {}, alarms: [], restrict: [], not_observable: [] };
+
 // -- the page ------------------------------------------------------------------------------------------------------------
 
 function show() {
-  const line = lines[lines.length - 1];
-  if (!line) return;
+  const line = lines[lines.length - 1] || NOTHING;
   const shown = lines.filter((one) => one.time > line.time - SPAN);
   put($("time"), line.time, line.stamp);
-  put($("lag"), line.lag, fixed(line.lag, 2) + " s");
+  put($("lag"), line.lag, line.lag === undefined ? "–" : fixed(line.lag, 2) + " s");
   write($("health"), trouble || line.health);
   $("health").dataset.health = trouble ? "none" : line.health;
   $("why").hidden = !(line.causes && line.causes.length);
@@ -275,7 +277,7 @@ function alarms(line) {
 
 // -- the picture -----------------------------------------------------------------------------------------------------------
 
-const view = { around: 0, up: 0, zoom: 1 };
+const view = { around: 0, up: 0, zoom: 1, moved: false };
 let first = null;
 
 function begin() {
@@ -400,15 +402,24 @@ const KEYS = {
 function turn() {
   const canvas = document.querySelector("#picture canvas"), fingers = new Map();
   const apart = () => { const [a, b] = [...fingers.values()]; return Math.hypot(a[0] - b[0], a[1] - b[1]); };
-  canvas.addEventListener("pointerdown", (e) => { fingers.set(e.pointerId, [e.clientX, e.clientY]); canvas.setPointerCapture(e.pointerId); });
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (e) => { fingers.delete(e.pointerId); });
+  let start = null;  // where it was looked from as the first finger came
+  canvas.addEventListener("pointerdown", (e) => {
+    if (!fingers.size) start = { around: view.around, up: view.up, moved: view.moved };
+    fingers.set(e.pointerId, [e.clientX, e.clientY]);
+    canvas.setPointerCapture(e.pointerId);
+  });
+  canvas.addEventListener("pointerup", (e) => { fingers.delete(e.pointerId); });
+  // The browser takes a finger that scrolls after some way only: what that way has turned was not meant.
+  canvas.addEventListener("pointercancel", (e) => { if (fingers.delete(e.pointerId)) look(start, start.moved); });
   canvas.addEventListener("pointermove", (e) => {
     const from = fingers.get(e.pointerId);
     if (!from) return;
     const before = fingers.size === 2 ? apart() : 0;
     fingers.set(e.pointerId, [e.clientX, e.clientY]);
-    if (fingers.size === 2) zoomed(apart() / Math.max(before, 1));
-    else turned(-0.008 * (e.clientX - from[0]), 0.008 * (e.clientY - from[1]));
+    if (fingers.size === 2) {
+      zoomed(apart() / Math.max(before, 1));
+      start.moved = view.moved;
+    } else turned(-0.008 * (e.clientX - from[0]), 0.008 * (e.clientY - from[1]));
   });
   canvas.addEventListener("wheel", (e) => { e.preventDefault(); zoomed(Math.exp(-0.0012 * e.deltaY)); }, { passive: false });
   canvas.addEventListener("dblclick", as_first);
@@ -422,33 +433,73 @@ function turn() {
 
 // -- what comes ------------------------------------------------------------------------------------------------------------
 
+// ms until the twin is looked for again: after it was lost, after it said that it ends; and without a word until it is lost.
+const AGAIN = 3000, SLOWLY = 10000, QUIET = 10000;
+const NO_DATA = "no data yet", LOST = "no connection to the twin", MUTE = "the twin does not answer";
+let twin = "", program = "", ended = "";
+
+/** Keep a line in the place of those that are not before it: a twin that goes on may give its last ones again. */
 function take(line) {
-  if (lines.length && line.time <= lines[lines.length - 1].time) lines.length = 0;
+  while (lines.length && line.time <= lines[lines.length - 1].time) lines.pop();
   lines.push(line);
   if (lines.length > KEPT) lines.splice(0, lines.length - KEPT);
-  changed = true;
 }
 
+/** Take all away that belongs to another twin. */
+function empty() {
+  lines.length = 0;
+  shape = picture = first = null;
+  view.moved = false;
+  $("notes").textContent = "";
+  document.querySelector("#alarms ul").replaceChildren();
+}
+
+/** Learn which twin this is: the page stays open over many runs. One that goes on is the same, and keeps its lines. */
+function meet(about) {
+  ended = "";
+  if (about.twin !== twin) empty();
+  ({ twin, units, scales, zeros } = about);
+  $("title").textContent = document.title = about.title;
+  // They are made anew of the newest line: another map may have others.
+  cards.clear();
+  for (const all of document.querySelectorAll(".cards")) all.replaceChildren();
+}
+
+/** Hear the twin. Whatever ends that, it is tried again: a browser does so by itself after some ends only. */
 function listen() {
   const source = new EventSource("events");
-  const on = (kind, what) => source.addEventListener(kind, (e) => { what(JSON.parse(e.data)); changed = true; });
-  on("about", (about) => { units = about.units; scales = about.scales; zeros = about.zeros; $("title").textContent = document.title = about.title; });
-  on("lines", (all) => { lost(""); lines.length = 0; all.forEach(take); });
+  let heard = performance.now();
+  const hear = (kind, what) => source.addEventListener(kind, (e) => { heard = performance.now(); what(e); });
+  const on = (kind, what) => hear(kind, (e) => { what(JSON.parse(e.data)); changed = true; });
+  const over = (text) => {
+    source.close();
+    clearInterval(watch);
+    lost(ended || text);
+    setTimeout(listen, ended ? SLOWLY : AGAIN);
+  };
+  const watch = setInterval(() => { if (performance.now() - heard > QUIET) over(MUTE); }, 1000);
+  hear("alive", () => {});
+  on("about", (about) => {
+    // The first program that is heard made this page: so it is loaded once for each other one, and never in a circle.
+    program = program || about.program;
+    if (about.program === program) return meet(about);
+    source.close();
+    location.reload();
+  });
+  on("lines", (all) => { all.forEach(take); lost(all.length ? "" : NO_DATA); });
   on("line", (line) => { lost(""); take(line); });
   on("silent", (told) => lost(told.text));
   on("shape", (made) => { shape = made; begin(); $("notes").textContent = made.notes.join("; "); });
   on("picture", (made) => { picture = made; });
-  on("ended", () => { source.close(); lost("the data have ended"); });
-  source.onerror = () => lost("no connection to the twin");
+  on("ended", (told) => { ended = told.text; over(ended); });
+  source.onerror = () => over(LOST);
 }
 
 /** Say that nothing comes any more; what came last stays on the page, grey. An empty text: something comes again. */
 function lost(text) {
   trouble = text;
+  changed = true;
   document.body.classList.toggle("old", text !== "");
-  if (!text) return;
-  write($("health"), text);
-  $("health").dataset.health = "none";
 }
 
 function paint() {
@@ -463,5 +514,6 @@ function paint() {
 $("span").textContent = SPAN;
 window.addEventListener("resize", () => { changed = true; });
 turn();
+lost(NO_DATA);
 listen();
 paint();

@@ -3,6 +3,8 @@
 It runs in a thread of its own. The twin hands lines over and never waits: a browser that does not read loses the oldest
 lines, and what nobody looks at is not drawn. One who comes late gets the last minutes and the last picture at once.
 
+A page stays open over many runs of a twin, so the first event says which twin this is, and which program made the page.
+
 All that is kept for browsers is written in the server's thread alone: between what one gets at first and what comes for
 it after that there is no gap, and nothing comes twice.
 """
@@ -10,10 +12,12 @@ it after that there is no gap, and nothing comes twice.
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import json
+import secrets
 import threading
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Collection, Mapping
+from collections.abc import AsyncIterator, Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -25,6 +29,7 @@ from tautline.scene.values.moments import stamp_said
 from tautline.scene.values.printed import scale_of_zero, scales
 from tautline.twin.page.hosts import KnownHosts, addresses_of, bound, plain
 from tautline.twin.page.picture import Picture
+from tautline.twin.page.waiting import Waiting
 
 HERE = Path(__file__).parent
 FILES = {"/": ("page.html", "text/html"), "/page.js": ("page.js", "text/javascript"),
@@ -33,6 +38,8 @@ LATEST = 3000
 """Lines that are kept for those who come late."""
 WAITING = 400
 """Lines that wait for a browser before the oldest are left out."""
+ALIVE_EVERY = 1.0
+"""Time without an event after which a browser gets a word, s. A page to which none comes for long says so."""
 DRAWN_EVERY = 0.5
 """Time between two pictures, s."""
 FAREWELL = 0.3
@@ -61,6 +68,9 @@ class Page:
         The scene's ``units``, in which the page shows numbers, by the rule of the printed tables.
     names : collection of str
         Further names under which it is asked for, such as that of a reverse proxy.
+    mark : str
+        Of the twin, the same where it goes on in another process: an open page keeps what it shows then. Without one
+        this is a twin that no page has seen.
 
     Raises
     ------
@@ -70,7 +80,7 @@ class Page:
 
     def __init__(
         self, port: int, title: str, units: Mapping[str, str], application: Any, host: str = "127.0.0.1",
-        system: str = "si", names: Collection[str] = (),
+        system: str = "si", names: Collection[str] = (), mark: str = "",
     ) -> None:  # fmt: skip
         try:
             import uvicorn
@@ -78,7 +88,10 @@ class Page:
             cure = "pip install 'tautline[live]'"
             raise option_error("--serve", str(port), "needs starlette and uvicorn", cure) from None
         known = sorted({*units.values(), *OF_TEXTS})
+        self._files = {path: ((HERE / name).read_bytes(), kind) for path, (name, kind) in FILES.items()}
         about = {
+            "twin": mark or secrets.token_hex(8),
+            "program": _hash(content for content, _ in self._files.values()),
             "title": title,
             "units": dict(units),
             "scales": {unit: scales(unit, system) for unit in known},
@@ -91,7 +104,7 @@ class Page:
         self._lines: deque[str] = deque(maxlen=LATEST)
         self._trouble = ""
         self._drawn: dict[str, str] = {}  # the last shape and the picture of it
-        self._watching: set[asyncio.Queue[tuple[str, str]]] = set()
+        self._watching: set[Waiting] = set()
         self._newest: tuple[Any, np.ndarray] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         # Neither logging nor signals of the process are touched.
@@ -139,10 +152,10 @@ class Page:
             with suppress(RuntimeError):
                 self._loop.call_soon_threadsafe(what, text)
 
-    def close(self) -> None:
-        """End the server; browsers are told that it has ended."""
+    def close(self, reason: str = "the twin was stopped") -> None:
+        """End the server; browsers are told why."""
         if self._loop is not None and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._send, "ended", "{}")
+            self._loop.call_soon_threadsafe(self._send, "ended", json.dumps({"text": reason}))
             self._loop.call_soon_threadsafe(self._loop.call_later, FAREWELL, self._hang_up)
         else:
             self._server.should_exit = True
@@ -173,11 +186,9 @@ class Page:
         self._send("silent", text)
 
     def _send(self, kind: str, text: str) -> None:
-        """Give every browser an event; one that does not read loses its oldest."""
-        for queue in self._watching:
-            if queue.full():
-                queue.get_nowait()
-            queue.put_nowait((kind, text))
+        """Give every browser an event."""
+        for waiting in self._watching:
+            waiting.put(kind, text)
 
     def _hang_up(self) -> None:
         """End the server; who has not gone by itself is cut off, for uvicorn logs each of those as an error."""
@@ -204,27 +215,27 @@ class Page:
 
     async def _events(self) -> AsyncIterator[str]:
         """What one browser gets: all that is known, and then what comes."""
-        queue: asyncio.Queue[tuple[str, str]] = asyncio.Queue(WAITING)
-        # Both at once, before anything is waited for: what comes from here on is in the queue, and only there.
-        self._watching.add(queue)
+        waiting = Waiting(WAITING)
+        # Both at once, before anything is waited for: what comes from here on waits, and is only there.
+        self._watching.add(waiting)
         begin = [("about", self._about), ("lines", "[" + ",".join(self._lines) + "]")]
         begin += [("silent", self._trouble)] if self._trouble else []
         begin += self._drawn.items()
         try:
             for kind, text in begin:
                 yield _event(kind, text)
-            while not (self._server.should_exit and queue.empty()):
+            while not (self._server.should_exit and waiting.empty):
                 try:
-                    kind, text = await asyncio.wait_for(queue.get(), 1.0)
+                    kind, text = await waiting.next(ALIVE_EVERY)
                 except TimeoutError:
                     # A word now and then tells the browser that the server lives, and the server that the browser does.
-                    yield ": still here\n\n"
+                    yield _event("alive", "{}")
                     continue
                 yield _event(kind, text)
                 if kind == "ended":
                     break
         finally:
-            self._watching.discard(queue)
+            self._watching.discard(waiting)
 
     def _app(self) -> Any:
         from starlette.applications import Starlette
@@ -238,15 +249,23 @@ class Page:
             return StreamingResponse(self._events(), media_type="text/event-stream", headers=headers)
 
         async def file(request: Any) -> Response:
-            name, kind = FILES[request.url.path]
+            content, kind = self._files[request.url.path]
             # Nothing but what comes from here is run or asked for.
             rules = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:"
             headers = {"Content-Security-Policy": rules, "Cache-Control": "no-store"}
-            return Response((HERE / name).read_bytes(), media_type=kind, headers=headers)
+            return Response(content, media_type=kind, headers=headers)
 
         routes = [*(Route(path, file) for path in FILES), Route("/events", events)]
         known = Middleware(KnownHosts, host=self.host, names=self._names)
         return Starlette(routes=routes, middleware=[known])
+
+
+def _hash(contents: Iterable[bytes]) -> str:
+    """Tells one version of the page's files from another."""
+    found = hashlib.sha256()
+    for content in contents:
+        found.update(content)
+    return found.hexdigest()[:16]
 
 
 def _event(kind: str, text: str) -> str:
