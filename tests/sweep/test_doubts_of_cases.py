@@ -49,3 +49,17 @@ def test_what_a_distribution_reaches_and_the_scene_cannot_have_is_refused_once_w
     words = " ".join(said.split())
     assert code == 2 and words.count("must not be negative") == 1 and "of the 40 values" in words
     assert not (tmp_path / "rows").exists()
+
+
+def test_cases_that_failed_are_told_with_their_reason_however_quiet_and_stand_among_the_warnings(
+    tmp_path, capsys, monkeypatch
+):
+    leave_out_pixels(monkeypatch)
+    # The hook hangs from the boom tip at 30 m; one at 4 m is below it.
+    text = "vary:\n  'path[1].sheave.center[2]': [30 m, 4 m]\ncollect: [max_tension]\n"
+    place = write_sweep(tmp_path, text, "0.2 s")
+    code, out, said = commands_of(Crane(), capsys)("sweep", place, "-q", "-j", "1", "--json", "-o", tmp_path / "rows")
+    told, words = only_object(out), " ".join(said.split())
+    assert code == 0 and (told["done"], told["failed"]) == (1, 1)
+    (reason,) = [text for text in told["warnings"] if text.startswith("case 1: bad input: ")]
+    assert words.count(f"warning: {' '.join(reason.split())}") == 1

@@ -257,6 +257,9 @@ class Catalogue(Protocol):
     def for_result(self, result: Result) -> Application:
         """Find the one that a result belongs to; raises SceneError if there is none."""
 
+    def refuse_foreign(self, result: Result) -> None:
+        """Raise SceneError for a result of an application that is not served, also where none is needed to read it."""
+
 
 class Single:
     """The catalogue of an application's own console script: it takes every scene as its own."""
@@ -289,11 +292,15 @@ class Single:
 
     def for_result(self, result: Result) -> Application:
         """Return the one application; raises SceneError for a result of a scene that is another's."""
+        self.refuse_foreign(result)
+        return self.application
+
+    def refuse_foreign(self, result: Result) -> None:
+        """Raise SceneError for a result of a scene that is another's, whatever is asked of it."""
         made_by = str(result.attributes.get("application", ""))
         if made_by and made_by != self.name and any(one.name == made_by for one in Installed().all()):
             cause = f"is the result of a scene of {made_by}, and not of {self.name}"
             raise SceneError([Problem(str(result.path), None, "", None, cause, "take `tautline`, which knows all")])
-        return self.application
 
 
 def _loaded(makers: Iterable[tuple[str, Callable[[], Any]]]) -> tuple[dict[str, Application], dict[str, str]]:
@@ -358,6 +365,9 @@ class Installed:
 
         path = str(result.path)
         return self._recognising(Document.parse(str(result.attributes.get("scene", "")), path).root, path)
+
+    def refuse_foreign(self, result: Result) -> None:
+        """Refuse none: tables are also made of the result of an application that is not installed any more."""
 
     def _recognising(self, root: dict[str, Any], name: str) -> Application:
         failed: dict[str, str] = {}

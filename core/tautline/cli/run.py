@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext, suppress
 from enum import IntEnum
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
@@ -151,10 +152,13 @@ def _refused(error: Exception, app: typer.Typer, as_json: bool, verb: str = "") 
         problems = [_unexpected(error)]
     elif isinstance(error, WriteError):
         code, status = ExitCode.STOPPED_EARLY, "stopped: the result could not be written"
+    written = {key: [str(file) for file in files] for key, files in getattr(error, "written", {}).items() if files}
+    for file in chain.from_iterable(written.values()):
+        say(f"wrote {file}", "green")
     say(str(SceneError(problems)), "red")
     if as_json:
         with suppress(WriteError):  # where it is standard output that cannot be written
-            print_json({"status": status, "problems": [_record(problem) for problem in problems]})
+            print_json({"status": status, **written, "problems": [_record(problem) for problem in problems]})
     return code
 
 

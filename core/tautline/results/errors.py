@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from tautline.errors import TautlineError
@@ -23,19 +24,47 @@ class ResultError(TautlineError):
         The file, as it was named.
     cause, cure : str
         What is wrong and what to do. ``str()`` is all three.
+    written : dict of list of Path
+        Files that a command had written by then, by what it calls them: see `naming_written`.
     """
 
     def __init__(self, path: str | Path, cause: str, cure: str = "") -> None:
         self.path, self.cause, self.cure = Path(path), cause, cure
+        self.written: dict[str, list[Path]] = {}
         super().__init__(f"{path}: {cause}; {cure}" if cure else f"{path}: {cause}")
 
     def translate(self, subject: Callable[[str], str], sentence: Callable[[str], str]) -> None:
         """See `TautlineError.translate`; what it is about may stand in the place of the file."""
+        written = self.written
         ResultError.__init__(self, subject(str(self.path)), sentence(self.cause), sentence(self.cure))
+        self.written = written
 
 
 class WriteError(ResultError):
     """Writing failed in mid-run, as on a full disk; what was written before is kept under the result's name."""
+
+
+@contextmanager
+def naming_written(called: str, files: Sequence[Path]) -> Iterator[None]:
+    """Let an error that ends the writing of several files name those that are there by then.
+
+    Parameters
+    ----------
+    called : str
+        What ``--json`` lists them under.
+    files : sequence of Path
+        It grows as they are written.
+
+    Raises
+    ------
+    ResultError
+        That of the block.
+    """
+    try:
+        yield
+    except ResultError as error:
+        error.written[called] = [*files, *error.written.get(called, ())]
+        raise
 
 
 def unwritten(path: str | Path, error: OSError, cure: str = "name another with -o") -> ResultError:

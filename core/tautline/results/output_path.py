@@ -47,6 +47,8 @@ PAGES, DOCTYPE = (".html", ".htm"), b"<!doctype html"
 """Endings of web pages, and how they begin."""
 
 
+OPEN = ("/dev/fd", "/proc")
+"""Where what a process has open has names; /dev/stdout is a link to one. It may be a file on a disk all the same."""
 OTHER_KINDS = frozenset(".csv .txt .json .yaml .yml .xlsx .mat .vtk .pvd .png .svg .pdf .jpg .gif .mp4 .html".split())
 """Endings of names of files that no result is."""
 
@@ -251,6 +253,12 @@ def names_folder(place: str | Path) -> bool:
     So it is of every command that writes several files.
     """
     return ends_as_folder(place) or Path(place).is_dir()
+
+
+def is_device(path: Path) -> bool:
+    """Whether a name is of a device, a pipe, or what a process has open, as /dev/stdout: no files stand beside it."""
+    place = str(Path(os.path.abspath(path)).parent)
+    return place == "/dev" or place.startswith(OPEN) or (path.exists() and not (path.is_file() or path.is_dir()))
 
 
 def check_made(folder: Path) -> None:

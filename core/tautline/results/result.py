@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator, KeysView, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
+from stat import S_ISREG
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -20,6 +21,7 @@ from tautline.results.headline import plain
 from tautline.results.layout import FORMAT, Coordinate, as_number, decoded, encoded
 from tautline.results.on_demand import OnDemand
 from tautline.results.output_path import SIGNATURE
+from tautline.results.packed import values_of
 from tautline.results.variable import Variable, listed
 
 if TYPE_CHECKING:
@@ -90,7 +92,7 @@ class Result:
                 raise ResultError(path, f"has format '{mark}', and this version reads '{FORMAT}'", "update Tautline")
             if file["time"].shape[0] == 0:
                 raise ResultError(path, "has no frame", "run the scene again")
-            _check_order(path, file["time"][()])
+            _check_order(path, values_of(file["time"]))
         return result
 
     def from_time(self, begin: float) -> Result:
@@ -229,7 +231,7 @@ class Result:
         else:
             with self._open() as file:
                 if name in file and _is_variable(file[name]):
-                    return _read_only(_values(file[name]))
+                    return _read_only(values_of(file[name]))
         known = ", ".join(self.variables)
         raise ResultError(self.path or "result", f"has no variable '{name}'", f"it has {known}")
 
@@ -249,7 +251,7 @@ class Result:
             return {name: _read_only(as_number(np.asarray(values))) for name, values in self._contents[4].items()}
         with self._open() as file:
             group = file.get("restart", {})
-            return {name: _read_only(group[name][...]) for name in group if _is_variable(group[name])}
+            return {name: _read_only(values_of(group[name])) for name in group if _is_variable(group[name])}
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:
@@ -265,7 +267,9 @@ class Result:
             if self.path.stat().st_size > LARGE:
                 return import_module(LAZILY).lazy(self.path)
             with self._open() as file:
-                held = {name: (one.dims, _values(file[name]), _described(one)) for name, one in self.variables.items()}
+                held = {
+                    name: (one.dims, values_of(file[name]), _described(one)) for name, one in self.variables.items()
+                }
             return xarray.Dataset(held, attrs=self._encoded)
         variables, arrays, coordinates, *_ = self._contents
         entries: dict[str, Any] = {
@@ -327,6 +331,8 @@ def _check_file(path: Path) -> None:
     try:
         if path.is_dir():
             raise ResultError(path, "is a folder", "name a result in it, such as jwell.nc")
+        if not S_ISREG(path.stat().st_mode):  # a pipe would wait for a writer
+            raise ResultError(path, "is not a regular file", "name a result, which `simulate` writes")
         with path.open("rb") as file:
             start = file.read(len(SIGNATURE))
     except FileNotFoundError:
@@ -355,11 +361,6 @@ def _variable(name: str, data: h5py.Dataset) -> Variable:
         dims = tuple(axis[0].name.split("/")[-1] if len(axis) else "" for axis in data.dims)
     said = attributes_of(data)
     return Variable(name, dims, str(said.get("units", "")), str(said.get("long_name", "")))
-
-
-def _values(data: h5py.Dataset) -> np.ndarray:
-    """All values of a dataset, texts as a store is given them."""
-    return np.asarray(data.asstr()[...], dtype=str) if h5py.check_string_dtype(data.dtype) else data[...]
 
 
 def _between(result: Result, name: str, some: slice) -> np.ndarray:

@@ -14,7 +14,7 @@ from tautline.cli.output.holes import told_of_holes
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
-    from tautline.view.space.appearance import Look
+    from tautline.view.space.appearance import Appearance, Look
 
 Progress = Callable[[int, int], None]
 MANY = 5000
@@ -56,36 +56,43 @@ def export(
         If nothing is asked for, or options contradict each other; if the result cannot be read, a variable is unknown,
         or a file cannot be written.
     """
-    from tautline.results.output_path import made_for, names_folder
+    from tautline.results.errors import naming_written
+    from tautline.results.output_path import made_for
     from tautline.results.result import Result
     from tautline.results.tables.pieces import pieces_said
 
     _check(vtk, csv, output, what, look, every)
     result = Result.read(path)
+    catalogue.refuse_foreign(result)
     base = _base(path, output)
     files: list[Path] = []
-    larger = ""
-    with made_for(base.parent) if output is not None and names_folder(output) else nullcontext():
+    # All that may be refused is looked at before the first file is written.
+    seen = _seen(catalogue, result, look, every) if vtk else None
+    made = made_for(base.parent) if output is not None and _is_folder(output) else nullcontext()
+    with made, naming_written("files", files):
+        if seen is not None:
+            from tautline.view.files.paraview import check_target
+
+            check_target(_named(base, output, ".pvd"))
         if csv:
             from tautline.results.tables.table import write_csv
 
             with told_of_holes([result]), _counted("tables") as progress:
-                files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
-        if vtk:
+                files += write_csv(result, _named(base, output, ".csv"), tuple(what), progress)
+        if seen is not None:
             with told_of_holes([result]):
-                made, larger = _write_vtk(catalogue, result, base, look, every)
-            files += made
+                files += _write_vtk(seen, result, _named(base, output, ".pvd"), every)
     warnings = say_missing(result)
     if said := pieces_said(result):
         say(f"{result.path}: {said}", "yellow")
         warnings.append({"where": str(result.path), "text": said})
-    _say_files(files, larger)
+    _say_files(files, "" if seen is None else _larger(seen))
     if as_json:
         print_json({"status": "done", "files": [str(file) for file in files], "warnings": warnings})
 
 
-def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, every: int) -> tuple[list[Path], str]:
-    """Write ParaView's files; gives them, and what is larger in them than it is."""
+def _seen(catalogue: Catalogue, result: Result, look: Look, every: int) -> Appearance:
+    """What ParaView is to show; raises ResultError where there is nothing, or nothing to write it with."""
     from tautline.application.space import appearance_of
     from tautline.results.errors import ResultError
 
@@ -95,25 +102,35 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, eve
         raise ResultError("--vtk", cause, "leave it out, and take --csv")
     # Places and radii in a file are measured there: true, unless a factor was asked for.
     look = look if look.exaggerate is not None else replace(look, exaggerate=1.0)
-    seen = appearance_of(application, result, look)
-    seen = seen if every == 1 else seen.thinned(every)
+    with told_of_holes([result]):
+        seen = appearance_of(application, result, look)
     try:
-        from tautline.view.files.paraview import write_paraview
-        from tautline.view.files.parts import parts_of
-
-        moving = [part.moves for part in parts_of(seen)]
-        count = _most_files(moving, len(seen.time))
-        if count > MANY:
-            fewer = -(-count // MANY)
-            left = _most_files(moving, len(seen.thinned(fewer).time))
-            say(f"up to {count} files will be written. --every {every * fewer} writes {left} at most", "yellow")
-        with _counted("frames") as progress:
-            files = write_paraview(seen, result, base.with_name(f"{base.name}.pvd"), progress)
-        return files, "; ".join(f"{text} {factor:.6g} times as large" for text, factor in seen.enlarged)
+        import tautline.view.files.parts  # noqa: F401 - it needs VTK
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in ("vtk", "vtkmodules"):
             raise
         raise ResultError("--vtk", "needs VTK, which is not installed", "pip install pyvista") from None
+    return seen if every == 1 else seen.thinned(every)
+
+
+def _write_vtk(seen: Appearance, result: Result, path: Path, every: int) -> list[Path]:
+    """Write ParaView's files."""
+    from tautline.view.files.paraview import write_paraview
+    from tautline.view.files.parts import parts_of
+
+    moving = [part.moves for part in parts_of(seen)]
+    count = _most_files(moving, len(seen.time))
+    if count > MANY:
+        fewer = -(-count // MANY)
+        left = _most_files(moving, len(seen.thinned(fewer).time))
+        say(f"up to {count} files will be written. --every {every * fewer} writes {left} at most", "yellow")
+    with _counted("frames") as progress:
+        return write_paraview(seen, result, path, progress)
+
+
+def _larger(seen: Appearance) -> str:
+    """What is larger in ParaView's files than it is."""
+    return "; ".join(f"{text} {factor:.6g} times as large" for text, factor in seen.enlarged)
 
 
 def _most_files(moving: Sequence[bool], frames: int) -> int:
@@ -124,7 +141,7 @@ def _most_files(moving: Sequence[bool], frames: int) -> int:
 def _check(vtk: bool, csv: bool, output: Path | str | None, what: Sequence[str], look: Look, every: int) -> None:
     """Refuse options that leave nothing to do, or that nothing asked for heeds."""
     from tautline.results.errors import ResultError
-    from tautline.results.output_path import OTHER_KINDS, names_folder
+    from tautline.results.output_path import OTHER_KINDS, is_device
 
     if str(output) == "-":
         raise ResultError(
@@ -140,9 +157,11 @@ def _check(vtk: bool, csv: bool, output: Path | str | None, what: Sequence[str],
     for option, given in (("--view", look.view), ("--exaggerate", look.exaggerate), ("--every", every != 1)):
         if given and not vtk:
             raise ResultError(option, "changes what ParaView shows, and tables stay as they are", "add --vtk")
-    if output is None or names_folder(output):
+    if output is None or _is_folder(output):
         return
     output = Path(output)
+    if is_device(output):
+        raise ResultError(output, "is no name of files, and several are written", "name a file or a folder")
     ending = output.suffix.lower()
     if ending == ".nc" or (ending in OTHER_KINDS and ending not in ENDINGS):
         cure = f"name it {output.with_suffix('.csv' if csv else '.pvd').name}, or without an ending"
@@ -152,16 +171,35 @@ def _check(vtk: bool, csv: bool, output: Path | str | None, what: Sequence[str],
         raise ResultError(output, f"ends in {ending}, but {other} is not given", f"add {other}, or give another name")
 
 
+def _is_folder(output: Path | str) -> bool:
+    """Whether files go into a folder of that name: not into that of the frames of an earlier export of this name."""
+    from tautline.results.output_path import ends_as_folder, names_folder
+
+    if not names_folder(output):
+        return False
+    if ends_as_folder(output) or not (Path(output).parent / f"{Path(output).name}.pvd").exists():
+        return True
+    from tautline.view.files.paraview import holds_frames
+
+    return not holds_frames(Path(output))
+
+
 def _base(path: Path, output: Path | str | None) -> Path:
     """Folder and beginning of the names of files."""
-    from tautline.results.output_path import names_folder
-
     if output is None:
         return Path(path.stem)
-    if names_folder(output):
+    if _is_folder(output):
         return Path(output) / path.stem
     output = Path(output)
     return output.with_suffix("") if output.suffix.lower() in ENDINGS else output
+
+
+def _named(base: Path, output: Path | str | None, ending: str) -> Path:
+    """The file of an ending: the one that was named, as it is written, where it has this ending."""
+    given = None if output is None else Path(output)
+    if given is not None and given.suffix.lower() == ending and given.with_suffix("") == base:
+        return given
+    return base.with_name(base.name + ending)
 
 
 @contextmanager

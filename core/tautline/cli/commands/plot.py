@@ -57,7 +57,7 @@ def plot(
         raise ResultError(output or "--format", f"unknown format '{form}'", f"known: {', '.join(FORMATS)}")
     folder, stem, ending = _place(output)
     output = None if output is None else Path(output)
-    if ending and form and ending != form:
+    if ending and form and ending.lower() != form:
         raise ResultError(output or "", f"ends in .{ending}, but --format says {form}", "leave one of them out")
     if ending and output is not None:
         check_drawn(output)
@@ -65,15 +65,16 @@ def plot(
     against = {} if vs is None else {"vs": vs}
     try:
         with told_of_holes(results):
-            written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
+            written = application.figures(results, folder, tuple(what), (ending or form or "png",), stem, **against)
         if not written:
             held = listed([name for name in results[0].variables if name != "time"])
             raise ResultError(paths[0], "holds nothing that the usual figures show", f"name with --what: {held}")
-    except ResultError:
+    except ResultError as error:
         if made:
             # It was not there before: the figures in it are half of what was asked for.
+            error.written.clear()
             for file in folder.iterdir():
-                if file.suffix[1:] in FORMATS:
+                if file.suffix[1:].lower() in FORMATS:
                     file.unlink()
             if not any(folder.iterdir()):
                 folder.rmdir()
@@ -95,7 +96,7 @@ def _make(folder: Path) -> bool:
 
 
 def _place(output: Path | str | None) -> tuple[Path, str | None, str | None]:
-    """Folder, beginning of the file name and format that ``-o`` asks for."""
+    """Folder, beginning of the file name and its ending, as it is written, that ``-o`` asks for."""
     from tautline.results.errors import ResultError
     from tautline.results.output_path import names_folder
 
@@ -106,7 +107,7 @@ def _place(output: Path | str | None) -> tuple[Path, str | None, str | None]:
     output = Path(output)
     ending = output.suffix[1:].lower()
     if ending in FORMATS:
-        return output.parent, output.stem, ending
+        return output.parent, output.stem, output.suffix[1:]
     if ending in PICTURES:
         raise ResultError(output, f"ends in .{ending}, which is no format of figures", "name it .png, .svg or .pdf")
     if output.is_file():

@@ -112,13 +112,19 @@ def _shown(appearance: Appearance, path: Path, asked: RenderOptions) -> list[Pat
 
     All of it is looked at before the first file is written.
     """
+    from tautline.results.errors import naming_written
+
     ready = [
         prepared(appearance, path, asked)
         for prepared, wanted in ((_page, asked.html), (_film, asked.movie), (_pictures, asked.image))
         if wanted
     ]
     if ready:
-        return [file for write in ready for file in write()]
+        written: list[Path] = []
+        with naming_written("files", written):
+            for write in ready:
+                written += write()
+        return written
     from tautline.view.space.graphics import opens_windows
 
     if opens_windows():
@@ -220,6 +226,7 @@ def _film_said(made: Cut) -> str:
 
 def _pictures(appearance: Appearance, path: Path, asked: RenderOptions) -> Write:
     """What writes the pictures, when it is known that they can be; that of the last frame where no time was given."""
+    from tautline.results.errors import naming_written
     from tautline.results.output_path import made_for
     from tautline.view.space.still import check_format, frame_of, places, still
 
@@ -231,10 +238,13 @@ def _pictures(appearance: Appearance, path: Path, asked: RenderOptions) -> Write
 
     def write() -> list[Path]:
         with made_for(files[0].parent):
-            stage = _stage(appearance, asked)
+            stage, written = _stage(appearance, asked), list[Path]()
             try:
-                return [still(stage, frame, file) for frame, file in zip(frames, files, strict=True)]
+                with naming_written("files", written):
+                    for frame, file in zip(frames, files, strict=True):
+                        written.append(still(stage, frame, file))
             finally:
                 stage.close()
+        return written
 
     return write

@@ -86,7 +86,7 @@ def sweep(
             execution = replace(execution, announce=compiling, say=say)
         outcome = run_sweep(read, application, scene, execution)
     figures, undrawn = _draw(outcome, folder)
-    doubts = outcome.unsatisfied.warnings(len(outcome.cases))
+    doubts = failures(outcome) + _left_out(outcome) + outcome.unsatisfied.warnings(len(outcome.cases))
     doubts += doubts_of_values(outcome.cases, scene, application.warnings)
     following = typed(catalogue.name, "sweep", file, "-o", folder, "--resume") + as_given(changes)
     _report(file, outcome, figures, undrawn, warnings, doubts, as_json, quiet, following)
@@ -114,8 +114,6 @@ def _report(
     """
     if not quiet:
         console().print(two_columns(_rows(outcome)))
-        for text in [*failures(outcome), *_left_out(outcome)]:
-            say(text, "yellow")
         for path in (outcome.result, outcome.table, outcome.percentiles, *figures):
             if path is not None:
                 say(f"wrote {path}", "green")

@@ -35,7 +35,7 @@ from matplotlib.ticker import (
     ScalarFormatter,
 )
 
-from tautline.results.errors import ResultError, unwritten
+from tautline.results.errors import ResultError, naming_written, unwritten
 from tautline.results.output_path import check_drawn
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.view.figures.missing_letters import missing_letters_told
@@ -453,9 +453,20 @@ def save(figure: Figure, path: str | Path) -> Path:
 
 
 def save_all(figures: Mapping[str, Figure], folder: Path, stem: str, formats: Sequence[str], whole: bool) -> list[Path]:
-    """Write figures as ``stem_name.format``, or as ``stem.format`` if there is one figure and `whole` says so."""
+    """Write figures as ``stem_name.format``, or as ``stem.format`` if there is one figure and `whole` says so.
+
+    Raises
+    ------
+    ResultError
+        As of `save`; it names the figures that are written by then.
+    """
     bases = {name: stem if whole and len(figures) == 1 else f"{stem}_{name}" for name in figures}
     places = {name: [folder / f"{base}.{ending}" for ending in formats] for name, base in bases.items()}
     for place in chain.from_iterable(places.values()):
         check_drawn(place)
-    return [save(figures[name], place) for name, of_it in places.items() for place in of_it]
+    written: list[Path] = []
+    with naming_written("figures", written):
+        for name, of_it in places.items():
+            for place in of_it:
+                written.append(save(figures[name], place))
+    return written

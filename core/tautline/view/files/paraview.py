@@ -73,7 +73,7 @@ def write_paraview(
     path = Path(path)
     path = path if path.suffix.lower() == ".pvd" else path.with_name(path.name + ".pvd")
     folder = path.with_name(path.stem)
-    _check_target(path, folder)
+    check_target(path)
     waiting = path.with_name(f".{for_hidden(path.stem)}.{uuid4().hex[:8]}.part")
     listed = path.with_name(f"{waiting.name}.pvd")
     try:
@@ -96,7 +96,9 @@ def write_paraview(
     return [path, *(folder / name for name in named)]
 
 
-def _check_target(path: Path, folder: Path) -> None:
+def check_target(path: Path) -> None:
+    """Raise ResultError where a ``.pvd`` and its folder cannot be at a path, or something else would be lost."""
+    folder = path.with_name(path.stem)
     check_folder(path)
     if legible(folder.name) != folder.name:
         raise ResultError(path, "the XML in it cannot hold a name that is not UTF-8", "name another file with -o")
@@ -205,6 +207,12 @@ def _files_of(path: Path) -> set[str] | None:
     if root.tag != "VTKFile" or root.get("type") != "Collection":
         return None
     return {one.get("file", "") for one in root.iter("DataSet")}
+
+
+def holds_frames(folder: Path) -> bool:
+    """Whether a folder is that of the frames of the ``.pvd`` of its name beside it."""
+    files = _files_of(folder.parent / f"{folder.name}.pvd") or ()
+    return any(Path(file).parent == Path(folder.name) for file in files)
 
 
 def _replace(waiting: Path, folder: Path, path: Path) -> None:

@@ -1,0 +1,21 @@
+"""What matplotlib logs of a home that it cannot write to is one plain sentence."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+DRAWING = "import tautline.view.{} as drawing"
+
+
+@pytest.mark.parametrize("module", ["space.stage", "figures.figure"])
+def test_matplotlib_without_a_folder_is_told_in_one_sentence_with_a_cure(tmp_path, module):
+    (tmp_path / "file").touch()
+    home = {"HOME": str(tmp_path / "file" / "none"), "USERPROFILE": str(tmp_path / "file" / "none")}
+    left = {name: value for name, value in os.environ.items() if name not in ("MPLCONFIGDIR", "LOCALAPPDATA")}
+    hidden = {name: value for name, value in left.items() if not name.startswith("XDG_")}
+    code = [sys.executable, "-c", DRAWING.format(module)]
+    said = subprocess.run(code, env=hidden | home, capture_output=True, text=True, check=True, timeout=60).stderr
+    assert said.count("matplotlib has no folder to keep its list of fonts in") == 1 and "MPLCONFIGDIR" in said
+    assert "mkdir -p failed" not in said and "temporary cache directory" not in said
