@@ -131,6 +131,7 @@ class _Linearisation:
         self.a = self.b = np.zeros((0, 0))
         listed = self._integrals()
         self.stuck = what_sticks(self.system, self.t)
+        self._residual()  # what was noted by the last step tells nothing of a displacement since
         self.near = what_is_near(self.system, self.state, self._mass_at, SMALL)
         self.integrals = [one for _, integrals in listed for one in integrals]
         self.summing = link(tuple(g for g, integrals in listed if integrals), "commit")
