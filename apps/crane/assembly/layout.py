@@ -149,7 +149,7 @@ class Layout:
     def _moves(self, k: int) -> bool:
         """Whether a frame moves in its parent, or may be moved while the run goes on."""
         frame = self.frames[k]
-        steered = any(f"{frame.name}.{word}" in self.scene.driven for word in frame.words)
+        steered = any(name in self.scene.driven for i in range(len(frame.words)) for name in frame.inputs_of(i))
         return steered or any(not isinstance(motion, Constant) for motion in frame.motion)
 
     def material(self, item: int) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 from crane.geometry.line import AXES
 from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import add_entry
-from tautline.kernels.groups import register
+from tautline.kernels.groups import Edge, register
 from tautline.kernels.jit import kernel
 from tautline.kernels.time_function import TimeFunctions, evaluate
 
@@ -209,9 +209,27 @@ def _body_supply(g, t, q, v, p):
                 p[0] += force * v[b.place + c]
 
 
+def _body_edges(g: Bodies, q: np.ndarray, v: np.ndarray) -> list[Edge]:
+    """How far bodies are from the ground, or from where it lets them go; one that lifts off is free once its damper
+    would pull."""
+    level, stiffness, damping, _ = g.ground
+    found = []
+    for whole, left, gone in zip(g.rows, g.left, g.gone[:, NOW], strict=True):
+        b = left if gone else whole
+        if b.touches == 0:
+            continue
+        depth = level - (q[b.place + 2] - b.bottom)
+        pressed = min(depth, depth - damping / stiffness * v[b.place + 2]) if depth > 0.0 else depth
+        places = (int(b.place) + 2,)
+        found.append(Edge(places, pressed > 0.0, abs(pressed), stiffness, "is pressed into the ground", CLEAR))
+    return found
+
+
+CLEAR = "is clear of the ground"
+
 register(
     Bodies, begin=_body_begin, switch=_body_switch, residual=_body_residual, mass=_body_mass, tangent=_body_tangent,
-    energy=_body_energy, dissipation=_body_dissipation, supply=_body_supply, commit=_body_commit,
+    energy=_body_energy, dissipation=_body_dissipation, supply=_body_supply, commit=_body_commit, edges=_body_edges,
 )  # fmt: skip
 
 

@@ -46,9 +46,10 @@ from crane.geometry.line import (
     write,
     write_turn,
 )
+from tautline.elements.slackening import edge_of_slack
 from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import add_block, add_entry
-from tautline.kernels.groups import EMPTY, OFF_WHEEL, SLACK_ON_WHEEL, TWO_BLOCKED, register
+from tautline.kernels.groups import EMPTY, OFF_WHEEL, SLACK_ON_WHEEL, TWO_BLOCKED, Edge, register
 from tautline.kernels.jit import kernel
 from tautline.kernels.vector import dot, scaled, scaled_sum
 
@@ -599,9 +600,23 @@ def _record(g, out, at):
             at[0] += 1
 
 
+def _edges(g: Spans, q: np.ndarray, v: np.ndarray) -> list[Edge]:
+    """How far spans that go slack are from that; one that shortens is slack once its damping would push."""
+    found = []
+    for s, lam, rate in zip(g.rows, g.found[:, STRETCH], g.found[:, STRETCH_RATE], strict=True):
+        if s.slack == 1:
+            size = float(q[s.b + MATERIAL] - q[s.a + MATERIAL])
+            slope = 1.0 if s.engineering == 1 else lam
+            strain = lam - 1.0 if s.engineering == 1 else 0.5 * (lam * lam - 1.0)
+            places = *range(s.a, s.a + AXES), *range(s.b, s.b + AXES)
+            found.append(edge_of_slack(places, size * float(strain + s.damping * slope * rate), s.stiffness / size))
+    return found
+
+
 register(
     Spans, residual=_residual, tangent=_tangent, mass=_mass, kink=_kink, energy=_energy, dissipation=_dissipation,
     supply=_supply, commit=_commit, alarm=_alarm, record=_record,
+    edges=_edges,
 )  # fmt: skip
 
 

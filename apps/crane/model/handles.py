@@ -15,6 +15,7 @@ from crane.groups.span import Spans
 from crane.groups.winch import Drums
 from crane.scene.scene import CraneScene, Drum, End, Sheave
 from crane.scene.surroundings import Motion, Vessel
+from crane.sea.frames import SPEED
 from tautline.results.variable import Variable
 from tautline.scene.errors import SceneError
 from tautline.system.handles import (
@@ -52,7 +53,11 @@ def driven(scene: CraneScene, names: tuple[str, ...]) -> CraneScene:
     SceneError
         Where heave compensation answers a motion that is driven.
     """
-    moved = [name for name in names if name.startswith(VESSEL) or name.rpartition(".")[2] in ("slew", "luff")]
+    moved = [
+        name
+        for name in names
+        if name.startswith(VESSEL) or name.rpartition(".")[2].removesuffix(SPEED) in ("slew", "luff")
+    ]
     if moved and scene.heave_compensation is not None:
         cause = f"answers the motion that the scene prescribes, and {moved[0]} is driven from outside"
         cure = "remove it, and drive the winch by what is measured"
@@ -72,7 +77,7 @@ def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, 
     inputs = inputs_of(layout.requests.of)
     if layout.scene.heave_compensation is not None:
         # It was computed for the motion that the scene prescribes.
-        moved = {f"{frame.name}.{word}" for frame in layout.frames for word in frame.words}
+        moved = {name for frame in layout.frames for i in range(len(frame.words)) for name in frame.inputs_of(i)}
         inputs = {name: one for name, one in inputs.items() if name not in moved}
     parameters = {one.name: one for one in _parameters(layout, made.system.groups)}
     prepared = prepared_of(layout.requests.of)

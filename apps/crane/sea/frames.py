@@ -43,6 +43,8 @@ CLOSEST = 1.0e-4
 GRACE = 1.0
 """Time by which the last piece outlasts the run, s: the run's last instant must not lie where all is held."""
 
+SPEED = "_speed"
+"""What is behind the name of a motion where its speed is driven."""
 STILL = (Constant(value=0.0),) * len(MOTIONS)
 
 
@@ -80,6 +82,11 @@ class Frame:
     def motion_key(self, i: int) -> str:
         """Where its i-th motion stands in the scene."""
         return f"{self.key or self.name}.{self.words[i]}"
+
+    def inputs_of(self, i: int) -> tuple[str, str]:
+        """Names under which its i-th motion and the speed of that are driven while a run goes on."""
+        name = f"{self.name}.{self.words[i]}"
+        return name, name + SPEED
 
 
 def boom(name: str, parent: int, pivot: tuple[float, float, float], slew: Any, luff: Any, key: str = "") -> Frame:
@@ -185,16 +192,17 @@ def requests_of(frames: Sequence[Frame], end: float, live: Collection[str] = ())
 
 def _motion_request(frame: Frame, i: int, end: float) -> FunctionRequest:
     unit = "m" if i < 3 else "rad"
-    name = f"{frame.name}.{frame.words[i]}"
-    steered = Steering(name, unit, f"{frame.words[i]} of {frame.name}")
+    name, speed = frame.inputs_of(i)
+    what = f"{frame.words[i]} of {frame.name}"
+    steered = Steering(name, unit, what), Steering(speed, f"{unit}/s", f"speed of the {what}", 1)
     # Of a boom only slew and luff are its own.
-    inputs = (steered,) if i >= 4 or frame.words == MOTIONS else ()
+    inputs = steered if i >= 4 or frame.words == MOTIONS else ()
     return FunctionRequest(frame.motion[i], end=end, key=frame.motion_key(i), inputs=inputs)
 
 
 def _moves(frame: Frame, i: int, functions: TimeFunctions, number: int, end: float, live: Collection[str]) -> bool:
     """Whether a motion has a rate anywhere in the run, or may be given one."""
-    if f"{frame.name}.{frame.words[i]}" in live:
+    if any(name in live for name in frame.inputs_of(i)):
         return True
     if isinstance(frame.motion[i], Constant):
         return False

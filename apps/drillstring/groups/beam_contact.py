@@ -15,7 +15,7 @@ import numpy as np
 
 from drillstring.groups.contact import record_contact
 from drillstring.groups.friction import act, commit, force_now, prepare, status
-from drillstring.groups.sticking import let_go_without_friction, stuck_on_the_wall
+from drillstring.groups.sticking import edge_of_the_wall, let_go_without_friction, stuck_on_the_wall
 from drillstring.well.in_hole import (
     AXES,
     CENTRED,
@@ -30,7 +30,7 @@ from drillstring.well.in_hole import (
     spot,
     turned,
 )
-from tautline.kernels.groups import Stuck, register
+from tautline.kernels.groups import Edge, Stuck, register
 from tautline.kernels.jit import kernel
 
 
@@ -196,7 +196,18 @@ def _sticks(g: BeamContact, t: float) -> list[Stuck]:
     return stuck_on_the_wall(g.law, g.springs, g.hole.points.place[:, 0])
 
 
+def _edges(g: BeamContact, q: np.ndarray, v: np.ndarray) -> list[Edge]:
+    """How far points of the beam with a direction to the wall are from it."""
+    presses = [press(g, i, q, v) for i in range(g.springs.size)]
+    return [
+        edge_of_the_wall(int(place), spring, c.at.offset, c.rate)
+        for place, spring, c in zip(g.hole.points.place[:, 0], g.springs, presses, strict=True)
+        if c.at.offset >= CENTRED
+    ]
+
+
 register(
     BeamContact, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
     dissipation=_dissipation, commit=_commit, record=record_contact, hold=_hold, sticks=_sticks,
+    edges=_edges,
 )  # fmt: skip

@@ -14,10 +14,10 @@ import numpy as np
 
 from drillstring.groups.friction import act, status
 from drillstring.groups.friction_of_four import arrest, commit, may_change, note, prepare, resist, slip_of
-from drillstring.groups.sticking import let_go_without_friction, stuck_on_the_wall
+from drillstring.groups.sticking import edge_of_the_wall, let_go_without_friction, stuck_on_the_wall
 from tautline.kernels.changes import note_change
 from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import Stuck, register
+from tautline.kernels.groups import Edge, Stuck, register
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import (
     LANES,
@@ -350,7 +350,18 @@ def _sticks(g: WallContact, t: float) -> list[Stuck]:
     return stuck_on_the_wall(g.law, g.springs, PER_BODY * g.springs.body)
 
 
+def _edges(g: WallContact, q: np.ndarray, v: np.ndarray) -> list[Edge]:
+    """How far lumps with a direction to the wall are from it."""
+    touches = [touch(g, i, q, v) for i in range(g.springs.size)]
+    return [
+        edge_of_the_wall(PER_BODY * int(spring.body) + 1, spring, c.offset, c.rate)
+        for spring, c in zip(g.springs, touches, strict=True)
+        if c.offset > CENTRED
+    ]
+
+
 register(
     WallContact, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
     dissipation=_dissipation, commit=_commit, record=record_contact, hold=_hold, sticks=_sticks,
+    edges=_edges,
 )  # fmt: skip

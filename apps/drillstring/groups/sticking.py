@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from drillstring.groups.friction import SLIP, STICK, Karnopp, Projection
-from tautline.kernels.groups import Stuck
+from tautline.kernels.groups import Edge, Stuck
 
 CURE = "set the parameter wall.friction to 0"
 
@@ -39,6 +39,25 @@ def stuck_on_the_wall(law: Any, springs: np.recarray, places: np.ndarray) -> lis
     normal = springs.normal
     chosen = np.flatnonzero(held & (normal > 0.0) & (law.rows.static > 0.0))
     return [Stuck(int(places[i]), text, float(law.rows.static[i] * normal[i]), "N", CURE) for i in chosen]
+
+
+def edge_of_the_wall(place: int, spring: Any, offset: float, rate: float) -> Edge:
+    """How far a contact is from where its normal force, k pen + d pen_rate, is nothing.
+
+    Parameters
+    ----------
+    place : int
+        Full place of a degree of freedom of what touches.
+    spring : record
+        The contact.
+    offset, rate : float
+        Offset from the hole's axis, m, and its rate, m/s.
+    """
+    pressed = float(offset - spring.clearance + spring.damping / spring.stiffness * rate)
+    return Edge((place,), pressed > 0.0, abs(pressed), float(spring.stiffness), HELD, FREE)
+
+
+HELD, FREE = "is pressed into the wall of the hole", "is clear of the wall of the hole"
 
 
 def let_go_without_friction(law: Any) -> None:

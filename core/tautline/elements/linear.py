@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.elements.length_alarm import report_empty
+from tautline.elements.slackening import edges_of_slack
 from tautline.elements.tension import is_slack, strain_of
 from tautline.kernels.dofs import add_block, add_entry
-from tautline.kernels.groups import register
+from tautline.kernels.groups import Edge, register
 from tautline.kernels.jit import kernel
 
 NODE, MATERIAL, AXES = 4, 3, 3
@@ -223,6 +224,12 @@ def watch_length(g, t, q, alarm):
     report_empty(g.rows, MATERIAL, q, alarm)
 
 
+def _edges(g: LinearTension, q: np.ndarray, v: np.ndarray) -> list[Edge]:
+    """How far elements are from where they go slack, or taut again."""
+    return edges_of_slack(g.rows, np.zeros((0, 0)), MATERIAL, q)
+
+
 register(
-    LinearTension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation, alarm=watch_length
-)
+    LinearTension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation, alarm=watch_length,
+    edges=_edges,
+)  # fmt: skip

@@ -33,8 +33,9 @@ from tautline.elements.cubic import (
     write_pairs,
 )
 from tautline.elements.flow import NX, NXL, NXX, NXXL, combine, watch_length, write_shapes
+from tautline.elements.slackening import edges_of_slack
 from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import register
+from tautline.kernels.groups import Edge, register
 from tautline.kernels.hermite import FIRST, PLACE, WEIGHT
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, load, pack, spread, sqrt, store, where
@@ -295,7 +296,14 @@ def _dissipation(g, t, q, v, p):
                 p[0] += at[WEIGHT] * length * row.stiffness * row.damping * (d_strain * rate) ** 2
 
 
-register(Tension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation)
+def edges_of_tension(g: Tension | FlowingTension, q: np.ndarray, v: np.ndarray) -> list[Edge]:
+    """How far elements are from where they go slack, or taut again."""
+    return edges_of_slack(g.rows, g.points, MATERIAL, q)
+
+
+register(
+    Tension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation, edges=edges_of_tension
+)
 
 
 # -- with moving material ------------------------------------------------------------------------------------------
@@ -456,5 +464,5 @@ def _flowing_dissipation(g, t, q, v, p):
 
 register(
     FlowingTension, residual=_flowing_residual, tangent=_flowing_tangent, energy=_energy,
-    dissipation=_flowing_dissipation, alarm=watch_length,
+    dissipation=_flowing_dissipation, alarm=watch_length, edges=edges_of_tension,
 )  # fmt: skip

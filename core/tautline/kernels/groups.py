@@ -176,6 +176,38 @@ Sticks = Callable[[Any, float], list[Stuck]]
 """What lists what sticks in a group at a time, s, at which its residual was asked for."""
 STICKS: dict[type, Sticks] = {}
 """Kinds in which something may stick."""
+
+
+class Edge(NamedTuple):
+    """How far something is from where a one-sided law of a group, such as that of a contact, begins or ends to act.
+
+    Attributes
+    ----------
+    places : tuple of int
+        Full places of degrees of freedom of what it belongs to.
+    acts : bool
+        Whether the law acts.
+    gap : float
+        How far, m: beyond where it begins if it acts, else before it.
+    stiffness : float
+        With which it acts, N/m.
+    held, free : str
+        What is so where it acts and where it does not, as a sentence goes on after a name: by so many metres.
+    """
+
+    places: tuple[int, ...]
+    acts: bool
+    gap: float
+    stiffness: float
+    held: str
+    free: str
+
+
+Edges = Callable[[Any, np.ndarray, np.ndarray], list[Edge]]
+"""What lists those of a group at full positions and velocities, at which its residual was asked for; it may call
+kernels."""
+EDGES: dict[type, Edges] = {}
+"""Kinds of one-sided laws."""
 Hold = Callable[[Any], None]
 """What has a law of a group stay as the last accepted step left it."""
 HOLDS: dict[type, Hold] = {}
@@ -229,6 +261,7 @@ def register(
     integrals: Integrals | None = None,
     lengths: Lengths | None = None,
     sticks: Sticks | None = None,
+    edges: Edges | None = None,
     **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
@@ -257,6 +290,9 @@ def register(
         their lengths are no motion, and no part of a linear model.
     sticks : callable or None
         Takes a group and a time, s, and lists what sticks then: a linear model has it as if it stuck for ever.
+    edges : callable or None
+        Takes a group and full positions and velocities, and lists how far what it holds one-sidedly is from where that
+        begins or ends: a linear model has the side where it is.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -292,6 +328,9 @@ def register(
     STICKS.pop(kind, None)
     if sticks is not None:
         STICKS[kind] = sticks
+    EDGES.pop(kind, None)
+    if edges is not None:
+        EDGES[kind] = edges
     HOLDS.pop(kind, None)
     if hold is not None:
         HOLDS[kind] = hold

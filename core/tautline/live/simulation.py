@@ -683,8 +683,8 @@ class Simulation:
         UnknownName
             For a name that there is not.
         SimulationError
-            For two inputs that drive the same, and where an output follows the rate of an input at once: then its speed
-            has to be the input.
+            For an input or output that is given twice, for two inputs that drive the same, and where an output follows
+            the rate of an input at once: then its speed has to be the input.
         """
         from tautline.live.plant import linearise
 

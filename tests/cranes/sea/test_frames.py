@@ -173,7 +173,7 @@ def test_what_is_to_be_driven_moves_though_the_scene_holds_it_still():
     requests = requests_of(still, 12.0, {"boom.slew"})
     assert {r.model.number for r in requests if isinstance(r.model, FrameEntry)} == {3, 4, 6, 7}
     names = [steering.name for request in all_requests(requests) for steering in request.inputs]
-    assert names == ["boom.slew"]
+    assert names == ["boom.slew", "boom.slew_speed"]
 
 
 def test_preparing_does_not_take_longer_for_a_longer_run():

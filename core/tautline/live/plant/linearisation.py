@@ -17,7 +17,6 @@ from __future__ import annotations
 import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,11 +31,13 @@ from tautline.kernels.groups import INTEGRALS, LENGTHS, MEMORY, Integral, hold_l
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
-from tautline.live.errors import SimulationError, plain_numbers
+from tautline.live.errors import SimulationError
 from tautline.live.forces import calls_of, room_for_all
 from tautline.live.plant.differences import FREE, Room, Slope, slopes
+from tautline.live.plant.edges import near_said, told_near, what_is_near
 from tautline.live.plant.growth import growth_said
 from tautline.live.plant.limits import Limited, limits_said
+from tautline.live.plant.plant import Plant
 from tautline.live.plant.stuck import held_said, stuck_said, told_stuck, what_sticks
 from tautline.scene.methods import method_of
 from tautline.system.handles import Input, Output
@@ -54,97 +55,6 @@ NOTHING = 1.0e-9
 WHOLE = slice(None)
 LATER = 1.0e-30
 """A time, s, which is as good as 0, and not that of the first frame of a run."""
-
-
-@dataclass(frozen=True, eq=False)
-class Plant:
-    """A linear system with the names of its parts, in SI.
-
-    Attributes
-    ----------
-    A, B, C, D : float arrays
-        ``x. = A x + B u``, ``y = C x + D u``; x, u and y are changes from where the simulation stood.
-    E : float array
-        Of inputs that are speeds: what their rates add to the outputs at once, by the inertia of what is moved. It is
-        small, and no part of A, B, C, D: ``y = C x + D u + E u.``.
-    states, inputs, outputs : tuple of str
-    units : dict of str to str
-        Of inputs and outputs.
-    time : float
-        When, s.
-    held : tuple of str
-        What goes on in a run and is held still here, such as the bottom of a hole.
-    stuck : tuple of str
-        What sticks, and so moves in no answer: what it is, what holds it, and the force or torque at which a run lets
-        it go.
-    """
-
-    A: np.ndarray
-    B: np.ndarray
-    C: np.ndarray
-    D: np.ndarray
-    E: np.ndarray
-    states: tuple[str, ...]
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    units: dict[str, str]
-    time: float
-    held: tuple[str, ...] = ()
-    stuck: tuple[str, ...] = ()
-
-    def to_scipy(self) -> Any:
-        """A, B, C and D as `scipy.signal.StateSpace`; E has no place there."""
-        from scipy.signal import StateSpace
-
-        return StateSpace(self.A, self.B, self.C, self.D)
-
-    @property
-    def eigenvalues(self) -> np.ndarray:
-        """Of A, 1/s."""
-        return np.linalg.eigvals(self.A)
-
-    def response(self, frequency: np.ndarray) -> np.ndarray:
-        """Frequency response ``C (i w - A)^-1 B + D + i w E``, (frequencies, outputs, inputs).
-
-        Parameters
-        ----------
-        frequency : float or float (k,)
-            Hz.
-
-        Raises
-        ------
-        SimulationError
-            For what is no finite number or list of these, at a frequency at which the response is infinite: 0 Hz
-            where an input is a speed, which goes on for ever, and at one so large that it is no finite number.
-        """
-        return np.array([self._response(f) for f in _frequencies(frequency)]).reshape(-1, *self.D.shape)
-
-    def _response(self, frequency: float) -> np.ndarray:
-        """Response at one frequency, Hz."""
-        try:
-            with np.errstate(all="ignore"):  # what is not finite is refused below
-                s = 2.0j * np.pi * frequency
-                found = self.C @ np.linalg.solve(s * np.eye(len(self.A)) - self.A, self.B) + self.D + s * self.E
-        except np.linalg.LinAlgError:
-            cause = f"the response at {frequency:g} Hz is infinite: an input that is a speed moves on for ever, or an "
-            cause += "oscillation there has no damping"
-            raise SimulationError(cause, "give another frequency") from None
-        if not np.isfinite(found).all():
-            cause = f"the response at {frequency:g} Hz is no finite number: what it is found from is too large for one"
-            raise SimulationError(cause, "give a frequency nearer to those at which the scene moves")
-        return np.asarray(found)
-
-
-def _frequencies(given: Any) -> np.ndarray:
-    """Frequencies as a vector, Hz; raises SimulationError."""
-    cure = "give a finite number in Hz, or a list of these"
-    try:
-        found = np.atleast_1d(plain_numbers(np.asarray(given)))
-    except (TypeError, ValueError):  # rows of different lengths
-        raise SimulationError("what is given is no list of frequencies", cure) from None
-    if found.dtype.kind not in "iuf" or found.ndim != 1 or not np.isfinite(found).all():
-        raise SimulationError(f"{given!r} is no frequency and no list of frequencies", cure)
-    return found.astype(float)
 
 
 class _Drive(NamedTuple):
@@ -171,7 +81,7 @@ def linearise(sim: Any, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
     work = _Linearisation(sim, *both)
     with calls_of(work.sim.parts.forces):
         found = work.plant()
-    told = *held_said(found.held), *stuck_said(work.stuck), *limits_said(work.limits)
+    told = *held_said(found.held), *stuck_said(work.stuck), *near_said(work.near), *limits_said(work.limits)
     for said in (*told, *growth_said(found.A, work.system, work.step)):
         warnings.warn(said, stacklevel=3)
     return found
@@ -194,6 +104,7 @@ class _Linearisation:
         self.told = outputs
         self.inputs: list[Input] = [sim.inputs.handle(name) for name in self.names]
         self.outputs: list[Output] = [sim.outputs.handle(name) for name in outputs]
+        self._refuse_twice()
         self._refuse_rivals(sim)
         self._refuse_sums()
         self._refuse_jumps()
@@ -215,13 +126,24 @@ class _Linearisation:
         self.step = 0.0 if method_of(solver.method).explicit else solver.step
         self.functions = functions
         self.limits: list[Limited] = []
+        self.masses: np.ndarray | None = None
         self.here: dict[str, np.ndarray] = {}
         self.a = self.b = np.zeros((0, 0))
         listed = self._integrals()
         self.stuck = what_sticks(self.system, self.t)
+        self._residual()  # what was noted by the last step tells nothing of a displacement since
+        self.near = what_is_near(self.system, self.state, self._mass_at, SMALL)
         self.integrals = [one for _, integrals in listed for one in integrals]
         self.summing = link(tuple(g for g, integrals in listed if integrals), "commit")
         self.held_still = tuple(filter(None, (MEMORY[type(g)](g) for g in self.system.groups if type(g) in MEMORY)))
+
+    def _refuse_twice(self) -> None:
+        """Refuse what is given twice, a part beside its vector too: columns or rows would be of equal names."""
+        parts = [part for one in self.outputs for part in _parts(one)]
+        for names, what in ((self.names, "inputs"), (parts, "outputs")):
+            for name, count in Counter(names).items():
+                if count > 1:
+                    raise SimulationError(f"{what}: {name} stands {count} times", "give each once")
 
     def _refuse_rivals(self, sim: Any) -> None:
         """Refuse two inputs that drive the same, as an FMU does: no run follows both at once."""
@@ -253,6 +175,13 @@ class _Linearisation:
         residual = np.zeros(self.n + m)
         evaluate_full(self.groups, self.extended, self.state, self.t, cm, cc, ck, matrix, residual)
         return dense(matrix)[: self.n]
+
+    def _mass_at(self, places: Sequence[int]) -> float:
+        """The largest mass, kg, that moves with one of some places."""
+        if self.masses is None:
+            self.masses = np.abs(np.diag(self._matrix(1.0, 0.0, 0.0)))
+        own = self.places[list(places)][:, : self.n]
+        return float((own.multiply(own) @ self.masses).max(initial=0.0))
 
     def _integrals(self) -> list[tuple[Any, list[Integral]]]:
         """Groups, and those that forces follow as the state is now: an input may have been set since the last step."""
@@ -418,7 +347,7 @@ class _Linearisation:
         kept, whole = self._without_lengths()
         a, b, c = (a @ whole)[kept], b[kept], c @ whole
         states = tuple(np.array(self._state_names(), dtype=object)[kept])
-        frozen = self.held_still, told_stuck(self.stuck)
+        frozen = self.held_still, told_stuck(self.stuck), told_near(self.near)
         return Plant(a, b, c, d, e, states, tuple(self.names), told, units, self.t, *frozen)
 
     def _without_lengths(self) -> Left:
