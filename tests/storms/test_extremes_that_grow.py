@@ -88,7 +88,7 @@ def test_an_output_has_the_same_trend_as_the_figure_of_it():
 
 @pytest.mark.parametrize(("scene", "told"), [(SWINGS, True), (DAMPED, False)])
 def test_a_swing_without_damping_is_not_scaled_without_a_word_and_a_damped_one_is(scene, told):
-    given = replace(asked((1.0,), 10, 1200.0, 300.0, limits=[LIMIT]), lead=20.0)
+    given = replace(asked((1.0,), 8, 1200.0, 200.0, limits=[LIMIT]), lead=20.0)
     given = replace(given, conditions=[one._replace(period=9.0) for one in given.conditions])
     found = operability(Crane(), tautline.read(scene), given, ALONE)
     about = [one for one in found.warnings if "steady state" in one]

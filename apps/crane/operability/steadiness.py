@@ -54,8 +54,8 @@ def _growing(
         yield (
             f"limit '{one.text}': {one.name} gets worse while a storm lasts, by {change} in the mean from the first "
             f"sixth of its time to the last, where the worst is {worst}. So there is no steady state, and what is "
-            f"scaled from {asked.simulated:g} s to {asked.duration:g} s is too mild. A load that swings with next "
-            f"to no damping does this, or one that is hoisted all the time. Take --simulate {asked.duration:g}s: values of "
+            f"scaled from {asked.simulated:g} s to {asked.duration:g} s is too mild. A load that swings "
+            f"undamped does this, or one that is always hoisted. Take --simulate {asked.duration:g}s: values of "
             f"storms as long as --duration need no steady state. (Told with {100.0 * CERTAIN:g} % confidence of one "
             "side)"
         )
