@@ -22,6 +22,7 @@ from crane.results.drawn_askew import drawn_askew
 from crane.results.laid_by_turning import turning_foreseen, unwound
 from crane.results.limits import LEAST_RATIO
 from crane.results.narrow_bights import narrow_bights
+from crane.results.out_of_water import dry, hoisted_out
 from crane.results.slack_feet import foreseen
 from crane.scene.carried import idle
 from crane.scene.keys import where
@@ -84,7 +85,8 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *_sheaves(scene), *_steps(found), *too_light(found), *_mesh(found), *foreseen(found), *turning_foreseen(found),
         *narrow_bights(found), *_undamped(scene), *_compression(scene), *_winches(found, actuator),
         *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
-        *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator), *_dry(scene), *_floating(found),
+        *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator), *dry(scene),
+        *hoisted_out(found), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
         *doubts_of_motion(scene), *idle(scene), *drawn_askew(found),
     ]  # fmt: skip
@@ -189,7 +191,7 @@ def _never(scene: CraneScene) -> Sentences:
         until = None if drum.brake is None else drum.brake.until
         if until is not None and until >= end:
             yield where(scene, drum, "brake.until"), f"{until:.4g} s: the brake never opens, because {late}"
-    for key, function in _functions_of(scene):
+    for key, function in driven_functions(scene):
         for ramp in _ramps_of(function):
             if ramp.at >= end:
                 yield key, f"a ramp at {ramp.at:.4g} s never begins, because {late}"
@@ -233,7 +235,7 @@ def _tables_of(function: Any) -> Iterator[Table]:
         yield from _tables_of(term)
 
 
-def _functions_of(scene: CraneScene) -> Iterator[tuple[str, Any]]:
+def driven_functions(scene: CraneScene) -> Iterator[tuple[str, Any]]:
     """Keys and functions of time of winches, brakes and forces on bodies."""
     for drum in scene.drums:
         yield where(scene, drum, drum.drive), getattr(drum, drum.drive)
@@ -252,18 +254,6 @@ def _ramps_of(function: Any) -> Iterator[Ramp]:
         yield function
     for term in function.terms if isinstance(function, Sum) else ():
         yield from _ramps_of(term)
-
-
-def _dry(scene: CraneScene) -> Sentences:
-    """Bodies that the water acts on as if they were in it, and that are drawn above it."""
-    for k, body in enumerate(scene.bodies if scene.water is not None else ()):
-        acts = body.volume > 0.0 or any((*body.added_mass, *body.drag.linear, *body.drag.quadratic))
-        if acts and body.position[2] > scene.water.surface:
-            text = (
-                f"{body.name} is drawn {body.position[2] - scene.water.surface:.3g} m above the water. Buoyancy, drag "
-                "and added mass act on a body at any height. Leave them out while it is in air"
-            )
-            yield f"bodies[{k}]", text
 
 
 def _floating(found: Estimate) -> Sentences:

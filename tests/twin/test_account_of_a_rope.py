@@ -222,3 +222,22 @@ def test_a_rope_without_a_breaking_load_is_refused_with_the_cure(tmp_path):
         Twin(root, MAP, account=tmp_path / "rope.npz")
     with pytest.raises(tautline.TautlineError, match="a drill string keeps none"):
         Twin("data/jwell.yaml", "sensors: [{column: a, unit: m, input: top.block}]", account=tmp_path / "rope.npz")
+
+
+def test_places_of_a_rope_that_ends_at_an_anchor_are_said_to_count_from_there(tmp_path):
+    scene = tautline.read("data/hookblock.yaml").replace({"rope.bending_life": 1e5, "rope.breaking_load": 1.1e6})
+    (name, _, text, _) = next(CraneOperation(scene, tmp_path / "rope.npz").alarms())
+    assert name == "rope worn" and f"m from {scene.path[-1].name} has had" in text
+
+
+def test_places_count_from_a_load_rather_than_from_an_anchor(tmp_path):
+    anchored = {
+        "rope": {"mass_per_length": 6.5, "axial_stiffness": 8e7, "damping": 1e-4, "diameter": "36 mm",
+                 "breaking_load": "1.1 MN"},
+        "bodies": [{"name": "payload", "mass": "5 t", "position": [0, 0, -20]}],
+        "path": [{"end": {"name": "hook", "body": "payload"}}, {"anchor": {"name": "top", "position": [0, 0, 0]}}],
+        "mesh": {"elements_per_span": 1}, "solver": {"end": 1.0, "step": 0.01},
+        "output": {"interval": 0.1},
+    }  # fmt: skip
+    (_, _, text, _) = next(CraneOperation(tautline.read(anchored), tmp_path / "rope.npz").alarms())
+    assert "m from the load" in text

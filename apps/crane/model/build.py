@@ -20,6 +20,7 @@ from crane.results.ends.wound_up import wound_up
 from crane.results.laid_by_turning import laid_by_turning
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
+from crane.results.out_of_water import out_of_water
 from crane.results.ropes_that_lift import ropes_that_lift
 from crane.results.set_down import set_down_askew
 from crane.results.slack_feet import slack_feet
@@ -89,7 +90,7 @@ def build(scene: CraneScene) -> Model:
         limits=lambda result: limits(result, scene),
         remarks=lambda result: [
             *set_down_askew(result, scene), *remarks(result, scene), *ropes_that_lift(result, layout),
-            *slack_feet(result, scene), *laid_by_turning(result, layout),
+            *slack_feet(result, scene), *laid_by_turning(result, layout), *out_of_water(result, scene),
         ],
         figures=told,
         figure_units=layout.once(f"figure units, {bool(scene.rope.diameter)}", lambda: figure_units(scene)),

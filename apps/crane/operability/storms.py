@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from crane.operability.allowable import Table, tabulate
+from crane.operability.asked import Asked
 from crane.operability.conditions import (
     Condition,
     SeaKeys,
@@ -41,7 +42,10 @@ from crane.operability.run_limits import (
     state_said,
     warnings_of,
 )
-from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered, share_outside
+from crane.operability.scatter import COLLECTED, Fatigue, fatigue_over, not_covered, share_outside
+from crane.operability.single_events import event_notes, lead_notes
+from crane.operability.steadiness import growing_notes, trends_of
+from crane.results.out_of_water import heights_of, out_of_water_in_storms
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
 from crane.sea.vessel import BY_KEY
 from tautline.scene.errors import SceneError, SceneWarning, option_error
@@ -56,43 +60,6 @@ SHORTEST, LONGEST = 60.0, 30.0 * 86400.0
 """Durations, s, of operations at sea: a lift off a deck, and a month of work."""
 MOST_SCALED, FEW_PERIODS = 10.0, 100.0
 """Ratio of durations up to which extremes are scaled without a note, and waves that a scaled storm should have."""
-
-
-@dataclass(frozen=True)
-class Asked:
-    """What is asked of a scene.
-
-    Attributes
-    ----------
-    conditions : sequence of Condition
-    seeds : sequence of int
-    duration, simulated, lead : float
-        That is asked about, of each run, and before it, in which the sea grows and nothing counts, s.
-    limits : sequence of str
-        As they are written.
-    share, confidence : float
-        Percentile and confidence, 0 to 1.
-    compared : str
-        ``most_probable`` or ``percentile``.
-    scatter : Scatter or None
-    constant : float or None
-        Of the S-N curve.
-    bare : bool
-        Whether the duration was written without a unit.
-    """
-
-    conditions: Sequence[Condition]
-    seeds: Sequence[int]
-    duration: float
-    simulated: float
-    limits: Sequence[str]
-    share: float = 0.9
-    confidence: float = 0.9
-    compared: str = "percentile"
-    scatter: Scatter | None = None
-    constant: float | None = None
-    lead: float = 100.0
-    bare: bool = True
 
 
 @dataclass
@@ -151,12 +118,15 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
     # Frames and statistics both tell them.
     collect += [column for one in of_every_run for column in one.columns]
+    wet = heights_of(scene)
+    collect += [column for column in wet.values() if column not in collect]
     notes = sea_notes(storm.replace(first), keys) + (scale_notes(asked) if criteria else [])
     # Those of the scene are told with its other numbers without a unit.
     doubts = duration_notes(asked) + bare_notes(of_command, scene.units) + reversed_notes(of_command)
-    doubts += share_notes(asked, criteria) + above_strength(criteria, scene)
+    doubts += share_notes(asked, criteria) + above_strength(criteria, scene) + lead_notes(asked)
+    doubts += event_notes(scene, keys, asked, any(one.extreme for one in criteria))
     notes += notes_on(criteria)
-    notes += lasting_notes(scene) + outside_notes(asked)
+    notes += lasting_notes(scene) + outside_notes(asked) + [*asked.not_reached]
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
 
     said_before: list[str] = []
@@ -170,7 +140,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
             execution.say(f"note: {note}")
         said_before[:] = doubts
 
-    outcome = run_sweep(read, application, storm, replace(execution, begin=begun), asked.lead)
+    trends = trends_of(criteria) if asked.simulated < asked.duration else {}
+    outcome = run_sweep(read, application, storm, replace(execution, begin=begun), asked.lead, trends)
     found = Found(outcome, criteria, notes=notes, warnings=[*doubts], said_before=said_before)
     if outcome.interrupted or not outcome.done:
         return found
@@ -182,6 +153,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     found.failed = failures(outcome, found.table, asked.conditions, of_every_run)
     found.warnings += failed_notes(found.table, len(asked.seeds), scene.units)
     found.warnings += endless_notes(found.table, criteria)
+    found.warnings += growing_notes(outcome.data, asked, criteria, scene.units)
+    found.warnings += out_of_water_in_storms(outcome.data, wet, scene)
     if asked.scatter is not None:
         found.fatigue = _fatigue(outcome.data, asked, scene, found.table)
     share = None if found.fatigue is None else found.fatigue.share

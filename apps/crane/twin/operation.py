@@ -16,7 +16,7 @@ import numpy as np
 from crane.assembly.layout import Layout
 from crane.results.course import contacts_of, course_of, laid_out
 from crane.rope_life.account import RopeAccount, RopeOf
-from crane.scene.scene import CraneScene, Drum
+from crane.scene.scene import CraneScene, Drum, End, PathItem
 from tautline.scene.errors import SceneError
 from tautline.twin.operation import Operation
 
@@ -78,12 +78,14 @@ class CraneOperation(Lifting):
         self.path = account
         self.name = uuid4().hex
         rope = _rope_of(scene)
-        # The end at the load, first or last of the path, is the same whatever was paid out.
+        # An end without a drum is the same whatever was paid out: that at a load before one that is made fast.
         ends = [place for place in (-1, 0) if not isinstance(scene.path[place], Drum)]
+        ends.sort(key=lambda place: not isinstance(scene.path[place], End))
         if not ends:
-            cause = "runs from drum to drum: an account of it is kept by the distance from its end at a load"
+            cause = "runs from drum to drum: an account of it is kept by the distance from an end without a drum"
             raise SceneError([scene.problem("path", cause, "leave the account out")])
         self._end = ends[0]
+        self._measured_from = _said(scene.path[self._end])
         self.account = RopeAccount.load(account, rope, self.name) if account.exists() else RopeAccount(rope, self.name)
         self._layout: Layout | None = None
 
@@ -111,7 +113,8 @@ class CraneOperation(Lifting):
         """A rope that has done what it lasts."""
         damage, place = self.account.worst
         worn = self.account.rope.life is not None and damage >= 1.0
-        text = f"the rope {place:.1f} m from the load has had {100.0 * damage:.0f} % of the bending that it lasts"
+        at = f"{place:.1f} m from {self._measured_from}"
+        text = f"the rope {at} has had {100.0 * damage:.0f} % of the bending that it lasts"
         yield "rope worn", worn, text, 0.0
 
     def save(self) -> None:
@@ -130,6 +133,11 @@ class CraneOperation(Lifting):
         else:
             self.account.operations.clear()
             self.account.begin(self.name)
+
+
+def _said(item: PathItem) -> str:
+    """The end that places count from, in words: the load, or what the rope is made fast to, by its name."""
+    return "the load" if isinstance(item, End) else item.name
 
 
 def _heights_on_ground(scene: CraneScene) -> dict[str, float]:

@@ -15,9 +15,10 @@ from tautline.cli.output.preparing import preparing
 from tautline.cli.verbs import Changes, GoOn, Json, Quiet, Scene, Scheduler, Workers
 
 if TYPE_CHECKING:
+    from crane.operability.asked import Asked
     from crane.operability.criteria import Criterion
     from crane.operability.scatter import Fatigue
-    from crane.operability.storms import Asked, Found
+    from crane.operability.storms import Found
     from tautline.scene.errors import SceneWarning
 
 Heights = Annotated[
@@ -118,7 +119,8 @@ def operability(
     asked = occurring(whole, read)
     folder = output or Path(f"{scene.stem}-operability")
     with preparing(scene, read, quiet):
-        told = application.warnings(read)
+        # What a storm comes to, and not the run that the scene asks for: it may end before a load is let go.
+        told = application.warnings(read.replace({"solver.end": asked.lead + asked.simulated}, origin="--duration"))
 
     def begin() -> None:
         # What cannot be is refused first: before that nothing should read as a start.
@@ -224,7 +226,7 @@ def _compared_said(asked: Asked, limit: Criterion) -> str:
     what = limit.of_storm
     if asked.compared == "most_probable":
         return f"most probable {what.removeprefix('the ')}"
-    share = f"{100.0 * asked.share:g}" if limit.way > 0.0 else f"{100.0 - 100.0 * asked.share:.12g}"
+    share = f"{100.0 * asked.share:.12g}" if limit.way > 0.0 else f"{100.0 - 100.0 * asked.share:.12g}"
     return f"P{share} of {what} in {_lasting(asked.duration)}"
 
 

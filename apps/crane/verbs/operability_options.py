@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
+    from crane.operability.asked import Asked
     from crane.operability.scatter import Scatter
-    from crane.operability.storms import Asked
 
 MOST = 200
 """Values that one of the lists may have."""
+LEAD = "give a time in which the sea grows and the load settles, such as 100 s"
 SAME_HEADING = 1.0e-9
 """Angle, rad, within which two headings are one: rounding of degrees and of turns."""
 
@@ -52,9 +53,9 @@ def read_options(given: OperabilityOptions, gravity: Sequence[float]) -> Asked:
     SceneError
         Naming the option that cannot be read, or is missing.
     """
+    from crane.operability.asked import Asked
     from crane.operability.conditions import conditions_of
     from crane.operability.scatter import read_scatter
-    from crane.operability.storms import Asked
     from tautline.cli.options.lists import number
 
     diagram = None if given.scatter is None else read_scatter(given.scatter)
@@ -76,7 +77,10 @@ def read_options(given: OperabilityOptions, gravity: Sequence[float]) -> Asked:
         compared=compared,
         scatter=diagram,
         constant=given.sn_constant,
-        lead=number(given.lead_in, "--lead-in", "s"),
+        lead=number(given.lead_in, "--lead-in", "s", example=LEAD),
+        not_reached=tuple(
+            filter(None, (_not_reached(*one) for one in ((given.hs, "--hs", "m"), (given.tp, "--tp", "s"))))
+        ),
         bare=given.duration.strip()[-1:].isdigit(),
     )
 
@@ -107,6 +111,21 @@ def _range(text: str | None, option: str, unit: str, example: str, other: list[f
         raise option_error(option, text, "goes downwards", f"write {option} {example}")
     # Without the rounding of sums: 0.30000000000000004 is no height that anybody gave.
     return [float(f"{value:.12g}") for value in stepped((first, last, step), text, option, MOST, "values")]
+
+
+def _not_reached(text: str | None, option: str, unit: str) -> str:
+    """A note on a range whose step does not meet its end; empty for others."""
+    from tautline.cli.options.lists import number
+
+    if text is None or ":" not in text:
+        return ""
+    values, last = _range(text, option, unit, "", None), number(text.split(":")[1], option, unit)
+    if values[-1] >= last * (1.0 - 1e-9):
+        return ""
+    return (
+        f"{option} {text} ends at {values[-1]:.6g} {unit}: its step does not meet {last:.6g} {unit}. For both ends "
+        "give another step, or values between commas"
+    )
 
 
 def _headings(text: str) -> list[float]:

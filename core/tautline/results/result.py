@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 import time
 from collections.abc import Iterator, KeysView, Mapping, Sequence
@@ -95,19 +96,19 @@ class Result:
             _check_order(path, values_of(file["time"]))
         return result
 
-    def from_time(self, begin: float) -> Result:
-        """The same run without its frames before a time, s; of those its first tells what was at the start.
+    def from_time(self, begin: float, until: float = math.inf) -> Result:
+        """The same run without its frames before a time, s, and from another on; its first tells of the start.
 
-        All of it where no frame is as late. Variables are read when they are asked for.
+        All of it where no frame lies between them. Variables are read when they are asked for.
         """
         # The rounding of a sum of steps must not leave out the frame at `begin` itself.
-        first = int(np.searchsorted(self.time, begin * (1.0 - 1e-12)))
-        if not 0 < first < len(self.time):
+        first, last = (int(one) for one in np.searchsorted(self.time, np.array([begin, until]) * (1.0 - 1e-12)))
+        if not first < last or (first, last) == (0, len(self.time)):
             return self
         moving, fixed = self._parted()
         arrays, start = (
             OnDemand({one.name: functools.partial(_between, self, one.name, some) for one in moving})
-            for some in (slice(first, None), slice(0, 1))
+            for some in (slice(first, last), slice(0, 1))
         )
         return Result(None, (moving, arrays, fixed, self.attributes, {}), start=self.start or start)
 

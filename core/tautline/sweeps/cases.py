@@ -18,6 +18,7 @@ from tautline.results.headline import plain
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document
+from tautline.statistics.trends import Trends
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
 from tautline.sweeps.inputs import Inputs, stamps_of
 from tautline.sweeps.verbs import Watch, chosen, names_of, of_run, tables_of
@@ -77,6 +78,9 @@ class Job:
         Path -> hash of the files that the scene and what varies in it name, as they were when the sweep began.
     begin : float
         Time, s, from which on frames of a run count.
+    trends : mapping
+        Names of what is collected and is an extreme -> ``largest`` or ``smallest``: of these the trend over the frames
+        that count is found, too (`tautline.statistics.trends`).
     """
 
     application: str
@@ -86,6 +90,7 @@ class Job:
     collected: tuple[Collected, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
     begin: float = 0.0
+    trends: Mapping[str, str] = field(default_factory=dict)
 
 
 class Cancelled(TautlineError):
@@ -159,7 +164,7 @@ class Runner:
             with self._turn or nullcontext():
                 scene = self.tried.pop(case, None)
                 found, row.limits, row.loop_time = self._found(self.varied(changes) if scene is None else scene)
-            kept = chosen(found, self.job.collected)
+            kept = chosen(found, self.job.collected, self.job.trends)
             row.values = {name: plain(one.value) for name, one in kept.items()}
             # What is told of the columns goes without the values: it is kept, and sent by the workers of a cluster.
             found = {name: one._replace(value=None) for name, one in found.items()}
@@ -188,9 +193,12 @@ class Runner:
 
         model = self.application.build(scene)
         watch = Watch(model, self.job.collected, self.job.begin)
+        trends = Trends(self.job.trends, watch.begin, float(model.solver.end))
+        trends.watch(model)
         result = simulate(model, progress=self._go_on, brief=self._brief())
         sometimes = getattr(self.application, "sometimes", ())
         found = of_run(result, model, self.job.collected, watch, sometimes)
+        found |= trends.findings(found, {one.name: watch.values(one.name) for one in watch.asked})
         failed = [str(record["name"]) for record in result.limits if record["passed"] is False]
         return found, failed, float(result.attributes["cpu_time"])
 
@@ -224,14 +232,15 @@ class Runner:
 
 def job_of(
     application: Any, scene: Any, verb: str, options: Mapping[str, Any], collected: Sequence[Collected],
-    files: Mapping[str, str] | None = None, begin: float = 0.0,
+    files: Mapping[str, str] | None = None, begin: float = 0.0, trends: Mapping[str, str] | None = None,
 ) -> Job:  # fmt: skip
     """The job of a scene that was read, and of files as they are."""
     document = scene.document
     home = Path(document.folder).resolve()
     return Job(
-        application.name, replace(document, home=home), verb, dict(options), tuple(collected), files or {}, begin
-    )
+        application.name, replace(document, home=home), verb, dict(options), tuple(collected), files or {}, begin,
+        dict(trends or {}),
+    )  # fmt: skip
 
 
 def _application(name: str) -> Any:

@@ -217,13 +217,15 @@ def sweep(
 
 
 def run_sweep(
-    read: SweepFile, application: Any, scene: Any, execution: Execution | None = None, begin: float = 0.0
-) -> Outcome:
+    read: SweepFile, application: Any, scene: Any, execution: Execution | None = None, begin: float = 0.0,
+    trends: Mapping[str, str] | None = None,
+) -> Outcome:  # fmt: skip
     """Run a sweep that was read; what is refused is refused before anything is written.
 
-    Frames of a run count from the time `begin`, s, on.
+    Frames of a run count from the time `begin`, s, on. Of `trends`, name of an extreme -> ``largest`` or ``smallest``,
+    there is a column with the trend, too.
     """
-    one = _Sweep(read, application, scene, execution or Execution(), begin)
+    one = _Sweep(read, application, scene, execution or Execution(), begin, trends)
     one.check()
     try:
         one.claim()
@@ -236,7 +238,10 @@ def run_sweep(
 class _Sweep:
     """A sweep under way."""
 
-    def __init__(self, read: SweepFile, application: Any, scene: Any, execution: Execution, begin: float = 0.0) -> None:
+    def __init__(
+        self, read: SweepFile, application: Any, scene: Any, execution: Execution, begin: float = 0.0,
+        trends: Mapping[str, str] | None = None,
+    ) -> None:  # fmt: skip
         self.began, self.used = time.perf_counter(), time.process_time()
         self.read, self.application, self.scene = read, application, scene
         jobs, folder = execution.jobs, execution.folder
@@ -249,7 +254,7 @@ class _Sweep:
         self.cases = plan_cases(read, application, scene)
         scenes = self._scenes()
         files = hashes_of(scenes)
-        self.job = job_of(application, scene, read.verb, read.options, self.collected, files, begin)
+        self.job = job_of(application, scene, read.verb, read.options, self.collected, files, begin, trends)
         self.runner = Runner(self.job, application, scene)
         self.journal: Journal | None = None
         if folder is not None:
@@ -276,8 +281,9 @@ class _Sweep:
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
     def _begun_at(self) -> dict[str, Any]:
-        """From when on frames count, where it is not all of them."""
-        return {"begin": self.job.begin} if self.job.begin else {}
+        """From when on frames count, where it is not all of them, and of what a trend is found."""
+        begun: dict[str, Any] = {"begin": self.job.begin} if self.job.begin else {}
+        return begun | ({"trends": self.job.trends} if self.job.trends else {})
 
     def _scenes(self) -> list[Any]:
         """The scene, and others that name all files that values name: records of motion, responses."""

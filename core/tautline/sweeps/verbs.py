@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from tautline.application.installed import key_of_setting
 from tautline.results.assessment.limits import AT_MOST
 from tautline.results.tables.finding import Finding, Table
+from tautline.statistics.trends import TREND
 from tautline.sweeps.file import SIMULATE, Collected, SweepFile, percentile
 from tautline.system.handles import Handles, Output, part_named, word_of
 
@@ -139,17 +140,19 @@ class Watch:
 
     def findings(self) -> dict[str, Finding]:
         """The statistics that are asked for, of all frames that count, whatever the result keeps."""
-        if not self.asked:
-            return {}
-        time = np.concatenate(self.times)
-        counts = time >= self.begin
         return {
             one.name: Finding(
-                statistic(np.concatenate(self.rows[one.name])[counts], time[counts], one.statistic),
-                self.outputs[one.name].unit, f"{one.statistic} of {one.output}",
+                statistic(*self.values(one.name), one.statistic), self.outputs[one.name].unit,
+                f"{one.statistic} of {one.output}",
             )
             for one in self.asked
         }  # fmt: skip
+
+    def values(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Values and times, s, (m,) each, of all frames that count, of what is collected by a name."""
+        time = np.concatenate(self.times)
+        counts = time >= self.begin
+        return np.concatenate(self.rows[name])[counts], time[counts]
 
 
 def _findings(headline: Mapping[str, Mapping[str, Any]]) -> dict[str, Finding]:
@@ -396,11 +399,14 @@ def of_all(found: Finding) -> Finding:
     return found._replace(value=None, text=OF_ONE.sub("", found.text))
 
 
-def chosen(found: Mapping[str, Finding], collected: Sequence[Collected]) -> dict[str, Finding]:
-    """The findings that are asked for, those that they run along among them; all for nothing."""
+def chosen(
+    found: Mapping[str, Finding], collected: Sequence[Collected], trends: Collection[str] = ()
+) -> dict[str, Finding]:
+    """The findings that are asked for, those that they run along and their trends among them; all for nothing."""
     if not collected:
         return dict(found)
-    kept = {one.name: found[one.name] for one in collected if one.name in found}
+    names = [*(one.name for one in collected), *(f"{name}{TREND}" for name in trends)]
+    kept = {name: found[name] for name in names if name in found}
     along = {one.along: found[one.along] for one in kept.values() if one.along and one.along in found}
     return kept | along
 

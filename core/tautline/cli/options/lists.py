@@ -69,8 +69,10 @@ def seconds(text: str | None, option: str, known: Sequence[str] = ()) -> float |
     return text if text is None or text in known else number(text, option, "s")
 
 
-def number(text: str, option: str, unit: str, most: float | None = None, cure: str = "", bare: float = 1.0) -> float:
-    """One positive number, with a unit; a bare one counts `bare` SI units.
+def number(
+    text: str, option: str, unit: str, most: float | None = None, cure: str = "", bare: float = 1.0, example: str = ""
+) -> float:
+    """One positive number, with a unit; a bare one counts `bare` SI units. An `example` is the cure of what is none.
 
     Raises
     ------
@@ -79,7 +81,7 @@ def number(text: str, option: str, unit: str, most: float | None = None, cure: s
     """
     if "," in text:
         raise option_error(option, text, "is more than one number", "give one, with a decimal point")
-    value = numbers(text, option, unit, bare)[0]
+    value = numbers(text, option, unit, bare, example)[0]
     if most is not None and value > most:
         raise option_error(option, text, f"is more than {most:g}", cure)
     return value
