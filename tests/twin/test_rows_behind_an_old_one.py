@@ -85,6 +85,54 @@ def test_repeated_readings_of_a_machine_that_stands_still_do_not_hide_a_day_with
     assert gaps(came) == [9]
 
 
+def beside_a_machine(rows, silent_after=(), live=True):
+    """Rows that are handed on, of (stamp, arrival), s; none comes for a while after some of them, and then no more."""
+    made, came = Rows(["x"], live=live), []
+    for k, (stamp, arrived) in enumerate(rows):
+        made.add(stamp, {"x": float(k)}, arrived)
+        while (row := made.ready(silent=k in silent_after)) is not None:
+            came.append(row.time)
+    while (row := made.ready(end=True)) is not None:
+        came.append(row.time)
+    return made, came
+
+
+BEFORE = [(0.25 * k, 100.0 + 0.25 * k) for k in range(24)]
+"""Rows as they are measured, until 5.75 s."""
+
+
+@pytest.mark.parametrize("ahead", [10.0, 300.0, 3600.0])
+@pytest.mark.parametrize("waited", [0.0, 3.0])
+def test_a_stamp_that_ran_ahead_of_the_time_that_went_by_is_not_believed_in_a_silence(waited, ahead):
+    false = (5.75 + waited + ahead, 105.75 + waited)
+    after = [(5.75 + waited + 3.0 + 0.25 * k, 105.75 + waited + 3.0 + 0.25 * k) for k in range(8)]
+    rows, came = beside_a_machine([*BEFORE, false, *after], silent_after=[len(BEFORE)])
+    assert came == [stamp for stamp, _ in (*BEFORE, *after)] and rows.counts["future"] == 1
+
+
+def test_a_stamp_that_ran_ahead_is_left_out_at_the_end_of_a_live_source():
+    rows, came = beside_a_machine([*BEFORE, (305.75, 105.8)], silent_after=[len(BEFORE)])
+    assert came == [stamp for stamp, _ in BEFORE] and rows.counts == {"future": 1}
+
+
+@pytest.mark.parametrize("gap", [3.0, 300.0, 3600.0])
+def test_a_gap_as_long_as_the_time_that_went_by_is_taken_in_the_silence_behind_it(gap):
+    rows, came = beside_a_machine([*BEFORE, (5.75 + gap, 105.75 + gap)], silent_after=[len(BEFORE)])
+    assert came[-1] == 5.75 + gap and not rows.counts["future"]
+
+
+@pytest.mark.parametrize("live", [True, False], ids=["piped in", "a file"])
+def test_a_gap_before_the_last_row_of_what_was_written_before_is_taken(live):
+    rows, came = beside_a_machine([*((stamp, 1e-3 * stamp) for stamp, _ in BEFORE), (3605.75, 0.01)], live=live)
+    assert came[-1] == 3605.75 and not rows.counts["future"]
+
+
+def test_a_false_stamp_says_nothing_of_how_fast_a_clock_runs():
+    stamps = [(0.25 * k + (3600.0 if k == 200 else 0.0), 0.25 * k) for k in range(500)]
+    rows, _ = beside_a_machine(stamps)
+    assert abs(rows.arrivals.clock_rate) < 1e-9 and not rows.notes and rows.counts["future"] == 1
+
+
 def lines_of(rows, silent_after=None, live=True):
     """A twin and its lines, of rows of (stamp, reading, arrival); nothing comes for a while after one of them."""
     twin = Twin(STILL, MAP, live=live)

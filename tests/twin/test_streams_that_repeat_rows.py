@@ -109,11 +109,12 @@ def test_a_stream_that_is_silent_has_not_ended_and_rows_in_doubt_wait_on(memory,
         "_notice": lambda _: None,
         "_watch_silence": lambda: None,
     }
-    command._Loop._hear_all(
-        SimpleNamespace(
-            source=source, twin=twin, rereading=None, _add=add, _give=came.extend, _pass_on=lambda: None, **told
-        )
-    )
+    loop = SimpleNamespace(
+        source=source, twin=twin, rereading=None, _add=add, _pass_on=lambda: None,
+        _take_in=lambda answer: came.extend(answer()), **told,
+    )  # fmt: skip
+    loop._hear = lambda record, now: command._Loop._hear(loop, record, now)
+    command._Loop._hear_all(loop)
     came.extend(Twin.finish(twin))
     assert len(came) == 200 and not rows.counts["late"] and rows.counts["clock set back"] == 1
     (note,) = rows.notes

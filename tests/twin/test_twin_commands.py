@@ -205,6 +205,18 @@ def test_two_twins_do_not_keep_their_state_or_account_in_one_file(rehearsal, her
     assert [one.name for one in tmp_path.iterdir()] == ["link to it"]
 
 
+def test_a_state_that_is_cut_off_is_refused_in_words_of_the_option_that_was_given(rehearsal, here, tmp_path):
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv"]
+    assert here(*arguments, "--state", tmp_path / "whole")[0] == 0
+    cut = tmp_path / "cut"
+    cut.write_bytes((tmp_path / "whole").read_bytes()[:2000])
+    code, _, told = here(*arguments, "--resume", cut)
+    assert code == 2 and "is no state of a twin" in told and "--state" not in told
+    assert cut.stat().st_size == 2000
+    code, _, told = here(*arguments, "--resume", tmp_path / "whole", "--state", cut)
+    assert code == 2 and "name another file with --state" in told and cut.stat().st_size == 2000
+
+
 def test_a_state_does_not_replace_a_file_that_is_none(rehearsal, here, tmp_path):
     arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv"]
     mine = tmp_path / "mine.yaml"

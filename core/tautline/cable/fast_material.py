@@ -12,7 +12,7 @@ from tautline.cable.input.geometry import arc_lengths, drawn_of
 from tautline.cable.input.material import element_lengths
 from tautline.cable.input.parts import CableScene
 from tautline.cable.model.magnitudes import acting_force
-from tautline.cable.model.short_waves import (
+from tautline.cable.short_waves import (
     Curve,
     Overtaken,
     cure_of,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -11,6 +12,8 @@ LONG_GAP = 120.0
 AT_ONCE, TOLD_BY = 2.0, 1.0
 """Stamps that go by so many times as fast as rows come are of rows that were written before; and the time after which
 that is told, s."""
+BACK = 5
+"""Rows in a row that are not later than the newest, and follow one another: they are of now, and that one is not."""
 
 
 class Pace:
@@ -19,29 +22,90 @@ class Pace:
     A machine is beside its twin as soon as one row has come as it was measured, also while many others wait to be taken
     before it. The thread that hears the source takes, any other may look.
 
+    Columns that come in records of their own may have a clock of their own, minutes beside that of others: records of
+    the same columns are compared with one another alone.
+
     Attributes
     ----------
     is_record : bool
         Whether all rows so far were written before, so that nobody waits for their answers. What a link gives at once
         after it has stalled is none: its machine goes on.
+    has_paced : bool
+        Whether rows have come as they are measured.
     """
 
     def __init__(self) -> None:
-        self._came: deque[tuple[float, float]] = deque()
-        self._has_paced, self.is_record = False, False
+        self._clocks: dict[frozenset[str], _Clock] = {}
+        self.has_paced, self.is_record = False, False
+
+    def take(self, stamp: float, arrived: float, values: Mapping[str, float] | None = None) -> None:
+        """Take notice of a record by its stamp, when it came, s, and the readings that it has by column."""
+        if self.has_paced or not np.isfinite(stamp):
+            return
+        columns = frozenset(name for name, value in (values or {}).items() if value == value)
+        one = self._clocks.setdefault(columns, _Clock())
+        one.take(stamp, arrived)
+        self.has_paced = one.has_paced
+        self.is_record = not self.has_paced and (self.is_record or one.hurries)
+
+
+class _Clock:
+    """Stamps of one clock beside arrivals.
+
+    Rows that are sent together come behind a pause, and so does a row of a fast replay that has stalled. So the pace is
+    that from one row behind a pause to another: between those of a replay its stamps go by as fast as ever, and over
+    the pause alone they go by too little.
+
+    Attributes
+    ----------
+    hurries, has_paced : bool
+        Whether the newest row has come much before it was due, and whether it has shown that rows come as measured.
+    """
+
+    def __init__(self) -> None:
+        # Rows behind a pause: the last one from more than the shortest time before, and those since; or the first row.
+        self._paused: deque[tuple[float, float]] = deque()
+        self._newest = self._before = (-np.inf, -np.inf)
+        self._behind: list[tuple[float, float]] = []
+        self.hurries = self.has_paced = False
 
     def take(self, stamp: float, arrived: float) -> None:
-        """Take notice of a record by its stamp, and of when it came, s; one that is not the newest shows nothing."""
-        if self._has_paced or not np.isfinite(stamp):
+        """Take notice of a row; one that is not the newest shows nothing, unless it shows that one to be false."""
+        if stamp <= self._newest[0]:
+            if not self._before[0] < stamp or not self._has_leapt:
+                self._fall_behind(stamp, arrived)
+                return
+            self._newest = self._before
+            if self._paused[-1][0] > self._newest[0]:
+                self._paused.pop()
+        self._behind.clear()
+        step, waited = stamp - self._newest[0], arrived - self._newest[1]
+        self._before, self._newest = self._newest, (stamp, arrived)
+        behind_pause = not self._paused or step <= AT_ONCE * waited
+        if behind_pause:
+            self._paused.append((stamp, arrived))
+        while len(self._paused) > 1 and self._paused[1][1] <= arrived - TOLD_BY:
+            self._paused.popleft()
+        stamps, passed = stamp - self._paused[0][0], arrived - self._paused[0][1]
+        self.hurries = stamps > AT_ONCE * passed
+        self.has_paced |= behind_pause and passed >= TOLD_BY and stamps <= AT_ONCE * passed <= AT_ONCE**2 * stamps
+
+    @property
+    def _has_leapt(self) -> bool:
+        """Whether the newest stamp is ahead of the one before it by more than went by: it is false, or there was a gap.
+
+        The first row that comes is no such one: nothing was before it."""
+        return self._newest[0] - self._before[0] > self._newest[1] - self._before[1] + TOLD_BY
+
+    def _fall_behind(self, stamp: float, arrived: float) -> None:
+        """Keep a row that is not later than the newest, and begin anew with such rows where they follow one another."""
+        if self._behind and stamp <= self._behind[-1][0]:
+            self._behind.clear()
+        self._behind.append((stamp, arrived))
+        if len(self._behind) < BACK:
             return
-        back = self._came[-1][0] - stamp if self._came else 0.0
-        if back > LONG_GAP:
-            self._came.clear()  # the first row was from the future, or the clock was set back
-        elif back > 0.0:
-            return
-        self._came.append((stamp, arrived))
-        while len(self._came) > 1 and self._came[1][1] <= arrived - TOLD_BY:
-            self._came.popleft()
-        stamps, passed = stamp - self._came[0][0], arrived - self._came[0][1]
-        self._has_paced = passed >= TOLD_BY and stamps <= AT_ONCE * passed
-        self.is_record = not self._has_paced and (self.is_record or stamps > AT_ONCE * passed)
+        rows, self._behind = self._behind, []
+        self._paused.clear()
+        self._newest = self._before = (-np.inf, -np.inf)
+        for one in rows:
+            self.take(*one)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 import tautline
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
-from tautline.cable.model.short_waves import curves_of, growth
+from tautline.cable.short_waves import curves_of, growth
 
 EA, SPEED = 2000.0, 6.0
 """Stiffness, N, and speed of waves, m/s, of a ring of 1 kg/m and 1 m radius."""

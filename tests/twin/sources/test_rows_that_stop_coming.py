@@ -31,13 +31,13 @@ def said(pauses, interval, patience=5.0, after=100.0):
     """For each pause, s, whether it was told; the last one is looked at until `after`."""
     clock, found = Clock(), []
     silence = Silence("a", patience, clock)
-    silence.heard()
+    silence.heard(0.0)
     for pause in [*pauses, after]:
         told, begun = [], clock.time
         while clock.time < begun + pause - 1e-9:
             clock.time += min(0.5, begun + pause - clock.time)
             told += [one.status for one in silence.watch(interval)]
-        told += [one.status for one in silence.heard()]
+        told += [one.status for one in silence.heard(silence.seconds)]
         found.append(told)
     return found
 
@@ -80,6 +80,68 @@ class Hangs:
 
     def close(self):
         pass
+
+
+class Useless(Hangs):
+    """One that goes on with rows of which none can be used, `rate` a second, and then with good ones."""
+
+    def __init__(self, stamps, rate, pause):
+        super().__init__(pause)
+        self._stamps, self._rate, self._sent, self._since = stamps, rate, 0, None
+
+    def poll(self, timeout):
+        import time
+
+        if len(self._rows) != 4 or self._pause <= 0.0:
+            return super().poll(timeout)
+        now = time.monotonic()
+        self._since = self._since or now
+        if now - self._since > self._pause:
+            self._pause = 0.0
+            return None
+        if now - self._since < self._sent / self._rate:
+            time.sleep(min(timeout, 0.9 / self._rate))
+            return None
+        self._sent += 1
+        return Record(self._stamps(self._sent), {"winch_pos": 0.0, "rope_tension": 90.0}, now)
+
+
+USELESS = {
+    "without a stamp that can be read": lambda _: float("nan"),
+    "with a stamp that was there": lambda _: 0.7,
+    "that came too late": lambda k: -1.0 - k,
+}
+
+
+@pytest.mark.parametrize("rate", [4.0, 100.0])
+@pytest.mark.parametrize("why", USELESS)
+def test_rows_that_come_and_cannot_be_used_are_a_silence_and_the_reason_is_named(
+    why, rate, tmp_path, capsys, monkeypatch
+):
+    words, told, times = commanded(lambda: Useless(USELESS[why], rate, 2.5), tmp_path, capsys, monkeypatch)
+    assert [one["connection"] for one in words] == ["silent", "heard"]
+    assert f" rows {why}. What is shown" in words[0]["text"] and words[0]["time"] == pytest.approx(0.7)
+    assert "rows come, but for" in told and times == pytest.approx([0.1 * k for k in range(12)])
+
+
+def commanded(source, tmp_path, capsys, monkeypatch):
+    """What the command tells programs of the connection, what it tells people, and the times of its lines."""
+    (tmp_path / "map.yaml").write_text(MAP)
+    (tmp_path / "s.yaml").write_text(STILL)
+    monkeypatch.setattr("tautline.twin.sources.opening.open_source", lambda *_, **__: source())
+    code, out, told = commands_of(Crane(), capsys)(
+        "twin", tmp_path / "s.yaml", "--map", tmp_path / "map.yaml", "--source", "x", "--json"
+    )
+    assert code == 0, told
+    lines = [json.loads(line) for line in out.splitlines()]
+    return [one for one in lines if "connection" in one], told, [one["time"] for one in lines if "lag" in one]
+
+
+def test_rows_that_are_put_in_their_place_for_longer_than_that_are_no_silence(tmp_path, capsys, monkeypatch):
+    """Those of a column whose rows come later than those of another, which has ended: the newest stamp stands still."""
+    monkeypatch.setitem(globals(), "MAP", MAP + "delay: 5 s\n")
+    words, _, times = commanded(lambda: Useless(lambda k: 0.01 + 0.02 * k, 12.0, 2.4), tmp_path, capsys, monkeypatch)
+    assert not words and len(times) > 30
 
 
 def test_the_command_tells_people_and_programs_that_nothing_is_known_any_more(tmp_path, capsys, monkeypatch):

@@ -44,6 +44,13 @@ def test_a_unit_that_is_missing_is_the_one_that_was_stated_last_and_this_is_told
     assert len(told(mqtt, "no unit of a is given any more: its readings are taken in N, the last one")) == 1
 
 
+def test_behind_a_unit_that_nobody_knows_readings_are_taken_in_the_maps_and_this_is_said(mqtt):
+    sent = [{"value": 49, "unit": "kN"}, {"value": 49, "unit": "nope"}, {"value": 49}]
+    assert readings(mqtt, sent) == pytest.approx([49.0] * 3)
+    (note,) = told(mqtt, "no unit of a is given any more")
+    assert note.endswith("its readings are taken in kN, as nope, the last one, is no known unit")
+
+
 def test_each_change_of_a_unit_is_told_also_back_to_the_one_before(mqtt):
     sent = [
         {"value": 49, "unit": "kN"},

@@ -30,7 +30,7 @@ from tautline.cable.model.magnitudes import (
 from tautline.cable.model.observe import EXTREMES, Observer, figure_units, headline, variables
 from tautline.cable.model.room import rooms
 from tautline.cable.model.sections import Sections
-from tautline.cable.model.short_waves import overtaken
+from tautline.cable.short_waves import overtaken
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
 from tautline.constraints.multiplier import Multipliers
 from tautline.integrators.statics.attainable import MANY, within_rounding

@@ -34,8 +34,11 @@ if TYPE_CHECKING:
 CHATTERING = "asyncua"
 """A library that logs the loss of a server with a traceback; the user gets one sentence of us in its place."""
 NOWHERE = logging.NullHandler()
-SAID = {"no stamp": "without a stamp that can be read"}
-"""Kinds of rows that were left out, where their name alone does not say what is wrong."""
+SAID = {
+    "no stamp": "without a stamp that can be read", "doubled": "with a stamp that was there",
+    "late": "that came too late", "future": "with a stamp from the future",
+}  # fmt: skip
+"""Kinds of rows that were left out, in words that say what is wrong."""
 STAMPS = "a stamp is a number of seconds, or a date and a time such as 2026-11-27T20:15:03Z"
 SAVE_EVERY = 5.0
 """How often the state is saved, s of the wall clock."""
@@ -113,7 +116,7 @@ def twin(
     print_warnings(warnings)
     silence_library_logs()
     with (
-        _alone({"--state": given.state, "--account": given.account, "-o": given.output}),
+        _alone({"--state": given.state, "--account": given.account, "-o": given.output}, resume if goes_on else None),
         closing(_open(application, scene, read, given, resume if goes_on else None)) as opened,
     ):
         try:
@@ -184,8 +187,10 @@ def _refuse_unknown_rows(state: Path | None) -> None:
 
 
 @contextmanager
-def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
+def _alone(files: Mapping[str, Path | None], resumed: Path | None) -> Iterator[None]:
     """See that no other twin writes the same files meanwhile, by option; each would undo what the other has counted.
+
+    The state that is `resumed` is judged as it is read: nothing else is lost where it is replaced.
 
     Raises
     ------
@@ -204,7 +209,7 @@ def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
             raise ResultError(path, f"is named by {option} and by {others[0]}", "give each a file of its own")
     try:
         for option, path in given.items():
-            (check_state if option == "--state" else check_folder)(path)
+            (check_state if option == "--state" and path != resumed else check_folder)(path)
             if option == "-o":
                 continue  # a result has a lock of its own
             lock = Lock(path.resolve())  # through a link the file that it leads to is written
@@ -274,6 +279,7 @@ class _Loop:
         self.held_again = 0  # rows of the source that the state holds, as they were not answered for good
         self.silence = Silence(source.name, made.plan.lost)
         self.known = Counter(self.twin.readings.rows.counts)
+        self.unused = self._not_used()
         self.saved = clock.monotonic()
         self.lines = 0
         self.last: dict[str, Any] | None = None
@@ -323,18 +329,45 @@ class _Loop:
             self._pass_on()
             busy = self.twin.work(PIECE if self._hurries else None)
             record = self.source.poll(0.0 if busy else POLL)
-            if record is None:
-                if clock.monotonic() - heard > SILENCE:
-                    if self.ending is None:
-                        self._give(self.twin.answers(silent=True))
-                    self._watch_silence()
-                    heard = clock.monotonic()
-                continue
-            heard = clock.monotonic()
-            self._notice(self.silence.heard())
-            for one in (record,) if self.rereading is None else self.rereading.new(record):
-                self._add(one)
+            now = clock.monotonic()
+            if record is not None and self._hear(record, now):
+                heard = now
+            elif now - heard > SILENCE:
+                # A record that is piped in is answered alike however fast it comes.
+                if self.ending is None and (record is None or self._hurries):
+                    self._take_in(partial(self.twin.answers, silent=True))
+                self._watch_silence()
+                heard = clock.monotonic()
+
+    def _hear(self, record: Record, now: float) -> bool:
+        """Take a record; whether the machine was heard by it: a row that is left out tells nothing.
+
+        One that came a while ago tells nothing of a silence: rows that can be used may have come behind it. Rows of a
+        file are not sent by anyone.
+        """
+        taken = self.twin.readings.rows.taken
+        for one in (record,) if self.rereading is None else self.rereading.new(record):
+            self._add(one)
+        used = not self.source.live or self.twin.readings.rows.taken > taken
+        if used:
             self.silence.rested()
+        return used or now - record.arrived > SILENCE
+
+    def _take_in(self, answer: Callable[[], list[dict[str, Any]]]) -> None:
+        """Give the lines of an answer, and tell where with it rows that can be used come again."""
+        rows, passed = self.twin.readings.rows, self.silence.seconds
+        before, lines = rows.taken, answer()
+        if rows.taken > before:
+            self._notice(self.silence.heard(passed))
+            self.unused = self._not_used()
+        self._give(lines)
+
+    def _not_used(self) -> Counter[str]:
+        """How many rows, lines and messages could not be used so far, by what is said of them."""
+        counts = self.twin.readings.rows.counts
+        found = Counter({f"row {said}": counts[kind] for kind, said in SAID.items()})
+        found |= {"line that could not be read": self.source.refused, "message left out": self.source.left_out}
+        return found
 
     @property
     def _hurries(self) -> bool:
@@ -348,9 +381,12 @@ class _Loop:
         """Tell that rows have stopped coming, where they should come while they are measured."""
         if self.source.ended or not self.source.live:
             return
-        self._notice(self.silence.watch(self.twin.readings.rows.interval))
+        unused = self._not_used() - self.unused
+        why = ", ".join(_many(count, *what.split(" ", 1)) for what, count in sorted(unused.items()))
+        self._notice(self.silence.watch(self.twin.readings.rows.interval, why))
         if self.silence.lasts and self.page is not None:
-            self.page.tell(f"no rows for {self.silence.seconds:.0f} s")
+            some = f"rows that can be used ({why})" if why else "rows"
+            self.page.tell(f"no {some} for {self.silence.seconds:.0f} s")
 
     def _add(self, record: Record) -> None:
         """Answer a record, and what waited for it.
@@ -367,7 +403,7 @@ class _Loop:
             self.ending = None
         else:
             self.held_again += 1
-        self._give(self.twin.add(record.time, record.values, record.arrived, record.repeated))
+        self._take_in(partial(self.twin.add, record.time, record.values, record.arrived, record.repeated))
 
     def _pass_on(self) -> None:
         """Print what the source has to say, such as that nobody answers."""
@@ -630,5 +666,5 @@ def _said_of_begin(time: float, waiting: int, answered: bool) -> str:
     return f"{where}, with {_many(waiting, 'row')} that waited for others and {verb} answered now"
 
 
-def _many(count: int, what: str) -> str:
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+def _many(count: int, what: str, then: str = "") -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}{' ' if then else ''}{then}"

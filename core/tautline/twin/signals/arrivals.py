@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tautline.twin.pace import AT_ONCE, LONG_GAP, TOLD_BY
+from tautline.twin.pace import AT_ONCE, LONG_GAP, TOLD_BY, Pace
 
 TYPICAL = 5
 """Rows after which the sample interval is known."""
@@ -46,6 +46,7 @@ class Arrivals:
         # The first of the rows that are no older than those behind them, and how many came since; the newest.
         self._since, self._count = (np.nan, np.nan), 0
         self._newest = (np.nan, np.nan)
+        self._pace = Pace()
         self._come_as_measured = False
         self._behind_old: list[float] = []
         # Whether all rows before those were a few each; and the first of rows of which it is not known whose they are.
@@ -57,8 +58,10 @@ class Arrivals:
         self._come_as_measured = True
 
     def take(self, stamp: float, arrived: float) -> str:
-        """Take a row that is newer than all before; gives what is to be told."""
+        """Take a row that is newer than all before, and that counts; gives what is to be told."""
+        self._pace.take(stamp, arrived)
         self._look_for_old(stamp, arrived)
+        self._newest = stamp, arrived
         return self._compare_clocks(stamp, arrived)
 
     def _look_for_old(self, stamp: float, arrived: float) -> None:
@@ -66,7 +69,6 @@ class Arrivals:
         if self._come_as_measured:
             return
         step, waited = stamp - self._newest[0], arrived - self._newest[1]
-        self._newest = stamp, arrived
         if step - waited > LONG_GAP:
             self._behind_old.append(stamp)
             self._few &= self._count < TYPICAL
@@ -80,6 +82,14 @@ class Arrivals:
         long_enough = self._count >= TYPICAL or passed >= TOLD_BY
         together = long_enough and passed > 0.0 and stamps <= AT_ONCE * passed
         self._come_as_measured = together or self._paced >= TYPICAL
+
+    def runs_ahead(self, row: Arrived) -> bool:
+        """Whether the stamp of a row is further ahead of the newest than time has gone by: it may be false.
+
+        Nothing shows that where rows did not come as they were measured, such as those of a file.
+        """
+        step, waited = row.stamp - self._newest[0], row.arrived - self._newest[1]
+        return self._pace.has_paced and step > AT_ONCE * waited + TOLD_BY
 
     def begin_now(self, rows: Sequence[Arrived], silent: bool) -> bool:
         """Whether with the first of some rows the rows of now begin, and all before it were old.

@@ -10,6 +10,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | out of order, within the delay | it is put in its place |
 | later than the delay | it is left out, and counted |
 | a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
+| such a stamp, and no row behind it for now | a gap if as much time has gone by, or rows do not come as measured |
 | stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
 | rows that were answered, from a stream that a later process begins to read some rows back | they are left out |
 | columns in rows of their own, a small part of the sample interval apart | they are one row, of the first stamp |
@@ -109,13 +110,15 @@ class Rows:
         Rows that are to be there before the first is handed on: they show the noise of inputs.
     newest : float
         Largest time of a row so far, s; minus infinity before the first.
+    taken : int
+        Records that this process has taken as rows, or as parts of them: others tell nothing of the machine.
     place : int
         Place of the next record among all that the source gives, from zero.
     """
 
     MADE_ANEW = (
         "columns", "delay", "live", "notes", "bounds", "scales", "factors", "fewest", "arrivals",
-        "_came_first", "doubles",
+        "_came_first", "doubles", "taken",
     )  # fmt: skip
     """What another process has by itself: times of arrival are of one computer's clock."""
 
@@ -126,7 +129,7 @@ class Rows:
     notes: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.shift, self.place = 0.0, 0
+        self.shift, self.place, self.taken = 0.0, 0, 0
         self.bounds: Sequence[tuple[float, float]] = [(-np.inf, np.inf)] * len(self.columns)
         self.scales = np.ones(len(self.columns))
         self.factors: Mapping[str, float] = {}
@@ -190,10 +193,6 @@ class Rows:
             if some.any():
                 self.counts[f"with {kind}"] += 1
         row = Row(time, read, arrived, places=[place], repeated=np.array([one in repeated for one in self.columns]))
-        # What is behind others came later than they did, and what is repeated was never sent.
-        if self.live and row.measured.any() and time + self.shift > self.newest:
-            told = self.arrivals.take(time, arrived)
-            self.notes += [told] if told else []
         if self._taken_back:
             self._taken_back.append(row)  # those before it are not put in their place yet
         else:
@@ -346,8 +345,11 @@ class Rows:
         if row.time >= suspect.time:
             self._go_far(suspect, [row.time - suspect.time])
         else:
-            self.counts["future"] += 1
-            self._compare_ahead(suspect)
+            self._leave_out_ahead(suspect)
+
+    def _leave_out_ahead(self, row: Row) -> None:
+        self.counts["future"] += 1
+        self._compare_ahead(row)
 
     def _go_far(self, row: Row, then: Sequence[float] = ()) -> None:
         """Insert a row from far ahead: behind a gap, unless steps as long as that are known to repeat.
@@ -471,6 +473,10 @@ class Rows:
 
     def _insert(self, row: Row) -> None:
         self._correct(row)
+        # What is behind others came later than they did, and what is repeated was never sent.
+        if self.live and row.measured.any() and row.time > self.newest:
+            told = self.arrivals.take(row.stamp, row.arrived)
+            self.notes += [told] if told else []
         k = bisect_left(self.waiting, row.time - 1e-9, key=lambda one: one.time)
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
             known = self.waiting[k]
@@ -478,6 +484,7 @@ class Rows:
                 self.counts["doubled"] += 1
             self._compare(np.where(known.repeated, np.nan, known.values), row)
             known.places += row.places
+            self.taken += bool((row.measured & ~known.measured).any())
             known.fill(row)
             return
         if self._join(row, k):
@@ -488,6 +495,7 @@ class Rows:
         elif self._learn_interval(row) and self._join(row, len(self.waiting)):
             return
         self.waiting.insert(min(k, len(self.waiting)), row)
+        self.taken += 1
         self.newest = max(self.newest, row.time)
         near = self.waiting[max(k - 1, 0) : k + 2]
         if max(LONG_GAP, self._far) < limit:  # rows come faster than it seemed by their first steps: these were gaps
@@ -553,6 +561,7 @@ class Rows:
                 one.fill(row)
                 one.places = one.places + row.places
                 one.raw, one.joined = one.values.copy(), True
+                self.taken += 1
                 self._seen[shown] = row.time
                 return True
             if one.joined and np.array_equal(one.raw[shown], row.raw[shown]):  # a message that came twice
@@ -582,9 +591,8 @@ class Rows:
     def _next(self, end: bool, silent: bool) -> Row | None:
         """The next row in order, of which nothing more is waited for at the end or in a silence."""
         at_once = (end or silent) and not self._taken_back
-        if at_once and self._suspect is not None:
-            suspect, self._suspect = self._suspect, None
-            self._go_far(suspect)
+        if at_once:
+            self._settle_suspect(end)
         if not self.waiting:
             return None
         if self.reached == -np.inf and not at_once and self._shows_too_little:
@@ -608,6 +616,21 @@ class Rows:
         while len(self.past) > 8 and self.past[0].time < keep:
             self.past.popleft()
         return row
+
+    def _settle_suspect(self, end: bool) -> None:
+        """Take a row from far ahead where none comes behind it now, as time may have gone by; unless it shows itself to
+        be false as of now: then it waits on, and is left out at the end."""
+        suspect = self._suspect
+        if suspect is None:
+            return
+        ahead = self.live and self.arrivals.runs_ahead(suspect)
+        if ahead and not end:
+            return
+        self._suspect = None
+        if ahead:
+            self._leave_out_ahead(suspect)
+        else:
+            self._go_far(suspect)
 
     @property
     def _shows_too_little(self) -> bool:

@@ -118,10 +118,10 @@ class Connection:
 
 
 class Silence:
-    """Tells once that rows have stopped coming, and once that they come again, by this computer's clock.
+    """Tells once that rows of use have stopped coming, and once that they come again, by this computer's clock.
 
     A logger that hangs, or a publisher that has died behind a broker that lives, breaks no connection: what was told of
-    the last row would stand as if it were of now.
+    the last row would stand as if it were of now. So it would where rows come on whose stamps are empty or stand still.
 
     Parameters
     ----------
@@ -138,9 +138,8 @@ class Silence:
         self._heard, self._pauses, self._told = now(), deque[float](maxlen=PAUSES), False
         self._begun = False
 
-    def heard(self) -> list[Notice]:
-        """Take notice of a row; what is to be told of it."""
-        passed = self.seconds
+    def heard(self, passed: float) -> list[Notice]:
+        """Take notice of a row that can be used, `passed` s after the last one; what is to be told of it."""
         if self._begun and passed > NOTICED:
             self._pauses.append(passed)
         told, self._told, self._begun, self._heard = self._told, False, True, self._now()
@@ -150,26 +149,33 @@ class Silence:
         """Take notice that the twin was busy with a row, and did not listen."""
         self._heard = self._now()
 
-    def watch(self, interval: float) -> list[Notice]:
-        """What is to be told as no row comes now, of a source whose rows are so far apart by their stamps, s or NaN."""
+    def watch(self, interval: float, why: str = "") -> list[Notice]:
+        """What is to be told as no row of use comes now, of a source of rows `interval` s apart by their stamps.
+
+        `interval` is NaN where it is not known; `why` says what those rows are that come, where some do.
+        """
         usual = USUAL * float(np.nan_to_num(interval))
         if len(self._pauses) >= FEW:
             usual = max(usual, USUAL * float(np.median(self._pauses)))
         if self._told or self.seconds <= max(self._patience, usual):
             return []
         self._told = True
-        last = "What is shown is of the last row" if self._begun else "Nothing is known of the machine yet"
-        text = f"{self._name}: no row has come for {self.seconds:.0f} s. {last}, and no alarm can come before the next"
+        come = f"no row has come for {self.seconds:.0f} s"
+        if why:
+            come = f"rows come, but for {self.seconds:.0f} s none of them can be used: {why}"
+        last = "What is shown is of the last row that was used" if why else "What is shown is of the last row"
+        last = last if self._begun else "Nothing is known of the machine yet"
+        text = f"{self._name}: {come}. {last}, and no alarm can come before the next"
         return [Notice(text, "silent")]
 
     @property
     def lasts(self) -> bool:
-        """Whether it was told that no rows come, and none has come since."""
+        """Whether it was told that no rows come, and none that can be used has come since."""
         return self._told
 
     @property
     def seconds(self) -> float:
-        """Since the last row, s."""
+        """Since the last row that could be used, s."""
         return self._now() - self._heard
 
 

@@ -199,7 +199,7 @@ class CsvFile:
             # A row that was asked for late was there when it was due.
             arrived = max(due, self._arrived)
         self._arrived = arrived
-        self.pace.take(row.time, arrived)
+        self.pace.take(row.time, arrived, row.values)
         self.factors |= factors  # those of this row: the next may be read by another header
         self._next, self._later = self._later, self._taken()
         self.ended = self._next is None and self._stopped is None

@@ -120,7 +120,7 @@ class Mqtt:
             return
         if record is None:
             return
-        self.pace.take(record.time, record.arrived)
+        self.pace.take(record.time, record.arrived, record.values)
         while True:
             try:
                 self._queue.put_nowait(record)

@@ -125,6 +125,9 @@ class StatedUnits:
             self._silent.add(place)
             last = shorten(self.stated[place][0])
             then = f"its readings are taken in {last}, the last one"
+            if not _is_known(self.stated[place], self._asked.get(column)):
+                asked = self._asked.get(column) or "SI units"
+                then = f"its readings are taken in {asked}, as {last}, the last one, is no known unit"
             if math.isnan(factor):
                 then = f"its readings count as missing, as {last}, the last one, is of another quantity"
             if factor != 1.0 or place in self._changes:
@@ -215,6 +218,14 @@ def meaning(units: Sequence[str], asked: str | None) -> tuple[float, str]:
         return 1.0, f", {why}: its readings are taken in {asked or 'SI units'}"
     factor, meant = found
     return factor, f": its readings are converted to {asked}{meant}" if factor != 1.0 or meant else ""
+
+
+def _is_known(units: Sequence[str], asked: str | None) -> bool:
+    """Whether a unit says what readings are in; one of another quantity does, and they are none then."""
+    try:
+        return asked is None or _first_factor(_given(units), asked) is not None
+    except OtherQuantity:
+        return True
 
 
 def _given(units: Sequence[str]) -> list[str]:

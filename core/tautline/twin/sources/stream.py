@@ -122,7 +122,7 @@ class Stream:
             self.refused, self.last = self.refused + 1, line[:80]
             return
         arrived = clock.monotonic()
-        self.pace.take(row[0], arrived - self._held_up)
+        self.pace.take(row[0], arrived - self._held_up, row[1])
         record = Record(row[0], row[1], arrived, whole)
         try:
             self._queue.put_nowait(record)

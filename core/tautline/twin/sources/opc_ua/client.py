@@ -270,7 +270,7 @@ class OpcUa:
     def take_change(self, change: Change) -> None:
         """Put a change into the queue; one that finds no room is counted."""
         if not change.first:  # the first reading of a variable is as old as its last change
-            self.pace.take(change.time, change.arrived)
+            self.pace.take(change.time, change.arrived, {change.column: change.value})
         self._put(change)
 
     def tell_status(self, column: str, status: str, used: bool) -> None:
