@@ -30,8 +30,8 @@ from tautline.cable.model.magnitudes import (
 from tautline.cable.model.observe import EXTREMES, Observer, figure_units, headline, variables
 from tautline.cable.model.room import rooms
 from tautline.cable.model.sections import Sections
-from tautline.cable.short_waves import overtaken
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of, stiff_tie
+from tautline.cable.short_waves import overtaken
 from tautline.constraints.multiplier import Multipliers
 from tautline.integrators.statics.attainable import MANY, within_rounding
 from tautline.scene.solver import error_of_steps, unused_alphas
