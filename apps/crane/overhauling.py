@@ -18,7 +18,7 @@ import numpy as np
 from crane.assembly.estimates import Estimate
 from crane.assembly.layout import carries_nothing
 from crane.assembly.loads import pull
-from crane.scene.scene import CraneScene
+from crane.scene.scene import CraneScene, Sheave
 from tautline.scene.values.printed import quantity
 
 HARDLY = 1.05
@@ -75,14 +75,16 @@ def too_light(found: Estimate) -> Iterator[tuple[str, str]]:
 def _sentence(found: Estimate, k: int, lacking: float) -> tuple[str, str]:
     """Key and words of span k, whose upper end lacks a tension, N."""
     scene = found.scene
-    foot, top = (k, k + 1) if float(found.path.spans[k].e @ np.array(scene.gravity)) < 0.0 else (k + 1, k)
-    names = f"{scene.path[foot].name} to {scene.path[top].name}"
+    low, high = (k, k + 1) if float(found.path.spans[k].e @ np.array(scene.gravity)) < 0.0 else (k + 1, k)
+    # A rope runs over wheels that turn freely: of a winch nothing hangs on the other side.
+    wheel = scene.path[high if isinstance(scene.path[high], Sheave) else low].name
     place, more = _heavier(scene, found, lacking)
     length = quantity(found.path.spans[k].length, "m", 3)
+    rest = ", and `start: static` finds no rest" if scene.start == "static" else ""
     return place, (
-        f"the load is too light for the rope. The {length} of rope from {names} pull harder than what hangs on the "
-        f"other side of {scene.path[top].name}: at rest, without friction, the rope runs back, and `start: static` "
-        f"finds no rest. {more}"
+        f"the load is too light for the rope. The {length} of rope from {scene.path[low].name} to "
+        f"{scene.path[high].name} pull harder than what hangs beyond {wheel}: at rest, without friction, the rope runs "
+        f"back{rest}. {more}"
     )
 
 
@@ -95,4 +97,4 @@ def _heavier(scene: CraneScene, found: Estimate, lacking: float) -> tuple[str, s
         return "bodies", "Give heavier loads, such as hooks with their weights"
     i, share = hung[0]
     mass = scene.bodies[i].mass + lacking * share / size
-    return f"bodies[{i}].mass", f"Give {quantity(mass, 'kg', 3)} or more, such as a hook with its weight"
+    return f"bodies[{i}].mass", f"It needs {quantity(mass, 'kg', 3)} at least, such as a hook with its weight"

@@ -34,7 +34,7 @@ def test_a_load_below_what_overhauls_the_rope_is_warned_of_with_the_mass_that_do
     """Rope of 12 m across and 30 m up needs 2161 N on top by the catenary, of which 1604 N hang there: 57 kg."""
     told = _warned(HOIST.replace({"bodies[0].mass": mass}))
     assert len(told) == light
-    assert not told or "Give 67.9 kg or more" in told[0]
+    assert not told or "It needs 67.9 kg at least" in told[0]
 
 
 @pytest.mark.parametrize("mass, found", [("50 kg", False), ("80 kg", True)])
@@ -51,3 +51,12 @@ def test_a_light_load_deep_below_is_not_warned_of():
     """The rope that hangs with the load pulls, too: 3 km weigh forty times as much as the load."""
     deep = HOIST.replace({"bodies[0].position": [12.4, 0, -3000], "bodies[0].mass": "500 kg"})
     assert not _warned(deep)
+
+
+def test_the_words_name_the_wheel_that_the_load_hangs_beyond_and_not_the_winch():
+    """A winch above its sheave: nothing hangs on the other side of it."""
+    text = HOIST.replace({"path[0].drum.center": [-60, 0, 35], "bodies[0].mass": "20 kg"})
+    (told,) = _warned(text)
+    assert "what hangs beyond boom tip:" in told and "`start: static` finds no rest" in told
+    (drawn,) = _warned(text.replace({"start": "as drawn"}))
+    assert "static" not in drawn

@@ -17,6 +17,7 @@ from tautline.interruption import ended_by_signal
 from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
 from tautline.results.errors import WriteError
 from tautline.scene.errors import Doubt, Problem, SceneError
+from tautline.view.words_of_matplotlib import retell
 
 if TYPE_CHECKING:
     import typer
@@ -93,6 +94,7 @@ def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
     called.begin(ours, app.info.name or "")
     if ours:
         left_at_exit()
+        retell()  # before anything imports matplotlib
     with collected_rarely() if ours else nullcontext(), ended_by_signal() if ours else nullcontext():
         code = _outcome(app, given)
     flush_words()

@@ -19,7 +19,7 @@ from tautline.scene.identity.contents import says_the_same
 from tautline.scene.identity.frozen import Frozen
 from tautline.scene.reading.document import Document, Path_, join_key, split_key
 from tautline.scene.reading.files import files_of
-from tautline.scene.reading.slips import decimal_comma, without_blank
+from tautline.scene.reading.slips import decimal_comma, run_together
 from tautline.scene.refusal import KIND, must_be, nearest_key, refusal
 from tautline.scene.values.habits import other_minus
 from tautline.scene.values.printed import in_words
@@ -131,17 +131,14 @@ def _drop_consequential_errors(model: type[Model], errors: Sequence[Any], data: 
     unknown = [str(e["loc"][0]) for e in errors if len(e["loc"]) == 1 and e["type"] == "extra_forbidden"]
     cut = {before for key in unknown if (before := decimal_comma(data, key)[1])}
     meant = {nearest_key(key, model._keys(), model.model_fields) for key in unknown if not decimal_comma(data, key)[0]}
-    run_in = {key for one in unknown if (key := without_blank(model._keys(), one)[0])}
+    run_in = {key for one in unknown if (key := run_together(model._keys(), data, one)[0])}
 
     def follows(error: Any) -> bool:
         place = error["loc"]
         if place and place[0] in cut:
             return True
-        # Options make a mapping of their own where the file's is misspelt: what it lacks is in the file.
-        missing = error["type"] == "missing" or (error["type"] == KIND and error["msg"] == "is missing")
-        if not missing or not place:
-            return False
-        return any(one.startswith(f"did you mean '{place[0]}'?") for one in meant) or place[0] in run_in
+        missing = len(place) == 1 and error["type"] == "missing"
+        return missing and (any(one.startswith(f"did you mean '{place[0]}'?") for one in meant) or place[0] in run_in)
 
     return [error for error in errors if not follows(error)]
 
@@ -155,7 +152,8 @@ def _detail(model: type[Model], error: Any, data: Any = None) -> InitErrorDetail
         known = refusal("is missing", f"add `{place[0]}:`" + (f", such as {example}" if example else ""))
     elif len(place) == 1 and kind == "extra_forbidden":
         cure, before = decimal_comma(data, str(place[0]))
-        cure = cure or without_blank(model._keys(), str(place[0]))[1] or model.elsewhere.get(str(place[0]), ("", ""))[1]
+        cure = cure or run_together(model._keys(), data, str(place[0]))[1]
+        cure = cure or model.elsewhere.get(str(place[0]), ("", ""))[1]
         words = {"cause": "unknown key", "cure": cure or nearest_key(str(place[0]), model._keys(), model.model_fields)}
         known = PydanticCustomError(KIND, "{cause}", words | ({"before": before} if before else {}))
     elif kind == DOUBT:
@@ -412,11 +410,23 @@ def validate(model: type[M], document: Document) -> M:
         scene = model.model_validate(document.root, context={"folder": document.folder})
     except ValidationError as error:
         problems = [_problem(e, document) for e in error.errors(include_url=False) if not _full(e)]
+        problems = [one for one in problems if not _lacked_by_an_option(one, problems, document)]
         problems.sort(key=lambda problem: problem.line or 0)
         raise SceneError(list(dict.fromkeys(problems))) from None
     if isinstance(scene, Scene):
         scene._document = document
     return scene
+
+
+def _lacked_by_an_option(problem: Problem, others: Sequence[Problem], document: Document) -> bool:
+    """Whether a key is missing in a mapping that an option made, as the file's own is misspelt: what it lacks is there.
+
+    ``--end`` makes a `solver` where the file says `solvr`.
+    """
+    *above, _ = split_key(problem.key) or ("",)
+    if problem.cause != "is missing" or not above or document.line(tuple(above)) is not None:
+        return False
+    return any(one.cure.startswith(f"did you mean '{above[-1]}'?") for one in others)
 
 
 def _full(error: Any) -> bool:

@@ -28,24 +28,30 @@ def listed(count: int | None, of: str, example: str) -> BeforeValidator:
             raise refusal("is an empty list", cure)
         if count is not None and len(value) != count:
             entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
-            raise refusal(f"has {entries}, not {count}", cure + _in_two(value, count))
+            raise refusal(f"has {entries}, not {count}", cure)
         return value
 
     return BeforeValidator(read)
 
 
-def _in_two(value: Sequence[Any], count: int) -> str:
-    """What to write where decimal commas may have parted numbers in two, as 30,5 is two entries of a list."""
-    pairs = [pair for pair in itertools.pairwise(value) if all(type(part) is int for part in pair) and pair[1] >= 0]
-    if not pairs or not count < len(value) <= 2 * count:
-        return ""
-    whole, part = pairs[-1]
-    return f". Are there decimal commas? Write a point instead, such as {whole}.{part}"
-
-
 def three(example: str) -> BeforeValidator:
     """Annotate a list of three numbers; ``example`` stands in the refusal of anything else, a SceneError."""
-    return listed(3, "three numbers: x, y and z", example)
+    of, count = "three numbers: x, y and z", 3
+    plain = listed(count, of, example)
+
+    def read(value: Any) -> Any:
+        if isinstance(value, (list, tuple)) and count < len(value) <= 2 * count and _may_be_parted(value):
+            cure = f"give {of}, such as {example}. Are there decimal commas? Write decimal points"
+            raise refusal(f"has {len(value)} entries, not {count}", cure)
+        return plain.func(value)  # type: ignore[call-arg]
+
+    return BeforeValidator(read)
+
+
+def _may_be_parted(value: Sequence[Any]) -> bool:
+    """Whether decimal commas may have parted numbers in two, as 30,5 is two entries of a list."""
+    numbers = all(type(one) in (int, float) for one in value)
+    return numbers and any(type(one) is type(two) is int for one, two in itertools.pairwise(value))
 
 
 def not_zero(cure: str) -> AfterValidator:

@@ -480,10 +480,16 @@ def scene_path(read: SweepFile) -> Path:
     Raises
     ------
     SceneError
-        At the key that names it, where there is none.
+        At the key that names it, where there is none, or it is no text.
     """
+    from tautline.scene.reading.text import read_text
+
     path = read.folder / read.scene
-    if not path.exists():
-        cure = "give its path relative to the sweep's file"
-        raise SceneError([read.problem(("scene",), f"there is no file {path}", cure)])
+    try:
+        read_text(path)
+    except SceneError as error:
+        first = error.problems[0]
+        if first.line is not None:
+            raise
+        raise SceneError([read.problem(("scene",), first.cause, first.cure)]) from None
     return path

@@ -6,6 +6,7 @@ xarray is imported only where its dataset is asked for: that takes a second with
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 NOT_RUN = "not run"
 RANKS = (10.0, 50.0, 90.0)
 """Percentiles over the cases of a plan that samples."""
+ENDLESS = 1.0e300
+"""In place of what has no end, where ranks are interpolated; no number of a scene comes near its root."""
 PERCENTILE = "percentile"
 """Their dimension."""
 TIMES = {
@@ -148,15 +151,17 @@ def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
     found = {}
     for name, (dims, array, about) in entries.items():
         if array.dtype.kind == "f" and np.isfinite(array).any():
-            # Places that no case reached stay empty.
-            finite = np.where(np.isfinite(array), array, np.nan)
-            known = np.isfinite(array).any(axis=0)
+            # Places that no case reached stay empty. Between a number and one without end there is nothing to
+            # interpolate: the percentile has no end then.
+            known = ~np.isnan(array).all(axis=0)
             ranked = np.full((len(RANKS), *array.shape[1:]), np.nan)
-            ranked[:, known] = np.nanpercentile(finite[:, known], RANKS, axis=0)
+            bounded = np.clip(array[:, known], -ENDLESS, ENDLESS)
+            ranked[:, known] = np.nanpercentile(bounded, RANKS, axis=0)
+            ranked = np.where(np.abs(ranked) > math.sqrt(ENDLESS), np.copysign(np.inf, ranked), ranked)
             text = f"percentiles of {about['long_name']}"
             found[name + PERCENTILES] = ((PERCENTILE, *dims[1:]), ranked, {**about, "long_name": text})
             text = f"cases that have a number, of which are the percentiles of {about['long_name']}"
-            counts = np.asarray(np.isfinite(array).sum(axis=0), float)
+            counts = np.asarray((~np.isnan(array)).sum(axis=0), float)
             found[name + COUNTED] = (dims[1:], counts, {"units": "", "long_name": text})
     return found
 

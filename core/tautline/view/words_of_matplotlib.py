@@ -1,4 +1,4 @@
-"""What matplotlib logs of a home that it cannot write to, in one plain sentence."""
+"""What matplotlib logs of a home that it cannot write to, in one plain sentence: in a process of a command alone."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ OUTCOME = "Matplotlib created a temporary cache directory"
 
 
 def retell() -> None:
-    """Tell it in our words from now on; everything else that matplotlib logs stays as it is."""
+    """Tell it in our words from now on; everything else that matplotlib logs stays as it is.
+
+    For a process that was started for a command: elsewhere matplotlib's log is that of whoever imports it.
+    """
     logging.getLogger(LIBRARY).addFilter(_left)
 
 

@@ -7,6 +7,7 @@ import pytest
 import tautline
 from drillstring.application import Drillstring
 from tautline.scene.reading.document import Document
+from tautline.scene.reading.slips import run_together
 from tautline.sweeps.file import read_sweep, scene_path
 
 DATA = Path(__file__).parents[3] / "data"
@@ -22,8 +23,8 @@ def _problems(name, old, new, tmp_path):
 
 
 CASES = {
-    "a decimal comma in a list": ("hoist", "center: [12, 0, 30]", "center: [12, 0, 30,5]", "such as 30.5"),
-    "decimal commas in all of a list": ("hoist", "center: [12, 0, 30]", "center: [12,1, 0,0, 30,5]", "such as 30.5"),
+    "a decimal comma in a list": ("hoist", "center: [12, 0, 30]", "center: [12, 0, 30,5]", "Are there decimal commas?"),
+    "decimal commas throughout": ("hoist", "center: [12, 0, 30]", "center: [12,1, 0,0, 30,5]", "Are there decimal commas?"),
     "marks of thousands and a decimal comma": ("hoist", "mass: 5 t", "mass: 5.000,0 t", "Write one number"),
     "a missing colon": ("jwell", "{hold: 2200 m}", "{hold 2200 m}", "a colon is missing: write hold: 2200 m"),
     "degrees without their unit": ("jwell", "to: 90 deg", "to: 90", "write 90 deg if these are degrees"),
@@ -88,3 +89,34 @@ def test_a_file_is_offered_only_where_its_name_is_like_what_was_asked_for(asked,
     with pytest.raises(tautline.SceneError) as caught:
         tautline.read(tmp_path / asked)
     assert ("hoist.yaml?" in caught.value.problems[0].cure) is meant
+
+
+def test_a_key_that_is_missing_is_told_where_the_file_has_its_mapping_beside_a_misspelt_one():
+    text = (DATA / "hoist.yaml").read_text("utf8").replace("  mass_per_length: 6.5", "  # ") + "rop: {}\n"
+    with pytest.raises(tautline.SceneError) as caught:
+        tautline.read(text)
+    assert {"rop", "rope.mass_per_length"} <= {one.key for one in caught.value.problems}
+
+
+@pytest.mark.parametrize(
+    "data", [{"name of load": "payload"}, {"step size": None}, {"step = 5": None}, {"odd 5": None}]
+)
+def test_what_is_no_key_and_its_value_is_not_taken_for_them(data):
+    assert run_together(["name", "step"], data, next(iter(data))) == ("", "")
+
+
+@pytest.mark.parametrize("written", [[True, False, 1, 2], [0.5, 1.5, 2.5, 3.5], ["1", "2", "3", "4"]])
+def test_a_list_that_no_decimal_comma_can_have_made_is_told_of_none(written):
+    with pytest.raises(tautline.SceneError) as caught:
+        tautline.read(DATA / "hoist.yaml").replace({"path[1].sheave.center": written})
+    assert "comma" not in caught.value.problems[0].cure
+
+
+@pytest.mark.parametrize("name, said", [("x" * 300, "cannot be read"), ("t.yam", "did you mean"), ("a\0b", "")])
+def test_the_scene_of_a_sweep_is_refused_as_a_scene_is(name, said, tmp_path):
+    (tmp_path / "t.yaml").write_text("title: none")
+    read = read_sweep({"scene": name, "vary": {"a": [1, 2]}}, tmp_path)
+    with pytest.raises(tautline.SceneError) as caught:
+        scene_path(read)
+    assert caught.value.problems[0].key == "scene"
+    assert said in f"{caught.value.problems[0].cause}; {caught.value.problems[0].cure}"

@@ -9,7 +9,7 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.model import MARK, Model
-from tautline.scene.reading.slips import decimal_comma, without_blank
+from tautline.scene.reading.slips import decimal_comma, run_together
 from tautline.scene.refusal import nearest, nearest_key, refusal
 
 
@@ -96,7 +96,7 @@ class OneOf:
         if not value:
             raise refusal("is an empty mapping", cure)
         odd = next(iter(value))
-        run_in = without_blank(list(self.keyed), str(odd))[1]
+        run_in = run_together(list(self.keyed), value, str(odd))[1]
         raise refusal(f"unknown key '{odd}'", run_in or nearest_key(str(odd), self.keyed))
 
     def _inside(self, chosen: str) -> str:

@@ -11,18 +11,21 @@ AFTER_COMMA = re.compile(r"[0-9]+([eE][+-]?[0-9]+)?(\s+\S.*|[^\W\d].*|\s*%)?", r
 WITHOUT_BLANK = re.compile(r"([^\W\d]\w*):(\S.*)")
 """A key and its value with no blank behind the colon: in braces YAML reads all of it as a key."""
 
-WITHOUT_COLON = re.compile(r"([^\W\d]\w*)\s+(\S.*)")
-"""A key and its value with no colon between them: in braces YAML reads all of it as a key."""
+WITHOUT_COLON = re.compile(r"([^\W\d]\w*)\s+([-+.\d\[{'\"].*)")
+"""A key and a value that begins as numbers, lists and quoted words do, with no colon between them."""
 
 
-def without_blank(known: Sequence[str], key: str) -> tuple[str, str]:
-    """Key and cure of ``step:5 ms`` and ``step 5 ms`` in braces, which are read as keys; empty if it is not `known`."""
-    if (parts := WITHOUT_COLON.fullmatch(key)) is not None and parts[1] in known:
-        return parts[1], f"a colon is missing: write {parts[1]}: {parts[2]}"
-    parts = WITHOUT_BLANK.fullmatch(key)
+def run_together(known: Sequence[str], data: Any, key: str) -> tuple[str, str]:
+    """Key and cure of ``step:5 ms`` and ``step 5 ms`` in braces, all of which is read as a key of `data`.
+
+    Both are empty where it is no such slip, or the key is not one of those `known`.
+    """
+    parts, lacks = WITHOUT_BLANK.fullmatch(key), "a blank is missing after the colon"
+    if parts is None and isinstance(data, dict) and data.get(key, data) is None:
+        parts, lacks = WITHOUT_COLON.fullmatch(key), "a colon is missing"
     if parts is None or parts[1] not in known:
         return "", ""
-    return parts[1], f"a blank is missing after the colon: write {parts[1]}: {parts[2]}"
+    return parts[1], f"{lacks}: write {parts[1]}: {parts[2]}"
 
 
 def decimal_comma(data: Any, key: str) -> tuple[str, str]:
@@ -39,9 +42,10 @@ def decimal_comma(data: Any, key: str) -> tuple[str, str]:
         return "", ""
     keys = list(data)
     before = data[keys[keys.index(key) - 1]] if keys.index(key) > 0 else None
-    if isinstance(before, float):  # 5.000,0 t: YAML has read 5.0 of it
+    if isinstance(before, float) and 1.0 <= abs(before) < 1000.0 and round(before, 3) == before:
+        # Of 5.000,0 t YAML has read 5.0.
         name = str(keys[keys.index(key) - 1])
-        return f"are they marks of thousands and a decimal comma? Write one number with a point, for {name}", name
+        return f"is it a decimal comma behind a mark of thousands? Write one number with a point, for {name}", name
     whole = isinstance(before, int) and not isinstance(before, bool)
     if not whole and not (isinstance(before, str) and re.fullmatch(r"-0+", before)):
         return "", ""

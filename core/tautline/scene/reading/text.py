@@ -12,7 +12,7 @@ LARGEST_FILE = 10_000_000
 RESULT = b"\x89HDF\r\n\x1a\n"
 """First bytes of a NetCDF-4 file."""
 
-ALIKE = 0.6
+ALIKE = 0.5
 """Share of letters that two names have in common, from which one may be meant by the other."""
 LEGACY = "tautline-legacy"
 """How text that is read piece by piece is decoded, as `decode` does: ``errors=LEGACY``."""
@@ -68,13 +68,19 @@ def _neighbour(path: Path) -> str:
         names = [file.name for file in path.parent.iterdir()]
     except OSError:
         return "check the folder's name"
-    close = [name for name in difflib.get_close_matches(path.name, names) if _alike(Path(name).stem, path.stem)]
-    return f"did you mean {path.parent / close[0]}?" if close else "check the name"
+    alike = {name: _alike(name, path.name) for name in names}
+    close = max(alike, key=lambda name: alike[name], default="")
+    return f"did you mean {path.parent / close}?" if alike.get(close) else "check the name"
 
 
-def _alike(name: str, other: str) -> bool:
-    """Whether two names, without their endings, may be one with a slip of the pen: all scenes end alike."""
-    return difflib.SequenceMatcher(None, name, other).ratio() >= ALIKE
+def _alike(name: str, other: str) -> float:
+    """How far two names may be one with a slip of the pen, up to 1; 0 where only their endings are alike.
+
+    All scenes end alike, and capitals are easily wrong.
+    """
+    ends = (name.casefold(), other.casefold()), (Path(name).stem.casefold(), Path(other).stem.casefold())
+    whole, stem = (difflib.SequenceMatcher(None, *pair).ratio() for pair in ends)
+    return whole if min(whole, stem) >= ALIKE else 0.0
 
 
 def decode(data: bytes, path: Path, legacy: bool = False) -> str:
