@@ -42,6 +42,14 @@ def _no_helpers_beside_workers():
         parallel_compile.HELPERS = 0
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _patient_commands():
+    """Where cores are shared a search takes longer than a person waits, and what is then told stands before its table."""
+    from tautline.cli.output import preparing
+
+    preparing.PATIENCE = 3600.0
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector):
     """Every second worker reads folders from their ends.

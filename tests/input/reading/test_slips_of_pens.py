@@ -24,7 +24,7 @@ def _problems(name, old, new, tmp_path):
 
 CASES = {
     "a decimal comma in a list": ("hoist", "center: [12, 0, 30]", "center: [12, 0, 30,5]", "Are there decimal commas?"),
-    "decimal commas throughout": ("hoist", "center: [12, 0, 30]", "center: [12,1, 0,0, 30,5]", "Are there decimal commas?"),
+    "decimal commas throughout": ("hoist", "center: [12, 0, 30]", "center: [12,1, 0,0, 30,5]", "decimal commas?"),
     "marks of thousands and a decimal comma": ("hoist", "mass: 5 t", "mass: 5.000,0 t", "Write one number"),
     "a missing colon": ("jwell", "{hold: 2200 m}", "{hold 2200 m}", "a colon is missing: write hold: 2200 m"),
     "degrees without their unit": ("jwell", "to: 90 deg", "to: 90", "write 90 deg if these are degrees"),
