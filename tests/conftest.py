@@ -44,7 +44,7 @@ def _no_helpers_beside_workers():
 
 @pytest.fixture(scope="session", autouse=True)
 def _patient_commands():
-    """Where cores are shared a search takes longer than a person waits, and what is then told stands before its table."""
+    """On shared cores a search takes longer than a person waits; what is told then would stand before its table."""
     from tautline.cli.output import preparing
 
     preparing.PATIENCE = 3600.0
