@@ -127,7 +127,9 @@ def test_inputs_never_jump_whatever_they_are_given_and_whenever():
     """Value, rate and second rate on both sides of every advance."""
     sim = tautline.Simulation(scene_of("hoist"), inputs=["winch.pay_out", "vessel.heave", "vessel.roll"], keep=False)
     rng = np.random.default_rng(5)
-    numbers = {name: sim.inputs._inputs[name].members[0][1] for name in sim.inputs}
+    # Of a position and its own speed one is given.
+    named = [name for name in sim.inputs if not name.startswith("vessel.") or not name.endswith("_speed")]
+    numbers = {name: sim.inputs._inputs[name].members[0][1] for name in named}
     functions = sim.model.system.functions
     for _ in range(200):
         before = {name: value_at(functions, k, sim.time) for name, k in numbers.items()}

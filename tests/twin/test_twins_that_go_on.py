@@ -295,6 +295,7 @@ def differences(a, b, path="twin"):
 
 OF_THIS_PROCESS = (
     "_kept", "_job", "sim", "found", "factor", "limited_by", "simulations", "notes", "_remarks", "_come_as_measured",
+    "taken",
 )  # fmt: skip
 """Of one process only, or written before it is read: rows that may come again, what runs ahead, what was told."""
 

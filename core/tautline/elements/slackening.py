@@ -37,15 +37,15 @@ def edges_of_slack(rows: np.recarray, points: np.ndarray, material: int, q: np.n
     found = []
     for row in rows[rows.slack == 1]:
         length = float(q[row.b + material] - q[row.a + material])
-        strains = _strains(row, points, length, q)
+        extra = _elongations(row, points, length, q)
         places = *range(row.a, row.a + AXES), *range(row.b, row.b + AXES)
-        stretch = length * float(strains[np.argmin(np.abs(strains))])
+        stretch = length * float(extra[np.argmin(np.abs(extra))])
         found.append(edge_of_slack(places, stretch, row.stiffness / length))
     return found
 
 
-def _strains(row: Any, points: np.ndarray, length: float, q: np.ndarray) -> np.ndarray:
-    """Strains (k,) of an element at its points; of a straight one the one that it has."""
+def _elongations(row: Any, points: np.ndarray, length: float, q: np.ndarray) -> np.ndarray:
+    """|r'| - 1 (k,) of an element at its points, or the one of a straight one: by any law of strain it is slack at 0."""
     i, j = row.a + np.arange(AXES), row.b + np.arange(AXES)
     slopes = ((q[j] - q[i]) / length)[None]
     if points.size:
@@ -53,5 +53,4 @@ def _strains(row: Any, points: np.ndarray, length: float, q: np.ndarray) -> np.n
         slopes = (
             (first[:, 0] * q[i] + first[:, 2] * q[j]) / length + first[:, 1] * q[i + SLOPE] + first[:, 3] * q[j + SLOPE]
         )
-    square = (slopes**2).sum(axis=1)
-    return np.asarray(np.sqrt(square) - 1.0 if row.engineering == 1 else 0.5 * (square - 1.0))
+    return np.asarray(np.sqrt((slopes**2).sum(axis=1)) - 1.0)
