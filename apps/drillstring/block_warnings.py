@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillstring.drilling.weight_of_run import WeightOfRun, is_of_the_scene, weight_of_run
+from drillstring.drilling.weight_of_run import WeightOfRun, drills, is_of_the_scene, weight_of_run
 from drillstring.hole_warnings import Sentences
 from drillstring.model.prepared import Prepared
 from drillstring.scene.scene import DrillstringScene
@@ -27,20 +27,25 @@ def penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 def _changes(run: WeightOfRun, start: float) -> bool:
     """Whether the weight leaves that of the start, N, in the run or behind its end."""
-    told = [float(run.weight[-1]), float(run.weight.max()), start if run.to_come is None else run.to_come]
+    told = [float(run.weight[-1]), float(run.weight.max()), float(run.weight.min())]
+    if run.to_come is not None:
+        told.append(run.to_come)
     return any(abs(weight - start) > OFF * start for weight in told)
 
 
 def _cause(scene: DrillstringScene, run: WeightOfRun) -> str:
     """How the block moves at the end, and where the weight goes by it if all goes on so."""
-    drills = scene.bit.penetration is not None or scene.bit.cutting is not None
     if run.to_come is None:
         return "changes the weight on bit, and does not move steadily at the end of the run"
     if np.isinf(run.to_come):
-        return _pushed_on(_rate(scene, run.feed), run.spin) if drills else _not_drilled(_rate(scene, run.feed))
+        return _pushed_on(_rate(scene, run.feed), run.spin) if drills(scene) else _not_drilled(_rate(scene, run.feed))
     found = shown(run.to_come, "N", scene.units)
     drilled = f" and the bit drills {_rate(scene, run.rate)} with the weight of the start" if run.rate > 0.0 else ""
-    return f"{_moves(scene, run)}{drilled}: the weight on bit goes to {found}"
+    turned = ""
+    if run.feed > 0.0 and not run.keeps:
+        speed = shown(run.spin * 30.0 / np.pi, "rpm", scene.units)
+        turned = f" with the rotary's last speed, {speed}, which it does not keep"
+    return f"{_moves(scene, run)}{drilled}: the weight on bit goes to {found}{turned}"
 
 
 def _moves(scene: DrillstringScene, run: WeightOfRun) -> str:
@@ -51,14 +56,25 @@ def _moves(scene: DrillstringScene, run: WeightOfRun) -> str:
 
 
 def _of_the_run(scene: DrillstringScene, run: WeightOfRun) -> str:
-    """Weight on bit at the end of the run where it is still on its way, and the largest one where that is larger."""
-    last, peak = float(run.weight[-1]), int(run.weight.argmax())
-    start, most, said = scene.bit.weight or 0.0, float(run.weight[peak]), []
-    if run.to_come is None or abs(run.to_come - last) > OFF * max(start, last):
+    """Weight on bit at the end of the run where it is still on its way, and the largest and least where they differ."""
+    last, peak, low = float(run.weight[-1]), int(run.weight.argmax()), int(run.weight.argmin())
+    start, said = scene.bit.weight or 0.0, []
+    goes = last if run.to_come is None else run.to_come
+    if run.to_come is None or abs(goes - last) > OFF * max(start, last):
         said.append(f"{shown(last, 'N', scene.units)} at the end of the run")
-    if most > (1.0 + OFF) * max(start, last):
-        said.append(f"{shown(most, 'N', scene.units)} at most, at t = {run.time[peak]:.4g} s")
-    return f"without friction it is {', and '.join(said)}" if said else ""
+    if run.weight[peak] > (1.0 + OFF) * max(start, last):
+        said.append(f"{shown(float(run.weight[peak]), 'N', scene.units)} at most, at t = {run.time[peak]:.4g} s")
+    if run.weight[low] < min(start, last, goes) - OFF * max(start, last):
+        said.append(f"{shown(float(run.weight[low]), 'N', scene.units)} at least, at t = {run.time[low]:.4g} s")
+    return f"without friction it is {', and '.join(said)}{_seen(run)}" if said else ""
+
+
+def _seen(run: WeightOfRun) -> str:
+    """How much of a run with too many waves is looked at."""
+    if run.followed >= run.time[-1]:
+        return ""
+    part = f"{run.followed:.4g} s"
+    return f". That is from every wave of the first and of the last {part}, and from single instants between them"
 
 
 def _not_drilled(feed: str) -> str:

@@ -131,13 +131,18 @@ def torque_at_rest(b: np.record, weight: float, way: float = 1.0) -> float:
 
 def rate_at(b: np.record, weight: float, spin: float) -> float:
     """Steady rate of penetration, m/s, at a weight on bit N and a rotary speed rad/s."""
-    return float(b.cut * max(0.0, weight - b.threshold) ** b.weight_exponent * speed_factor(b, spin))
+    return rate_by(b, weight, speed_factor(b, spin))
 
 
-def weight_at(b: np.record, rate: float, spin: float) -> float:
-    """Weight on bit, N, with which a bit drills steadily at a rate above 0, m/s; inf where none does."""
-    factor = b.cut * speed_factor(b, spin)
-    return float(b.threshold + (rate / factor) ** (1.0 / b.weight_exponent)) if factor > 0.0 else np.inf
+def rate_by(b: np.record, weight: float, factor: float) -> float:
+    """Rate of penetration, m/s, at a weight on bit N, by the factor of a speed or the mean one of many."""
+    return float(b.cut * max(0.0, weight - b.threshold) ** b.weight_exponent * factor)
+
+
+def weight_by(b: np.record, rate: float, factor: float) -> float:
+    """Weight on bit, N, with which a bit drills at a rate above 0, m/s, by such a factor; inf where none does."""
+    cut = b.cut * factor
+    return float(b.threshold + (rate / cut) ** (1.0 / b.weight_exponent)) if cut > 0.0 else np.inf
 
 
 def stiffness_of(b: np.record) -> float:

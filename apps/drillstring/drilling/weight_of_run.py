@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from drillstring.drilling.bit_numbers import bit_row, rate_at, speed_factor, stiffness_of, weight_at
+from drillstring.drilling.bit_numbers import bit_row, rate_by, speed_factor, stiffness_of, weight_by
 from drillstring.drilling.end_groups import BLOCK, ROTATION, from_outside, requests
 from drillstring.string.lumps import Tube
 from tautline.kernels.time_function import TimeFunctions, sample
@@ -27,11 +27,18 @@ from tautline.system.time_functions import compile_functions
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
 
-STEPS, OF_A_WAVE, MOST_STEPS = 2000, 20, 100_000
-"""Steps over a run at least, over a period of its fastest wave, and at most."""
-LAST, STEADY = 0.1, 1.0e-3
-"""Last part of a run in which block and rotary keep their speeds where they are taken to keep them afterwards, and the
-share of the fastest speed up to which they do."""
+STEPS, OF_A_WAVE, MOST_STEPS, MOST_WAVES = 2000, 20, 40_000, 1_600_000
+"""Steps over a run at least, over a period of its fastest wave, and at most; and waves at all of them at most, of which
+a sea has hundreds at each."""
+AT_ENDS = 0.25
+"""Share of the most steps that follows every wave at either end of a run which has more waves than they can follow."""
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+"""Of all numbers that whose multiples fall into step with no period: waves are met in all their phases."""
+LAST, STEADY, KEPT = 0.1, 1.0e-3, 0.02
+"""Last part of a run by which it is told how it goes on, the share of its fastest speed up to which a block is steady
+there, and the share up to which two means of what a rotary drills are the same."""
+ROUNDED = 1.0e-6
+"""Share of the block's whole way that is none."""
 FOUND, PASSES = 1.0e-9, 200
 """Relative change at which a weight counts as found, and bound of the search."""
 
@@ -40,9 +47,10 @@ class WeightOfRun(NamedTuple):
     """Weight on bit over a run: ``time`` (m,) s and ``weight`` (m,) N.
 
     ``rate`` m/s is that at which the bit drills with the weight of the start, ``feed`` m/s that at which the block
-    comes down, ``spin`` rad/s the rotary's, all at the end. ``still`` tells that the block never moves. ``to_come`` N
-    is where the weight goes if block and rotary go on as they do at the end: inf where it grows for ever, None where
-    they do not go on steadily.
+    comes down, ``spin`` rad/s the rotary's, all at the end; a rotary that ripples counts with its mean, and ``keeps``
+    tells that this stays. ``still`` tells that the block never moves. ``to_come`` N is where the weight goes if block
+    and rotary go on as they do at the end: inf where it grows for ever, None where the block does not go on steadily.
+    ``followed`` s is how long every wave is followed at either end of the run, the whole of it where all are.
     """
 
     time: np.ndarray
@@ -50,14 +58,20 @@ class WeightOfRun(NamedTuple):
     rate: float
     feed: float
     spin: float
+    keeps: bool
     still: bool
     to_come: float | None
+    followed: float
+
+
+def drills(scene: DrillstringScene) -> bool:
+    """Whether the bit has a law by which it drills."""
+    return scene.bit.penetration is not None or scene.bit.cutting is not None
 
 
 def is_of_the_scene(scene: DrillstringScene) -> bool:
     """Whether the weight follows from the scene: inputs from outside move neither the block nor a bit that drills."""
-    drills = scene.bit.penetration is not None or scene.bit.cutting is not None
-    return not from_outside(scene, BLOCK) and not (drills and from_outside(scene, ROTATION))
+    return not from_outside(scene, BLOCK) and not (drills(scene) and from_outside(scene, ROTATION))
 
 
 def weight_of_run(scene: DrillstringScene, tubes: Sequence[Tube]) -> WeightOfRun:
@@ -69,33 +83,43 @@ def weight_of_run(scene: DrillstringScene, tubes: Sequence[Tube]) -> WeightOfRun
 def _followed(scene: DrillstringScene, tubes: Sequence[Tube]) -> WeightOfRun:
     """The weight as it is found."""
     functions, end = compile_functions(requests(scene)), scene.solver.end
-    time = _instants(functions, end)
+    waves = [_waves(functions, one) for one in (BLOCK, ROTATION)[: 1 + drills(scene)]]
+    time, followed = _instants(functions, waves, end)
     block, rotary = (sample(functions, one, time) for one in (BLOCK, ROTATION))
-    feed, spin = float(block[-1, 1]), float(rotary[-1, 1])
-    b = bit_row(scene.bit, scene.well.diameter, tubes, spin, False)[0]
+    b = bit_row(scene.bit, scene.well.diameter, tubes, float(rotary[-1, 1]), False)[0]
     spring = 1.0 / (1.0 / (stiffness_of(b) or scene.bit.rock.stiffness) + _give(tubes))
     speeds, where = np.unique(rotary[:, 1], return_inverse=True)
     factor = np.array([speed_factor(b, speed) for speed in speeds.tolist()])[where]
     # W_0 of the scene, and not of the row, which has none of a bit that starts without weight.
-    free = (scene.bit.weight or 0.0) + spring * (block[:, 0] - block[0, 0])
+    start, feed = scene.bit.weight or 0.0, float(block[-1, 1])
     lever = spring * float(b.cut) * factor * np.diff(time, prepend=0.0)
-    weight = _pressed(free, lever, float(b.threshold), float(b.weight_exponent))
-    steady = _goes_on(time, block[:, 1]) and _goes_on(time, rotary[:, 1])
-    to_come = settled(b, feed, spin, float(weight[-1])) if steady else None
-    rate = rate_at(b, scene.bit.weight or 0.0, spin)
-    return WeightOfRun(time, weight, rate, feed, spin, not np.any(block[:, 1]), to_come)
+    weight = _pressed(start + spring * _way(block[:, 0]), lever, float(b.threshold), float(b.weight_exponent))
+    part = _last_part(_waves(functions, ROTATION), end)
+    cuts, keeps = _kept(time, factor, part)
+    spin, _ = _kept(time, rotary[:, 1], part) if keeps else (float(rotary[-1, 1]), False)
+    to_come = settled(b, feed, cuts, float(weight[-1])) if _goes_on(time, block[:, 1]) else None
+    rate = rate_by(b, start, cuts)
+    return WeightOfRun(time, weight, rate, feed, spin, keeps, not np.any(block[:, 1]), to_come, followed)
 
 
-def settled(b: np.record, feed: float, spin: float, weight: float) -> float:
+def settled(b: np.record, feed: float, cuts: float, weight: float) -> float:
     """Weight, N, to which a weight on bit goes for good under a block that comes down at ``feed`` m/s; inf if it grows.
 
-    A block that is held leaves what the bit does not drill off, one that is raised nothing.
+    ``cuts`` is the mean factor of the rate of penetration by the rotary's speeds. A block that is held leaves what the
+    bit does not drill off, one that is raised nothing.
     """
     if feed < 0.0:
         return 0.0
     if feed > 0.0:
-        return weight_at(b, feed, spin)
-    return min(weight, float(b.threshold)) if b.cut * speed_factor(b, spin) > 0.0 else weight
+        return weight_by(b, feed, cuts)
+    return min(weight, float(b.threshold)) if b.cut * cuts > 0.0 else weight
+
+
+def _way(position: np.ndarray) -> np.ndarray:
+    """Way of the block (m,) m since the start, by its positions (m,) m: that which is their rounding is none."""
+    way = position - position[0]
+    # 1e-12 is thousands of roundings of a number.
+    return np.where(np.abs(way) > ROUNDED * np.abs(way).max() + 1e-12 * np.abs(position).max(), way, 0.0)
 
 
 def _give(tubes: Sequence[Tube]) -> float:
@@ -103,19 +127,62 @@ def _give(tubes: Sequence[Tube]) -> float:
     return sum(tube.length / (tube.youngs_modulus * tube.area) for tube in tubes)
 
 
-def _instants(functions: TimeFunctions, end: float) -> np.ndarray:
-    """Times at which the weight is computed, (m,) s: with every change of the formulas, and often in every wave."""
-    waves = [functions.waves[functions.wave_from[one] : functions.wave_to[one]] for one in (BLOCK, ROTATION)]
-    _, w, c, _, _ = np.concatenate(waves).T
+def _waves(functions: TimeFunctions, one: int) -> np.ndarray:
+    """Waves (n, 5) of a function, as `TimeFunctions.waves` has them."""
+    return functions.waves[functions.wave_from[one] : functions.wave_to[one]]
+
+
+def _wanted(waves: np.ndarray, end: float) -> tuple[float, int]:
+    """How many steps waves (n, 5) want over a run, and how many they get at most."""
+    _, w, c, _, _ = waves.T
     fastest = float(np.maximum(np.abs(w), np.abs(w + 2.0 * c * end)).max(initial=0.0))
-    steps = int(np.clip(OF_A_WAVE * end * fastest / (2.0 * np.pi), STEPS, MOST_STEPS))
+    return OF_A_WAVE * end * fastest / (2.0 * np.pi), min(MOST_STEPS, max(STEPS, MOST_WAVES // max(len(waves), 1)))
+
+
+def _instants(functions: TimeFunctions, waves: Sequence[np.ndarray], end: float) -> tuple[np.ndarray, float]:
+    """Times at which the weight is computed, (m,) s, and how long they follow every wave at either end of the run, s.
+
+    They hold every change of the formulas. Of a run with more waves than they can follow they are irregular between
+    its ends: waves that keep time with the steps would be met in the same phase at each.
+    """
+    wanted, most = _wanted(np.concatenate(waves), end)
+    if wanted <= most:
+        regular, followed = np.linspace(0.0, end, int(max(wanted, STEPS)) + 1), end
+    else:
+        count = int(AT_ENDS * most)
+        followed = count * end / wanted
+        begin = np.linspace(0.0, followed, count + 1)
+        k = np.arange(most - 2 * count)
+        between = followed + (end - 2.0 * followed) * (k + k * GOLDEN % 1.0) / k.size
+        regular = np.concatenate([begin, between, end - begin])
+    return np.unique(np.concatenate([regular, _near_changes(functions, end)])), followed
+
+
+def _near_changes(functions: TimeFunctions, end: float) -> np.ndarray:
+    """Times (m,) s of all changes of the formulas, and some between them: a short ramp wants steps of its own."""
     tracks = functions.break_from[[functions.track_from[BLOCK], functions.track_to[ROTATION]]]
     changes = functions.breaks[tracks[0] : tracks[1]]
     edges = np.unique(np.concatenate([[0.0, end], changes[(changes > 0.0) & (changes < end)]]))
-    # A ramp that is short beside the run wants steps of its own.
     share = np.arange(-(-STEPS // edges.size)) * (edges.size / STEPS)
-    within = (edges[:-1, None] + np.diff(edges)[:, None] * share[share < 1.0]).ravel()
-    return np.unique(np.concatenate([np.linspace(0.0, end, steps + 1), within]))
+    return (edges[:-1, None] + np.diff(edges)[:, None] * share[share < 1.0]).ravel()
+
+
+def _last_part(waves: np.ndarray, end: float) -> float:
+    """Length, s, of the last part of a run by which its rotary is judged: twice whole periods of its slowest wave."""
+    slowest = np.abs(waves[waves[:, 1] != 0.0, 1]).min(initial=np.inf)
+    half, period = 0.5 * LAST * end, 2.0 * np.pi / slowest
+    if not 0.0 < period <= 0.5 * end:
+        return 2.0 * half
+    return min(2.0 * period * float(np.ceil(half / period)), end)
+
+
+def _kept(time: np.ndarray, value: np.ndarray, part: float) -> tuple[float, bool]:
+    """Mean of values (m,) over the last part of a run, s, and whether its halves have the same; the last one if not."""
+    area = np.concatenate([[0.0], np.cumsum(0.5 * (value[1:] + value[:-1]) * np.diff(time))])
+    first, middle, last = np.interp(time[-1] - part * np.array([1.0, 0.5, 0.0]), time, area)
+    mean = float((last - first) / part)
+    keeps = abs(last - 2.0 * middle + first) <= KEPT * abs(last - first)
+    return (mean, True) if keeps else (float(value[-1]), False)
 
 
 def _goes_on(time: np.ndarray, speed: np.ndarray) -> bool:

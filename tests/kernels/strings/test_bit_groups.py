@@ -5,7 +5,7 @@ import pytest
 from kernels.strings import short_string as string
 
 from drillstring.drilling.bit_group import OWN
-from drillstring.drilling.bit_numbers import BIT, rate_at, torque_at, weight_at
+from drillstring.drilling.bit_numbers import BIT, rate_at, speed_factor, torque_at, weight_by
 from drillstring.drilling.bit_rock import BladeBit, RockBit
 from drillstring.groups.friction import SLIP, STICK
 from tautline.kernels import groups as over
@@ -185,8 +185,10 @@ def test_the_torque_of_a_bit_that_turns_is_that_of_the_law_and_none_exceeds_it_w
 @pytest.mark.parametrize("exponents", [(1.0, 1.0), (1.7, 0.6), (0.5, 2.0)])
 def test_weight_for_a_rate_is_the_inverse_of_the_rate_for_a_weight(exponents):
     b = row(weight_exponent=exponents[0], speed_exponent=exponents[1])[0]
-    assert rate_at(b, weight_at(b, 0.02, 1.3), 1.3) == pytest.approx(0.02, rel=1e-12)
-    assert weight_at(b, 0.02, -1.0) == np.inf and weight_at(b, 0.0, 1.0) == b.threshold
+    assert rate_at(b, weight_by(b, 0.02, speed_factor(b, 1.3)), 1.3) == pytest.approx(0.02, rel=1e-12)
+    assert (
+        weight_by(b, 0.02, speed_factor(b, -1.0)) == np.inf and weight_by(b, 0.0, speed_factor(b, 1.0)) == b.threshold
+    )
 
 
 @pytest.mark.parametrize("kind", ["rock", "blades"])

@@ -126,3 +126,75 @@ def test_a_block_that_heaves_until_the_end_is_told_by_its_largest_weight_and_not
     (said,) = told(given)
     assert said.startswith("changes the weight on bit, and does not move steadily at the end of the run. Without")
     assert float(said.split(" kN at most")[0].split(" ")[-1]) == pytest.approx((WEIGHT + 0.02 * SPRING) / 1e3, rel=1e-3)
+
+
+def rippled(amplitude, period):
+    return {"sum": [{"constant": 120 * RPM}, {"harmonic": {"amplitude": amplitude * RPM, "period": period}}]}
+
+
+def test_where_nothing_drills_a_rotary_that_ripples_does_not_matter_to_a_block_that_is_lowered():
+    said, *_ = told(scene({"velocity": FEED}, speed={"harmonic": {"amplitude": 10 * RPM, "period": 3.0}}))
+    assert said.startswith("lowers the bit at 20 m/h onto a bottom that is not drilled; give bit.penetration")
+
+
+def test_a_rotary_that_ripples_counts_with_its_mean_and_leaves_a_steady_block_steady():
+    said, *_ = told(scene({"velocity": 1.5 * FEED}, speed=rippled(1, 3.0), penetration=LAW))
+    assert said.startswith("is lowered at 30 m/h at the end and the bit drills 20 m/h with the weight of the start: ")
+    assert "the weight on bit goes to 75 kN" in said
+
+
+def test_a_rotary_that_swings_both_ways_counts_with_what_its_turns_forward_drill():
+    """The mean of a sine's upper halves over all time is 1 / pi of its amplitude."""
+    swings = {"harmonic": {"amplitude": 120 * RPM, "period": 3.0}}
+    (said,) = told(scene({"velocity": FEED}, speed=swings, penetration=LAW))
+    goes = float(said.split("goes to ")[1].split(" kN")[0])
+    assert 1e3 * goes == pytest.approx(np.pi * WEIGHT, rel=2e-3)
+
+
+def test_a_block_held_over_a_bit_that_drills_is_told_in_a_run_too_short_for_its_weight_to_change():
+    (said,) = told(scene(speed=rippled(2, 3.0), end=2.0, penetration={"rate": "0.1 m/h", "speed": "120 rpm"}))
+    assert said.startswith("is held and the bit drills 0.0") and "goes to 0 N" in said
+
+
+def test_a_rotary_that_still_changes_its_speed_is_told_beside_the_weight_that_its_last_speed_makes():
+    grows = {"table": {"time": [0.0, END], "value": [0.0, 120 * RPM], "interpolation": "linear"}}
+    (said,) = told(scene({"velocity": 2.0 * FEED}, speed=grows, penetration=LAW))
+    assert "goes to 100 kN with the rotary's last speed, 120 rpm, which it does not keep. Without" in said
+
+
+SEA = {"spectrum": {"significant_height": 2.5, "peak_period": 9.0}}
+
+
+@pytest.mark.parametrize("end", [10800.0, 4e4])
+def test_a_long_sea_is_seen_by_few_instants_and_it_is_said_which(end):
+    given = scene(SEA, end=end, penetration=LAW)
+    found = course(given)
+    assert 5000 < found.time.size < 12_000 and 0.0 < found.followed < 0.1 * end
+    part = f"{found.followed:.4g} s"
+    assert any(f"from every wave of the first and of the last {part}, and from single" in one for one in told(given))
+    early = found.time <= found.followed
+    short = course(scene(SEA, end=found.followed, penetration=LAW))
+    exact = np.interp(found.time[early], short.time, short.weight)
+    assert found.weight[early] == pytest.approx(exact, abs=2e-2 * exact.max())
+
+
+def test_a_heave_that_keeps_time_with_the_steps_of_a_long_run_is_met_in_all_its_phases():
+    given = scene({"harmonic": {"amplitude": 0.005, "period": 0.5}}, end=4e4)
+    found = course(given)
+    between = found.weight[(found.time > found.followed) & (found.time < 4e4 - found.followed)]
+    assert np.mean(between) == pytest.approx(WEIGHT, rel=2e-3)
+    assert [between.min(), between.max()] == pytest.approx([WEIGHT - 0.005 * SPRING, WEIGHT + 0.005 * SPRING], rel=1e-3)
+
+
+def test_a_block_that_comes_back_to_where_it_was_is_not_told_for_the_rounding_of_its_positions():
+    way = {"table": {"time": [0.0, 10.0, 30.0], "value": [0.1, -0.3, 0.1 + 1e-15]}}
+    given = scene(way, weight=0.0)
+    assert course(given).weight[-1] == 0.0 and told(given) == []
+
+
+def test_a_heave_that_lifts_the_bit_off_in_every_period_is_told_by_its_least_weight_too():
+    amplitude = 1.5 * WEIGHT / SPRING
+    (said,) = told(scene({"harmonic": {"amplitude": amplitude, "period": 8.0}}, end=32.0))
+    assert "125 kN at most" in said and ", and 0 N at least, at t = " in said
+    when = float(said.split("at least, at t = ")[1].split(" s")[0])
+    assert -1.5 * np.sin(2.0 * np.pi * when / 8.0) >= 1.0 and "single instants" not in said
