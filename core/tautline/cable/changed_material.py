@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Iterable
+from operator import attrgetter, countOf
 from typing import NamedTuple
 
+import numpy as np
+
 from tautline.cable.coarse_lines import Sentences
-from tautline.cable.drawn_out import known_by
+from tautline.cable.drawn_out import driven_p, known_by, sampled
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.parts import CableScene, Element
 from tautline.scene.warnings import warning
@@ -21,6 +25,10 @@ WORDS = {
     "EJ": ("N m^2", "bending stiffness, and with it the energy that is stored in it"),
 }
 """Numbers of an element per length of material, their units, and what changes with them."""
+
+
+_Curves = dict[tuple[int, int], list[Element]]
+"""Elements by the nodes between which they are: those between the same ones are one curve."""
 
 
 class _Change(NamedTuple):
@@ -51,27 +59,36 @@ def _changed_material(scene: CableScene) -> Sentences:
 
 
 def _changes(scene: CableScene) -> list[_Change]:
-    """All such nodes, in the order of the elements."""
-    moves = _moving(scene)
-    at: dict[object, list[tuple[int, frozenset[int], Element]]] = {}
-    where = _places(scene)
-    for element in scene.elements if len({_numbers([e]) for e in scene.elements}) > 1 else ():
-        for node in element.nodes:
-            if element.conveyed is None and moves(node):
-                at.setdefault(where(node), []).append((node, frozenset(element.nodes), element))
+    """All such nodes, in the order of the elements.
+
+    Material passes from the one curve that ends at a place to the one that begins there, and no other way.
+    """
+    moving = _moving(scene) if _unlike(scene) else set()
+    where = _places(scene, moving)
+    at: dict[int, tuple[_Curves, _Curves]] = {}
+    for element in scene.elements if moving else ():
+        for i, node in enumerate(element.nodes):
+            if element.conveyed is None and node in moving:
+                begins_or_ends = at.setdefault(where(node), ({}, {}))[i]
+                begins_or_ends.setdefault(element.nodes, []).append(element)
     found = []
-    for entries in at.values():
-        curves: dict[frozenset[int], list[tuple[int, Element]]] = {}
-        for node, ends, element in entries:
-            curves.setdefault(ends, []).append((node, element))
-        if len(curves) != 2:
+    for begins, ends in at.values():
+        if len(begins) != 1 or len(ends) != 1:
             continue
-        (first, second) = curves.values()
-        pairs = zip(WORDS, _numbers([e for _, e in first]), _numbers([e for _, e in second]), strict=True)
+        ((nodes, after),), (before,) = begins.items(), ends.values()
+        pairs = zip(WORDS, _numbers(before), _numbers(after), strict=True)
         unlike = {name: (a, b) for name, a, b in pairs if abs(a - b) > UNLIKE * max(a, b)}
         if unlike:
-            found.append(_Change(second[0][0], (first[0][1], second[0][1]), unlike))
+            found.append(_Change(nodes[0], (before[0], after[0]), unlike))
     return found
+
+
+def _unlike(scene: CableScene) -> bool:
+    """Whether any two elements differ in their numbers; 100 000 of one line are looked through in milliseconds."""
+    numbers = attrgetter(*WORDS)
+    return bool(scene.elements) and countOf(map(numbers, scene.elements), numbers(scene.elements[0])) < len(
+        scene.elements
+    )
 
 
 def _numbers(elements: list[Element]) -> tuple[float, ...]:
@@ -79,34 +96,69 @@ def _numbers(elements: list[Element]) -> tuple[float, ...]:
     return tuple(sum(getattr(element, name) for element in elements) for name in WORDS)
 
 
-def _moving(scene: CableScene) -> Callable[[int], bool]:
-    """Whether p of a node is free or driven: not held, itself or by a tie p = p."""
+def _moving(scene: CableScene) -> set[int]:
+    """Nodes whose p is free or driven: not held, itself or by a tie p = p, nor following what stands still."""
+    some = {node.id for node in scene.nodes if not node.held[-1]} | driven_p(scene)
+    if not some:
+        return set()
     known, kinds = known_by(scene), {node.id: node.kind for node in scene.nodes}
-    beside: dict[int, list[int]] = {}
-    for tie in scene.ties:
-        if tie.what == 1:
-            for node, other in (tie.nodes, tie.nodes[::-1]):
-                beside.setdefault(node, []).append(other)
+    sampler: list[Callable[[int], np.ndarray]] = []
+
+    @functools.cache
+    def runs(motion: int) -> bool:
+        if not sampler:
+            sampler.append(sampled({one.id: one for one in scene.motions}, scene.solver.end)[1])
+        return bool(sampler[0](motion)[:, 1].any())
 
     def held(node: int) -> bool:
         p = known(node, kinds[node])
-        return p is not None and not p.motions
+        return p is not None and not any(runs(motion) for motion in p.motions)
 
-    def of(node: int) -> bool:
-        seen, left = {node}, [node]
-        while left:
-            one = left.pop()
-            if held(one):
-                return False
-            left += [other for other in beside.get(one, []) if other not in seen]
-            seen.update(left)
-        return True
+    tied = _joined(tie.nodes for tie in scene.ties if tie.what == 1)
+    at_rest = {tied(node) for tie in scene.ties if tie.what == 1 for node in tie.nodes if held(node)}
+    return {node for node in some if tied(node) not in at_rest and not held(node)}
+
+
+def _places(scene: CableScene, moving: set[int]) -> Callable[[int], int]:
+    """Where along its rope a moving node is: nodes at one point with one p are one place if something joins them.
+
+    That is a tie or a coupling of r or p, or one function that both follow. Ends that only lie at one point are ends of
+    two ropes.
+    """
+    if not moving:
+        return lambda node: node
+    material, known = material_coordinates(scene), known_by(scene)
+    nodes = {node.id: node for node in scene.nodes}
+    pairs = [tie.nodes for tie in scene.ties if tie.what != 2]
+    for coupling in scene.couplings:
+        node, dof = coupling.slave
+        if len(coupling.masters) == 1 and (dof <= 3 or dof == nodes[node].kind):
+            pairs.append((node, coupling.masters[0][0]))
+    leads: dict[frozenset[tuple[int, float]], int] = {}
+    for node in sorted(moving):
+        p = known(node, nodes[node].kind)
+        if p is not None:
+            pairs.append((leads.setdefault(frozenset(p.motions.items()), node), node))
+    tied = _joined(pairs)
+    first: dict[object, int] = {}
+
+    def of(node: int) -> int:
+        at = (round(x / TOGETHER) for x in (*nodes[node].position, material[node]))
+        return first.setdefault((tied(node), *at), node)
 
     return of
 
 
-def _places(scene: CableScene) -> Callable[[int], object]:
-    """Where along its rope a node is: nodes at one point with one p, at the ends of two elements, are one place."""
-    material = material_coordinates(scene)
-    position = {node.id: node.position for node in scene.nodes}
-    return lambda node: tuple(round(x / TOGETHER) for x in (*position[node], material[node]))
+def _joined(pairs: Iterable[tuple[int, int]]) -> Callable[[int], int]:
+    """Of a node: one that stands for all that pairs join with it, directly or by others."""
+    leader: dict[int, int] = {}
+
+    def of(node: int) -> int:
+        while (up := leader.get(node, node)) != node:
+            leader[node] = leader.get(up, up)
+            node = up
+        return node
+
+    for one, other in pairs:
+        leader[of(other)] = of(one)
+    return of

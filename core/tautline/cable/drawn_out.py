@@ -59,7 +59,7 @@ def _drawn_out(scene: CableScene) -> Sentences:
 
 def _emptied(scene: CableScene) -> Iterator[_Drawn]:
     """Elements that are left without material; alike driven ones share what was found of how they are."""
-    if not any(node.functions[-1] for node in scene.nodes) and not scene.couplings:
+    if not driven_p(scene):
         return
     known, motions = known_by(scene), {motion.id: motion for motion in scene.motions}
     times: np.ndarray = np.zeros(0)
@@ -97,6 +97,15 @@ def _sum(parts: list[tuple[float, Known]], constant: float = 0.0) -> Known:
         for motion, own in part.motions.items():
             motions[motion] = motions.get(motion, 0.0) + factor * own
     return Known(constant, {motion: factor for motion, factor in motions.items() if factor != 0.0})
+
+
+def driven_p(scene: CableScene) -> set[int]:
+    """Nodes whose p follows a function or is coupled: that of any other is free or stands still."""
+    found = {node.id for node in scene.nodes if node.functions[-1]} if scene.motions else set()
+    if scene.couplings:
+        kinds = {node.id: node.kind for node in scene.nodes}
+        found |= {node for node, dof in (coupling.slave for coupling in scene.couplings) if dof == kinds[node]}
+    return found
 
 
 def known_by(scene: CableScene) -> Callable[[int, int], Known | None]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tautline.cable.coarse_lines import Sentences
-from tautline.cable.drawn_out import Known, known_by, sampled
+from tautline.cable.drawn_out import Known, driven_p, known_by, sampled
 from tautline.cable.input.geometry import arc_lengths, drawn_of
 from tautline.cable.input.material import element_lengths
 from tautline.cable.input.parts import CableScene
@@ -47,9 +47,12 @@ def _fast_material(scene: CableScene) -> Sentences:
 
 def _worst(scene: CableScene) -> Overtaken | None:
     """The element to tell of, if any."""
+    curves = curves_of(scene, driven_p(scene))
+    if not curves:
+        return None
     known, kinds = known_by(scene), {node.id: node.kind for node in scene.nodes}
     driven: list[tuple[Curve, list[Known]]] = []
-    for curve in curves_of(scene):
+    for curve in curves:
         ends = [known(node, kinds[node]) for node in curve.element.nodes]
         if all(end is not None and end.motions for end in ends):
             driven.append((curve, [end for end in ends if end is not None]))
@@ -61,11 +64,11 @@ def _worst(scene: CableScene) -> Overtaken | None:
     if not taut:
         return None
     times, moved = sampled({motion.id: motion for motion in scene.motions}, scene.solver.end)
-    rate = _rates(times, moved)
-    seen = []
-    for curve, (first, second), tension in taut:
-        ones = np.ones(times.size)
-        seen.append((through(rate(first), rate(second)), tension * ones, lengths[curve.places[0]] * ones))
+    rate, ones = _rates(times, moved), np.ones(times.size)
+    seen = (
+        (through(rate(first), rate(second)), tension * ones, lengths[curve.places[0]] * ones)
+        for curve, (first, second), tension in taut
+    )
     return most_overtaken([curve for curve, *_ in taut], times, seen)
 
 

@@ -16,16 +16,18 @@ and longer grow with them all the same, by `WEAK` c / L. Of the true rope's wave
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.cable.input.material import SHORTEST
 from tautline.cable.input.parts import CableScene, Element
 
 TOLD = 1.0e4
 """By how much a short wave grows in a run before that is told."""
-SLACK = 10.0
-"""Speed of material over that of waves beyond which an element counts as slack: it folds then, another matter."""
+SLACK = 1.0e-6
+"""Strain up to which an element counts as slack, another matter: positions are written with about as many digits."""
 LINEAR, CUBIC = 12.0, 42.0
 BENDING = 60.0
 STIFFER = 2.5
@@ -41,13 +43,19 @@ NEEDED = ("material_velocity", "axial_force", "end_force", "position", "material
 class Curve(NamedTuple):
     """Elements between the same two nodes, which move as one: their places in the scene, and their sums.
 
-    ``mass`` is in kg/m, ``bending`` in N m^2.
+    ``mass`` is in kg/m, ``bending`` in N m^2, ``stiffness`` in N; ``acts`` is weight and load, N/m.
     """
 
     places: tuple[int, ...]
     element: Element
     mass: float
     bending: float
+    stiffness: float
+    acts: float
+
+    def slack(self, length: Any) -> Any:
+        """Tension, N, up to which lengths of it, m, hang in a bow or fold: they carry no waves of a string."""
+        return np.maximum(self.acts * length, SLACK * self.stiffness)
 
 
 class Overtaken(NamedTuple):
@@ -64,25 +72,31 @@ class Overtaken(NamedTuple):
     more: int
 
 
-def curves_of(scene: CableScene) -> list[Curve]:
-    """Curves with mass on which a wave may run: those with a node or a slope that is not held throughout."""
-    nodes = {node.id: node for node in scene.nodes}
+def curves_of(scene: CableScene, between: Container[int]) -> list[Curve]:
+    """Curves with mass on which a wave may run: those with a node or a slope that is not held throughout.
+
+    Only those with both ends among the nodes ``between``.
+    """
     alike: dict[tuple[int, ...], list[int]] = {}
-    for k, element in enumerate(scene.elements):
-        if element.conveyed is None:
-            alike.setdefault(tuple(element.nodes), []).append(k)
-    found = []
-    for ends, places in alike.items():
+    for k, element in enumerate(scene.elements) if between else ():
+        if element.nodes[0] in between and element.nodes[1] in between and element.conveyed is None:
+            alike.setdefault(element.nodes, []).append(k)
+    ends = {node for nodes in alike for node in nodes}
+    fixed = {node.id for node in scene.nodes if node.id in ends and all(node.held[:-1])} if ends else set()
+    gravity, found = np.array(scene.gravity), []
+    for nodes, places in alike.items():
         elements = [scene.elements[k] for k in places]
         mass = sum(element.rhoA for element in elements)
-        if mass > 0.0 and not all(all(nodes[node].held[:-1]) for node in ends):
+        if mass > 0.0 and not fixed.issuperset(nodes):
             main = max(elements, key=lambda element: element.EA)
-            found.append(Curve(tuple(places), main, mass, sum(element.EJ for element in elements)))
+            bending, stiffness = (sum(getattr(element, name) for element in elements) for name in ("EJ", "EA"))
+            acts = float(np.linalg.norm(mass * gravity + np.sum([element.load for element in elements], axis=0)))
+            found.append(Curve(tuple(places), main, mass, bending, stiffness, acts))
     return found
 
 
 def growth(curve: Curve, speed: np.ndarray, tension: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """Fastest growth of short waves, 1/s, of a taut curve; 0 where it hangs slack or nothing grows.
+    """Fastest growth of short waves, 1/s, of a taut curve; 0 where it is slack or nothing grows.
 
     Parameters
     ----------
@@ -101,7 +115,7 @@ def growth(curve: Curve, speed: np.ndarray, tension: np.ndarray, length: np.ndar
     if lobatto and curve.bending == 0.0:
         weak = np.interp(np.sqrt(u2 / np.maximum(c2, 1e-300)), *WEAK, right=0.0)
         rate = np.maximum(rate, weak * np.sqrt(c2))
-    return np.where((c2 > 0.0) & (u2 < SLACK**2 * c2), rate / length, 0.0)
+    return np.where(tension > curve.slack(length), rate / length, 0.0)
 
 
 def through(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -110,7 +124,7 @@ def through(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def most_overtaken(
-    curves: list[Curve], time: np.ndarray, seen: list[tuple[np.ndarray, np.ndarray, np.ndarray]]
+    curves: list[Curve], time: np.ndarray, seen: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]
 ) -> Overtaken | None:
     """The curve whose short waves grow most, if by more than `TOLD`; ``seen`` are each one's arguments of `growth`."""
     found = []
@@ -135,25 +149,48 @@ def overtaken(result: Any, scene: CableScene) -> list[str]:
         return []
     place = {node.id: i for i, node in enumerate(scene.nodes)}
     rate, time = np.asarray(result["material_velocity"]), np.asarray(result.time, dtype=float)
-    runs = np.abs(rate).max(axis=0, initial=0.0) > 0.0
-    curves = [curve for curve in curves_of(scene) if all(runs[place[node]] for node in curve.element.nodes)]
+    fastest = np.maximum(rate.max(axis=0, initial=0.0), -rate.min(axis=0, initial=0.0))
+    curves = curves_of(scene, {node for node, i in place.items() if fastest[i] > 0.0})
     if not curves:
         return []
-    force, ends, position, material = (np.array(result[name], dtype=float) for name in NEEDED[1:])
-    seen = []
+    material = np.asarray(result["material_coordinate"])
+    curves = [curve for curve in curves if may_be_overtaken(curve, time, *_bounds(curve, place, fastest, material))]
+    worst = most_overtaken(curves, time, _seen(result, curves, place))
+    return [] if worst is None else [_sentence(worst)]
+
+
+def _bounds(curve: Curve, place: dict[int, int], fastest: np.ndarray, material: np.ndarray) -> tuple[float, float]:
+    """Largest speed of material through a curve, m/s, and its shortest length, m, of a run."""
+    i, j = (place[node] for node in curve.element.nodes)
+    shortest = float((material[:, j] - material[:, i]).min())
+    return float(min(fastest[i], fastest[j])), max(shortest, SHORTEST)
+
+
+def may_be_overtaken(curve: Curve, time: np.ndarray, fastest: float, shortest: float) -> bool:
+    """Whether short waves of a curve may grow by more than `TOLD`, by its largest speed, m/s, and shortest length, m.
+
+    The slowest waves of a taut rope are those at the tension up to which it is slack. No wave grows faster than those
+    without tension.
+    """
+    wave = np.sqrt(curve.slack(shortest) / curve.mass)
+    most = np.sqrt(CUBIC) * fastest / shortest * (time[-1] - time[0])
+    return bool(fastest > wave and most > np.log(TOLD))
+
+
+def _seen(
+    result: Any, curves: list[Curve], place: dict[int, int]
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Of curves of a result, one at a time: the arguments of `growth`."""
+    rate, force, ends, position, material = (np.asarray(result[name]) for name in NEEDED)
     for curve in curves:
         i, j = (place[node] for node in curve.element.nodes)
         some = list(curve.places)
-        length = np.maximum(material[:, j] - material[:, i], 1e-12)
+        length = np.maximum(material[:, j] - material[:, i], SHORTEST)
         stretch = np.linalg.norm(position[:, j] - position[:, i], axis=-1) / length
         # Where it is slack anywhere it is no string.
-        pull = force[:, some].sum(axis=1)
-        at_ends = ends[:, some].sum(axis=1)
-        least = np.minimum(at_ends[:, 0], at_ends[:, 1])
-        tension = np.where(least > 0.0, pull / np.maximum(stretch, 1e-12), 0.0)
-        seen.append((through(rate[:, i], rate[:, j]), tension, length))
-    worst = most_overtaken(curves, time, seen)
-    return [] if worst is None else [_sentence(worst)]
+        pull, (first, second) = force[:, some].sum(axis=1), ends[:, some].sum(axis=1).T
+        tension = np.where(np.minimum(first, second) > 0.0, pull / np.maximum(stretch, 1e-12), 0.0)
+        yield through(rate[:, i], rate[:, j]), tension, length
 
 
 def _sentence(worst: Overtaken) -> str:

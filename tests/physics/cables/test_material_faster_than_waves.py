@@ -10,9 +10,10 @@ from rope_text import element, node, scene
 from scipy.optimize import brentq
 
 import tautline
+from tautline.cable import fast_material, short_waves
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
-from tautline.cable.short_waves import curves_of, growth
+from tautline.cable.short_waves import curves_of, growth, may_be_overtaken
 
 EA, SPEED = 2000.0, 6.0
 """Stiffness, N, and speed of waves, m/s, of a ring of 1 kg/m and 1 m radius."""
@@ -75,9 +76,69 @@ def test_what_is_told_to_do_keeps_the_energy():
 
 
 def test_slack_and_slow_ropes_are_told_nothing():
-    curve = curves_of(parse(ring(n=3)))[0]
+    curve = curves_of(parse(ring(n=3)), range(4))[0]
     speed, tension = np.array([7.0, 7.0, 5.0, 0.0]), np.array([0.0, 1.0e-3, 36.0, 36.0])
     assert not growth(curve, speed, tension, np.full(4, 0.1)).any()
+
+
+def straight(speeds, n=8, gravity=0.0, tension=36.0):
+    """10 m of straight rope of 1 kg/m, bowed by 1 um at its middle; p of all nodes runs at `speeds` at 0 and 0.05 s."""
+    stretch, items = float(np.sqrt(1.0 + 2.0 * tension / EA)), ""
+    for i in range(n + 1):
+        x, held = 10.0 * i / n, [1, 1, 1, 0, 0, 0, 1] if i in (0, n) else [0] * 6 + [1]
+        items += node(i, [x, 0, 1e-6 if i == n // 2 else 0], [stretch, 0, 0], held, x / stretch, [0] * 6 + [i + 1])
+        rates = f"timeList: [0, 0.05], velocityList: {list(speeds)}"
+        items += f"  - Function_VelocityDefined: {{id: {i + 1}, pos0: {x / stretch!r}, {rates}}}\n"
+    for i in range(n):
+        items += element(i, i, i + 1, EA)
+    return scene(items, (0.0, 0.0, -gravity), time_step=1e-4, time_end=0.05, plotpoints=20, rho_inf=0.9)
+
+
+@pytest.mark.parametrize("speed", [59.0, 61.0, 100.0])
+def test_material_is_told_of_however_much_faster_than_waves_it_is(speed):
+    text = straight((speed, speed))
+    result = tautline.simulate(text)
+    # A true rope keeps the micrometre of its bow.
+    assert np.abs(np.asarray(result["position"])[-1, :, 2]).max() > 1.0e-4
+    (run,), (check,) = told(result.warnings), checked(text)
+    assert f"{speed:.4g} m/s against 6 m/s" in run and f"{speed:.4g} m/s against 6 m/s" in check
+
+
+def test_the_time_told_ends_when_material_is_slow_again_and_not_when_it_is_fastest():
+    (text,) = checked(straight((0.0, 200.0)))
+    assert "to 0.05 s" in text and "200 m/s against 6 m/s" in text
+
+
+def test_an_element_with_less_tension_than_weight_is_slack():
+    curve = curves_of(parse(straight((7.0, 7.0), gravity=9.81)), range(9))[0]
+    speed, length, weight = np.full(2, 7.0), np.full(2, 0.5), 0.5 * 9.81
+    assert (growth(curve, speed, np.array([0.99, 1.01]) * weight, length) > 0.0).tolist() == [False, True]
+
+
+def test_a_run_with_slow_material_is_not_looked_through(monkeypatch):
+    """Neither too slow for the slowest wave of a taut rope nor too slow to make any wave grow in time."""
+    curve = curves_of(parse(straight((7.0, 7.0), gravity=9.81)), range(9))[0]
+    slow, fast = 0.99 * np.sqrt(9.81 * 0.5), 1.01 * np.sqrt(9.81 * 0.5)
+    asked = [(slow, 100.0), (fast, 100.0), (fast, 0.2)]
+    assert [may_be_overtaken(curve, np.array([0.0, end]), speed, 0.5) for speed, end in asked] == [False, True, False]
+    seen = []
+    monkeypatch.setattr(short_waves, "growth", lambda *asked: seen.append(asked))
+    tautline.simulate(straight((0.01, 0.01)))
+    assert not seen
+
+
+def test_check_asks_nothing_of_a_line_of_which_one_end_is_driven(monkeypatch):
+    held = "BC: [1, 1, 1, 0, 0, 0, 1]"
+    text = scene(
+        f"""  - Node7Dof: {{id: 0, xyz: [0, 0, 0], {held}}}
+  - Node7Dof: {{id: 1, xyz: [10, 0, 0], {held}, BC_functions: [0, 0, 0, 0, 0, 0, 1]}}
+  - CableLine: {{id: 0, nodes7: [0, 1], elements: 100, length: 10.1, EA: 1.0e5, EJ: 0, rhoA: 1}}
+  - Function: {{id: 1, value: {{ramp: {{from: 10.1, to: 10.09, over: 1}}}}}}
+"""
+    )
+    parsed, asked = parse(text), []
+    monkeypatch.setattr(fast_material, "known_by", lambda scene: asked.append(scene))
+    assert not list(fast_material._fast_material(parsed)) and not asked
 
 
 def unit_matrices(kind):
@@ -124,7 +185,7 @@ def test_short_waves_grow_as_bloch_waves_of_the_elements_do(kind, ratio, bending
     tension = wave**2
     extra = "" if kind == "linear" else f", quadrature: {kind}"
     text = ring(n=3, linear=kind == "linear", EJ=bending * tension * length**2, extra=extra)
-    curve = curves_of(parse(text))[0]
+    curve = curves_of(parse(text), range(4))[0]
     one = np.ones(1)
     found = growth(curve, ratio * wave * one, tension * one, length * one)[0] * length / wave
     assert found == pytest.approx(fastest(kind, ratio, bending), rel=0.02, abs=2e-3)

@@ -6,6 +6,7 @@ from rope_text import FREE, element, node, scene
 from scipy.integrate import solve_ivp
 
 import tautline
+from tautline.cable import changed_material
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
 
@@ -52,6 +53,52 @@ def test_a_rope_of_two_layers_beside_one_as_heavy_is_one_material():
         "  - CableALEelement: {id: 0, nodes7: [0, 1], EA: 6000.0, EJ: 0.0, rhoA: 0.75",
     )
     assert layers != whole and not told(layers)
+
+
+def driven(ends, functions, ties="", speeds=(0.0, 0.1), begins=1.0):
+    """Two linear elements of 1 and 2 kg/m between nodes 0 and 1 and between 2 and 3, or ``ends``.
+
+    Nodes 1 and 2 are held at one point with p = ``begins`` and follow functions of time, by their ids.
+    """
+    places, p = ([-1, 0, 0], [0, 0, 0], [0, 0, 0], [1, 0, 0]), (begins - 1.0, begins, begins, begins + 1.0)
+    items = "".join(
+        node(i, places[i], None, (1, 1, 1, 1), p[i], [0, 0, 0, functions[i - 1] if i in (1, 2) else 0])
+        for i in sorted({i for pair in ends for i in pair})
+    )
+    for i, pair in enumerate(ends):
+        items += element(i, *pair, 1.0e4, rhoA=1.0 + i, linear=True)
+    for i in sorted(set(functions)):
+        rates = f"timeList: [0, 1], velocityList: {list(speeds)}"
+        items += f"  - Function_VelocityDefined: {{id: {i}, pos0: {begins}, {rates}}}\n"
+    return scene(items + ties)
+
+
+def test_ropes_that_only_meet_at_a_point_are_two():
+    assert not told(driven([(0, 1), (2, 3)], (1, 2)))
+    assert told(driven([(0, 1), (2, 3)], (1, 1)))  # what leaves the one enters the other
+    assert told(driven([(0, 1), (2, 3)], (1, 2), "  - LagMultipl4: {id: 1, nodes4: [1, 2], constr: 0}\n"))
+
+
+def test_nothing_passes_between_elements_that_both_begin_or_both_end_at_a_node():
+    apart = driven([(0, 1), (1, 3)], (1, 1))
+    assert told(apart)
+    places, functions = ([0, 0, 0], [1, 0, 0], [0, 0, -1]), ([0, 0, 0, 1], [0, 0, 0, 0], [0, 0, 0, 0])
+    both_begin = "".join(node(i, places[i], None, (1, 1, 1, 1), min(i, 1), functions[i]) for i in range(3))
+    both_begin += element(0, 0, 1, 1.0e4, linear=True) + element(1, 0, 2, 1.0e4, rhoA=2.0, linear=True)
+    rates = "timeList: [0, 1], velocityList: [0, -0.1]"
+    assert not told(scene(both_begin + f"  - Function_VelocityDefined: {{id: 1, pos0: 0.0, {rates}}}\n"))
+
+
+def test_p_that_follows_what_stands_still_is_held():
+    assert told(driven([(0, 1), (1, 3)], (1, 1)))
+    assert not told(driven([(0, 1), (1, 3)], (1, 1), speeds=(0.0, 0.0)))
+
+
+def test_ropes_of_one_material_are_asked_nothing_more(monkeypatch):
+    asked = []
+    monkeypatch.setattr(changed_material, "_moving", lambda scene: asked.append(scene) or set())
+    assert not told(falling((1.0, 1.0e4))) and not asked
+    assert not told(falling()) and asked
 
 
 @pytest.mark.parametrize("below", [3.0, 0.3])
