@@ -144,7 +144,7 @@ class CraneOperation(Lifting):
 def _counted_from(scene: CraneScene, place: int) -> CountedFrom:
     """An end of the path, as an account keeps it."""
     item = scene.path[place]
-    return CountedFrom(scene.key_of(item)[2], item.name)
+    return CountedFrom(str(scene.key_of(item)[2]), item.name)
 
 
 def _said(item: PathItem) -> str:
