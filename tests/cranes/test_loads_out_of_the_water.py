@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 from storms.test_operability import ALONE, asked
 
 import tautline
 from crane.application import Crane
 from crane.operability.storms import operability
+from crane.results.out_of_water import heights_of, out_of_water_in_storms
 
 HOISTED = """
 title: lift through the surface
@@ -65,3 +69,60 @@ def test_storms_tell_in_how_many_of_them_it_comes_out(end, storms):
     told = [one for one in found.warnings if "out of the water" in one]
     # 20 s of lead-in bring it 3.8 m up; the surface is 1.2 m or 6 s away.
     assert len(told) == (storms > 0) and all("in 3 of 3 storms" in one and BUOYANCY in one for one in told)
+
+
+REST = HOISTED.replace("[10.2, 0, -5]", "[10.2, 0, 0]").replace(
+    "pay_out: {ramp: {to: -0.5 m/s, over: 2 s}}", "pay_out: 0"
+).replace("significant_height: 0.3 m", "significant_height: 1 mm")  # fmt: skip
+
+
+def test_a_load_at_rest_in_the_surface_is_not_out_of_the_water_by_rounding():
+    assert not any("above the water" in one.text for one in Crane().warnings(tautline.read(REST)))
+    above = tautline.read(REST.replace("[10.2, 0, 0]", "[10.2, 0, 2.9e-14]"))
+    assert not any("above the water" in one.text for one in Crane().warnings(above))
+    run = tautline.simulate(above.replace({"solver.end": 2.0}))
+    assert 0.0 < run["body_position"][:, 0, 2].max() < 0.01
+    assert not any("out of the water" in one for one in run.attributes["warnings"])
+    rounding = {"load.position[2] max": np.array([2.9e-14, 0.009])}
+    assert in_storms(rounding, HOISTED) == []
+
+
+def in_storms(columns, text, begin=10.0):
+    data = {name: SimpleNamespace(values=values) for name, values in columns.items()}
+    scene = tautline.read(text)
+    return out_of_water_in_storms(data, heights_of(scene), scene, begin)
+
+
+def let_go(at, volume="0 m^3"):
+    left = f"release: {{at: {at} s, remaining: 2 t, volume: {volume}, drag: {{quadratic: [0, 0, 0]}}}}"
+    return HOISTED.replace("quadratic: [1000, 1000, 5000]}", f"quadratic: [1000, 1000, 5000]}}, {left}")
+
+
+@pytest.mark.parametrize(
+    ("at", "volume", "kilonewtons"),
+    [
+        (5, "0 m^3", None), (12, "0 m^3", None), (20, "0 m^3", BUOYANCY), (5, "1 m^3", "10.06"), (12, "1 m^3", "10.06"),
+        (20, "1 m^3", BUOYANCY),
+    ],
+)  # fmt: skip
+def test_storms_judge_what_of_a_load_is_there_in_them(at, volume, kilonewtons):
+    """A storm counts from 10 s to 16 s: water does not act on a hook that lost its load before."""
+    told = in_storms({"load.position[2] max": np.array([1.0, -2.0])}, let_go(at, volume))
+    assert len(told) == (kilonewtons is not None)
+    assert all("in 1 of 2 storms" in one and f"above the surface: {kilonewtons}" in one for one in told)
+
+
+def test_a_run_that_check_has_foreseen_does_not_tell_the_cure_again():
+    scene = tautline.read(HOISTED)
+    (before,) = check(HOISTED)
+    (after,) = [one for one in tautline.simulate(scene).attributes["warnings"] if "out of the water" in one]
+    assert "scene of its own" in before and "scene of its own" not in after and BUOYANCY in after
+    (storms,) = in_storms({"load.position[2] max": np.array([1.0])}, HOISTED)
+    assert "scene of its own" not in storms and BUOYANCY in storms
+
+
+def test_a_run_that_nobody_has_foreseen_tells_the_cure():
+    lifted = HOISTED.replace("pay_out: {ramp: {to: -0.5 m/s, over: 2 s}}", "pay_out: 0")
+    assert check(lifted) == []
+    (storms,) = in_storms({"load.position[2] max": np.array([1.0])}, lifted)
+    assert "scene of its own" in storms and BUOYANCY in storms

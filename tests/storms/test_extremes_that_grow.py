@@ -56,6 +56,19 @@ def test_nine_studies_of_ten_storms_in_ten_find_a_swing_that_nothing_damps():
     assert np.mean([grows(slopes_of(one)[None]) for one in envelope]) > 0.8
 
 
+@pytest.mark.filterwarnings("error")
+def test_numbers_near_the_largest_there_are_overflow_in_no_trend():
+    noise = np.random.default_rng(4).standard_normal((2, 8))
+    for shift in (0.0, 3.0):
+        slopes = noise + shift
+        assert grows(1e300 * slopes) == grows(slopes) == (shift > 0.0)
+        assert grows(np.where(slopes == slopes[0, 0], np.inf, slopes)) == (shift > 0.0)
+    assert not grows(np.full((2, 5), np.inf)) and not grows(np.empty((0, 5)))
+    line = np.arange(PARTS) / (PARTS - 1)
+    assert trend(1e307 * (10.0 + line)) == pytest.approx(1e307, rel=1e-12)
+    assert trend(1e308 * (2.0 * line - 1.0)) == np.inf or trend(1e308 * line) == pytest.approx(1e308)
+
+
 def test_storms_without_a_trend_and_one_storm_tell_nothing():
     assert not grows(np.full((2, 5), np.nan)) and not grows(np.zeros((1, 5))) and not grows(np.ones((1, 1)))
     assert not grows(np.empty((0, 5)))

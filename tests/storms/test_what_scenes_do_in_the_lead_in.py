@@ -104,6 +104,30 @@ def test_what_comes_behind_the_storm_and_what_is_scaled_in_it_are_told():
     assert "storms end at 140 s" in never and "bodies[0].release at 150 s" in never
 
 
+def test_of_what_outlasts_the_lead_in_only_the_first_part_is_unjudged():
+    """50 s to 53 s around a lead-in of 52 s: the force is there in the storm, but for its first 2 s."""
+    (told,) = notes({"bodies[0].force": [RAMP, 0, 0]}, lead=52.0)
+    assert "bodies[0].force[0] from 50 s to 53 s. No limit judges its first part" in told
+    assert "judges it:" not in told and "does this" not in told and "50 s becomes 102 s" in told
+    (told,) = notes({"bodies[0].force": [RAMP, 0, 0]}, lead=53.0)
+    assert "bodies[0].force[0] from 50 s to 53 s. No limit judges it" in told and "first part" not in told
+    # Each by itself, also in one sum.
+    (told,) = notes({PLACE: {"sum": [RAMP | {"ramp": {"to": 1, "at": 50, "over": 60}}, JERK]}})
+    assert f"does this in it: {PLACE} from 20 s to 21.5 s. No limit judges it" in told
+    assert f"begins this in it: {PLACE} from 50 s to 110 s. No limit judges its first part" in told
+
+
+@pytest.mark.parametrize("end", [300.0, 75.0])
+def test_of_a_motion_that_goes_on_through_most_of_a_storm_nothing_is_called_unjudged(end):
+    """Storms from 5 s to 125 s."""
+    times = [0.0, 0.1 * end, 0.8 * end, end]
+    table = {"table": {"time": times, "value": [0, 0.1, -0.1, 0]}}
+    assert notes({PLACE: table}, lead=5.0, duration=120.0) == []
+    mixed = {"sum": [table, {"ramp": {"to": 0.1, "at": 1, "over": 2}}]}
+    (told,) = notes({PLACE: mixed}, lead=5.0, duration=120.0)
+    assert f"{PLACE} from 1 s to 3 s. No limit judges it" in told and f"{end:g} s" not in told
+
+
 def test_a_record_that_goes_on_all_through_a_storm_is_no_single_event():
     table = {"table": {"time": [0, 500, 1000], "value": [0, 0.01, 0], "interpolation": "linear"}}
     assert not any("once" in one for one in notes({PLACE: table}, simulated=300.0))

@@ -13,6 +13,7 @@ from crane.rope_life.account import CELL, RopeAccount, RopeOf
 from crane.rope_life.bending import RESOLUTION, Contact, bending_cycles
 from crane.rope_life.passages import Arc, passages, staircase, without_ripple
 from crane.twin.operation import CraneOperation
+from tautline.results.errors import ResultError
 from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
@@ -230,14 +231,60 @@ def test_places_of_a_rope_that_ends_at_an_anchor_are_said_to_count_from_there(tm
     assert name == "rope worn" and f"m from {scene.path[-1].name} has had" in text
 
 
+ANCHORED = {
+    "rope": {"mass_per_length": 6.5, "axial_stiffness": 8e7, "damping": 1e-4, "diameter": "36 mm",
+             "breaking_load": "1.1 MN"},
+    "bodies": [{"name": "payload", "mass": "5 t", "position": [0, 0, -20]}],
+    "path": [{"end": {"name": "hook", "body": "payload"}}, {"anchor": {"name": "top", "position": [0, 0, 0]}}],
+    "mesh": {"elements_per_span": 1}, "solver": {"end": 1.0, "step": 0.01},
+    "output": {"interval": 0.1},
+}  # fmt: skip
+
+
+def anchored(turned=False, hook="hook"):
+    root = copy.deepcopy(ANCHORED)
+    root["path"][0]["end"]["name"] = hook
+    root["path"] = root["path"][::-1] if turned else root["path"]
+    return tautline.read(root)
+
+
 def test_places_count_from_a_load_rather_than_from_an_anchor(tmp_path):
-    anchored = {
-        "rope": {"mass_per_length": 6.5, "axial_stiffness": 8e7, "damping": 1e-4, "diameter": "36 mm",
-                 "breaking_load": "1.1 MN"},
-        "bodies": [{"name": "payload", "mass": "5 t", "position": [0, 0, -20]}],
-        "path": [{"end": {"name": "hook", "body": "payload"}}, {"anchor": {"name": "top", "position": [0, 0, 0]}}],
-        "mesh": {"elements_per_span": 1}, "solver": {"end": 1.0, "step": 0.01},
-        "output": {"interval": 0.1},
-    }  # fmt: skip
-    (_, _, text, _) = next(CraneOperation(tautline.read(anchored), tmp_path / "rope.npz").alarms())
+    (_, _, text, _) = next(CraneOperation(anchored(), tmp_path / "rope.npz").alarms())
     assert "m from the load" in text
+
+
+def test_an_account_that_does_not_say_its_end_is_read_only_where_it_counts_from_the_same_one(tmp_path):
+    """Files of versions before counted a path from a load to an anchor from its last item: the anchor."""
+    path = tmp_path / "rope.npz"
+    old = RopeAccount(RopeOf(0.036, 1.1e6, 6.5, 8e7))
+    old._pass(1.0, 5.0, 5e4)
+    old.save(path)
+    before = path.read_bytes()
+    with pytest.raises(
+        ResultError, match=r"from the anchor top, and this version counts .* from the end hook.* new acc"
+    ):
+        CraneOperation(anchored(), path)
+    assert path.read_bytes() == before
+    # Drawn from the anchor to the load it was the load, and so it is for any crane with a drum.
+    taken = CraneOperation(anchored(turned=True), path)
+    assert taken.account.worst == old.worst
+    assert CraneOperation(tautline.read(scene_with()), path).account.worst[1] == old.worst[1]
+    # From then on the file says it: either way of drawing is the same.
+    taken.save()
+    assert CraneOperation(anchored(), path).account.worst == old.worst
+
+
+def test_an_account_from_another_end_is_refused_by_a_crane_and_by_one_that_goes_on(tmp_path):
+    path = tmp_path / "rope.npz"
+    operation = CraneOperation(anchored(), path)
+    operation.save()
+    with pytest.raises(ResultError, match="from the end hook, and those of the scene from the end ring"):
+        CraneOperation(anchored(hook="ring"), path)
+    other = CraneOperation(anchored(hook="ring"), tmp_path / "other.npz")
+    other.path = path
+    with pytest.raises(ResultError, match="from the end hook"):
+        other.recall(operation.memory())
+    # One that only looks takes any, and keeps what it says.
+    looked = RopeAccount.load(path)
+    looked.save(path)
+    CraneOperation(anchored(), path)

@@ -16,6 +16,8 @@ from tautline.scene.functions import Ramp, Sum, Table, Velocity
 
 WAVES = 2.0
 """Waves in which a sea grows from rest at least, and a lead-in lasts that is offered."""
+MOST = 0.5
+"""Share of a storm for which a motion goes on that is judged by it, were its first part within the lead-in."""
 
 
 class Event(NamedTuple):
@@ -38,7 +40,7 @@ def events_of(scene: CraneScene) -> list[Event]:
 
     Seas, harmonics and chirps go on, and so does what stays at one value or one speed: these are none.
     """
-    found = [Event(key, *span) for key, function in functions_of(scene) if (span := _changes(function)) is not None]
+    found = [Event(key, *span) for key, function in functions_of(scene) for span in _changes(function)]
     for k, body in enumerate(scene.bodies):
         if body.release is not None:
             found.append(Event(f"bodies[{k}].release", body.release.at, body.release.at))
@@ -59,27 +61,26 @@ def functions_of(scene: CraneScene) -> Iterator[tuple[str, Any]]:
         yield f"vessel.motion.{name}", getattr(motion, name)
 
 
-def _changes(function: Any) -> tuple[float, float] | None:
-    """First and last time, s, at which a function changes once, from t = 0 on; None of one that never does."""
+def _changes(function: Any) -> list[tuple[float, float]]:
+    """First and last times, s, at which terms of a function change once, from t = 0 on; none of one that never does."""
     if isinstance(function, Velocity):
         return _changes(function.velocity)
     if isinstance(function, Sum):
-        spans = [span for term in function.terms if (span := _changes(term)) is not None]
-        return (min(begin for begin, _ in spans), max(end for _, end in spans)) if spans else None
+        return [span for term in function.terms for span in _changes(term)]
     if isinstance(function, Ramp):
         still = function.to == function.from_ if function.rate is None else function.rate == 0.0
-        return None if still else (max(function.at, 0.0), function.at + function.over)
+        return [] if still else [(max(function.at, 0.0), function.at + function.over)]
     if isinstance(function, Table):
         steps = [k for k in range(len(function.time) - 1) if function.value[k + 1] != function.value[k]]
-        return (max(function.time[steps[0]], 0.0), function.time[steps[-1] + 1]) if steps else None
-    return None
+        return [(max(function.time[steps[0]], 0.0), function.time[steps[-1] + 1])] if steps else []
+    return []
 
 
 def event_notes(scene: CraneScene, keys: SeaKeys, asked: Asked, judged: bool) -> list[str]:
     """Which events storms judge otherwise than is meant; `judged` is whether extremes are asked for."""
     end = asked.lead + asked.simulated
     events = events_of(scene)
-    early = [one for one in events if one.begin < asked.lead]
+    early = [one for one in events if one.begin < asked.lead and not _lasts(one, asked)]
     late = [one for one in events if one.begin >= end]
     counted = [one for one in events if one.begin < end and one.end > asked.lead and _once(one, asked.lead, end)]
     found = [_in_lead(early, keys, scene, asked)] if early else []
@@ -98,6 +99,11 @@ def event_notes(scene: CraneScene, keys: SeaKeys, asked: Asked, judged: bool) ->
     return found
 
 
+def _lasts(one: Event, asked: Asked) -> bool:
+    """Whether something goes on behind the lead-in for most of the storm, as a record of motion: that is judged."""
+    return one.end - asked.lead >= MOST * asked.simulated
+
+
 def _once(one: Event, lead: float, end: float) -> bool:
     """Whether something is over in a storm, or begins in it: what goes on all through it, as a record, is no event."""
     return one.begin > lead or one.end < end
@@ -110,11 +116,13 @@ def _in_lead(early: Sequence[Event], keys: SeaKeys, scene: CraneScene, asked: As
     least = max(grown, WAVES * max(one.period for one in asked.conditions))
     shorter = f"Give --lead-in {first:.6g}s, or" if first >= least else "To have it judged,"
     begins = f"{first:.4g} s becomes {first + asked.lead:.4g} s"
-    return (
-        f"nothing counts in the lead-in of {asked.lead:g} s, and the scene does this in it: {_listed(early)}. No limit "
-        f"judges it: storms are judged by what comes behind. {shorter} add {asked.lead:g} s to its times in the scene: "
-        f"{begins}"
-    )
+    whole, begun = [one for one in early if one.end <= asked.lead], [one for one in early if one.end > asked.lead]
+    told = f"nothing counts in the lead-in of {asked.lead:g} s: storms are judged by what comes behind"
+    if whole:
+        told += f". The scene does this in it: {_listed(whole)}. No limit judges it"
+    if begun:
+        told += f". The scene begins this in it: {_listed(begun)}. No limit judges its first part"
+    return f"{told}. {shorter} add {asked.lead:g} s to its times in the scene: {begins}"
 
 
 def _listed(events: Sequence[Event]) -> str:

@@ -154,7 +154,7 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     found.warnings += failed_notes(found.table, len(asked.seeds), scene.units)
     found.warnings += endless_notes(found.table, criteria)
     found.warnings += growing_notes(outcome.data, asked, criteria, scene.units)
-    found.warnings += out_of_water_in_storms(outcome.data, wet, scene)
+    found.warnings += out_of_water_in_storms(outcome.data, wet, storm, asked.lead)
     if asked.scatter is not None:
         found.fatigue = _fatigue(outcome.data, asked, scene, found.table)
     share = None if found.fatigue is None else found.fatigue.share

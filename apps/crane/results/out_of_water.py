@@ -23,6 +23,9 @@ CURE = (
     "surface is not covered"
 )
 
+OUT = 0.01
+"""Height above the surface, m, from which something is out of the water: below it lie rounding, and rest at it."""
+
 
 def feels_water(body: Body) -> bool:
     """Whether water acts on a body, at any height."""
@@ -37,7 +40,7 @@ def _height(scene: CraneScene, z: Any) -> np.ndarray:
 def dipped(scene: CraneScene) -> Iterator[tuple[int, Body]]:
     """Numbers and bodies on which water acts and which begin in it; of those drawn above it the scene is warned."""
     for k, body in enumerate(scene.bodies):
-        if (feels_water(body) or feels_water(body.after_release())) and _height(scene, body.position[2]) <= 0.0:
+        if (feels_water(body) or feels_water(body.after_release())) and _height(scene, body.position[2]) <= OUT:
             yield k, body
 
 
@@ -45,7 +48,7 @@ def dry(scene: CraneScene) -> Iterator[tuple[str, str]]:
     """Key and text of bodies that the water acts on as if they were in it, and that are drawn above it."""
     for k, body in enumerate(scene.bodies):
         height = float(_height(scene, body.position[2]))
-        if feels_water(body) and height > 0.0:
+        if feels_water(body) and height > OUT:
             text = (
                 f"{body.name} is drawn {height:.3g} m above the water. Buoyancy, drag "
                 "and added mass act on a body at any height. Leave them out while it is in air"
@@ -55,19 +58,30 @@ def dry(scene: CraneScene) -> Iterator[tuple[str, str]]:
 
 def hoisted_out(found: Estimate) -> Iterator[tuple[str, str]]:
     """Key and text of the one body that winches hoist out of the water, by the rope that they take in."""
-    scene, wet = found.scene, list(dipped(found.scene))
-    loose = hoisted_spans(scene)
+    hoist = _hoist(found.scene)
+    if hoist is not None:
+        k, begin, rise = hoist
+        body = found.scene.bodies[k]
+        about = f"{body.name} is hoisted by {rise:.4g} m, out of the water at about t = {begin:.3g} s"
+        yield f"bodies[{k}]", f"{about}. {_told(found.scene, _on_hook(body, begin))}"
+
+
+def _hoist(scene: CraneScene) -> tuple[int, float, float] | None:
+    """Number of the one body that winches hoist out of the water, when, s, and by how much in all, m; or None."""
+    loose, wet = hoisted_spans(scene), list(dipped(scene))
     if not loose or len(scene.bodies) != 1 or not wet:
-        return
+        return None
     _, time, taken = reeled_of(scene)
     (k, body), rise = wet[0], taken / len(loose)
-    height = _height(scene, body.position[2] + rise)
-    out = height > 0.0
-    if out.any():
-        left, begin = _on_hook(body, float(time[np.argmax(out)])), float(time[np.argmax(out)])
-        if feels_water(left):
-            about = f"{body.name} is hoisted by {float(rise.max()):.4g} m, out of the water at about t = {begin:.3g} s"
-            yield f"bodies[{k}]", f"{about}. {_told(scene, left)}"
+    out = _wrong(body, time, _height(scene, body.position[2] + rise))
+    return (k, float(time[np.argmax(out)]), float(rise.max())) if out.any() else None
+
+
+def _wrong(body: Body, time: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Whether water acts on a body that is out of it, (n,), at times, (n,) s, by its heights, (n,) m."""
+    let_go = np.zeros(time.shape, bool) if body.release is None else time >= body.release.at
+    acts: np.ndarray = np.where(let_go, feels_water(body.after_release()), feels_water(body))
+    return acts & (height > OUT)
 
 
 def out_of_water(result: Any, scene: CraneScene) -> list[str]:
@@ -83,15 +97,12 @@ def out_of_water(result: Any, scene: CraneScene) -> list[str]:
     time, places, told = np.asarray(result.time), np.asarray(result["body_position"]), []
     for k, body in dipped(scene):
         height = _height(scene, places[:, k, 2])
-        out = height > 0.0
-        if not out.any():
-            continue
-        begin = float(time[np.argmax(out)])
-        left = _on_hook(body, begin)
-        if feels_water(left):
+        out = _wrong(body, time, height)
+        if out.any():
+            begin = float(time[np.argmax(out)])
             told.append(
                 f"{body.name} comes out of the water, first at t = {begin:.4g} s, and is up to "
-                f"{float(height.max()):.3g} m above the surface. {_told(scene, left)}"
+                f"{float(height[out].max()):.3g} m above the surface{_behind(scene, _on_hook(body, begin))}"
             )
     return told
 
@@ -102,20 +113,45 @@ def heights_of(scene: CraneScene) -> dict[str, dict[str, str]]:
     return {name: {"output": output, "statistic": "max", "name": f"{output} max"} for name, output in made.items()}
 
 
-def out_of_water_in_storms(data: Any, columns: Mapping[str, Mapping[str, str]], scene: CraneScene) -> list[str]:
-    """Sentences on bodies that storms lift out of the water; `columns` are those of `heights_of`."""
+def out_of_water_in_storms(
+    data: Any, columns: Mapping[str, Mapping[str, str]], scene: CraneScene, begin: float
+) -> list[str]:
+    """Sentences on bodies that storms lift out of the water.
+
+    Parameters
+    ----------
+    data : Dataset
+        Of the sweep.
+    columns : mapping
+        As `heights_of` has them.
+    scene : CraneScene
+        Of a storm, with its end.
+    begin : float
+        From when on a storm counts, s.
+    """
     told = []
     for name, column in columns.items():
-        if column["name"] not in data:
+        body = _in_storm(scene.body(name), begin, scene.solver.end)
+        if column["name"] not in data or not feels_water(body):
             continue
         height = _height(scene, np.asarray(data[column["name"]].values, float))
-        storms = int((height > 0.0).sum())
+        storms = int((height > OUT).sum())
         if storms:
             told.append(
                 f"{name} comes out of the water in {storms} of {int(np.isfinite(height).sum())} storms, up to "
-                f"{float(np.nanmax(height)):.3g} m above the surface. {_told(scene, scene.body(name))}"
+                f"{float(np.nanmax(height)):.3g} m above the surface{_behind(scene, body)}"
             )
     return told
+
+
+def _in_storm(body: Body, begin: float, end: float) -> Body:
+    """What of a body water acts on for as long as a storm counts, s.
+
+    Of one that is let go meanwhile it is what remains: the largest height of a storm does not tell when it was reached.
+    """
+    if body.release is None or body.release.at > end or (body.release.at > begin and not feels_water(body)):
+        return body
+    return body.after_release()
 
 
 def _on_hook(body: Body, time: float) -> Body:
@@ -123,9 +159,23 @@ def _on_hook(body: Body, time: float) -> Body:
     return body.after_release() if body.release is not None and time >= body.release.at else body
 
 
+def _behind(scene: CraneScene, body: Body) -> str:
+    """The end of a sentence on what came: what it hides, and the cure where no warning of the scene has told it."""
+    if _hoist(scene) is None:
+        return f". {_told(scene, body)}"
+    lifted = _lifted(scene, body)
+    hidden = f": {sized(lifted, 'N')} of buoyancy are taken off its weight there" if lifted > 0.0 else ""
+    return f"{hidden}. The scene's own warning says what to do"
+
+
+def _lifted(scene: CraneScene, body: Body) -> float:
+    """Buoyancy of a body, N."""
+    return buoyancy_of(scene, body) * float(np.linalg.norm(scene.gravity))
+
+
 def _told(scene: CraneScene, body: Body) -> str:
     """What is wrong from then on, and the cure."""
-    lifted = buoyancy_of(scene, body) * float(np.linalg.norm(scene.gravity))
+    lifted = _lifted(scene, body)
     acts = "Buoyancy, drag and added mass act on a body at any height"
     if lifted > 0.0:
         acts += (

@@ -8,8 +8,8 @@ A place of the rope counts half a bending cycle each time that an end of the rop
 the S-N curve of wire ropes by which tension ranges are weighed too. Divided by the number of cycles that the rope lasts
 at that tension, by its maker's tests, the sum is the damage (Palmgren and Miner).
 
-Places are cells of a centimetre or so, counted from the rope's end at the load: this stays the same rope whatever has
-been paid out.
+Places are cells of a centimetre or so, counted from an end of the rope without a drum: this stays the same rope
+whatever has been paid out. The file says which end: counted from the other one, damage would be that of another place.
 """
 
 from __future__ import annotations
@@ -47,6 +47,19 @@ class RopeOf:
     mass_per_length: float
     axial_stiffness: float
     life: float | None = None
+
+
+@dataclass(frozen=True)
+class CountedFrom:
+    """The end of the path that places count from: what it is, as in the scene, and its name."""
+
+    kind: str
+    name: str
+
+    @property
+    def said(self) -> str:
+        """In words."""
+        return f"the {self.kind} {self.name}"
 
 
 class Ripple:
@@ -96,6 +109,8 @@ class RopeAccount:
     rope : RopeOf
     operation : str
         Of which operation rows will be counted: one that goes on after a kill has its name again.
+    counted_from : CountedFrom, optional
+        Which end places count from.
 
     Attributes
     ----------
@@ -103,8 +118,8 @@ class RopeAccount:
         Time of the operation up to which rows were counted, s.
     """
 
-    def __init__(self, rope: RopeOf, operation: str = "") -> None:
-        self.rope = rope
+    def __init__(self, rope: RopeOf, operation: str = "", counted_from: CountedFrom | None = None) -> None:
+        self.rope, self.counted_from = rope, counted_from
         self.operations: list[dict[str, Any]] = []
         self._cycles, self._worked = np.zeros(1), np.zeros(1)
         self._ends: dict[str, Ripple] = {}
@@ -134,7 +149,7 @@ class RopeAccount:
         contacts : sequence of Contact
             With histories of this one frame, (1,).
         end : float
-            Material coordinate of the rope's end at the load, m: the first of the path or the last.
+            Material coordinate of the end that places count from, m: the first of the path or the last.
         """
         if time <= self.reached:
             return
@@ -167,7 +182,7 @@ class RopeAccount:
     # -- what it tells -------------------------------------------------------------------------------------------------
 
     def by_metre(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Middle of each metre from the load's end, m; cycles of its most bent cell; its most worked one's damage.
+        """Middle of each metre from that end, m; cycles of its most bent cell; its most worked one's damage.
 
         Damage is in cycles at a fifth of the breaking load, or, where the rope's life is known, a share of that.
         """
@@ -180,7 +195,7 @@ class RopeAccount:
 
     @property
     def worst(self) -> tuple[float, float]:
-        """Largest damage of all places, and where it is, m from the load's end."""
+        """Largest damage of all places, and where it is, m from the end that places count from."""
         if self._told is None:
             k = int(np.argmax(self._worked))
             self._told = float(self._worked[k]) / (self.rope.life or 1.0), CELL * (k + 0.5)
@@ -201,6 +216,8 @@ class RopeAccount:
             "ends": {key: one.memory() for key, one in self._ends.items()}, "bent": self._bent,
             "reached": self.reached,
         }  # fmt: skip
+        if self.counted_from is not None:
+            words["from"] = self.counted_from.__dict__
         try:
             with whole_file(path) as waiting, waiting.open("wb") as file:
                 text = np.frombuffer(json.dumps(words).encode(), np.uint8)
@@ -212,7 +229,10 @@ class RopeAccount:
             raise ResultError(path, cause, cure_of(path, "give another file")) from None
 
     @classmethod
-    def load(cls, path: Path, rope: RopeOf | None = None, operation: str | None = None) -> RopeAccount:
+    def load(
+        cls, path: Path, rope: RopeOf | None = None, operation: str | None = None,
+        counted_from: CountedFrom | None = None, unsaid: CountedFrom | None = None,
+    ) -> RopeAccount:  # fmt: skip
         """Read an account, to go on with it or to look at it.
 
         Parameters
@@ -221,11 +241,15 @@ class RopeAccount:
             Which it must be of; its life may have been found anew.
         operation : str, optional
             Of which rows will be counted.
+        counted_from : CountedFrom, optional
+            Which end places must count from.
+        unsaid : CountedFrom, optional
+            Which one those of a file do that does not say it.
 
         Raises
         ------
         ResultError
-            For what is no account, and for that of another rope.
+            For what is no account, for that of another rope, and for one from another end.
         """
         cure = "give another file, or a name that is not taken for a new account"
         try:
@@ -235,13 +259,16 @@ class RopeAccount:
             if words["format"] != FORMAT or words["cell"] != CELL:
                 raise KeyError("format")
             kept = RopeOf(**words["rope"])
+            begins = CountedFrom(**words["from"]) if "from" in words else unsaid
         except FileNotFoundError:
             raise ResultError(path, "there is no such file", cure) from None
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
             raise ResultError(path, "is no account of a rope", cure) from None
         if rope is not None:
             _same(path, kept, rope)
-        made = cls(rope or kept)
+        if counted_from is not None and begins != counted_from:
+            raise _from_another_end(path, begins, counted_from, "from" in words)
+        made = cls(rope or kept, counted_from=begins)
         made.operations, made._cycles, made._worked = words["operations"], cycles, worked
         made._recall(words)
         if operation is not None:
@@ -264,3 +291,13 @@ def _same(path: Path, kept: RopeOf, rope: RopeOf) -> None:
         if abs(one - other) > 1e-6 * abs(one):
             cause = f"is of another rope: its {name.replace('_', ' ')} is {one:g}, that of the scene {other:g}"
             raise ResultError(path, cause, "give the account of this rope, or a name that is not taken for a new one")
+
+
+def _from_another_end(path: Path, kept: CountedFrom | None, asked: CountedFrom, written: bool) -> ResultError:
+    """Places of a file count from one end, and those of the scene from another: damage would be told at wrong ones."""
+    here = "those of the scene" if written else "this version counts those of the scene"
+    known = f"from {kept.said}" if kept is not None else "from an end that it does not name"
+    cure = "begin a new account, with a name that is not taken"
+    if written:
+        cure += ", or give the end in the scene the kind and name that it had"
+    return ResultError(path, f"counts places of the rope {known}, and {here} from {asked.said}", cure)

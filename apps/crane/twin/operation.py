@@ -15,7 +15,7 @@ import numpy as np
 
 from crane.assembly.layout import Layout
 from crane.results.course import contacts_of, course_of, laid_out
-from crane.rope_life.account import RopeAccount, RopeOf
+from crane.rope_life.account import CountedFrom, RopeAccount, RopeOf
 from crane.scene.scene import CraneScene, Drum, End, PathItem
 from tautline.scene.errors import SceneError
 from tautline.twin.operation import Operation
@@ -68,7 +68,7 @@ class CraneOperation(Lifting):
     Raises
     ------
     SceneError, ResultError
-        For a rope that has no diameter or no breaking load, and for the account of another rope.
+        For a rope that has no diameter or no breaking load, and for the account of another rope or from another end.
     """
 
     outputs = FOUND
@@ -80,13 +80,15 @@ class CraneOperation(Lifting):
         rope = _rope_of(scene)
         # An end without a drum is the same whatever was paid out: that at a load before one that is made fast.
         ends = [place for place in (-1, 0) if not isinstance(scene.path[place], Drum)]
-        ends.sort(key=lambda place: not isinstance(scene.path[place], End))
         if not ends:
             cause = "runs from drum to drum: an account of it is kept by the distance from an end without a drum"
             raise SceneError([scene.problem("path", cause, "leave the account out")])
-        self._end = ends[0]
+        self._end = min(ends, key=lambda place: not isinstance(scene.path[place], End))
         self._measured_from = _said(scene.path[self._end])
-        self.account = RopeAccount.load(account, rope, self.name) if account.exists() else RopeAccount(rope, self.name)
+        self._counted_from = _counted_from(scene, self._end)
+        # Versions that did not write the end took the last of the path, were it made fast.
+        self._unsaid = _counted_from(scene, ends[0])
+        self.account = self._kept(rope) if account.exists() else RopeAccount(rope, self.name, self._counted_from)
         self._layout: Layout | None = None
 
     def built(self, sim: Any) -> None:
@@ -129,10 +131,20 @@ class CraneOperation(Lifting):
         """Go on with the operation that an earlier process began: what it has counted is not counted again."""
         self.name = str(memory["operation"])
         if self.path.exists():
-            self.account = RopeAccount.load(self.path, self.account.rope, self.name)
+            self.account = self._kept(self.account.rope)
         else:
             self.account.operations.clear()
             self.account.begin(self.name)
+
+    def _kept(self, rope: RopeOf) -> RopeAccount:
+        """The account of the file; raises ResultError for that of another rope, or from another end of it."""
+        return RopeAccount.load(self.path, rope, self.name, self._counted_from, self._unsaid)
+
+
+def _counted_from(scene: CraneScene, place: int) -> CountedFrom:
+    """An end of the path, as an account keeps it."""
+    item = scene.path[place]
+    return CountedFrom(str(scene.key_of(item)[2]), item.name)
 
 
 def _said(item: PathItem) -> str:

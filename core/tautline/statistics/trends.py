@@ -104,7 +104,9 @@ def trend(parts: np.ndarray) -> float:
     if not np.isfinite(parts).all():
         return math.nan
     x = np.linspace(-0.5, 0.5, len(parts))
-    return float(parts @ x / (x @ x))
+    # Numbers near the largest there are overflow in a sum, and not in one of shares.
+    size = float(np.abs(parts).max()) or 1.0
+    return float(parts / size @ x / (x @ x)) * size
 
 
 def grows(slopes: np.ndarray, certain: float = CERTAIN) -> bool:
@@ -113,15 +115,18 @@ def grows(slopes: np.ndarray, certain: float = CERTAIN) -> bool:
     Parameters
     ----------
     slopes : (states, runs) array
-        Slopes in several states; those of a run in all states hang together. nan where there is none.
+        Slopes in several states; those of a run in all states hang together. nan or inf where there is none.
     certain : float
         Confidence, on one side.
     """
     from scipy.stats import t as student
 
+    slopes = np.where(np.isfinite(slopes), slopes, math.nan)
     slopes = slopes[np.isfinite(slopes).any(axis=1)]
-    size = np.sqrt(np.nanmean(slopes**2, axis=1, keepdims=True))
-    scaled = slopes[size[:, 0] > 0.0] / size[size[:, 0] > 0.0]
+    largest = np.nanmax(np.abs(slopes), axis=1, keepdims=True, initial=0.0)
+    # Squares of shares of the largest do not overflow.
+    scaled = slopes[largest[:, 0] > 0.0] / largest[largest[:, 0] > 0.0]
+    scaled = scaled / np.sqrt(np.nanmean(scaled**2, axis=1, keepdims=True))
     scaled = scaled[:, np.isfinite(scaled).any(axis=0)]
     if scaled.shape[0] == 0 or scaled.shape[1] < 2:
         return False
