@@ -30,7 +30,7 @@ class Named(NamedTuple):
 def what_sticks(system: System, time: float) -> list[Named]:
     """What sticks in a system at a time, s; its residual was asked for at that time."""
     found = [one for g in system.groups if type(g) in STICKS for one in STICKS[type(g)](g, time)]
-    return [Named(system.places[one.place].rpartition(": ")[0], one) for one in found]
+    return [Named(one.name or system.places[one.place].rpartition(": ")[0], one) for one in found]
 
 
 def told_stuck(found: Sequence[Named]) -> tuple[str, ...]:
