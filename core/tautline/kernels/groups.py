@@ -176,7 +176,7 @@ class Stuck(NamedTuple):
 
 
 Sticks = Callable[[Any, float], list[Stuck]]
-"""What lists what sticks in a group at a time, s, at which its residual was asked for."""
+"""What lists what sticks in a group at a time, s, at which its residual was asked for; it may call kernels."""
 STICKS: dict[type, Sticks] = {}
 """Kinds in which something may stick."""
 
