@@ -26,6 +26,7 @@ from drillstring.well.in_hole import (
     add_moment,
     add_rotations,
     combined,
+    found_depth,
     hold_points,
     spot,
     turned,
@@ -193,17 +194,23 @@ def _hold(g: BeamContact) -> None:
 
 def _sticks(g: BeamContact, t: float) -> list[Stuck]:
     """The points of the beam that stick."""
-    return stuck_on_the_wall(g.law, g.springs, g.hole.points.place[:, 0])
+    return stuck_on_the_wall(g.law, g.springs, g.hole.points.place[:, 0], lambda i: _name(g.hole, i))
 
 
 def _edges(g: BeamContact, q: np.ndarray, v: np.ndarray) -> list[Edge]:
     """How far points of the beam with a direction to the wall are from it."""
-    presses = [press(g, i, q, v) for i in range(g.springs.size)]
-    return [
-        edge_of_the_wall(int(place), spring, c.at.offset, c.rate)
-        for place, spring, c in zip(g.hole.points.place[:, 0], g.springs, presses, strict=True)
-        if c.at.offset >= CENTRED
-    ]
+    found = []
+    for i, (point, spring) in enumerate(zip(g.hole.points, g.springs, strict=True)):
+        c = press(g, i, q, v)
+        if c.at.offset >= CENTRED:
+            place, name = int(point.place[0]), _name(g.hole, i)
+            found.append(edge_of_the_wall(place, spring, c.at.offset, c.rate, c.at.ez, name))
+    return found
+
+
+def _name(hole: Hole, i: int) -> str:
+    """A point by where it was found last in the hole: most lie between two nodes."""
+    return f"the string at {found_depth(hole, i):.1f} m of the hole"
 
 
 register(

@@ -39,7 +39,7 @@ from tautline.kernels.lanes import (
     where,
     within,
 )
-from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, held_arcs, members
+from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, downward, held_arcs, members
 
 CENTRED = 1.0e-6
 """Offset from the hole's axis, m, below which no direction to the wall is defined."""
@@ -352,12 +352,13 @@ def _sticks(g: WallContact, t: float) -> list[Stuck]:
 
 def _edges(g: WallContact, q: np.ndarray, v: np.ndarray) -> list[Edge]:
     """How far lumps with a direction to the wall are from it."""
-    touches = [touch(g, i, q, v) for i in range(g.springs.size)]
-    return [
-        edge_of_the_wall(PER_BODY * int(spring.body) + 1, spring, c.offset, c.rate)
-        for spring, c in zip(g.springs, touches, strict=True)
-        if c.offset > CENTRED
-    ]
+    found = []
+    for i, spring in enumerate(g.springs):
+        c, place = touch(g, i, q, v), PER_BODY * int(spring.body)
+        if c.offset > CENTRED:
+            g1, g2, _ = downward(g.curve, spring.body, q[place])
+            found.append(edge_of_the_wall(place + 1, spring, c.offset, c.rate, c.ex * g1 + c.ey * g2))
+    return found
 
 
 register(

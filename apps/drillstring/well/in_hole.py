@@ -130,6 +130,12 @@ def spot(hole, i, q):
     return Spot(p.tx, p.ty, p.tz, p.ex, p.ey, p.ez, p.fx, p.fy, p.fz, p.offset, p.bend_e, p.bend_f, p.beta)
 
 
+def found_depth(hole: Hole, i: int) -> float:
+    """Measured depth, m, of the place of the axis where point i was found last."""
+    p = hole.points[i]
+    return float(_into_arc(hole.arcs[p.arc], p.x, p.y, p.z))
+
+
 @kernel
 def _found(arc, x, y, z):
     """Where a position is along an arc of the hole."""

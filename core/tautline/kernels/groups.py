@@ -162,6 +162,8 @@ class Stuck(NamedTuple):
         What frees it, beside time.
     now : float
         What it is now, in ``unit``; NaN where that is not known.
+    name : str
+        Its own name, where that of the place is another's, such as the next node's.
     """
 
     place: int
@@ -170,10 +172,11 @@ class Stuck(NamedTuple):
     unit: str
     cure: str = ""
     now: float = math.nan
+    name: str = ""
 
 
 Sticks = Callable[[Any, float], list[Stuck]]
-"""What lists what sticks in a group at a time, s, at which its residual was asked for."""
+"""What lists what sticks in a group at a time, s, at which its residual was asked for; it may call kernels."""
 STICKS: dict[type, Sticks] = {}
 """Kinds in which something may stick."""
 
@@ -193,6 +196,11 @@ class Edge(NamedTuple):
         With which it acts, N/m.
     held, free : str
         What is so where it acts and where it does not, as a sentence goes on after a name: by so many metres.
+    share : float
+        How much of its weight presses it there: all of it on level ground. 0 where nothing would lift it off or press
+        it there.
+    name : str
+        Its own name, where that of the place is another's, such as the next node's.
     """
 
     places: tuple[int, ...]
@@ -201,6 +209,8 @@ class Edge(NamedTuple):
     stiffness: float
     held: str
     free: str
+    share: float = 1.0
+    name: str = ""
 
 
 Edges = Callable[[Any, np.ndarray, np.ndarray], list[Edge]]

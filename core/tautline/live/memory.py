@@ -278,8 +278,8 @@ def check(state: Any, scene: str, layout: str, size: int) -> None:
         raise SimulationError("the state belongs to another scene", cure)
     if state.layout != layout or state.block.dtype != np.uint8 or state.block.shape != (size,):
         cause = (
-            "the state belongs to a simulation with other inputs, other forces or forces in another order, or another "
-            "method, or was written by another version of the program"
+            "the state was written by another version of the program, or belongs to a simulation with other inputs, "
+            "other forces or forces in another order, or another method"
         )
         raise SimulationError(cause, cure)
     if not (np.isfinite(state.time) and state.time >= 0.0):

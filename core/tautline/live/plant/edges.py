@@ -51,13 +51,15 @@ def what_is_near(system: System, state: State, mass_at: Callable[[Sequence[int]]
     kinds = [g for g in system.groups if type(g) in EDGES]
     with in_python():
         found = [one for g in kinds for one in EDGES[type(g)](g, state.full_q, state.full_v)]
-    near = [one for one in found if one.gap <= small and not _carries(one, mass_at)]
-    return [Near(system.places[one.places[0]].rpartition(": ")[0], one) for one in near]
+    near = [one for one in found if is_near(one, mass_at, small)]
+    return [Near(one.name or system.places[one.places[0]].rpartition(": ")[0], one) for one in near]
 
 
-def _carries(one: Edge, mass_at: Callable[[Sequence[int]], float]) -> bool:
-    """Whether what touches rests there with a good part of its weight."""
-    return one.acts and one.stiffness * one.gap > LIGHT * GRAVITY * mass_at(one.places)
+def is_near(one: Edge, mass_at: Callable[[Sequence[int]], float], small: float) -> bool:
+    """Whether one is within ``small`` m, something brings it there, and it does not rest with a good part of that."""
+    if one.gap > small or one.share == 0.0:
+        return False
+    return not one.acts or one.stiffness * one.gap <= LIGHT * GRAVITY * one.share * mass_at(one.places)
 
 
 def told_near(found: Sequence[Near]) -> tuple[str, ...]:

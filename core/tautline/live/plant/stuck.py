@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from tautline.kernels.groups import STICKS, Stuck
+from tautline.kernels.jit import in_python
 from tautline.system.system import System
 
 NAMED = 3
@@ -29,8 +30,9 @@ class Named(NamedTuple):
 
 def what_sticks(system: System, time: float) -> list[Named]:
     """What sticks in a system at a time, s; its residual was asked for at that time."""
-    found = [one for g in system.groups if type(g) in STICKS for one in STICKS[type(g)](g, time)]
-    return [Named(system.places[one.place].rpartition(": ")[0], one) for one in found]
+    with in_python():
+        found = [one for g in system.groups if type(g) in STICKS for one in STICKS[type(g)](g, time)]
+    return [Named(one.name or system.places[one.place].rpartition(": ")[0], one) for one in found]
 
 
 def told_stuck(found: Sequence[Named]) -> tuple[str, ...]:
