@@ -45,7 +45,7 @@ def edges_of_slack(rows: np.recarray, points: np.ndarray, material: int, q: np.n
 
 
 def _elongations(row: Any, points: np.ndarray, length: float, q: np.ndarray) -> np.ndarray:
-    """|r'| - 1 (k,) of an element at its points, or the one of a straight one: by any law of strain it is slack at 0."""
+    """|r'| - 1 (k,) of an element at its points, or the one of a straight one: by either strain it is slack at 0."""
     i, j = row.a + np.arange(AXES), row.b + np.arange(AXES)
     slopes = ((q[j] - q[i]) / length)[None]
     if points.size:

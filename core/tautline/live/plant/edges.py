@@ -62,11 +62,6 @@ def is_near(one: Edge, mass_at: Callable[[Sequence[int]], float], small: float) 
     return not one.acts or one.stiffness * one.gap <= LIGHT * GRAVITY * one.share * mass_at(one.places)
 
 
-def told_near(found: Sequence[Near]) -> tuple[str, ...]:
-    """What is at an edge, two sentences each."""
-    return tuple(one.told for one in found)
-
-
 def near_said(found: Sequence[Near]) -> list[str]:
     """One warning of all that is at an edge, the nearest first, with the ways out; none where nothing is."""
     if not found:

@@ -34,11 +34,11 @@ from tautline.kernels.time_function import sample_all
 from tautline.live.errors import SimulationError
 from tautline.live.forces import calls_of, room_for_all
 from tautline.live.plant.differences import FREE, Room, Slope, slopes
-from tautline.live.plant.edges import near_said, told_near, what_is_near
+from tautline.live.plant.edges import near_said, what_is_near
 from tautline.live.plant.growth import growth_said
 from tautline.live.plant.limits import Limited, limits_said
 from tautline.live.plant.plant import Plant
-from tautline.live.plant.stuck import held_said, stuck_said, told_stuck, what_sticks
+from tautline.live.plant.stuck import held_said, stuck_said, what_sticks
 from tautline.scene.methods import method_of
 from tautline.system.handles import Input, Output
 
@@ -347,7 +347,7 @@ class _Linearisation:
         kept, whole = self._without_lengths()
         a, b, c = (a @ whole)[kept], b[kept], c @ whole
         states = tuple(np.array(self._state_names(), dtype=object)[kept])
-        frozen = self.held_still, told_stuck(self.stuck), told_near(self.near)
+        frozen = self.held_still, *(tuple(one.told for one in found) for found in (self.stuck, self.near))
         return Plant(a, b, c, d, e, states, tuple(self.names), told, units, self.t, *frozen)
 
     def _without_lengths(self) -> Left:

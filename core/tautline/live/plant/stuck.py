@@ -35,11 +35,6 @@ def what_sticks(system: System, time: float) -> list[Named]:
     return [Named(one.name or system.places[one.place].rpartition(": ")[0], one) for one in found]
 
 
-def told_stuck(found: Sequence[Named]) -> tuple[str, ...]:
-    """What sticks, a sentence each."""
-    return tuple(one.told for one in found)
-
-
 def stuck_said(found: Sequence[Named]) -> list[str]:
     """One warning of all that sticks, with the ways out; none where nothing does."""
     if not found:
