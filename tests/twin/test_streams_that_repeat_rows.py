@@ -2,6 +2,7 @@
 
 import json
 import time as clock
+from collections import Counter
 from types import SimpleNamespace
 
 import numpy as np
@@ -108,6 +109,7 @@ def test_a_stream_that_is_silent_has_not_ended_and_rows_in_doubt_wait_on(memory,
         "_hurries": False,
         "_notice": lambda _: None,
         "_watch_silence": lambda: None,
+        "_not_used": Counter,
     }
     loop = SimpleNamespace(
         source=source, twin=twin, rereading=None, _add=add, _pass_on=lambda: None,

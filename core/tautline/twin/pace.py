@@ -14,6 +14,10 @@ AT_ONCE, TOLD_BY = 2.0, 1.0
 that is told, s."""
 BACK = 5
 """Rows in a row that are not later than the newest, and follow one another: they are of now, and that one is not."""
+LOOKS = 5
+"""Looks in a row, over `TOLD_BY` or more together, at none of which rows came before they were due: they are of now."""
+MOST_CLOCKS = 50
+"""Sets of columns that have a clock of their own: of readings that are missing at random there is no end of sets."""
 
 
 class Pace:
@@ -23,7 +27,10 @@ class Pace:
     before it. The thread that hears the source takes, any other may look.
 
     Columns that come in records of their own may have a clock of their own, minutes beside that of others: records of
-    the same columns are compared with one another alone.
+    the same columns are compared with one another alone, as far as there are not too many such sets.
+
+    Rows that keep coming no earlier than they are due are of now, also those of a simulator that is slower than time,
+    or of variables of which each changes once. So that is counted over all clocks.
 
     Attributes
     ----------
@@ -35,18 +42,46 @@ class Pace:
     """
 
     def __init__(self) -> None:
-        self._clocks: dict[frozenset[str], _Clock] = {}
+        self._clocks: dict[frozenset[str] | None, _Clock] = {}
+        self._looked: tuple[float, float] | None = None  # at a row of whatever clock
+        self._in_time, self._until = 0, -np.inf  # looks in a row, and when the last of them was
         self.has_paced, self.is_record = False, False
 
     def take(self, stamp: float, arrived: float, values: Mapping[str, float] | None = None) -> None:
         """Take notice of a record by its stamp, when it came, s, and the readings that it has by column."""
         if self.has_paced or not np.isfinite(stamp):
             return
-        columns = frozenset(name for name, value in (values or {}).items() if value == value)
-        one = self._clocks.setdefault(columns, _Clock())
+        one = self._clock_of(values or {})
         one.take(stamp, arrived)
-        self.has_paced = one.has_paced
+        self.has_paced = one.has_paced or self._keeps_in_time(one, stamp, arrived)
         self.is_record = not self.has_paced and (self.is_record or one.hurries)
+
+    def _clock_of(self, values: Mapping[str, float]) -> _Clock:
+        """The clock of the columns that have a reading; those behind the first sets share one."""
+        columns: frozenset[str] | None = frozenset(name for name, value in values.items() if value == value)
+        if columns not in self._clocks and len(self._clocks) >= MOST_CLOCKS:
+            columns = None
+        return self._clocks.setdefault(columns, _Clock())
+
+    def _keeps_in_time(self, clock: _Clock, stamp: float, arrived: float) -> bool:
+        """Whether rows have kept coming no earlier than they were due.
+
+        A look is at the first row behind some time. Rows of a fast replay come too early at all looks but those behind
+        its stalls, and one stall is counted once, of however many clocks. The first row of a clock is compared with
+        that of another, as its clock may be the same.
+        """
+        last = clock.looked or self._looked
+        if last is not None and arrived - last[1] < TOLD_BY / LOOKS:
+            return False
+        clock.looked = self._looked = stamp, arrived
+        if last is None:
+            return False
+        step, waited = stamp - last[0], arrived - last[1]
+        if step > AT_ONCE * waited:
+            self._in_time = 0
+        elif step > 0.0 and last[1] >= self._until:  # what is not newer shows nothing
+            self._in_time, self._until = self._in_time + 1, arrived
+        return self._in_time >= LOOKS
 
 
 class _Clock:
@@ -60,6 +95,8 @@ class _Clock:
     ----------
     hurries, has_paced : bool
         Whether the newest row has come much before it was due, and whether it has shown that rows come as measured.
+    looked : (float, float) or None
+        Stamp and arrival of the row that was looked at last, s.
     """
 
     def __init__(self) -> None:
@@ -67,6 +104,7 @@ class _Clock:
         self._paused: deque[tuple[float, float]] = deque()
         self._newest = self._before = (-np.inf, -np.inf)
         self._behind: list[tuple[float, float]] = []
+        self.looked: tuple[float, float] | None = None
         self.hurries = self.has_paced = False
 
     def take(self, stamp: float, arrived: float) -> None:

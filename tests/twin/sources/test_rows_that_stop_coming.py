@@ -156,3 +156,79 @@ def test_the_command_tells_people_and_programs_that_nothing_is_known_any_more(tm
     assert [one["connection"] for one in words] == ["silent", "heard"]
     assert words[0]["time"] == pytest.approx(0.7) and "no row has come for" in words[0]["text"]
     assert "logger: no row has come for" in told and "logger: rows come again" in told
+
+
+class LastUseless(Hangs):
+    """One that hangs behind a single row that cannot be used."""
+
+    def __init__(self, stamp, pause):
+        super().__init__(pause)
+        self._rows.insert(8, (stamp, {"winch_pos": 0.0, "rope_tension": 90.0}))
+
+
+@pytest.mark.parametrize(
+    "stamp, why",
+    [
+        (float("nan"), "1 row without a stamp that can be read"), (0.7, "1 row with a stamp that was there"),
+        (-5.0, "1 row that came too late"),
+    ],
+)  # fmt: skip
+def test_a_source_that_hangs_behind_a_row_that_cannot_be_used_is_not_told_to_come(
+    stamp, why, tmp_path, capsys, monkeypatch
+):
+    words, told, _ = commanded(lambda: LastUseless(stamp, 3.0), tmp_path, capsys, monkeypatch)
+    assert [one["connection"] for one in words] == ["silent", "heard"]
+    assert f"no row has come for 2 s; before that came {why}. What is shown" in told and "rows come, but" not in told
+
+
+def test_a_page_tells_that_no_rows_come_at_all_as_soon_as_those_have_ended_that_cannot_be_used():
+    clock = Clock()
+    silence = Silence("a", 1.2, clock)
+    silence.heard(0.0)
+    found = []
+    for count in (1, 2, 3, 4, 4, 4, 4):
+        clock.time += 1.0
+        silence.useless(count)
+        silence.watch(0.1, "so many")
+        found.append(silence.in_short(0.1, "so many"))
+    assert found[3] == "no rows that can be used (so many) for 4 s"
+    assert found[5:] == ["no rows for 2 s", "no rows for 3 s"]
+
+
+def test_rows_of_a_clock_that_was_set_back_are_no_silence_while_it_is_not_known_yet(tmp_path, capsys, monkeypatch):
+    stamps = [float(k) for k in range(6)] + [k - 3600.0 for k in range(6)]
+    words, told, times = commanded(lambda: Paced(stamps, 0.8), tmp_path, capsys, monkeypatch)
+    assert not words and "was set back by" in told and len(times) == 12
+
+
+def test_late_rows_of_a_slow_source_that_hangs_are_told_as_soon_as_others():
+    clock = Clock()
+    silence = Silence("a", 1.2, clock)
+    silence.heard(0.0)
+    clock.time = 1.0
+    silence.useless(1)
+    told = []
+    while not told:
+        clock.time += 0.5
+        told = silence.watch(1.0, "1 row that came too late", 6.0)
+    assert clock.time == 4.0 and "no row has come for 3 s; before that came 1 row that came too late" in told[0]
+
+
+class Paced(Hangs):
+    """One of rows `apart` s apart."""
+
+    def __init__(self, stamps, apart):
+        super().__init__(0.0)
+        self._rows = [(one, {"winch_pos": 0.0, "rope_tension": 49.0}) for one in stamps]
+        self._apart, self._due = apart, 0.0
+
+    def poll(self, timeout):
+        import time
+
+        now = time.monotonic()
+        self._due = self._due or now
+        if now < self._due:
+            time.sleep(min(timeout, self._due - now))
+            return None
+        self._due += self._apart
+        return super().poll(timeout)

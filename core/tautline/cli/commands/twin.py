@@ -332,7 +332,9 @@ class _Loop:
             now = clock.monotonic()
             if record is not None and self._hear(record, now):
                 heard = now
-            elif now - heard > SILENCE:
+                continue
+            self.silence.useless(self._not_used().total())
+            if now - heard > SILENCE:
                 # A record that is piped in is answered alike however fast it comes.
                 if self.ending is None and (record is None or self._hurries):
                     self._take_in(partial(self.twin.answers, silent=True))
@@ -383,10 +385,10 @@ class _Loop:
             return
         unused = self._not_used() - self.unused
         why = ", ".join(_many(count, *what.split(" ", 1)) for what, count in sorted(unused.items()))
-        self._notice(self.silence.watch(self.twin.readings.rows.interval, why))
+        rows = self.twin.readings.rows
+        self._notice(self.silence.watch(rows.interval, why, rows.judged_in))
         if self.silence.lasts and self.page is not None:
-            some = f"rows that can be used ({why})" if why else "rows"
-            self.page.tell(f"no {some} for {self.silence.seconds:.0f} s")
+            self.page.tell(self.silence.in_short(rows.interval, why))
 
     def _add(self, record: Record) -> None:
         """Answer a record, and what waited for it.

@@ -57,8 +57,10 @@ class Arrivals:
         """Take notice that an earlier process has begun: the first rows that come now are not the first."""
         self._come_as_measured = True
 
-    def take(self, stamp: float, arrived: float) -> str:
+    def take(self, stamp: float, arrived: float, after_gap: bool = False) -> str:
         """Take a row that is newer than all before, and that counts; gives what is to be told."""
+        if after_gap:
+            self._clock.clear()  # it may have been set: how fast it runs is seen between two settings alone
         self._pace.take(stamp, arrived)
         self._look_for_old(stamp, arrived)
         self._newest = stamp, arrived

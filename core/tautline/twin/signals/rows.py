@@ -174,6 +174,11 @@ class Rows:
             return self.delay
         return max(DELAY * self.interval, self.wanted) if np.isfinite(self.interval) else np.inf
 
+    @property
+    def judged_in(self) -> float:
+        """How long it may take until late rows are enough to show whether the clock was set back, s; 0 without any."""
+        return (BACK + 1) * self.interval if self._late else 0.0
+
     def add(
         self, time: float, values: Mapping[str, float], arrived: float = 0.0, repeated: Collection[str] = ()
     ) -> None:
@@ -475,7 +480,7 @@ class Rows:
         self._correct(row)
         # What is behind others came later than they did, and what is repeated was never sent.
         if self.live and row.measured.any() and row.time > self.newest:
-            told = self.arrivals.take(row.stamp, row.arrived)
+            told = self.arrivals.take(row.stamp, row.arrived, row.after_gap)
             self.notes += [told] if told else []
         k = bisect_left(self.waiting, row.time - 1e-9, key=lambda one: one.time)
         if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:

@@ -137,6 +137,7 @@ class Silence:
         self._name, self._patience, self._now = without_password(name), patience, now
         self._heard, self._pauses, self._told = now(), deque[float](maxlen=PAUSES), False
         self._begun = False
+        self._useless, self._useless_at = 0, -np.inf
 
     def heard(self, passed: float) -> list[Notice]:
         """Take notice of a row that can be used, `passed` s after the last one; what is to be told of it."""
@@ -149,24 +150,54 @@ class Silence:
         """Take notice that the twin was busy with a row, and did not listen."""
         self._heard = self._now()
 
-    def watch(self, interval: float, why: str = "") -> list[Notice]:
+    def useless(self, count: int) -> None:
+        """Take notice of how many rows, lines and messages have come by now that cannot be used."""
+        if count > self._useless:
+            self._useless_at = self._now()
+        self._useless = count
+
+    def watch(self, interval: float, why: str = "", wait: float = 0.0) -> list[Notice]:
         """What is to be told as no row of use comes now, of a source of rows `interval` s apart by their stamps.
 
-        `interval` is NaN where it is not known; `why` says what those rows are that come, where some do.
+        `interval` is NaN where it is not known; `why` says what those rows are that have come, where some did, and
+        `wait` for how long those that come may be of use yet, s.
         """
+        come = bool(why) and self._comes(interval)
+        wait = float(np.nan_to_num(wait)) if come else 0.0
+        if self._told or self.seconds <= max(self._patience, self._usual(interval), wait):
+            return []
+        self._told = True
+        if come:
+            what = f"rows come, but for {self.seconds:.0f} s none of them can be used: {why}"
+        else:
+            before = f"; before that came {why}" if why else ""
+            what = f"no row has come for {self._without_any:.0f} s{before}"
+        last = "What is shown is of the last row that was used" if why else "What is shown is of the last row"
+        last = last if self._begun else "Nothing is known of the machine yet"
+        text = f"{self._name}: {what}. {last}, and no alarm can come before the next"
+        return [Notice(text, "silent")]
+
+    def in_short(self, interval: float, why: str = "") -> str:
+        """What a page shows while it lasts: as told by `watch`, but of now."""
+        if why and self._comes(interval):
+            return f"no rows that can be used ({why}) for {self.seconds:.0f} s"
+        return f"no rows for {self._without_any:.0f} s"
+
+    def _usual(self, interval: float) -> float:
+        """For how long no row comes at times though the source lives, s."""
         usual = USUAL * float(np.nan_to_num(interval))
         if len(self._pauses) >= FEW:
             usual = max(usual, USUAL * float(np.median(self._pauses)))
-        if self._told or self.seconds <= max(self._patience, usual):
-            return []
-        self._told = True
-        come = f"no row has come for {self.seconds:.0f} s"
-        if why:
-            come = f"rows come, but for {self.seconds:.0f} s none of them can be used: {why}"
-        last = "What is shown is of the last row that was used" if why else "What is shown is of the last row"
-        last = last if self._begun else "Nothing is known of the machine yet"
-        text = f"{self._name}: {come}. {last}, and no alarm can come before the next"
-        return [Notice(text, "silent")]
+        return usual
+
+    def _comes(self, interval: float) -> bool:
+        """Whether rows that cannot be used come now, and not only came since the last one that could be."""
+        return self._now() - self._useless_at <= max(NOTICED, self._usual(interval))
+
+    @property
+    def _without_any(self) -> float:
+        """Since the last row, also one that could not be used, s."""
+        return min(self.seconds, self._now() - self._useless_at)
 
     @property
     def lasts(self) -> bool:
