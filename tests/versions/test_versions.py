@@ -32,7 +32,7 @@ def test_a_scene_of_an_earlier_version_can_be_run_or_is_refused_with_what_to_wri
     assert model.solver.end > 0.0
 
 
-@pytest.mark.parametrize("name", ["0.1/crane_lift", "0.1/cable_bar"])
+@pytest.mark.parametrize("name", ["0.1/crane_lift", "0.1/cable_bar", "0.2/crane_lift"])
 def test_a_scene_of_an_earlier_version_runs(name):
     result = tautline.simulate(HERE / f"{name}.yaml", end="0.1 s")
     assert result.attributes["status"] == "done" and result["time"][-1] == pytest.approx(0.1)
@@ -53,7 +53,7 @@ def test_a_result_of_an_earlier_version_is_read_and_drawn(path, tmp_path):
     assert len(result.plot("tension").axes) >= 1
 
 
-def test_there_are_scenes_of_every_application_and_a_result():
+def test_there_are_scenes_of_every_application_and_a_result_of_each_version():
     begins = {path.stem.split("_")[0] for path in SCENES if path.parent.name == "0.1"}
     assert {"cable", "crane", "drillstring", "gardenhose"} <= begins
-    assert len(RESULTS) >= 1
+    assert {path.parent.name for path in RESULTS} == {path.parent.name for path in SCENES} == {"0.1", "0.2"}
