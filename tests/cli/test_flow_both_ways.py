@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
+from of_the_suite import studies
 from references import hose as reference
 from scipy.optimize import brentq
 
@@ -56,7 +57,7 @@ def galerkin_onset():
     return brentq(growth, 5.0, 30.0)
 
 
-@pytest.mark.parametrize("speeds", ["-3,20", "-3:20:1"])
+@pytest.mark.parametrize("speeds", ["-3,20", *studies("-3:20:1")])
 def test_each_way_of_flow_has_its_critical_speed_with_its_sign_however_speeds_of_both_signs_are_given(
     gardenhose, speeds
 ):

@@ -7,6 +7,7 @@ import pkgutil
 from multiprocessing import get_context
 
 import pytest
+from of_the_suite import studies
 
 import crane
 import drillstring
@@ -87,7 +88,7 @@ def _raise(error: TautlineError):
     raise error
 
 
-@pytest.mark.parametrize("error", [STOP, Interrupted(2.5)], ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize("error", [STOP, *studies(Interrupted(2.5))], ids=lambda one: type(one).__name__)
 def test_a_run_that_stops_in_a_worker_of_a_pool_is_told_to_who_waits(error):
     with get_context("spawn").Pool(1) as pool:
         with pytest.raises(type(error)) as told:

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 from of_the_suite import studies
-from twin.rehearsal import HOIST, alarms, changed
-from twin.test_inputs_that_come_back import MAP, finer_rows, lines_with, lost_between
+from twin.rehearsal import alarms, changed
+from twin.test_inputs_that_come_back import finer_rows, gone_through, lines_with, lost_between
 
 from tautline.twin.restrictions import caught_up
-from tautline.twin.twin import Twin
 
 TOLD_WITH_ALL_SENSORS = 11.05
 
@@ -30,12 +29,8 @@ def test_two_blocking_is_foreseen_in_time_while_an_input_that_was_missing_is_cau
 @pytest.fixture(scope="module")
 def lines_without_winch():
     """Lines of a twin of the record, in which the winch is lost for good at 11.2 s, and of 6 s in waves behind it."""
-    twin, lines = Twin(HOIST, MAP), []
     rows = changed(finer_rows(), lost_between("winch_pos", 11.2, np.inf))
-    for stamp, readings in [*rows, *in_waves_without_winch(18.0)]:
-        lines += twin.add(stamp, readings)
-        twin.work()
-    return lines
+    return gone_through([*rows, *in_waves_without_winch(18.0)])[1]
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,9 @@ The records are of a finer model of the shipped hoist, with a load of 5.3 t that
 """
 
 import functools
+import tempfile
+from itertools import takewhile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +22,7 @@ from tautline.twin.settling import Settling
 from tautline.twin.signals.inputs import InputTrack
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.waves import Waves
+from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
 MAP = (
@@ -35,6 +39,9 @@ RATE = 20.0
 UNTRUE = {"overload", "slack rope ahead"}
 """Alarms of which none is true after four seconds: the tension is 43 to 58 kN then."""
 QUIET = 4.0
+KEPT = (100, 120, 200)
+"""Rows after which a twin is kept: just before what most tests change, at 5, 6 and 10 s."""
+FOLDER = tempfile.TemporaryDirectory()
 
 
 @functools.cache
@@ -51,11 +58,37 @@ def rows_until(end):
 
 def lines_with(change, end=12.0):
     """Lines after `QUIET` of a twin of the changed rows up to a time, s, every forecast looked at, and the twin."""
+    twin, lines = gone_through(changed(rows_until(end), change))
+    return [line for line in lines + twin.finish() if line["time"] > QUIET], twin
+
+
+@functools.cache
+def kept_after(rows):
+    """Lines of a twin of so many of the first rows, and the folder with its state."""
+    twin, lines = gone_through(finer_rows()[:rows], rows)
+    state = Path(tempfile.mkdtemp(dir=FOLDER.name)) / "state"
+    save(twin, state)
+    return tuple(lines), state
+
+
+def gone_through(rows, below=np.inf):
+    """A twin that has gone through rows, and its lines, without those that wait.
+
+    What the rows have in common with those of the finer model is gone through once, and is gone on with from a state
+    after fewer rows than ``below``: it says what a twin says that was not stopped.
+    """
+    rows = list(rows)
+    alike = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(rows, finer_rows(), strict=False)))
+    begun = max(number for number in (0, *KEPT) if number <= alike and number < below)
     twin, lines = Twin(HOIST, MAP), []
-    for stamp, readings in changed(rows_until(end), change):
+    if begun:
+        earlier, state = kept_after(begun)
+        load(twin, state)
+        lines += earlier
+    for stamp, readings in rows[begun:]:
         lines += twin.add(stamp, readings)
         twin.work()
-    return [line for line in lines + twin.finish() if line["time"] > QUIET], twin
+    return twin, lines
 
 
 def lost_between(column, begin, end):
@@ -181,10 +214,8 @@ def in_the_dark(stamp, readings):
 
 @pytest.mark.parametrize("back", [0.0, *studies(1.0)])
 def test_motion_that_is_caught_up_with_raises_no_alarm_of_its_own(back):
-    twin, lines = Twin(HOIST, MAP), []
-    for stamp, readings in changed(rows_until(9.0), in_the_dark):
-        lines += twin.add(stamp - back * (stamp > 5.0), readings)
-        twin.work()
+    rows = changed(rows_until(9.0), in_the_dark)
+    twin, lines = gone_through((stamp - back * (stamp > 5.0), readings) for stamp, readings in rows)
     lines = [line for line in lines + twin.finish() if line["time"] > QUIET]
     assert not UNTRUE & alarms(lines).keys()
     since = {one["since"] for line in lines for one in line["alarms"] if one["name"] == "catching up"}

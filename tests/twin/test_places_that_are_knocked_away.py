@@ -5,6 +5,7 @@ import pytest
 from twin.rehearsal import alarms, calm_rows, weight_twin
 
 from tautline.twin.map.plan import Channel
+from tautline.twin.signals import knocks
 from tautline.twin.signals.sensors import Health
 
 SAMPLE = 0.1
@@ -125,3 +126,17 @@ def test_a_health_that_goes_on_knows_how_fast_the_place_last_moved():
         for which in (one,) if i < 60 else (one, other):
             which.check(float(times[i]), float(values[i]), list(values[behind]), list(times[behind]))
     assert one.jumps == other.jumps == 1
+
+
+def test_each_reading_of_a_window_is_looked_at_with_the_few_behind_it_however_long_the_window(monkeypatch):
+    looked, judge = [], knocks.is_knock
+
+    def counted(before, speed, at, reading, following, seen):
+        looked.append(len(following))
+        return judge(before, speed, at, reading, following, seen)
+
+    monkeypatch.setattr(knocks, "is_knock", counted)
+    times = SAMPLE * np.arange(400)
+    knocks.knocked(times, np.sin(times), 0.01)
+    # With all that are behind it a window of 400 rows is gone through 80,000 times, for every row that comes.
+    assert len(looked) == 398 and max(looked) == knocks.ROWS

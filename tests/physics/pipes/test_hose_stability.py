@@ -120,8 +120,8 @@ def test_at_a_jump_of_the_boundary_the_cantilever_flutters_ceases_to_and_flutter
     [
         (0.2, 0.3, 1.0, 2.9057805558, 14.7181322290),
         (0.5, 0.0, 2.0, 4.3942037465, 13.6138045707),
-        (0.2, 0.3, 1.5, 2.2843498307, 14.8348498445),
         *studies(
+            (0.2, 0.3, 1.5, 2.2843498307, 14.8348498445),
             (0.2, 0.1, 1.0, 4.2216893472, 14.0846383388),
             (0.2, 0.0, 1.5, 4.0739480886, 14.0509762114),
             (0.5, 0.0, 1.5, 6.9183089564, 24.4641291863),
@@ -265,7 +265,7 @@ def test_undamped_supported_pipe_diverges_and_does_not_flutter(supports):
     assert speed == pytest.approx(u, rel=COARSE[supports])
 
 
-@pytest.mark.parametrize("supports", SUPPORTED)
+@pytest.mark.parametrize("supports", [*list(SUPPORTED)[2:], *studies(*((pair,) for pair in list(SUPPORTED)[:2]))])
 @pytest.mark.parametrize("to", ["1.5", "past"])
 def test_the_mode_that_diverges_is_one_column_from_its_frequency_without_flow_to_its_growth(supports, to):
     # the speeds of a range that is not told, and three of which the last is past buckling
@@ -448,7 +448,7 @@ def fluttering_of_the_reference():
     return followed
 
 
-@pytest.mark.parametrize("speeds", [[30.0, 10.0, 20.0], [0.0, 10.0, 20.0, 30.0, 40.0]])
+@pytest.mark.parametrize("speeds", [[30.0, 10.0, 20.0], *studies([0.0, 10.0, 20.0, 30.0, 40.0])])
 def test_the_mode_that_flutters_is_one_column_however_coarse_the_speeds_as_galerkins_in_small_steps(speeds):
     followed = fluttering_of_the_reference()
     found = stability(scene({"elements": 12}), speeds)

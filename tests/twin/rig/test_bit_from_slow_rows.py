@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from twin.rig.well_of_a_rig import LENGTH, VERTICAL, well
 
 import tautline
@@ -164,7 +165,7 @@ def followed(every):
     return lines + twin.finish(), twin.notes, said
 
 
-@pytest.mark.parametrize("every", [0.4, 1.0, 5.0])
+@pytest.mark.parametrize("every", [0.4, *studies(1.0), 5.0])
 @pytest.mark.parametrize(("name", "of"), [("bit.weight", "weight_on_bit"), ("bit.torque", "torque_on_bit")])
 def test_weight_and_torque_are_within_two_stated_deviations_however_slowly_rows_come(every, name, of):
     right, (lines, _, _) = run(), followed(every)

@@ -69,7 +69,8 @@ def knocked(times: np.ndarray, values: np.ndarray, seen: float) -> tuple[np.ndar
             kept.append(i)
             continue
         speed = float(values[other] - values[one]) / float(passed)
-        before, *behind = ((float(times[k]), float(values[k])) for k in (other, *finite[place + 1 :]))
+        near = finite[place + 1 : place + 1 + ROWS]  # a twin looks at a whole window for every row
+        before, *behind = ((float(times[k]), float(values[k])) for k in (other, *near))
         found = is_knock(before, speed, float(times[i]), float(values[i]), behind, seen)
         sure[i], doubtful[i] = found is True, found is None
         if not found:
