@@ -288,3 +288,15 @@ def test_an_account_from_another_end_is_refused_by_a_crane_and_by_one_that_goes_
     looked = RopeAccount.load(path)
     looked.save(path)
     CraneOperation(anchored(), path)
+
+
+def test_a_map_that_keeps_the_damage_of_its_rope_is_refused_without_an_account_with_the_cure():
+    with pytest.raises(tautline.SceneError) as caught:
+        Twin(scene_with(), MAP)
+    (problem,) = caught.value.problems
+    assert (problem.key, problem.value) == ("keep[0]", "rope.damage") and "--account FILE" in problem.cure
+
+
+def test_a_rehearsal_is_recorded_by_the_map_of_the_operation_though_it_keeps_the_damage():
+    rows = rows_of(scene_with(), map=MAP, end=0.5, rate=10.0)
+    assert len(rows) == 6

@@ -36,6 +36,8 @@ class Lifting(Operation):
     scene : CraneScene
     """
 
+    elsewhere = dict.fromkeys(FOUND, "give the account of the rope: --account FILE, or account= of Twin in Python")
+
     def __init__(self, scene: CraneScene) -> None:
         self._heights = _heights_on_ground(scene)
         self.reads: Sequence[str] = ("min_tension", *self._heights)

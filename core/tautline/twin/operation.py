@@ -36,6 +36,11 @@ class Guidance:
     rests: bool = False
 
 
+def findings(operation: Operation | None) -> dict[str, str]:
+    """Outputs that an operation finds: name -> what to give so that it does, empty where nothing is lacking."""
+    return {} if operation is None else {**operation.elsewhere, **dict.fromkeys(operation.outputs, "")}
+
+
 class Operation(Protocol):
     """What a twin asks of an application's operation.
 
@@ -46,6 +51,8 @@ class Operation(Protocol):
     ----------
     outputs, signals : mapping
         Name -> unit: of what it finds, and of what it asks for, beside outputs and inputs of the simulation.
+    elsewhere : mapping
+        Outputs that it would find if more were given: name -> what to give. A map that keeps them is refused with that.
     reads : sequence of str
         Outputs of the simulations that `counts`, `put_down` and `found` want.
     window : float or None
@@ -63,6 +70,7 @@ class Operation(Protocol):
 
     outputs: Mapping[str, str] = MappingProxyType({})
     signals: Mapping[str, str] = MappingProxyType({})
+    elsewhere: Mapping[str, str] = MappingProxyType({})
     reads: Sequence[str] = ()
     window: float | None = None
     mean: float = 0.0

@@ -19,7 +19,7 @@ from tautline.scene.refusal import nearest
 from tautline.twin.map.check import checked
 from tautline.twin.map.file import TwinMap
 from tautline.twin.map.plan import Channel, Plan
-from tautline.twin.operation import Operation
+from tautline.twin.operation import Operation, findings
 
 KINDS = ("stuck", "lost", "bias", "drift", "scale", "clip", "spike")
 """Faults of a sensor."""
@@ -120,7 +120,7 @@ def record(
     scene = scene if hasattr(scene, "document") else read(scene)
     own = getattr(Installed().of(scene), "operation", None)
     operation: Operation | None = own(scene, None) if own else None
-    plan, _, sim = checked(map, scene, operation.signals if operation else {}, operation.outputs if operation else {})
+    plan, _, sim = checked(map, scene, operation.signals if operation else {}, dict.fromkeys(findings(operation), ""))
     rng = np.random.default_rng(sensing.seed)
     known = {one.column for one in plan.channels}
     for fault in sensing.faults:

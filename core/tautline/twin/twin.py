@@ -28,7 +28,7 @@ from tautline.twin.loss import Loss, SceneEnded, why
 from tautline.twin.map.check import bare_bounds, checked
 from tautline.twin.map.file import TwinMap, driven_by, read_map
 from tautline.twin.map.plan import Plan
-from tautline.twin.operation import Operation
+from tautline.twin.operation import Operation, findings
 from tautline.twin.pace import LONG_GAP
 from tautline.twin.restrictions import Outlook
 from tautline.twin.settling import Settling
@@ -129,8 +129,7 @@ class Twin:
     def _planned(self) -> tuple[Plan, Simulation]:
         """The map, checked against the scene, and a simulation of the scene."""
         signals = self.operation.signals if self.operation else {}
-        further = self.operation.outputs if self.operation else {}
-        plan, names, first = checked(self.map, self.scene, signals, further)
+        plan, names, first = checked(self.map, self.scene, signals, findings(self.operation))
         self.plan_names = names
         if self.operation is not None:
             self.operation.built(first)

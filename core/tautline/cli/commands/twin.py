@@ -156,7 +156,7 @@ def _open(application: Application, scene: Any, read: TwinMap, given: TwinOption
     try:
         return open_source(given.source, list(units), time=read.time, speed=given.speed, units=units, stated=stated)
     except SceneError as error:
-        _check_map(application, scene, read)
+        _check_map(application, scene, read, given.account)
         columns, problems = list(units), []
         for one in error.problems:
             if isinstance(one, NoColumn):
@@ -166,16 +166,16 @@ def _open(application: Application, scene: Any, read: TwinMap, given: TwinOption
         raise SceneError(problems) from None
 
 
-def _check_map(application: Application, scene: Any, read: TwinMap) -> None:
+def _check_map(application: Application, scene: Any, read: TwinMap, account: Path | None) -> None:
     """See that a map goes with its scene, whatever the source has; raises SceneError."""
     from tautline.integrators.status import StoppedEarly
     from tautline.twin.map.check import checked
+    from tautline.twin.operation import findings
 
     make = getattr(application, "operation", None)
-    operation = make(scene, None) if make else None
-    signals, further = (operation.signals, operation.outputs) if operation else ({}, {})
+    operation = make(scene, account) if make else None
     with suppress(StoppedEarly):
-        checked(read, scene, signals, further)
+        checked(read, scene, operation.signals if operation else {}, findings(operation))
 
 
 def _refuse_unknown_rows(state: Path | None) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic_core import PydanticCustomError
@@ -28,7 +28,7 @@ WINDOW = 3.0
 
 def plan_of(
     read: TwinMap, names: Names, values: Mapping[str, float], signals: Mapping[str, str] | None = None,
-    further: Collection[str] = (),
+    further: Mapping[str, str] | None = None,
 ) -> Plan:  # fmt: skip
     """Check a map against what the scene has.
 
@@ -38,15 +38,15 @@ def plan_of(
         Parameters of the scene as it is written, where an estimate says no start.
     signals : mapping, optional
         What the application asks for beside inputs and outputs: name -> unit.
-    further : collection of str
-        What it finds itself, which can be kept too.
+    further : mapping, optional
+        What it finds itself, which can be kept too: name -> what to give so that it does, empty where nothing lacks.
 
     Raises
     ------
     SceneError
         Listing every fault with its line, key and cure.
     """
-    reader = _Reader(read, names, dict(values), dict(signals or {}), further)
+    reader = _Reader(read, names, dict(values), dict(signals or {}), dict(further or {}))
     plan = reader.plan()
     if reader.problems:
         raise SceneError(reader.problems)
@@ -54,7 +54,7 @@ def plan_of(
 
 
 def checked(
-    read: TwinMap, scene: Any, signals: Mapping[str, str], further: Collection[str]
+    read: TwinMap, scene: Any, signals: Mapping[str, str], further: Mapping[str, str]
 ) -> tuple[Plan, Names, Simulation]:
     """A map checked against a scene, the names that the scene has, and its simulation, driven by the map.
 
@@ -79,7 +79,7 @@ class _Reader:
     """Turns the texts of a map into numbers, and collects what is wrong."""
 
     def __init__(
-        self, read: TwinMap, names: Names, values: dict[str, float], signals: dict[str, str], further: Collection[str]
+        self, read: TwinMap, names: Names, values: dict[str, float], signals: dict[str, str], further: dict[str, str]
     ) -> None:
         self.map, self.names, self.values, self.signals, self.further = read, names, values, signals, further
         self.outputs = names.outputs | names.elements(read)
@@ -106,6 +106,13 @@ class _Reader:
         self.fault(key, f"there is no {kind} '{name}'", nearest(name, sorted(known)))
         return False
 
+    def kept(self, key: tuple[str | int, ...], name: str) -> None:
+        """A fault where an output that is to be kept is none, or is found only where more is given."""
+        if lacking := self.further.get(name):
+            self.fault(key, "is found only where more is given", lacking)
+        else:
+            self.known(key, "output", name, {**self.outputs, **self.further})
+
     def measured(self, key: tuple[str | int, ...], name: str, measured: set[str]) -> bool:
         """Whether a sensor measures an output; a fault where none does, but for one that is only misspelt there."""
         sound = {one for one in measured if one in self.outputs}
@@ -128,7 +135,7 @@ class _Reader:
         self.repeated("watch", [one.name for one in read.watch], "name", "give each alarm a name of its own")
         alarms = [self.alarm(i, one, measured) for i, one in enumerate([*read.watch, *self.limits()])]
         for i, name in enumerate(read.keep):
-            self.known(("keep", i), "output", name, {**self.outputs, **dict.fromkeys(self.further)})
+            self.kept(("keep", i), name)
         if read.estimate and not measured:
             self.fault(
                 ("estimate",), "nothing is measured that an estimate could come from", "add a sensor with output:"
