@@ -78,6 +78,7 @@ def test_a_brake_that_opens_in_the_lead_in_is_told():
         {PLACE: {"table": {"time": [0, 50], "value": [0.1, 0.1]}}},
         {PLACE: {"ramp": {"from": 0.1, "to": 0.1, "over": 3}}},
         {PLACE: {"harmonic": {"amplitude": 0.1, "period": 9, "ramp": 20}}},
+        {PLACE: {"ramp": {"rate": -0.001, "over": 2, "at": 5}}},
         {"vessel.motion.heave.spectrum.ramp": 30},
         {"vessel.motion.roll": {"harmonic": {"amplitude": 0.01, "period": 9}}},
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -32,6 +33,8 @@ class Event(NamedTuple):
         """Key and time."""
         if self.end == self.begin:
             return f"{self.key} at {self.begin:.4g} s"
+        if math.isinf(self.end):
+            return f"{self.key} from {self.begin:.4g} s on"
         return f"{self.key} from {self.begin:.4g} s to {self.end:.4g} s"
 
 
@@ -69,7 +72,9 @@ def _changes(function: Any) -> list[tuple[float, float]]:
         return [span for term in function.terms for span in _changes(term)]
     if isinstance(function, Ramp):
         still = function.to == function.from_ if function.rate is None else function.rate == 0.0
-        return [] if still else [(max(function.at, 0.0), function.at + function.over)]
+        # At a rate the value grows on for good.
+        end = function.at + function.over if function.rate is None else math.inf
+        return [] if still else [(max(function.at, 0.0), end)]
     if isinstance(function, Table):
         steps = [k for k in range(len(function.time) - 1) if function.value[k + 1] != function.value[k]]
         return [(max(function.time[steps[0]], 0.0), function.time[steps[-1] + 1])] if steps else []

@@ -39,6 +39,8 @@ LAST, STEADY, KEPT = 0.1, 1.0e-3, 0.02
 there, and the share up to which two means of what a rotary drills are the same."""
 ROUNDED = 1.0e-6
 """Share of the block's whole way that is none."""
+SMALLEST_WAY = 1.0e-9
+"""Way over a whole run that is none, m: string and rock answer it with some thousandths of a newton."""
 FOUND, PASSES = 1.0e-9, 200
 """Relative change at which a weight counts as found, and bound of the search."""
 
@@ -91,15 +93,16 @@ def _followed(scene: DrillstringScene, tubes: Sequence[Tube]) -> WeightOfRun:
     speeds, where = np.unique(rotary[:, 1], return_inverse=True)
     factor = np.array([speed_factor(b, speed) for speed in speeds.tolist()])[where]
     # W_0 of the scene, and not of the row, which has none of a bit that starts without weight.
-    start, feed = scene.bit.weight or 0.0, float(block[-1, 1])
+    start, speed = scene.bit.weight or 0.0, _speed(block, end)
+    feed = float(speed[-1])
     lever = spring * float(b.cut) * factor * np.diff(time, prepend=0.0)
     weight = _pressed(start + spring * _way(block[:, 0]), lever, float(b.threshold), float(b.weight_exponent))
     part = _last_part(_waves(functions, ROTATION), end)
     cuts, keeps = _kept(time, factor, part)
     spin, _ = _kept(time, rotary[:, 1], part) if keeps else (float(rotary[-1, 1]), False)
-    to_come = settled(b, feed, cuts, float(weight[-1])) if _goes_on(time, block[:, 1]) else None
+    to_come = settled(b, feed, cuts, float(weight[-1])) if _goes_on(time, speed) else None
     rate = rate_by(b, start, cuts)
-    return WeightOfRun(time, weight, rate, feed, spin, keeps, not np.any(block[:, 1]), to_come, followed)
+    return WeightOfRun(time, weight, rate, feed, spin, keeps, not np.any(speed), to_come, followed)
 
 
 def settled(b: np.record, feed: float, cuts: float, weight: float) -> float:
@@ -120,6 +123,17 @@ def _way(position: np.ndarray) -> np.ndarray:
     way = position - position[0]
     # 1e-12 is thousands of roundings of a number.
     return np.where(np.abs(way) > ROUNDED * np.abs(way).max() + 1e-12 * np.abs(position).max(), way, 0.0)
+
+
+def _speed(block: np.ndarray, end: float) -> np.ndarray:
+    """Speeds of the block (m,) m/s, of its positions, speeds and second rates (m, 3): what is their rounding is none.
+
+    Terms of a sum that end at rest leave some, and 0.1 + 0.2 - 0.3 is none of the speeds that were given: a speed that
+    would move the block in the run by no more than positions are rounded is none either.
+    """
+    speed = block[:, 1]
+    least = ROUNDED * np.abs(speed).max() + SMALLEST_WAY / end
+    return np.where(np.abs(speed) > least, speed, 0.0)
 
 
 def _give(tubes: Sequence[Tube]) -> float:

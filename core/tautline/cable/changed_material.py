@@ -84,11 +84,15 @@ def _changes(scene: CableScene) -> list[_Change]:
 
 
 def _unlike(scene: CableScene) -> bool:
-    """Whether any two elements differ in their numbers; 100 000 of one line are looked through in milliseconds."""
-    numbers = attrgetter(*WORDS)
-    return bool(scene.elements) and countOf(map(numbers, scene.elements), numbers(scene.elements[0])) < len(
-        scene.elements
-    )
+    """Whether curves may differ: elements in their numbers, or in how many lie between the same nodes.
+
+    100 000 of one line are looked through in milliseconds.
+    """
+    count = len(scene.elements)
+    if not count:
+        return False
+    numbers, nodes = attrgetter(*WORDS), map(attrgetter("nodes"), scene.elements)
+    return countOf(map(numbers, scene.elements), numbers(scene.elements[0])) < count or len(set(nodes)) < count
 
 
 def _numbers(elements: list[Element]) -> tuple[float, ...]:

@@ -424,7 +424,8 @@ def _lacked_by_an_option(problem: Problem, others: Sequence[Problem], document: 
     ``--end`` makes a `solver` where the file says `solvr`.
     """
     *above, _ = split_key(problem.key) or ("",)
-    if problem.cause != "is missing" or not above or document.line(tuple(above)) is not None:
+    made = bool(above) and document.origin(tuple(above)) is not None and document.line(tuple(above)) is None
+    if problem.cause != "is missing" or not made:
         return False
     return any(one.cure.startswith(f"did you mean '{above[-1]}'?") for one in others)
 

@@ -150,7 +150,7 @@ def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
     """Percentiles over the cases that came to their end, of everything that is a number, place by place."""
     found = {}
     for name, (dims, array, about) in entries.items():
-        if array.dtype.kind == "f" and np.isfinite(array).any():
+        if array.dtype.kind == "f" and not np.isnan(array).all():
             # Places that no case reached stay empty. Between a number and one without end there is nothing to
             # interpolate: the percentile has no end then.
             known = ~np.isnan(array).all(axis=0)

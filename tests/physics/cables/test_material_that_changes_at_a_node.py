@@ -55,6 +55,15 @@ def test_a_rope_of_two_layers_beside_one_as_heavy_is_one_material():
     assert layers != whole and not told(layers)
 
 
+def test_a_rope_of_two_equal_layers_beside_one_of_them_changes_its_mass():
+    """No two elements differ, and the curves do: by twice the mass."""
+    one = falling((1.0, 1.0e4))
+    element = "  - CableALEelement: {id: 0, nodes7: [0, 1]"
+    line = next(text for text in one.splitlines() if text.startswith(element))
+    (text,) = told(one.replace(line, f"{line}\n{line.replace('id: 0,', 'id: 9,')}"))
+    assert "rhoA 2 and 1 kg/m" in text
+
+
 def driven(ends, functions, ties="", speeds=(0.0, 0.1), begins=1.0):
     """Two linear elements of 1 and 2 kg/m between nodes 0 and 1 and between 2 and 3, or ``ends``.
 

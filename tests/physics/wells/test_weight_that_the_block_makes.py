@@ -198,3 +198,18 @@ def test_a_heave_that_lifts_the_bit_off_in_every_period_is_told_by_its_least_wei
     assert "125 kN at most" in said and ", and 0 N at least, at t = " in said
     when = float(said.split("at least, at t = ")[1].split(" s")[0])
     assert -1.5 * np.sin(2.0 * np.pi * when / 8.0) >= 1.0 and "single instants" not in said
+
+
+STOPPED = [{"ramp": {"to": to, "over": 5.0, "at": at}} for to, at in ((3e-4, 0.0), (-1e-4, 10.0), (-2e-4, 10.0))]
+UNEVEN = [{"ramp": {"to": to, "over": 5.0, "at": at}} for to, at in ((1e-4, 0.0), (2e-4, 0.0), (-3e-4, 10.0))]
+NEVER = [{"constant": speed} for speed in (0.1, 0.2, -0.3)]
+
+
+@pytest.mark.parametrize("terms", [STOPPED, UNEVEN, NEVER])
+def test_a_block_that_stops_but_for_rounding_is_held(terms):
+    """Sums of speeds that end at rest end at some 1e-20 m/s: neither raised, nor lowered onto what is not drilled."""
+    given = scene(block={"velocity": {"sum": terms}}, torque={"static": 8e3, "kinetic": 4e3})
+    found = course(given)
+    assert found.feed == 0.0 and found.to_come == pytest.approx(found.weight[-1])
+    assert found.still == (terms is NEVER) and (terms is not NEVER or not told(given))
+    assert not any("raised" in text or "lower" in text for text in told(given))

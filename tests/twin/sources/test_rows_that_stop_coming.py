@@ -108,7 +108,7 @@ class Useless(Hangs):
 
 USELESS = {
     "without a stamp that can be read": lambda _: float("nan"),
-    "with a stamp that was there": lambda _: 0.7,
+    "with a stamp that another row had": lambda _: 0.7,
     "that came too late": lambda k: -1.0 - k,
 }
 
@@ -169,7 +169,7 @@ class LastUseless(Hangs):
 @pytest.mark.parametrize(
     "stamp, why",
     [
-        (float("nan"), "1 row without a stamp that can be read"), (0.7, "1 row with a stamp that was there"),
+        (float("nan"), "1 row without a stamp that can be read"), (0.7, "1 row with a stamp that another row had"),
         (-5.0, "1 row that came too late"),
     ],
 )  # fmt: skip
@@ -232,3 +232,19 @@ class Paced(Hangs):
             return None
         self._due += self._apart
         return super().poll(timeout)
+
+
+@pytest.mark.parametrize("pause", [1.7, 3.0])
+def test_a_source_whose_stamps_were_never_read_is_said_to_come_at_every_moment_though_it_comes_slowly(pause):
+    """Nothing is known of how far apart its rows are but how they came."""
+    now = [0.0]
+    silence, said = Silence("mqtt", 5.0, lambda: now[0]), set()
+    for k in range(1, 200):
+        now[0] = 0.1 * k
+        silence.useless(int(now[0] / pause))
+        silence.watch(float("nan"), "3 rows without a stamp")
+        if now[0] > 2.0 * pause:
+            said.add(silence.in_short(float("nan"), "3 rows without a stamp").split(" for ")[0])
+    assert said == {"no rows that can be used (3 rows without a stamp)"}
+    now[0] += 10.0
+    assert silence.in_short(float("nan"), "3 rows without a stamp").startswith("no rows for ")

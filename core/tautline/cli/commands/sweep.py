@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -277,6 +278,11 @@ def _place(data: Variables, one: Any) -> str:
     return shown(float(axis.values[k]), str(axis.attrs.get("units") or ""), printed_in(data.attrs))
 
 
+def _shown(value: float, unit: str, system: str) -> str:
+    """A percentile; one of cases without end is not one that is missing."""
+    return "no end" if math.isinf(value) else shown(value, unit, system)
+
+
 def _percentiles(data: Variables, system: str) -> list[tuple[str, str]]:
     """P10, P50 and P90 of each number; of what has an axis those at its last place."""
     from tautline.sweeps.table import RANKS, percentiles_of
@@ -290,7 +296,7 @@ def _percentiles(data: Variables, system: str) -> list[tuple[str, str]]:
             at = one.values.shape[1] - 1 if axis is None else float(axis.values[-1])
             axis_unit = "" if axis is None else str(axis.attrs.get("units") or "")
             place = f" at {along} {shown(at, axis_unit, system)}"
-        told = ", ".join(shown(float(value), unit, system) for value in values)
+        told = ", ".join(_shown(float(value), unit, system) for value in values)
         rows.append((f"{name}{place}: {ranks}", told))
     return rows
 

@@ -35,7 +35,7 @@ CHATTERING = "asyncua"
 """A library that logs the loss of a server with a traceback; the user gets one sentence of us in its place."""
 NOWHERE = logging.NullHandler()
 SAID = {
-    "no stamp": "without a stamp that can be read", "doubled": "with a stamp that was there",
+    "no stamp": "without a stamp that can be read", "doubled": "with a stamp that another row had",
     "late": "that came too late", "future": "with a stamp from the future",
 }  # fmt: skip
 """Kinds of rows that were left out, in words that say what is wrong."""
@@ -209,7 +209,11 @@ def _alone(files: Mapping[str, Path | None], resumed: Path | None) -> Iterator[N
             raise ResultError(path, f"is named by {option} and by {others[0]}", "give each a file of its own")
     try:
         for option, path in given.items():
-            (check_state if option == "--state" and path != resumed else check_folder)(path)
+            (
+                check_state
+                if option == "--state" and (resumed is None or path.resolve() != resumed.resolve())
+                else check_folder
+            )(path)
             if option == "-o":
                 continue  # a result has a lock of its own
             lock = Lock(path.resolve())  # through a link the file that it leads to is written

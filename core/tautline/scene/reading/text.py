@@ -79,7 +79,10 @@ def _alike(name: str, other: str) -> float:
     All scenes end alike, and capitals are easily wrong.
     """
     ends = (name.casefold(), other.casefold()), (Path(name).stem.casefold(), Path(other).stem.casefold())
-    whole, stem = (difflib.SequenceMatcher(None, *pair).ratio() for pair in ends)
+    pairs = [difflib.SequenceMatcher(None, *pair) for pair in ends]
+    if any(one.real_quick_ratio() < ALIKE or one.quick_ratio() < ALIKE for one in pairs):
+        return 0.0  # bounds of it, which are found at once: a folder may hold very many files
+    whole, stem = (one.ratio() for one in pairs)
     return whole if min(whole, stem) >= ALIKE else 0.0
 
 

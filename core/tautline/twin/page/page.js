@@ -404,13 +404,13 @@ function turn() {
   const apart = () => { const [a, b] = [...fingers.values()]; return Math.hypot(a[0] - b[0], a[1] - b[1]); };
   let start = null;  // where it was looked from as the first finger came
   canvas.addEventListener("pointerdown", (e) => {
-    if (!fingers.size) start = { around: view.around, up: view.up, moved: view.moved };
+    if (!fingers.size) start = { around: view.around, up: view.up, moved: view.moved, of: first };
     fingers.set(e.pointerId, [e.clientX, e.clientY]);
     canvas.setPointerCapture(e.pointerId);
   });
   canvas.addEventListener("pointerup", (e) => { fingers.delete(e.pointerId); });
   // The browser takes a finger that scrolls after some way only: what that way has turned was not meant.
-  canvas.addEventListener("pointercancel", (e) => { if (fingers.delete(e.pointerId)) look(start, start.moved); });
+  canvas.addEventListener("pointercancel", (e) => { if (fingers.delete(e.pointerId) && first && start.of === first) look({ around: start.around, up: start.up }, start.moved); });
   canvas.addEventListener("pointermove", (e) => {
     const from = fingers.get(e.pointerId);
     if (!from) return;

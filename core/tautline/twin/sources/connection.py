@@ -137,7 +137,7 @@ class Silence:
         self._name, self._patience, self._now = without_password(name), patience, now
         self._heard, self._pauses, self._told = now(), deque[float](maxlen=PAUSES), False
         self._begun = False
-        self._useless, self._useless_at = 0, -np.inf
+        self._useless, self._useless_at, self._between = 0, -np.inf, 0.0
 
     def heard(self, passed: float) -> list[Notice]:
         """Take notice of a row that can be used, `passed` s after the last one; what is to be told of it."""
@@ -153,7 +153,11 @@ class Silence:
     def useless(self, count: int) -> None:
         """Take notice of how many rows, lines and messages have come by now that cannot be used."""
         if count > self._useless:
-            self._useless_at = self._now()
+            now = self._now()
+            # The pause between the last two, where they came one behind the other, and not the last after hours.
+            pause = now - self._useless_at
+            self._between = pause if pause <= self._patience else 0.0
+            self._useless_at = now
         self._useless = count
 
     def watch(self, interval: float, why: str = "", wait: float = 0.0) -> list[Notice]:
@@ -192,7 +196,7 @@ class Silence:
 
     def _comes(self, interval: float) -> bool:
         """Whether rows that cannot be used come now, and not only came since the last one that could be."""
-        return self._now() - self._useless_at <= max(NOTICED, self._usual(interval))
+        return self._now() - self._useless_at <= max(NOTICED, self._usual(interval), ANOTHER * self._between)
 
     @property
     def _without_any(self) -> float:
