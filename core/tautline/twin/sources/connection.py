@@ -117,6 +117,10 @@ class Connection:
             self.failed(f"no answer for {PATIENCE:g} s")
 
 
+ANOTHER = 1.5
+"""Pauses between rows that cannot be used within which another is looked for."""
+
+
 class Silence:
     """Tells once that rows of use have stopped coming, and once that they come again, by this computer's clock.
 
