@@ -21,6 +21,8 @@ USUAL = 2.5
 """Usual time between rows for which none may come before this is told."""
 NOTICED, PAUSES, FEW = 1.0, 20, 3
 """Shortest pause that is kept, s; how many of the last are; and how many tell what is usual of rows in bursts."""
+ANOTHER = 1.5
+"""Pauses between rows that cannot be used, within which another one is expected."""
 REFUSED = "the connection is refused"
 
 
@@ -115,10 +117,6 @@ class Connection:
         """Tell where there was no answer for long, not even that the connection is refused."""
         if not (self._was_there or self._told) and self._now() - self._begun > PATIENCE:
             self.failed(f"no answer for {PATIENCE:g} s")
-
-
-ANOTHER = 1.5
-"""Pauses between rows that cannot be used within which another is looked for."""
 
 
 class Silence:
