@@ -209,11 +209,8 @@ def _alone(files: Mapping[str, Path | None], resumed: Path | None) -> Iterator[N
             raise ResultError(path, f"is named by {option} and by {others[0]}", "give each a file of its own")
     try:
         for option, path in given.items():
-            (
-                check_state
-                if option == "--state" and (resumed is None or path.resolve() != resumed.resolve())
-                else check_folder
-            )(path)
+            another = resumed is None or path.resolve() != resumed.resolve()
+            (check_state if option == "--state" and another else check_folder)(path)
             if option == "-o":
                 continue  # a result has a lock of its own
             lock = Lock(path.resolve())  # through a link the file that it leads to is written
