@@ -122,7 +122,7 @@ def test_the_exit_code_is_that_of_the_command_where_its_words_cannot_be_written(
     assert subprocess.run(["bash", "-c", command], capture_output=True, timeout=120).returncode == code
 
 
-@pytest.mark.parametrize("option", ["--exaggerate=inf", "--exaggerate=1e300", "--radius=inf"])
+@pytest.mark.parametrize("option", ["--exaggerate=1e300", "--radius=1e300"])
 def test_a_factor_that_nobody_can_mean_is_refused(here, tmp_path, option):
     result = tmp_path / "hoist.nc"
     assert here("simulate", SCENE, "-q", "--no-verify", "--end", "0.1", "-o", str(result))[0] == 0

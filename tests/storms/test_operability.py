@@ -506,7 +506,7 @@ def test_time_of_a_scatter_diagram_that_was_not_run_is_a_warning_however_quiet(c
     )
     code, out, said = command("operability", scene.document.path, "--scatter", place, *options, "-o", tmp_path / "f")
     assert code == 0
-    (text,) = only_object(out)["warnings"]
+    (text,) = [one for one in only_object(out)["warnings"] if "shorter than one wave" not in one]
     assert text.startswith("42.9 % of the time of the scatter diagram was not run")
     assert text.endswith("its damage is not counted")
     assert "warning: 42.9 % of the time" in " ".join(said.split())
