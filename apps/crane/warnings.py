@@ -13,7 +13,7 @@ from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import is_held
 from crane.assembly.held_loads import CLOSED, lacks
 from crane.assembly.layout import orientation_of
-from crane.assembly.loads import buoyancy_of, floating, rises
+from crane.assembly.loads import displacement_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import answers_no_heave, compensation_of, heave_point
 from crane.geometry.quaternion import quaternion_of
@@ -141,8 +141,8 @@ def _thrown(scene: CraneScene, k: int) -> Sentences:
 def _floats_after(scene: CraneScene, k: int) -> Sentences:
     """A body that the water lifts once its load has dropped."""
     body, left = scene.bodies[k], scene.bodies[k].after_release()
-    lifted = buoyancy_of(scene, left)
-    if lifted > left.mass and buoyancy_of(scene, body) <= body.mass:
+    lifted = displacement_of(scene, left)
+    if lifted > left.mass and displacement_of(scene, body) <= body.mass:
         text = (
             f"{body.name} floats up when its load has dropped: it takes the place of {lifted:.4g} kg of water, and "
             f"{left.mass:.4g} kg of it remain. Give `volume:` in release, with that of what remains"

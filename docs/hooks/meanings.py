@@ -20,6 +20,7 @@ MEANINGS = {
     "Release.added_mass": "Added mass of what remains on the hook; without it all of the body's stays, with a warning.",
     "Release.drag": "Drag of what remains on the hook; without it all of the body's stays, with a warning.",
     "Release.force": "Force on what remains on the hook; without it that on the body stays, with a warning.",
+    "Release.height": "Height of what remains; without it that of the body stays, with a warning.",
     "Release.bottom": "Depth of the lowest point of what remains; without it that of the body stays, with a warning.",
     "End.body": "Name of the body that the rope holds.",
     "turns": "Turns in a layer.",

@@ -116,13 +116,13 @@ def test_a_run_that_check_has_foreseen_does_not_tell_the_cure_again():
     scene = tautline.read(HOISTED)
     (before,) = check(HOISTED)
     (after,) = [one for one in tautline.simulate(scene).attributes["warnings"] if "out of the water" in one]
-    assert "scene of its own" in before and "scene of its own" not in after and BUOYANCY in after
+    assert "`height`" in before and "scene of its own" not in after and BUOYANCY in after
     (storms,) = in_storms({"load.position[2] max": np.array([1.0])}, HOISTED)
-    assert "scene of its own" not in storms and BUOYANCY in storms
+    assert "`height`" not in storms and BUOYANCY in storms
 
 
 def test_a_run_that_nobody_has_foreseen_tells_the_cure():
     lifted = HOISTED.replace("pay_out: {ramp: {to: -0.5 m/s, over: 2 s}}", "pay_out: 0")
     assert check(lifted) == []
     (storms,) = in_storms({"load.position[2] max": np.array([1.0])}, lifted)
-    assert "scene of its own" in storms and BUOYANCY in storms
+    assert "`height`" in storms and BUOYANCY in storms

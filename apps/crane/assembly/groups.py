@@ -19,11 +19,13 @@ from crane.groups.arcs import Arcs, new_arcs
 from crane.groups.bends import Bends, new_bends, stencils
 from crane.groups.capstan_friction import SLIP, Slips
 from crane.groups.hydrodynamics import NARROWEST, WET, Wet, new_wet
+from crane.groups.immersion import IMMERSED, Immersed
 from crane.groups.masses import BODY, Bodies, Releases, Rims, Springs
 from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
 from crane.groups.span import BETWEEN, MATERIAL, SPAN, Spans, new_spans
 from crane.groups.winch import DRUM, WOUND, Drums, Supplies, WoundRope
+from crane.scene.bodies import Drag
 from crane.scene.scene import Body, Drum, End, Sheave
 from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.functions import Constant
@@ -217,16 +219,47 @@ def _bodies(layout: Layout) -> list[Maker]:
         for k, (body, row) in enumerate(zip(scene.bodies, rows, strict=True))
     ]
     mass = np.array([body.mass for body in scene.bodies], dtype=float)
-    kept = mass.copy()
+    kept, gone = mass.copy(), np.zeros((len(mass), 2), np.int64)
 
     def bodies(functions: TimeFunctions) -> Bodies:
         made = records_of(BODY, rows)
-        gone, let_go = np.zeros((len(mass), 2), np.int64), np.zeros((len(mass), 2))
+        let_go = np.zeros((len(mass), 2))
         # Without a release nothing is ever left of a body, and both are one.
         after = records_of(BODY, left) if releases else made
         return Bodies(made, after, gravity, floor, gone, mass, kept, let_go, functions)
 
-    return [bodies, *([partial(_constant, Releases(mass, kept, released))] if releases else [])]
+    return [
+        bodies,
+        *([partial(_constant, Releases(mass, kept, released))] if releases else []),
+        *_immersed(layout, gone),
+    ]
+
+
+def _immersed(layout: Layout, gone: np.ndarray) -> list[Maker]:
+    """Bodies that come into the water and out of it: those that have a height."""
+    scene = layout.scene
+    rows = [_wet_row(layout, k, body) for k, body in enumerate(scene.bodies) if body.height is not None]
+    if not rows or scene.water is None:
+        return []
+    left = [row | _wet_row(layout, row["body"], scene.bodies[row["body"]].after_release()) for row in rows]
+    made, after = records_of(IMMERSED, rows), records_of(IMMERSED, left)
+    group = Immersed(made, after, float(scene.water.surface), gone, np.zeros((len(rows), 2)))
+    return [partial(_constant, group)]
+
+
+def _wet_row(layout: Layout, k: int, body: Body) -> dict[str, Any]:
+    """What water does to all of a body that has a height."""
+    assert body.height is not None
+    return {
+        "place": layout.body[body.name],
+        "body": k,
+        "height": body.height,
+        "bottom": body.bottom,
+        "buoyancy": float(np.linalg.norm(_lift(layout, body.volume))),
+        "added": body.added_mass,
+        "linear": body.drag.linear,
+        "quadratic": body.drag.quadratic,
+    }
 
 
 def _forces(layout: Layout, k: int, body: Body) -> list[int]:
@@ -247,10 +280,7 @@ def _row_of(layout: Layout, k: int, body: Body, functions: list[int]) -> dict[st
         "mass": body.mass,
         "remaining": body.release.remaining if body.release else body.mass,
         "released": body.release.at if body.release else np.inf,
-        "added": body.added_mass,
-        "linear": body.drag.linear,
-        "quadratic": body.drag.quadratic,
-        "lift": _lift(layout, body.volume),
+        **_water_of(layout, body),
         "functions": functions,
         "bottom": body.bottom,
         "touches": int(layout.scene.ground is not None),
@@ -266,12 +296,21 @@ def _left_of(layout: Layout, k: int, body: Body, functions: list[int]) -> dict[s
             for c, force in enumerate(body.release.force)
         ]
     return {
-        "added": left.added_mass,
-        "linear": left.drag.linear,
-        "quadratic": left.drag.quadratic,
-        "lift": _lift(layout, left.volume),
+        **_water_of(layout, left),
         "functions": functions,
         "bottom": left.bottom,
+    }
+
+
+def _water_of(layout: Layout, body: Body) -> dict[str, Any]:
+    """What water does to a body at any height; of one that has a height, `Immersed` does it."""
+    if body.height is not None:
+        body = body.model_copy(update={"added_mass": (0.0,) * AXES, "drag": Drag(), "volume": 0.0})
+    return {
+        "added": body.added_mass,
+        "linear": body.drag.linear,
+        "quadratic": body.drag.quadratic,
+        "lift": _lift(layout, body.volume),
     }
 
 

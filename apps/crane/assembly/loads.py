@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.geometry.reeving import Path
+from crane.groups.immersion import share_of
 from crane.scene.bodies import Body
 from crane.scene.scene import CraneScene, End, Sheave
 from tautline.kernels.time_function import value_at
@@ -94,8 +95,26 @@ def rope_lift(scene: CraneScene, path: Path, body: Body) -> float:
 
 
 def buoyancy_of(scene: CraneScene, body: Body) -> float:
-    """Mass of the water that a body takes the place of, kg: it does so at any height."""
+    """Mass of the water that a body takes the place of where it is drawn, kg; one without a height does so anywhere."""
+    return wet_share(scene, body) * displacement_of(scene, body)
+
+
+def displacement_of(scene: CraneScene, body: Body) -> float:
+    """Mass of the water that all of a body takes the place of, kg."""
     return scene.water.density * body.volume if scene.water is not None else 0.0
+
+
+def added_mass_of(scene: CraneScene, body: Body) -> tuple[float, ...]:
+    """Added mass of a body where it is drawn, along x, y and z, kg."""
+    return tuple(wet_share(scene, body) * added for added in body.added_mass)
+
+
+def wet_share(scene: CraneScene, body: Body, height: float | None = None) -> float:
+    """Share of what water does to all of a body that it does with its position at a height, m; None for as drawn."""
+    if scene.water is None or body.height is None:
+        return 1.0
+    lowest = (body.position[2] if height is None else height) - body.bottom
+    return float(share_of.py_func((scene.water.surface - lowest) / body.height)[2])
 
 
 def pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from crane.assembly.loads import pull
+from crane.assembly.loads import added_mass_of, pull
 from crane.assembly.tension_at_rest import stays_held
 from crane.geometry.reeving import Path
 from crane.scene.scene import CraneScene, Drum, End, Sheave
@@ -78,7 +78,7 @@ def mobility_of(scene: CraneScene, path: Path) -> float:
         body = scene.body(name)
         for c, axis in enumerate("xyz"):
             # A third of the rope's mass on it goes with the load, as with any spring.
-            mass = body.mass + body.added_mass[c] + rope.mass_per_length * _hanging(scene, path, name) / 3.0
+            mass = body.mass + added_mass_of(scene, body)[c] + rope.mass_per_length * _hanging(scene, path, name) / 3.0
             # A pull of less is that of a fall a little off plumb: there the load swings, and does not bounce.
             if axis not in body.guide and mass > 0.0 and abs(force[c]) > 0.3:
                 mobility += float(force[c]) ** 2 / mass

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.assembly.estimates import Estimate
-from crane.assembly.loads import pull
+from crane.assembly.loads import added_mass_of, pull
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.tension_at_rest import stays_held
 from crane.scene.scene import Drum, End, Sheave
@@ -96,7 +96,7 @@ def _unknowns(found: Estimate) -> tuple[list[dict[int, tuple[float, float]]], li
         body = scene.body(name)
         on = [i for i, one in enumerate(scene.path) if isinstance(one, (End, Sheave)) and one.body == name]
         for c, axis in enumerate("xyz"):
-            mass = body.mass + body.added_mass[c]
+            mass = body.mass + added_mass_of(scene, body)[c]
             if axis not in body.guide and mass > 0.0 and abs(force[c]) > LEAST_PULL:
                 columns.append({i: _along(found, i, c) for i in on})
                 inertia.append(mass)

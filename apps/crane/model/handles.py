@@ -10,6 +10,7 @@ import numpy as np
 
 from crane.assembly.layout import AXES, Layout
 from crane.groups.capstan_friction import BEARING, CAPSTAN, EFFICIENCY, Slips
+from crane.groups.immersion import Immersed
 from crane.groups.masses import Bodies
 from crane.groups.span import Spans
 from crane.groups.winch import Drums
@@ -143,7 +144,7 @@ def _outputs(layout: Layout, variables: Sequence[Variable], coordinates: Mapping
 def _parameters(layout: Layout, groups: tuple[Any, ...]) -> Iterator[Parameter]:
     kinds = {type(group): group for group in groups}
     if Bodies in kinds:
-        yield from _of_bodies(layout, kinds[Bodies])
+        yield from _of_bodies(layout, kinds[Bodies], kinds.get(Immersed))
     yield from _of_rope(kinds[Spans])
     if Slips in kinds:
         yield from _of_contacts(layout, kinds[Slips])
@@ -151,8 +152,9 @@ def _parameters(layout: Layout, groups: tuple[Any, ...]) -> Iterator[Parameter]:
         yield from _of_drums(layout, kinds[Drums])
 
 
-def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
+def _of_bodies(layout: Layout, bodies: Bodies, immersed: Immersed | None) -> Iterator[Parameter]:
     rows = bodies.rows
+    in_water = {} if immersed is None else {int(k): i for i, k in enumerate(immersed.rows["body"])}
     for k, body in enumerate(layout.scene.bodies):
         one = slice(k, k + 1)
         places, text, least = [bodies.kept[one], bodies.mass[one], rows["mass"][one]], f"mass of {body.name}", 0.0
@@ -161,6 +163,8 @@ def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
         else:
             text, least = f"{text}, at least what remains after its release", body.release.remaining
         yield number(f"{body.name}.mass", "kg", text, places, least=least, positive=least == 0.0)
+        # What water does is with the body, or with the share of it that is under water.
+        water, w = (bodies, k) if immersed is None or k not in in_water else (immersed, in_water[k])
         for c, axis in enumerate("xyz"):
             for field, what, unit in (
                 ("added", "added_mass", "kg"), ("linear", "linear_drag", "N s/m"),
@@ -170,7 +174,7 @@ def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
                 # What a release does not change is the same before and after it.
                 key = "added_mass" if field == "added" else "drag"
                 stays = body.release is not None and getattr(body.release, key) is None
-                places = [rows[field][one, c], *([bodies.left[field][one, c]] if stays else [])]
+                places = [kept[field][w : w + 1, c] for kept in (water.rows, *([water.left] if stays else []))]
                 yield number(f"{body.name}.{what}[{c}]", unit, text, places, positive=False)
 
 

@@ -13,22 +13,23 @@ import numpy as np
 
 from crane.assembly.drum_supply import hoisted_spans, reeled_of
 from crane.assembly.estimates import Estimate
-from crane.assembly.loads import buoyancy_of
+from crane.assembly.loads import buoyancy_of, wet_share
 from crane.scene.bodies import Body
 from crane.scene.scene import CraneScene
 from tautline.scene.values.ranges import sized
 
-CURE = (
-    "Judge what is in air by a scene of its own, without volume, drag and added_mass of {name}. The way through the "
-    "surface is not covered"
-)
+CURE = "Give {name} a `height`, with `bottom`: water then acts on what of that is under water"
 
 OUT = 0.01
 """Height above the surface, m, from which something is out of the water: below it lie rounding, and rest at it."""
 
 
 def feels_water(body: Body) -> bool:
-    """Whether water acts on a body, at any height."""
+    """Whether water acts on a body at any height: on one with a `height` it acts where there is water."""
+    return body.height is None and _meets_water(body)
+
+
+def _meets_water(body: Body) -> bool:
     return body.volume > 0.0 or any((*body.added_mass, *body.drag.linear, *body.drag.quadratic))
 
 
@@ -51,7 +52,7 @@ def dry(scene: CraneScene) -> Iterator[tuple[str, str]]:
         if feels_water(body) and height > OUT:
             text = (
                 f"{body.name} is drawn {height:.3g} m above the water. Buoyancy, drag "
-                "and added mass act on a body at any height. Leave them out while it is in air"
+                f"and added mass act on a body at any height. {CURE.format(name=body.name)}"
             )
             yield f"bodies[{k}]", text
 
@@ -105,6 +106,27 @@ def out_of_water(result: Any, scene: CraneScene) -> list[str]:
                 f"{float(height[out].max()):.3g} m above the surface{_behind(scene, _on_hook(body, begin))}"
             )
     return told
+
+
+def at_its_highest(result: Any, scene: CraneScene) -> CraneScene | None:
+    """A scene in whose water bodies are as little as they come to be in a run; None where none rises out of it.
+
+    Parameters
+    ----------
+    result : Result
+        One without positions of bodies says nothing of it.
+    """
+    if "body_position" not in result or not any(body.height for body in scene.bodies):
+        return None
+    highest = np.nanmax(np.asarray(result["body_position"])[:, :, 2], axis=0)
+    least = [wet_share(scene, body, float(z)) for body, z in zip(scene.bodies, highest, strict=True)]
+    if not any(share < wet_share(scene, body) for share, body in zip(least, scene.bodies, strict=True)):
+        return None
+    bodies = [
+        body.model_copy(update={"height": None, "volume": share * body.volume})
+        for share, body in zip(least, scene.bodies, strict=True)
+    ]
+    return scene.model_copy(update={"bodies": tuple(bodies)})
 
 
 def heights_of(scene: CraneScene) -> dict[str, dict[str, str]]:

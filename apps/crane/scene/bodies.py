@@ -16,7 +16,7 @@ from tautline.scene.vector import Position, Velocity, listed, three
 
 FORCES = listed(3, "three forces: along x, y and z", "[0, 0, {ramp: {to: 1 kN, over: 2}}]")
 XYZ = "xyz"
-LEFT = ("inertia", "volume", "added_mass", "drag", "force", "bottom")
+LEFT = ("inertia", "volume", "added_mass", "drag", "force", "bottom", "height")
 """Keys of a release that say what remains of the body's own."""
 
 Mass = Annotated[float, quantity("kg", nonnegative=True, of="mass")]
@@ -34,6 +34,7 @@ Inertias = Annotated[
     tuple[Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")], ...], three("[900, 900, 400]")
 ]
 Angles = Annotated[tuple[Annotated[float, quantity("rad", of="angle")], ...], three("[0, 0, 90 deg]")]
+Height = Annotated[float, quantity("m", positive=True, of="distance")]
 Forces = Annotated[tuple[Annotated[FunctionOfTime, time_function("N", of="force")], ...], FORCES]
 
 
@@ -88,6 +89,7 @@ class Release(Model):
     drag: Drag | None = None
     force: Forces | None = None
     bottom: Annotated[float, quantity("m", nonnegative=True, of="distance")] | None = None
+    height: Height | None = None
 
 
 class Body(Model):
@@ -107,6 +109,9 @@ class Body(Model):
         Roll, pitch and yaw of its principal axes at the start, rad.
     bottom : float
         Depth of its lowest point below its position, m, which touches the ground.
+    height : float or None
+        From its lowest point to its highest, m: what water does to it grows with the part of that which is under
+        water. None where water acts on all of it, at any height.
     force : tuple of functions of time, or None
         Along x, y and z, N.
     """
@@ -126,6 +131,7 @@ class Body(Model):
     orientation: Angles = (0.0, 0.0, 0.0)
     release: Release | None = None
     bottom: Annotated[float, quantity("m", nonnegative=True, of="distance")] = 0.0
+    height: Height | None = None
     force: Forces | None = None
 
     @property
@@ -158,6 +164,15 @@ class Body(Model):
         if left is not None and any(after > before for after, before in zip(left, self.inertia, strict=True)):
             cause = "is more than the whole body has about an axis: what drops takes inertia with it"
             raise fault(("release", "inertia"), cause, "give the moments of what remains on the hook")
+        return self
+
+    @model_validator(mode="after")
+    def _tall(self) -> Body:
+        if self.height is not None and "bottom" not in self.model_fields_set:
+            cause = "says how tall the body is, and nothing says how far its lowest point is below its position"
+            raise fault("height", cause, "give `bottom:` as well")
+        if self.height is None and self.release is not None and self.release.height is not None:
+            raise fault(("release", "height"), "is given, and the body has none before", "give the body its `height:`")
         return self
 
     @model_validator(mode="after")

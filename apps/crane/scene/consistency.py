@@ -137,7 +137,8 @@ def _turning(scene: Scene) -> Iterator[Fault]:
         if body.inertia is None or body.name not in beside:
             continue
         for key, one in ((("mass",), body), (("release", "remaining"), body.after_release())):
-            moved = (axis in body.guide or one.added_mass[k] > 0.0 for k, axis in enumerate(XYZ))
+            wet = one.height is None
+            moved = (axis in body.guide or (wet and one.added_mass[k] > 0.0) for k, axis in enumerate(XYZ))
             if one.mass == 0.0 and not all(moved):
                 cause = (
                     "is no mass of a body with `inertia` and a rope beside its centre: nothing says how fast it moves"
@@ -203,7 +204,7 @@ def _water(scene: Scene) -> Iterator[Fault]:
         for i, body in enumerate(scene.bodies):
             left = ("bodies", i, "release")
             for at, one in ((left[:2], body), *(() if body.release is None else ((left, body.release),))):
-                for key in ("added_mass", "volume", "drag"):
+                for key in ("added_mass", "volume", "drag", "height"):
                     if _acts(getattr(one, key)):
                         yield (*at, key), "is given, and the scene has no water", "add `water:`, or remove this"
         return
@@ -225,7 +226,7 @@ def _ground(scene: Scene) -> Iterator[Fault]:
         for i, body in enumerate(scene.bodies):
             left = body.release.bottom if body.release is not None else None
             for at, bottom in ((("bodies", i, "bottom"), body.bottom), (("bodies", i, "release", "bottom"), left)):
-                if bottom:
+                if bottom and body.height is None:
                     yield at, "is given, and the scene has no ground", "add `ground:`, or remove this"
         return
     level = scene.ground.level
