@@ -118,8 +118,9 @@ def at_its_highest(result: Any, scene: CraneScene) -> CraneScene | None:
     """
     if "body_position" not in result or not any(body.height for body in scene.bodies):
         return None
-    highest = np.nanmax(np.asarray(result["body_position"])[:, :, 2], axis=0)
-    least = [wet_share(scene, body, float(z)) for body, z in zip(scene.bodies, highest, strict=True)]
+    heights = np.asarray(result["body_position"])[:, :, 2].T
+    highest = [_whole(np.asarray(result.time), z, body) for z, body in zip(heights, scene.bodies, strict=True)]
+    least = [wet_share(scene, body, z) for body, z in zip(scene.bodies, highest, strict=True)]
     if not any(share < wet_share(scene, body) for share, body in zip(least, scene.bodies, strict=True)):
         return None
     bodies = [
@@ -127,6 +128,12 @@ def at_its_highest(result: Any, scene: CraneScene) -> CraneScene | None:
         for share, body in zip(least, scene.bodies, strict=True)
     ]
     return scene.model_copy(update={"bodies": tuple(bodies)})
+
+
+def _whole(time: np.ndarray, heights: np.ndarray, body: Body) -> float:
+    """The largest of the heights of a body (n,), m, for as long as all of it is there."""
+    kept = heights if body.release is None else heights[: max(1, int(np.searchsorted(time, body.release.at)))]
+    return float(np.nanmax(kept))
 
 
 def heights_of(scene: CraneScene) -> dict[str, dict[str, str]]:
