@@ -22,7 +22,7 @@ from crane.results.drawn_askew import drawn_askew
 from crane.results.laid_by_turning import turning_foreseen, unwound
 from crane.results.limits import LEAST_RATIO
 from crane.results.narrow_bights import narrow_bights
-from crane.results.out_of_water import dry, hoisted_out
+from crane.results.out_of_water import at_the_surface, dry, hoisted_out
 from crane.results.slack_feet import foreseen
 from crane.scene.carried import idle
 from crane.scene.keys import where
@@ -86,7 +86,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *narrow_bights(found), *_undamped(scene), *_compression(scene), *_winches(found, actuator),
         *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
         *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator), *dry(scene),
-        *hoisted_out(found), *_floating(found),
+        *hoisted_out(found), *at_the_surface(found), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
         *doubts_of_motion(scene), *idle(scene), *drawn_askew(found),
     ]  # fmt: skip
@@ -112,6 +112,7 @@ def _stays_on_the_hook(scene: CraneScene) -> Sentences:
             "drag": any((*body.drag.linear, *body.drag.quadratic)),
             "force": body.force is not None,
             "bottom": body.bottom > 0.0,
+            "height": body.height is not None,
         }
         stay = [key for key, some in has.items() if some and getattr(release, key) is None]
         if stay:
@@ -323,7 +324,7 @@ def _bending(scene: CraneScene) -> Sentences:
 
 def _safety(found: Estimate) -> Sentences:
     """Rope weak for its load."""
-    breaking, tension = found.scene.rope.breaking_load, found.largest_tension
+    breaking, tension = found.scene.rope.breaking_load, found.heaviest_tension
     if breaking is None or tension <= 0.0 or breaking >= LEAST_SAFETY * tension:
         return
     times = f"{breaking / tension:.2g}" if breaking >= LITTLE * tension else f"less than {LITTLE:g}"
@@ -337,7 +338,7 @@ def _safety(found: Estimate) -> Sentences:
 
 def _strain(found: Estimate) -> Sentences:
     """Rope that its load at rest strains beyond the limit that a run is judged by."""
-    tension, stiffness, bound = found.largest_tension, found.scene.rope.axial_stiffness, strain_bound(found.scene)
+    tension, stiffness, bound = found.heaviest_tension, found.scene.rope.axial_stiffness, strain_bound(found.scene)
     if tension > bound * stiffness:
         text = (
             f"the tension at rest, about {quantity(tension, 'N', 3)}, is {in_percent(tension / stiffness, 3)} of EA = "

@@ -9,6 +9,7 @@ import numpy as np
 
 from crane.assembly.friction import held_stiffness, springs_of
 from crane.assembly.layout import Layout, lay_out
+from crane.assembly.loads import heaviest
 from crane.assembly.mesh_damping import HIGHEST, bounce
 from crane.assembly.tension_at_rest import static_tension
 from crane.geometry.reeving import Path
@@ -68,6 +69,13 @@ class Estimate:
     def largest_tension(self) -> float:
         """At rest, N; 0 where it is not known."""
         return 0.0 if self.tension is None else float(self.tension.max())
+
+    @property
+    def heaviest_tension(self) -> float:
+        """The same with loads as far out of the water as winches hoist them, N."""
+        heavy = heaviest(self.scene)
+        tension = self.tension if heavy is self.scene else static_tension(heavy, self.path)
+        return 0.0 if tension is None else float(tension.max())
 
 
 def estimate(scene: CraneScene) -> Estimate:

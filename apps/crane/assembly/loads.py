@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from crane.assembly.drum_supply import hoisted_spans, reeled_of
 from crane.geometry.reeving import Path
 from crane.groups.immersion import share_of
 from crane.scene.bodies import Body
@@ -37,12 +38,13 @@ def rises(scene: CraneScene, body: Body) -> bool:
 class Floating(NamedTuple):
     """A body that goes up, by its number: what lifts it more than it weighs, N; and of that what its rope does.
 
-    ``by_rope`` is None where the body goes up by itself.
+    ``by_rope`` is None where the body goes up by itself; ``tall`` says whether it does so where it is drawn only.
     """
 
     body: int
     lift: float
     by_rope: float | None
+    tall: bool = False
 
     def cause(self, name: str) -> str:
         """What lifts the body of a name."""
@@ -57,7 +59,7 @@ class Floating(NamedTuple):
     def cure(self) -> str:
         """What to change."""
         if self.by_rope is None:
-            return "give it less volume or more mass"
+            return f"give it less volume or more mass{', or draw it higher' if self.tall else ''}"
         return "give it more mass, or see whether rope.diameter and mass_per_length are those of the rope"
 
 
@@ -70,7 +72,7 @@ def floating(scene: CraneScene, path: Path) -> list[Floating]:
         if body.name in pulls and free and not sprung and pulls[body.name] @ up > 0.0:
             load, rope = load_of(scene, body), rope_lift(scene, path, body)
             if load < 0.0:
-                found.append(Floating(k, -load, None))
+                found.append(Floating(k, -load, None, body.height is not None))
             elif rope > load:
                 found.append(Floating(k, rope - load, rope))
     return found
@@ -97,6 +99,28 @@ def rope_lift(scene: CraneScene, path: Path, body: Body) -> float:
 def buoyancy_of(scene: CraneScene, body: Body) -> float:
     """Mass of the water that a body takes the place of where it is drawn, kg; one without a height does so anywhere."""
     return wet_share(scene, body) * displacement_of(scene, body)
+
+
+def heaviest(scene: CraneScene) -> CraneScene:
+    """The scene in which water lifts bodies with a height as little as while winches have them highest.
+
+    What a winch that goes by a torque hoists is not known: then they are in air.
+    """
+    if scene.water is None or all(body.height is None for body in scene.bodies):
+        return scene
+    loose, rise = hoisted_spans(scene), 0.0
+    if loose and scene.drums:
+        known = all(drum.prescribed for drum in scene.drums)
+        rise = max(0.0, float(reeled_of(scene)[2].max())) / len(loose) if known else math.inf
+    return scene.model_copy(update={"bodies": tuple(_lifted_by_share(scene, body, rise) for body in scene.bodies)})
+
+
+def _lifted_by_share(scene: CraneScene, body: Body, rise: float) -> Body:
+    """A body that water lifts anywhere as it does where the body is drawn, a rise, m, higher."""
+    if body.height is None:
+        return body
+    share = wet_share(scene, body, body.position[2] + rise)
+    return body.model_copy(update={"height": None, "volume": share * body.volume})
 
 
 def displacement_of(scene: CraneScene, body: Body) -> float:

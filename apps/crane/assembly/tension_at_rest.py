@@ -6,7 +6,7 @@ import numpy as np
 
 from crane.assembly.friction import closure_of, springs_of
 from crane.assembly.layout import carries_nothing, sags_of
-from crane.assembly.loads import load_of, pull
+from crane.assembly.loads import heaviest, load_of, pull
 from crane.geometry.reeving import Path
 from crane.scene.scene import CraneScene, Drum, End, Sheave
 from tautline.system.time_functions import bounds_of
@@ -63,7 +63,7 @@ def stays_held(scene: CraneScene, path: Path, drum: Drum) -> bool:
     That is the load at rest, with and without the motor. Friction beside a motor that is on does not count: the motor
     overcomes it. A motor that seeks a tension takes what torque it needs. Where no load is known nothing is sure.
     """
-    tension, end = static_tension(scene, path), scene.solver.end
+    tension, end = static_tension(heaviest(scene), path), scene.solver.end
     if springs_of(drum) == 0 or drum.torque is None or tension is None:
         return False
     motor = bounds_of(drum.torque, end)

@@ -13,13 +13,22 @@ import numpy as np
 
 from crane.assembly.drum_supply import hoisted_spans, reeled_of
 from crane.assembly.estimates import Estimate
-from crane.assembly.loads import buoyancy_of, wet_share
+from crane.assembly.layout import Layout
+from crane.assembly.loads import buoyancy_of, displacement_of, pull
+from crane.groups.immersion import EDGE
 from crane.scene.bodies import Body
 from crane.scene.scene import CraneScene
+from crane.scene.surroundings import SeaMotion
+from crane.sea.frames import MOTIONS
+from tautline.results.variable import at_start
+from tautline.scene.functions import Spectrum
+from tautline.scene.solver import step_taken
 from tautline.scene.values.ranges import sized
 
 CURE = "Give {name} a `height`, with `bottom`: water then acts on what of that is under water"
 
+FEWEST_FALLS = 0.3
+"""Upward pull on a load of a tension of 1 N, N, below which it does not hang on the rope."""
 OUT = 0.01
 """Height above the surface, m, from which something is out of the water: below it lie rounding, and rest at it."""
 
@@ -108,32 +117,66 @@ def out_of_water(result: Any, scene: CraneScene) -> list[str]:
     return told
 
 
-def at_its_highest(result: Any, scene: CraneScene) -> CraneScene | None:
-    """A scene in whose water bodies are as little as they come to be in a run; None where none rises out of it.
+def taken_off_the_water(result: Any, layout: Layout) -> np.ndarray | None:
+    """By how much more than at the start of a run its rope would carry at rest, as its winches hoist the load, N.
 
     Parameters
     ----------
     result : Result
-        One without positions of bodies says nothing of it.
+        With what its drums have paid out. Rope that a heave compensation moves is no hoisting.
+
+    Returns
+    -------
+    array (m, 1) or None
+        The same all along the rope; None where no winch brings the one load that hangs on it through the surface.
     """
-    if "body_position" not in result or not any(body.height for body in scene.bodies):
+    scene, water = layout.scene, layout.scene.water
+    hung = pull(scene, layout.path)
+    if water is None or len(hung) != 1 or scene.heave_compensation is not None or "paid_out" not in result:
         return None
-    heights = np.asarray(result["body_position"])[:, :, 2].T
-    highest = [_whole(np.asarray(result.time), z, body) for z, body in zip(heights, scene.bodies, strict=True)]
-    least = [wet_share(scene, body, z) for body, z in zip(scene.bodies, highest, strict=True)]
-    if not any(share < wet_share(scene, body) for share, body in zip(least, scene.bodies, strict=True)):
+    (name, force) = next(iter(hung.items()))
+    body, falls = scene.body(name), abs(float(force[2]))
+    if body.height is None or body.volume == 0.0 or falls < FEWEST_FALLS:
         return None
-    bodies = [
-        body.model_copy(update={"height": None, "volume": share * body.volume})
-        for share, body in zip(least, scene.bodies, strict=True)
-    ]
-    return scene.model_copy(update={"bodies": tuple(bodies)})
+    taken = -np.asarray(result["paid_out"]).sum(axis=-1)
+    lowest = float(at_start(result, "body_position")[scene.bodies.index(body), 2]) - body.bottom
+    deep = np.clip((water.surface - lowest - np.append(0.0, taken / falls)) / body.height, 0.0, 1.0)
+    less = displacement_of(scene, body) * float(np.linalg.norm(scene.gravity)) / falls * (deep[0] - deep[1:])
+    return less[:, None] if less.any() else None
 
 
-def _whole(time: np.ndarray, heights: np.ndarray, body: Body) -> float:
-    """The largest of the heights of a body (n,), m, for as long as all of it is there."""
-    kept = heights if body.release is None else heights[: max(1, int(np.searchsorted(time, body.release.at)))]
-    return float(np.nanmax(kept))
+def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
+    """Keys and texts of bodies with a height that pass the surface: in a sea, and in too few steps."""
+    scene = found.scene
+    spans = hoisted_spans(scene)
+    _, time, taken = reeled_of(scene)
+    way = np.array([0.0]) if not spans else taken / len(spans)
+    for k, body in enumerate(scene.bodies):
+        if body.height is None:
+            continue
+        lows = _height(scene, body.lowest + way)
+        if not ((lows < 0.0) & (lows > -body.height)).any():
+            continue
+        if _in_a_sea(scene):
+            text = (
+                f"{body.name} is in the water's surface, and the surface stays level here: the sea moves the vessel "
+                "only. Waves load such a body, and often decide whether it may be lifted. Judge that by other means"
+            )
+            yield f"bodies[{k}]", text
+        speed = float(np.abs(np.gradient(way, time)).max()) if way.size > 1 else 0.0
+        step = step_taken(scene.solver, scene.output.interval)
+        if not scene.controlled and speed * step > EDGE * body.height:
+            text = (
+                f"{step:.3g} s is long for {body.name}, which passes the surface with up to {speed:.3g} m/s: water "
+                f"takes hold of it within {EDGE:.0%} of its height. Take {EDGE * body.height / speed:.1g} s or less"
+            )
+            yield "solver.step", text
+
+
+def _in_a_sea(scene: CraneScene) -> bool:
+    """Whether waves move the vessel."""
+    motion: Any = None if scene.vessel is None else scene.vessel.motion
+    return isinstance(motion, SeaMotion) or any(isinstance(getattr(motion, name, None), Spectrum) for name in MOTIONS)
 
 
 def heights_of(scene: CraneScene) -> dict[str, dict[str, str]]:

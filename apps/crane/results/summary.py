@@ -13,7 +13,7 @@ from crane.assembly.friction import slips
 from crane.assembly.layout import Layout
 from crane.assembly.tension_at_rest import static_tension
 from crane.results.course import Course, contacts_of, course_of, laid_out
-from crane.results.out_of_water import at_its_highest
+from crane.results.out_of_water import taken_off_the_water
 from crane.results.power import WinchEnergy, winch_energy
 from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification_of, checked, columns, largest, safety_factor, slack_events
@@ -178,7 +178,11 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
     yield "max_tension", peak.value, "N", f"largest tension ({_told(peak)})"
     yield "min_tension", low.value, "N", f"smallest tension ({_told(low)})"
     rest, word = _hung(result, layout)
-    amplified = amplification_of(tension, np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0))
+    carried = np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0)
+    less = taken_off_the_water(result, layout)
+    amplified = amplification_of(tension, carried if less is None else np.where(carried > 0.0, carried + less, 0.0))
+    if less is not None:
+        word = f"{word}, over that at rest where the winch has the load"
     if amplified is not None:
         yield (
             "dynamic_amplification",
@@ -217,15 +221,10 @@ def _hung(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     """What the largest tension is amplified over, (n,) N, and a note on it.
 
     It is the tension at rest. Where a load is lifted off the ground, or the rope hardly carries it at the start, that
-    says nothing of the lift: then it is an estimate of the tension with which the load hangs free, as drawn; where it
-    rises out of the water, as far out as it comes. No number at all where a load stands on the ground and that is not
-    known.
+    says nothing of the lift: then it is an estimate of the tension with which the load hangs free, as drawn. No number
+    at all where a load stands on the ground and that is not known.
     """
     rest, word = _rest(result, layout)
-    raised = at_its_highest(result, layout.scene)
-    found = None if raised is None else static_tension(raised, layout.path)
-    if found is not None:
-        return found.ravel(), ", over the load hanging free as far out of the water as it comes, estimated"
     if layout.scene.start != "static":
         return rest, word
     found = static_tension(layout.scene, layout.path)

@@ -191,7 +191,7 @@ def amplification(time: np.ndarray, tension: np.ndarray, static: np.ndarray, nam
 
 
 def amplification_of(tension: Columns, static: np.ndarray) -> Peak | None:
-    """The same of tensions that were checked.
+    """The same of tensions that were checked; ``static`` may differ from time to time, (m, n) N.
 
     Raises
     ------
@@ -199,14 +199,16 @@ def amplification_of(tension: Columns, static: np.ndarray) -> Peak | None:
         Where a tension at rest is not finite.
     """
     time, values, names = tension
-    static = np.broadcast_to(np.asarray(static, float), (len(names),))
-    if not np.isfinite(static).all():
-        raise ArgumentError(f"static: {names[int(np.argmin(np.isfinite(static)))]} has no finite tension at rest")
-    carrying = np.flatnonzero(static > 0.0)
+    static = np.asarray(static, float)
+    static = np.broadcast_to(static, static.shape if static.ndim == 2 else (len(names),))
+    finite = np.isfinite(np.atleast_2d(static)).all(axis=0)
+    if not finite.all():
+        raise ArgumentError(f"static: {names[int(np.argmin(finite))]} has no finite tension at rest")
+    carrying = np.flatnonzero((np.atleast_2d(static) > 0.0).all(axis=0))
     if carrying.size == 0:
         return None
     if carrying.size < static.size:
-        values, static, names = values[:, carrying], static[carrying], [names[k] for k in carrying.tolist()]
+        values, static, names = values[:, carrying], static[..., carrying], [names[k] for k in carrying.tolist()]
     factors = values / static
     return Columns(time, factors, names).at(int(np.argmax(factors)))
 

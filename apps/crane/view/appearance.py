@@ -278,12 +278,11 @@ class _Load:
         size = volume ** (1.0 / 3.0) * PROPORTIONS
         below = 0.7 * size[2]
         ground = self.site.scene.ground
-        if body.bottom > 0.0:
+        if body.bottom > 0.0 or body.height is not None:
             hanging = max(apex[2] + body.bottom, 0.2 * body.bottom)
-            high = 0.75 * hanging
+            high = 0.75 * hanging if body.height is None else body.height
             flat = float(np.clip(np.sqrt(volume / (PROPORTIONS[:2].prod() * high)), 0.3 * high, 2.5 * high))
             size = np.array([*(flat * PROPORTIONS[:2]), high])
-            below = -body.bottom + high - apex[2]
             return _Box(size, np.array([*apex[:2], -body.bottom + 0.5 * high]), apex)
         if ground is not None and float(self.place[:, 2].min()) + apex[2] - below - size[2] < ground.level:
             # It touches with its own position: what is below that is as flat as it can be.
