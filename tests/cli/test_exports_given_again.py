@@ -5,11 +5,8 @@ import os
 from pathlib import Path
 
 import h5py
-import numpy as np
 import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
-from physics.cables.rope_text import PINNED, chain, scene
-from view.made_up import moved
 
 from crane.application import Crane
 from drillstring.application import Drillstring
@@ -18,16 +15,6 @@ from tautline.cable.application import Cable
 from tautline.results.errors import WriteError
 
 TENSION = ("--csv", "--what", "axial_force")
-
-
-@pytest.fixture
-def span(tmp_path, monkeypatch):
-    """A result of two elements in the current folder."""
-    p = np.linspace(0.0, 1.0, 3)
-    items = chain(np.stack([p, 0 * p, 0 * p], axis=-1), p, {0: PINNED}, EA=1e3, EJ=0.1)
-    moved(scene(items), path=tmp_path / "span.nc", frames=3)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 @pytest.fixture

@@ -84,7 +84,6 @@ def _spoiling_is_known():
     register(Spoiling, **HOOKS)
     yield
     groups.KINDS.pop(Spoiling, None)
-    groups.CONSTANT_MASS.discard(Spoiling)
     groups._forget(Spoiling)
 
 

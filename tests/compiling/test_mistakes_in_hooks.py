@@ -37,7 +37,6 @@ def _push_is_forgotten():
     assert Push not in groups.KINDS
     yield
     groups.KINDS.pop(Push, None)
-    groups.CONSTANT_MASS.discard(Push)
     groups._forget(Push)
 
 
@@ -279,7 +278,7 @@ def test_a_hook_with_another_number_of_arguments_is_refused_with_both_lists(func
 def test_a_hook_may_have_arguments_with_defaults_and_any_number_of_them():
     for hook in map(kernel, (lambda g, t, q, v, a, r, more=0.0: None, lambda g, *more: None)):
         register(Push, residual=hook)
-        assert groups.KINDS[Push] == {"residual": hook}
+        assert groups.KINDS[Push].hooks == {"residual": hook}
 
 
 class Pushes(NamedTuple):
@@ -323,7 +322,6 @@ def assembled(places, **hooks):
         return assemble((group,), degrees, compile_functions([]), np.zeros(3), [np.array([[0, 1, 2]])], [])
     finally:
         groups.KINDS.pop(Pushes)
-        groups.CONSTANT_MASS.discard(Pushes)
         groups._forget(Pushes)
 
 

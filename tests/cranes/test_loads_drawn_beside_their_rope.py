@@ -7,7 +7,7 @@ from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, one
 
 from crane.application import Crane
 from crane.assembly.estimates import estimate
-from crane.results.drawn_askew import drawn_askew
+from crane.warnings.drawn_askew import drawn_askew
 from tautline.results.assessment.start import FAR
 from tautline.simulation import simulate
 

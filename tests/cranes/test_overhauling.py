@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 import tautline
-from crane.overhauling import least_tension
 from crane.warnings import warnings
+from crane.warnings.overhauling import least_tension
 
 DATA = Path(__file__).parents[2] / "data"
 HOIST = tautline.read(DATA / "hoist.yaml")

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from crane.geometry.drawing import outline
 from crane.geometry.reeving import ReevingError, Wheel, reeve, sigma_of, tangent
+from crane.view.rope_outline import outline
 
 Y, Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 

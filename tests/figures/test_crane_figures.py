@@ -10,10 +10,10 @@ from figures.pages import check, leave_out_pixels
 from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result, scene
 from of_the_suite import studies
 
-from crane.geometry.drawing import outline
 from crane.results.course import course_of, laid_out
 from crane.view.figures import FIGURES, draw, draw_scene, figures
 from crane.view.path_figure import of_run, of_scene, path_figure
+from crane.view.rope_outline import outline
 from tautline.results.errors import ResultError
 
 EACH = list(FIGURES)

@@ -11,11 +11,11 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tautline.application.installed import Installed
-from tautline.cable import coarse_lines
 from tautline.cable.input.lines import hanging
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.scene import parse
 from tautline.cable.model.build import build
+from tautline.cable.warnings import coarse_lines
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.scene.errors import SceneError

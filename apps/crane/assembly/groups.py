@@ -134,10 +134,24 @@ def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunction
     none = {"by_s": 0.0, "by_p": 0.0}
     rows = records_of(SLIP, [none | row for row in contacts])
     return Slips(
-        rows, spans.found, spans.start, ends, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64),
-        np.zeros(1), np.ones(1), rows["by_p"].copy(), np.zeros(2), np.zeros((n, 2)), np.zeros(n, np.int64),
-        np.zeros(1, np.int64), functions,
-    )  # fmt: skip
+        rows=rows,
+        found=spans.found,
+        direction=spans.start,
+        ends=ends,
+        force=np.zeros(n),
+        travel=np.zeros(n),
+        now=np.zeros(n),
+        power=np.zeros(n),
+        slips=np.zeros(n, np.int64),
+        acts=np.zeros(1),
+        fresh=np.ones(1),
+        by_p=rows["by_p"].copy(),
+        follows=np.zeros(2),
+        predicted=np.zeros((n, 2)),
+        slid=np.zeros(n, np.int64),
+        held=np.zeros(1, np.int64),
+        functions=functions,
+    )
 
 
 def _at_drum(layout: Layout, spans: Spans, i: int) -> dict[str, Any]:

@@ -111,11 +111,8 @@ def operability(application: Any, scene: Any, asked: Asked, execution: Execution
     of_command = criteria[: len(read_criteria(asked.limits, figures, handles.outputs))]
     if asked.simulated < asked.duration:
         check_scaled(criteria, of_command, f"{asked.duration:g}s")
-    collect = [one.collected for one in criteria]
-    names = {one.column for one in criteria}
-    collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
-    collect = list({str(one): one for one in collect}.values())
-    storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
+    collect = _collected(asked, criteria)
+    storm = _storm(scene, asked, keys, collect)
     # Frames and statistics both tell them.
     collect += [column for one in of_every_run for column in one.columns]
     wet = heights_of(scene)
@@ -359,8 +356,16 @@ def _found_by(
     return {**sometimes, **figures}, handles_of(model), of_run(result.limits)
 
 
-def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:
-    """What a storm has other than the scene: its length, and statistics where they hold all that is asked for."""
+def _collected(asked: Asked, criteria: Sequence[Criterion]) -> list[Any]:
+    """What every run is asked for: what the limits judge, and what fatigue is counted from; each once."""
+    collect = [one.collected for one in criteria]
+    names = {one.column for one in criteria}
+    collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
+    return list({str(one): one for one in collect}.values())
+
+
+def _storm(scene: Any, asked: Asked, keys: SeaKeys, collect: Sequence[Any]) -> Any:
+    """The scene with the length of a storm, ramps within half its lead-in, and statistics where they hold all asked."""
 
     def kept(one: Any) -> bool:
         return not isinstance(one, str) or one in OF_TURNS or any(re.fullmatch(rule, one) for rule in JOINED)
@@ -369,7 +374,8 @@ def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:
     output: dict[str, Any] = {"interval": interval}
     if all(kept(one) for one in collect):
         output |= {"keep": "statistics", "of": [TENSION], "windows": interval, "begin": asked.lead}
-    return {"solver.end": asked.lead + asked.simulated, "output": output}
+    own = {"solver.end": asked.lead + asked.simulated, "output": output}
+    return scene.replace(own | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
 
 
 def _fatigue(data: Any, asked: Asked, scene: Any, table: Table) -> Fatigue:

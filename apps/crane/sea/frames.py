@@ -9,7 +9,7 @@ differenced.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -19,27 +19,15 @@ from tautline.kernels.moving_frame import ENTRIES, places_of
 from tautline.kernels.time_function import TimeFunctions, sample, sample_all
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Constant
-from tautline.system.time_functions import FrameEntry, FrameSet, FunctionRequest, Samples, Steering, compile_functions
+from tautline.system.time_functions import FrameEntry, FrameSet, FunctionRequest, Steering, compile_functions
 
 GROUND = -1
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
-TOLERANCE = 1.0e-11
-"""Error of the quintics between knots, as a share of how far C, or R, moves from where it is at t = 0."""
-ROUNDING = 64.0 * np.finfo(float).eps
-KNOTS_AT_FIRST = 16
-"""Knots that a period gets, and a run, before the error is looked at."""
-TURN = 0.4
-"""Angle that a frame may turn between two of these first knots, rad."""
-MOST_KNOTS = 1_000_000
-BLEND = 1.0e-4
-"""Time in which a jump of acceleration is gone through, s: a knot holds one acceleration, not two."""
 LOOKS = np.arange(1, 102) * GOLDEN % 1.0
 """Shares of the run at which a motion's size is looked at."""
 JUMP = 1.0e-6
 """Share of its largest rate, or second rate, by which a motion jumps where it is not called smooth."""
-CLOSEST = 1.0e-4
-"""Time between knots below which their second derivatives would be rounding, s; 1e-5 of shorter runs."""
 GRACE = 1.0
 """Time by which the last piece outlasts the run, s: the run's last instant must not lie where all is held."""
 
@@ -230,41 +218,6 @@ def _still_entries(
     return at_first, ~np.any((rate != 0.0) | (second != 0.0), axis=0)
 
 
-def heave_of(frames: Sequence[Frame], vessel: int, k: int, point: Sequence[float], end: float) -> Samples | Constant:
-    """How far the vessel's motion lifts a point of a frame, as a function of time.
-
-    It is the point's height less that which it would have with the vessel at rest: what a boom does by itself is the
-    operator's, and no heave.
-
-    Parameters
-    ----------
-    frames : sequence of Frame
-        Parents before children.
-    vessel, k : int
-        The vessel's place in the list, and that of the frame which the point rides on (or `GROUND`).
-    point : sequence of 3 floats
-        Where it is drawn, m.
-    end : float
-        Time up to which it is good, s.
-
-    Returns
-    -------
-    Samples or Constant
-        m, upwards.
-    """
-    if k == GROUND:
-        return Constant(value=0.0)
-    path = _Path(frames, _compiled(frames, end), k, end)
-    if vessel not in path.chain:
-        return Constant(value=0.0)
-    time, entries = path.knots(TOLERANCE)
-    # the last knot lies beyond the run, where nothing is sampled: the rest follows there as the whole does
-    at_rest = path.entries(time, still=vessel)
-    pivot = frames[k].pivot
-    lift = point_of(entries, pivot, point)[..., 2] - point_of(at_rest, pivot, point)[..., 2]
-    return _model(time, with_grace(time[:-1], lift[:, :-1, None])[1][..., 0])
-
-
 def _compiled(frames: Sequence[Frame], end: float) -> TimeFunctions:
     if not end > 0.0:
         raise ValueError("the end of the run must be later than its start")
@@ -275,13 +228,6 @@ def _compiled(frames: Sequence[Frame], end: float) -> TimeFunctions:
             for i, motion in enumerate(frame.motion)
         ]
     )
-
-
-def _model(time: np.ndarray, derivative: np.ndarray) -> Samples | Constant:
-    """Model of one entry from its value, rate and second rate (3, m)."""
-    if not np.any(derivative[1:]):
-        return Constant(value=float(derivative[0, 0]))
-    return Samples(time, derivative[0], derivative[1], derivative[2])
 
 
 def with_grace(time: np.ndarray, derivatives: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -304,142 +250,34 @@ def _breaks_of(functions: TimeFunctions, i: int) -> np.ndarray:
 
 
 class _Path:
-    """A frame with all those it rides on: where it is at any time, and knots between which quintics follow it."""
+    """A frame with all those it rides on, and what their motions do in a run."""
 
     def __init__(self, frames: Sequence[Frame], functions: TimeFunctions, k: int, end: float) -> None:
         self.end = end
-        self.closest = min(CLOSEST, 1.0e-5 * end)
         self.functions = functions
-        self.chain = [k]
-        while frames[self.chain[0]].parent != GROUND:
-            self.chain.insert(0, frames[self.chain[0]].parent)
-        self.frames = [replace(frames[k], parent=i - 1) for i, k in enumerate(self.chain)]
-        self.indices = [k * len(MOTIONS) + i for k in self.chain for i in range(len(MOTIONS))]
+        chain = [k]
+        while frames[chain[0]].parent != GROUND:
+            chain.insert(0, frames[chain[0]].parent)
+        self.frames = [frames[k] for k in chain]
+        self.indices = [k * len(MOTIONS) + i for k in chain for i in range(len(MOTIONS))]
 
     def motions(self, time: np.ndarray) -> np.ndarray:
         """Value, rate and second rate of all motions (frames, 6, m, 3), at the end as it is reached."""
         before = np.minimum(time, np.nextafter(self.end, 0.0))
         sampled = np.array([sample(self.functions, i, before) for i in self.indices])
-        return sampled.reshape(len(self.chain), len(MOTIONS), time.size, 3)
-
-    def entries(self, time: np.ndarray, still: int | None = None) -> np.ndarray:
-        """C and R with both derivatives (3, m, 12); `still`: a frame that is held as it is drawn."""
-        values = self.motions(time)
-        if still is not None:
-            values[self.chain.index(still)] = 0.0
-        return np.stack([derivative[:, -1] for derivative in motion_of(self.frames, values)])
+        return sampled.reshape(len(self.frames), len(MOTIONS), time.size, 3)
 
     def check_jumps(self) -> None:
-        """Refuse motions that jump; raises SceneError naming the motion and the time."""
-        self._breaks()
-
-    def knots(self, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-        """Times and entries (3, m, 12) between which quintics are good, the last after the end."""
-        time, closed = self._first_knots()
-        entries = self.entries(time)
-        allowed = self._allowed(entries, tolerance)
-        while not np.all(closed):
-            at = np.flatnonzero(~closed)
-            middle = 0.5 * (time[at] + time[at + 1])
-            between = self.entries(middle)
-            wrong = np.any(np.abs(_at_middle(time, entries, at) - between[0]) > allowed, axis=1)
-            wrong &= middle - time[at] > self.closest
-            closed[at] = ~wrong
-            at, middle, between = at[wrong], middle[wrong], between[:, wrong]
-            time = np.insert(time, at + 1, middle)
-            entries = np.insert(entries, at + 1, between, axis=1)
-            closed = np.insert(closed, at + 1, False)
-            self._check_number(time.size)
-        return with_grace(time, entries)
-
-    def _first_knots(self) -> tuple[np.ndarray, np.ndarray]:
-        """Knots where any motion changes its formula, and some for every period; and which intervals are done."""
-        breaks, blends = self._breaks()
-        edges = np.concatenate(([0.0], breaks, [self.end]))
-        spacing = min(self.end, self._shortest_period()) / KNOTS_AT_FIRST
-        self._check_number(self.end / spacing)
-        time = _divided(edges, spacing)
-        angles = self.motions(time)[:, 3:, :, 1]
-        fastest = float(np.abs(angles).max(axis=2).sum())
-        if fastest * spacing > TURN:
-            self._check_number(self.end * fastest / TURN)
-            time = _divided(edges, TURN / fastest)
-        time = np.union1d(time, blends)
-        return time, np.isin(time[:-1], blends)
-
-    def _breaks(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times inside the run at which formulas change, and knots just before those with a jump of acceleration.
-
-        Raises
-        ------
-        SceneError
-            If a motion or its speed jumps.
-        """
+        """Refuse motions that jump, or whose speed does; raises SceneError naming the motion and the time."""
         breaks = np.unique(np.concatenate([_breaks_of(self.functions, i) for i in self.indices]))
         breaks = breaks[(breaks > 0.0) & (breaks < np.nextafter(self.end, 0.0))]
         jump = np.abs(self.motions(breaks) - self.motions(np.nextafter(breaks, 0.0)))
         edges = np.concatenate(([0.0], breaks, [self.end]))
         between = np.concatenate((self.end * LOOKS, edges[:-1] + GOLDEN * np.diff(edges)))
         largest = np.abs(self.motions(np.union1d(breaks, between))).max(axis=2)
-        jumps = jump > JUMP * largest[:, :, None]
-        for k, i, at in np.argwhere(np.any(jumps[..., :2], axis=3)):
+        jumps = jump[..., :2] > JUMP * largest[:, :, None, :2]
+        for k, i, at in np.argwhere(np.any(jumps, axis=3)):
             what = "the motion itself jumps" if jumps[k, i, at, 0] else "its speed jumps"
             cure = "use ramps and cubic tables; let a table begin and end flat, with its first and last value twice"
             key = self.frames[k].motion_key(i)
             raise SceneError([Problem("scene", None, key, None, f"{what} at t = {breaks[at]:g} s", cure)])
-        sudden = np.any(jumps[..., 2], axis=(0, 1))
-        # corners of the third derivative need no knot of their own where there is one this close
-        apart = _apart(breaks, self.closest, self.end)
-        breaks, sudden = breaks[apart], sudden[apart]
-        room = np.diff(breaks, prepend=0.0)[sudden]
-        return breaks, breaks[sudden] - np.minimum(BLEND, 0.1 * room)
-
-    def _shortest_period(self) -> float:
-        """Of all waves, s; infinite without waves."""
-        f = self.functions
-        waves = np.concatenate([f.waves[f.wave_from[i] : f.wave_to[i]] for i in self.indices])
-        waves = waves[waves[:, 0] != 0.0]
-        frequencies = np.abs(np.concatenate((waves[:, 1], waves[:, 1] + 2.0 * waves[:, 2] * self.end)))
-        fastest = float(frequencies.max(initial=0.0))
-        return 2.0 * np.pi / fastest if fastest > 0.0 else np.inf
-
-    def _allowed(self, entries: np.ndarray, tolerance: float) -> np.ndarray:
-        """Error allowed of each entry (12,)."""
-        moved = np.abs(entries[0] - entries[0, 0]).max(axis=0)
-        far = sum(float(np.abs(frame.pivot).max()) for frame in self.frames) + float(np.abs(entries[0, :, :3]).max())
-        allowed = np.empty(ENTRIES)
-        allowed[:3] = tolerance * moved[:3].max() + ROUNDING * far
-        allowed[3:] = tolerance * min(1.0, moved[3:].max()) + ROUNDING
-        return allowed
-
-    def _check_number(self, knots: float) -> None:
-        if knots > MOST_KNOTS:
-            frame = self.frames[-1]
-            cause = f"following it up to {self.end:g} s takes more than {MOST_KNOTS} knots"
-            raise SceneError(
-                [Problem("scene", None, frame.key or frame.name, None, cause, "move slower, or end earlier")]
-            )
-
-
-def _apart(times: np.ndarray, closest: float, end: float) -> np.ndarray:
-    """Which of some times to keep so that none is closer to the one before, to 0 or to the end."""
-    kept, last = np.zeros(times.size, dtype=bool), 0.0
-    for i, time in enumerate(times):
-        if time - last > closest and end - time > closest:
-            kept[i], last = True, time
-    return kept
-
-
-def _divided(edges: np.ndarray, spacing: float) -> np.ndarray:
-    """Edges, and times between them that are at most so far apart, at least one in each interval."""
-    parts = np.maximum(2, np.ceil(np.diff(edges) / spacing)).astype(np.int64)
-    first = np.repeat(np.cumsum(parts) - parts, parts)
-    share = (np.arange(parts.sum()) - first) / np.repeat(parts, parts)
-    return np.append(np.repeat(edges[:-1], parts) + share * np.repeat(np.diff(edges), parts), edges[-1])
-
-
-def _at_middle(time: np.ndarray, entries: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Value of the quintics in the middle of the intervals `at`, (len(at), 12)."""
-    h = (time[at + 1] - time[at])[:, None]
-    left, right = entries[:, at], entries[:, at + 1]
-    return 0.5 * (left[0] + right[0]) + h * (5.0 / 32.0 * (left[1] - right[1]) + h / 64.0 * (left[2] + right[2]))

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from crane.assembly.layout import Layout
-from crane.geometry.drawing import outline
 from crane.geometry.reeving import Wheel, turned
 from crane.results.course import Course, nodes_of
 from crane.scene.scene import Anchor, CraneScene, Drum, Sheave
+from crane.view.rope_outline import outline
 from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, equal_scale, label, save, shortened, styled
 from tautline.view.figures.figure import outline as edged
 

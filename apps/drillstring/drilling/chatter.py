@@ -18,7 +18,7 @@ from drillstring.drilling.end_groups import BLOCK, ROTATION, from_outside, speed
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps
 from tautline.scene.methods import method_of
-from tautline.scene.values.printed import quantity
+from tautline.scene.values.printed import quantity, rounded
 
 SAFE = 0.8
 """Share of that step that is taken where the step is chosen: weight on the bit may rise above that of the scene."""
@@ -95,8 +95,7 @@ def blades_told(scene: DrillstringScene, lumps: Lumps, step: float) -> list[str]
     # Frames divide into whole steps, which are rounded.
     if not step > (1.0 + ROUNDED) * seen:
         return []
-    digit = 10.0 ** (math.floor(math.log10(seen)) - 1)
-    enough = f"{digit * math.floor(seen / digit):.2g} s"
+    enough = f"{rounded(seen, 2):.2g} s"
     wrong = "may damp that away, and the run may then show smooth drilling"
     if keeps_all(scene):
         wrong = "do not follow that, and the run may then show too little bouncing or too much"

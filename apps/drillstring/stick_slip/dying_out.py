@@ -59,9 +59,3 @@ def _enough(length: float, before: float, after: float, mean: float) -> float:
     """Length of run, s, of which the last half begins when a swing that falls as the two quarters show is faint."""
     rate = math.log(before / max(after, 1e-6 * before)) / (0.25 * length)
     return length + 2.0 * max(0.0, math.log(before / (FAINT * abs(mean)))) / rate
-
-
-def rounded_up(seconds: float) -> float:
-    """A length of run with two digits, none below what it was: 96.3 -> 97."""
-    unit = 10.0 ** (math.floor(math.log10(seconds)) - 1)
-    return math.ceil(seconds / unit - 1e-9) * unit

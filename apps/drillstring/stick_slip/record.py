@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.results.drilling import stalls_at
-from drillstring.stick_slip.dying_out import rounded_up
 from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
 from tautline.results.tables.netcdf import write_dataset
 from tautline.results.tables.rows import heads_of, write_rows
-from tautline.scene.values.printed import quantity, shown, significant
+from tautline.scene.values.printed import quantity, rounded, shown, significant
 from tautline.scene.values.units import RPM
 
 if TYPE_CHECKING:
@@ -155,7 +154,7 @@ def _dying_out(cells: Sequence[Cell]) -> Iterator[str]:
 
 def enough_of(fading: Sequence[Cell]) -> str:
     """A length of run in which the swings of all of them die out."""
-    return quantity(rounded_up(max(cell.enough for cell in fading)), "s")
+    return quantity(rounded(max(cell.enough for cell in fading), 2, up=True), "s")
 
 
 def _at(some: Sequence[Cell], cells: Sequence[Cell]) -> str:

@@ -169,16 +169,18 @@ def _too_heavy(scene: DrillstringScene, speed: float, weight: float) -> list[str
 
 def _too_short(scene: DrillstringScene, end: float | None) -> list[str]:
     """A word of runs that are asked to be shorter than the swing of the start mostly takes to die out."""
-    from drillstring.stick_slip.dying_out import CYCLES, rounded_up
+    from drillstring.stick_slip.dying_out import CYCLES
     from drillstring.stick_slip.severity_map import period_of
-    from tautline.scene.values.printed import quantity, significant
+    from tautline.scene.values.printed import quantity, rounded, significant
 
     if end is None or end >= CYCLES * (period := period_of(scene)):
         return []
     mode = f"periods of the string's first torsional mode, {quantity(period, 's')} each"
     run = f"--end: {quantity(end, 's')} is {significant(end / period, 2)} {mode}"
     cause = f"{run}: the swing that the start gives may not have died out by then"
-    return [f"{cause}. {CYCLES:g} periods mostly suffice: --end '{quantity(rounded_up(CYCLES * period), 's')}'"]
+    return [
+        f"{cause}. {CYCLES:g} periods mostly suffice: --end '{quantity(rounded(CYCLES * period, 2, up=True), 's')}'"
+    ]
 
 
 def _report(

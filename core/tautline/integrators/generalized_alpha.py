@@ -546,11 +546,25 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
     length = system.scale / (system.force or system.scale.max(initial=1.0))
     length[system.algebraic] = 0.0
     return GeneralizedAlpha(
-        alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
-        settings.step_error, length, np.array([0.0, 1.0]),
-        np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
-        np.zeros((KNOWN, system.q.size)), np.zeros(system.size), np.zeros((2, system.q.size)),
-    )  # fmt: skip
+        alpha_m=alpha_m,
+        alpha_f=alpha_f,
+        beta=beta,
+        gamma=gamma,
+        max_halvings=halvings,
+        corrector=iteration,
+        power=np.zeros(2),
+        last_step=np.zeros(1),
+        algebraic=system.algebraic,
+        tolerance=settings.step_error,
+        length=length,
+        control=np.array([0.0, 1.0]),
+        history=np.zeros((DEPTH, system.size)),
+        newest=np.zeros(1, np.int64),
+        order=np.zeros(1, np.int64),
+        driven=np.zeros((KNOWN, system.q.size)),
+        begun=np.zeros(system.size),
+        forces=np.zeros((2, system.q.size)),
+    )
 
 
 def _sums(method: GeneralizedAlpha) -> tuple[str, ...]:

@@ -98,20 +98,10 @@ EMPTY, LOOSE, OFF_WHEEL, RUN_OUT, TWO_BLOCKED, DRUM_FULL, SLACK_ON_WHEEL = 1, 2,
 wheel that it ran over; all of a rope has run off its drum; what hangs on a rope has come up to its wheel; a drum holds
 all the rope that it can."""
 
-KINDS: dict[type, dict[str, Kernel]] = {}
-"""The kernels of each kind of group, by hook."""
-CONSTANT_MASS: set[type] = set()
-"""Kinds whose mass matrix does not depend on positions."""
-FRICTION: set[type] = set()
-"""Kinds whose damping is friction: its force is bounded, however steep it is where it turns."""
 Feels = Callable[[Any], bool]
 """What says of a group whether its forces depend on accelerations otherwise than by its mass."""
-ACCELERATION_DEPENDENT: dict[type, Feels] = {}
-"""Kinds of which that may be so."""
 Keeper = Callable[[Any], str]
 """What says of a group what moves on with a run and is no unknown."""
-MEMORY: dict[type, Keeper] = {}
-"""Kinds that may have such a thing."""
 
 
 class Integral(NamedTuple):
@@ -137,12 +127,8 @@ class Integral(NamedTuple):
 
 Integrals = Callable[[Any], list[Integral]]
 """What lists those of a group that its forces follow."""
-INTEGRALS: dict[type, Integrals] = {}
-"""Kinds that may have some."""
 Lengths = Callable[[Any], list[Any]]
 """What lists the full places of vectors of a group of which only the direction counts, each an array."""
-LENGTHS: dict[type, Lengths] = {}
-"""Kinds that have such vectors. Their lengths drive nothing, and nothing drives them."""
 
 
 class Stuck(NamedTuple):
@@ -177,8 +163,6 @@ class Stuck(NamedTuple):
 
 Sticks = Callable[[Any, float], list[Stuck]]
 """What lists what sticks in a group at a time, s, at which its residual was asked for; it may call kernels."""
-STICKS: dict[type, Sticks] = {}
-"""Kinds in which something may stick."""
 
 
 class Edge(NamedTuple):
@@ -216,12 +200,28 @@ class Edge(NamedTuple):
 Edges = Callable[[Any, np.ndarray, np.ndarray], list[Edge]]
 """What lists those of a group at full positions and velocities, at which its residual was asked for; it may call
 kernels."""
-EDGES: dict[type, Edges] = {}
-"""Kinds of one-sided laws."""
 Hold = Callable[[Any], None]
 """What has a law of a group stay as the last accepted step left it."""
-HOLDS: dict[type, Hold] = {}
-"""Kinds whose law would else begin a step anew wherever it is asked."""
+
+
+class Kind(NamedTuple):
+    """What is registered of a kind of group: its kernels by hook, and the rest as :func:`register` takes it."""
+
+    hooks: dict[str, Kernel]
+    constant_mass: bool = False
+    friction: bool = False
+    memory: Keeper | None = None
+    feels: Feels | None = None
+    hold: Hold | None = None
+    integrals: Integrals | None = None
+    lengths: Lengths | None = None
+    sticks: Sticks | None = None
+    edges: Edges | None = None
+
+
+KINDS: dict[type, Kind] = {}
+"""The kinds of groups that are registered."""
+UNKNOWN = Kind({})
 
 
 class Sum(NamedTuple):
@@ -318,32 +318,24 @@ def register(
             raise ValueError(f"{kind.__name__}: no hook is called {name!r}: one of {', '.join(HOOKS)}")
         _check_arguments(kind, name, hook)
         _check_kernel(kind, name, hook)
-    KINDS[kind] = hooks
+    KINDS[kind] = Kind(
+        hooks,
+        constant_mass=constant_mass or "mass" not in hooks,
+        friction=friction,
+        memory=memory,
+        feels=feels,
+        hold=hold,
+        integrals=integrals,
+        lengths=lengths,
+        sticks=sticks,
+        edges=edges,
+    )
     _forget(kind)
-    if constant_mass or "mass" not in hooks:
-        CONSTANT_MASS.add(kind)
-    if friction:
-        FRICTION.add(kind)
-    if memory is not None:
-        MEMORY[kind] = memory
-    ACCELERATION_DEPENDENT.pop(kind, None)
-    if feels is not None:
-        ACCELERATION_DEPENDENT[kind] = feels
-    LENGTHS.pop(kind, None)
-    if lengths is not None:
-        LENGTHS[kind] = lengths
-    INTEGRALS.pop(kind, None)
-    if integrals is not None:
-        INTEGRALS[kind] = integrals
-    STICKS.pop(kind, None)
-    if sticks is not None:
-        STICKS[kind] = sticks
-    EDGES.pop(kind, None)
-    if edges is not None:
-        EDGES[kind] = edges
-    HOLDS.pop(kind, None)
-    if hold is not None:
-        HOLDS[kind] = hold
+
+
+def known_of(group: Any) -> Kind:
+    """What is registered of a group's kind; of one that is not, nothing."""
+    return KINDS.get(type(group), UNKNOWN)
 
 
 def _check_kernel(kind: type, name: str, hook: Any) -> None:
@@ -388,7 +380,7 @@ def _forget(kind: type) -> None:
 
 def _kernels_of(kind: type) -> Any:
     """The kernels of a kind, which its hooks take in."""
-    return KINDS.get(kind, {}).values()
+    return KINDS.get(kind, UNKNOWN).hooks.values()
 
 
 KERNELS_OF.append(_kernels_of)
@@ -451,36 +443,36 @@ def members_of(groups: tuple[Any, ...]) -> Members:
 
 def without_friction(groups: tuple[Any, ...]) -> tuple[Any, ...]:
     """The groups whose damping is no friction."""
-    return tuple(g for g in groups if type(g) not in FRICTION)
+    return tuple(g for g in groups if not known_of(g).friction)
 
 
 def hold_laws(groups: tuple[Any, ...]) -> None:
     """Have the laws of groups stay as the last accepted step left them; no step may be made with them after that."""
     for g in groups:
-        if type(g) in HOLDS:
-            HOLDS[type(g)](g)
+        if (hold := known_of(g).hold) is not None:
+            hold(g)
 
 
 def offers(groups: tuple[Any, ...], hook: str) -> bool:
     """Whether any of the groups has a kernel for this hook."""
-    return any(hook in KINDS[type(g)] for g in (groups.groups if isinstance(groups, Members) else groups))
+    return any(hook in KINDS[type(g)].hooks for g in (groups.groups if isinstance(groups, Members) else groups))
 
 
 def feel_acceleration(groups: tuple[Any, ...]) -> bool:
     """Whether forces of any of the groups depend on accelerations otherwise than by their mass."""
-    return any(type(g) in ACCELERATION_DEPENDENT and ACCELERATION_DEPENDENT[type(g)](g) for g in groups)
+    return any(feels(g) for g in groups if (feels := known_of(g).feels) is not None)
 
 
 def has_constant_mass(groups: tuple[Any, ...]) -> bool:
     """Whether the mass matrix of the groups stays what it is."""
-    return all(type(g) in CONSTANT_MASS for g in groups)
+    return all(known_of(g).constant_mass for g in groups)
 
 
 def _code_for(name: str, kind: type) -> str | None:
     """The sum whose code a kind runs for a sum: its own, the one instead of it, or none."""
     if kind not in KINDS:
         raise TypeError(f"{kind.__name__} is no registered kind of group")
-    hooks = KINDS[kind]
+    hooks = KINDS[kind].hooks
     candidates = (s for s in (name, INSTEAD.get(name)) if s is not None)
     return next((s for s in candidates if SUMS[s].hook in hooks and SUMS[s].among(hooks)), None)
 
@@ -610,7 +602,7 @@ def _over_groups(name: str) -> Kernel:
         members = groups if isinstance(groups, Members) else members_of(groups)
         for i, code in members.that_run(name):
             g = members.groups[i]
-            KINDS[type(g)][SUMS[code].hook](g, *args)
+            KINDS[type(g)].hooks[SUMS[code].hook](g, *args)
 
     loop = (
         f"def {name}(groups, {names}):\n"

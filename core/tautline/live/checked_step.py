@@ -12,6 +12,7 @@ from tautline.live.errors import SimulationError
 from tautline.live.frame_clock import CLOSE, FrameClock
 from tautline.live.memory import Memory
 from tautline.run import Run
+from tautline.scene.values.printed import rounded
 
 
 class CheckedStep:
@@ -93,7 +94,8 @@ class CheckedStep:
         return SimulationError(
             f"cannot advance from {begin:.6g} s to {end:.6g} s: that is divided into steps of up to {step:.6g} s, and "
             f"the critical step of {method} is {found:.4g} s ({name})",
-            f"advance by {_below(found):g} s at most, give a smaller solver.step, or take the method generalized-alpha",
+            f"advance by {rounded(found, 3):g} s at most, give a smaller solver.step, or take the method "
+            "generalized-alpha",
         )
 
     @property
@@ -149,9 +151,3 @@ class CheckedStep:
     @property
     def _chosen(self) -> bool:
         return self._run.model.solver.automatic
-
-
-def _below(number: float) -> float:
-    """A number above zero with three digits, rounded down."""
-    unit = 10.0 ** (math.floor(math.log10(number)) - 2)
-    return math.floor(number / unit) * unit

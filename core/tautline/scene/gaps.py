@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -16,6 +15,7 @@ from tautline.scene.model import DOUBT, MARK, Model
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.document import Document, Path_, join_key
 from tautline.scene.unit_slips import CLOCK
+from tautline.scene.values.printed import rounded
 from tautline.scene.values.ranges import sized
 
 RECORDED = 20
@@ -155,7 +155,7 @@ def _jumps(table: Table, unit: str, step: float) -> str:
         f"rows of {table.file} are {apart:.6g} s apart, and a step takes {step:.6g} s. On straight lines between them "
         f"the speed jumps by {sized(jump, unit + '/s')} from row to row, as noise makes it. Steps cannot follow that: "
         "places and forces beside it go wrong, and the longer the more. Smooth the record, keep fewer rows, or take "
-        f"steps of {_rounded_down(apart / CLOSE):.6g} s: {CLOSE:g} or more from row to row"
+        f"steps of {rounded(apart / CLOSE, 2, within=ROUNDED):.6g} s: {CLOSE:g} or more from row to row"
     )
 
 
@@ -180,15 +180,9 @@ def _sudden(table: Table, unit: str, end: float, step: float) -> str:
                 f"{table.file or 'the table'} jumps by {sized(abs(float(ways[i])), unit)} within {lasts[i]:.3g} s, at "
                 f"{time[i]:.6g} s, and a step takes {step:.6g} s. A step that ends in the jump throws what is carried "
                 f"too far, up to {thrown / abs(float(ways[i])):.2g} times. Spread the jump over {2.0 * step:.3g} s or "
-                f"more, or take steps of {_rounded_down(float(lasts[i]) / 2.0):.2g} s"
+                f"more, or take steps of {rounded(float(lasts[i]) / 2.0, 2, within=ROUNDED):.2g} s"
             )
     return ""
-
-
-def _rounded_down(value: float) -> float:
-    """A number above 0 with two digits that is no larger: a step that is rounded up is too long again."""
-    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return math.floor(value / unit * (1.0 + ROUNDED)) * unit
 
 
 def _matters(value: np.ndarray, edge: int, unit: str) -> bool:

@@ -19,31 +19,30 @@ Vector = tuple[float, float, float]
 
 def listed(count: int | None, of: str, example: str) -> BeforeValidator:
     """Annotate a list of `count` entries, or of at least one."""
+    return BeforeValidator(lambda value: _entries(value, count, f"give {of}, such as {example}"))
 
-    def read(value: Any) -> Any:
-        cure = f"give {of}, such as {example}"
-        if not isinstance(value, (list, tuple)):
-            raise refusal("is empty" if value is None else "is not a list", cure)
-        if not value:
-            raise refusal("is an empty list", cure)
-        if count is not None and len(value) != count:
-            entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
-            raise refusal(f"has {entries}, not {count}", cure)
-        return value
 
-    return BeforeValidator(read)
+def _entries(value: Any, count: int | None, cure: str) -> Any:
+    """A list of `count` entries, or of at least one, as it is; anything else is refused, a SceneError."""
+    if not isinstance(value, (list, tuple)):
+        raise refusal("is empty" if value is None else "is not a list", cure)
+    if not value:
+        raise refusal("is an empty list", cure)
+    if count is not None and len(value) != count:
+        entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
+        raise refusal(f"has {entries}, not {count}", cure)
+    return value
 
 
 def three(example: str) -> BeforeValidator:
     """Annotate a list of three numbers; ``example`` stands in the refusal of anything else, a SceneError."""
-    of, count = "three numbers: x, y and z", 3
-    plain = listed(count, of, example)
+    count, cure = 3, f"give three numbers: x, y and z, such as {example}"
 
     def read(value: Any) -> Any:
         if isinstance(value, (list, tuple)) and count < len(value) <= 2 * count and _may_be_parted(value):
-            cure = f"give {of}, such as {example}. Are there decimal commas? Write decimal points"
-            raise refusal(f"has {len(value)} entries, not {count}", cure)
-        return plain.func(value)  # type: ignore[call-arg]
+            asked = f"{cure}. Are there decimal commas? Write decimal points"
+            raise refusal(f"has {len(value)} entries, not {count}", asked)
+        return _entries(value, count, cure)
 
     return BeforeValidator(read)
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from tautline.kernels.compiling.errors import KernelError
 from tautline.kernels.dofs import Dofs
-from tautline.kernels.groups import HOOKS, KINDS
+from tautline.kernels.groups import HOOKS, KINDS, UNKNOWN, known_of
 from tautline.kernels.jit import in_python
 from tautline.kernels.machine.sources import comes_with_us
 
@@ -168,11 +168,11 @@ def _key(group: Any, *sizes: int) -> tuple[Any, ...]:
             digest.update(repr(part).encode())
 
     take(group)
-    return type(group), *sizes, digest.digest(), *KINDS.get(type(group), {}).values()
+    return type(group), *sizes, digest.digest(), *known_of(group).hooks.values()
 
 
 def _gone_through(kind: type, filled: bool) -> Iterator[tuple[str, Any]]:
-    for name, hook in KINDS.get(kind, {}).items():
+    for name, hook in KINDS.get(kind, UNKNOWN).hooks.items():
         function = getattr(hook, "py_func", hook)
         if name in ("begin", *READING) and (filled or not comes_with_us(function)):
             yield name, function

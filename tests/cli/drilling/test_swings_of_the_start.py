@@ -9,7 +9,7 @@ import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
 
 from drillstring.application import Drillstring
-from drillstring.stick_slip.dying_out import CYCLES, dying_out, rounded_up
+from drillstring.stick_slip.dying_out import CYCLES, dying_out
 from drillstring.stick_slip.record import sentences, table
 from drillstring.stick_slip.severity_map import Cell, Map
 from drillstring.view.stick_slip_figures import draw
@@ -69,10 +69,6 @@ def test_a_run_of_few_frames_does_not_show_that_a_swing_falls(frames):
     assert dying_out(time, spin, PERIOD) is not None
     few = np.linspace(0, len(time) - 1, frames).astype(int)
     assert dying_out(time[few], spin[few], PERIOD) is None
-
-
-def test_lengths_are_rounded_up_never_down():
-    assert [rounded_up(x) for x in (96.27, 97.0, 101.0, 4.81)] == pytest.approx([97.0, 97.0, 110.0, 4.9])
 
 
 @pytest.fixture

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from of_the_suite import kept
 
 from crane.sea.compensation import compensate, lift_of, unlimited
-from crane.sea.frames import GROUND, Frame, boom, heave_of, requests_of
+from crane.sea.frames import GROUND, Frame, boom, requests_of
 from crane.sea.mru import read_motions
 from tautline.kernels.jit import entry
 from tautline.kernels.time_function import evaluate, sample
 from tautline.scene.functions import Constant, Harmonic, Spectrum
-from tautline.system.time_functions import FunctionRequest, Samples, compile_functions
+from tautline.system.time_functions import FrameLift, FunctionRequest, compile_functions
 
 END = 40.0
 ROUNDING = 1e-9
@@ -39,7 +39,7 @@ def compensated(name, gain, delay, limits):
 
 def heave(model, end=END):
     frame = Frame("vessel", GROUND, (0.0, 0.0, 0.0), (NIL, NIL, model, NIL, NIL, NIL))
-    return heave_of((frame,), 0, 0, (10.0, 0.0, 20.0), end)
+    return lift_of(requests_of((frame,), end), 0, 0, (10.0, 0.0, 20.0))
 
 
 HEAVES = {"wave": heave(WAVE), "sea": heave(SEA)}
@@ -224,7 +224,7 @@ def test_any_actuator_in_any_sea_keeps_to_its_limits(stroke, speed, acceleration
     end = 12.0
     limits = Limits(stroke, speed, acceleration)
     source = heave(SEA.model_copy(update={"seed": seed, "components": 40, "ramp": 0.0}), end)
-    assert isinstance(source, Samples)
+    assert isinstance(source, FrameLift)
     assert_within(compensate(source, gain, delay, limits, end), limits, end)
 
 
@@ -254,7 +254,7 @@ def test_without_limits_the_loop_itself_finds_what_is_else_computed_ahead(delay)
         functions = compile_functions([FunctionRequest(free.pay_out, factor=-1.0), FunctionRequest(free.place)])
         sizes.append(sum(np.size(array) for array in functions[:-4]))
     assert sizes[0] == sizes[1] and free.away == free.error == 0.0
-    ahead = compensate(heave_of(frames, 0, 1, point, END), 0.95, delay, Limits(), END)
+    ahead = compensate(lift_of(requests_of(frames, END), 1, 0, point), 0.95, delay, Limits(), END)
     at = times(n=4001)[:-1]
     out = np.zeros((at.size, 3))
     _evaluate(functions, 0, at, out)

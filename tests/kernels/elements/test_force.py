@@ -8,7 +8,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.groups import KINDS, link
 from tautline.kernels.jit import entry
 
-OF_ITS_OWN = [name for name in rope.KINDS if "force" in KINDS[type(rope.KINDS[name].make())]]
+OF_ITS_OWN = [name for name in rope.KINDS if "force" in KINDS[type(rope.KINDS[name].make())].hooks]
 
 
 @entry

@@ -10,10 +10,11 @@ from rope_text import element, node, scene
 from scipy.optimize import brentq
 
 import tautline
-from tautline.cable import fast_material, short_waves
+from tautline.cable import short_waves
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
 from tautline.cable.short_waves import curves_of, growth, may_be_overtaken
+from tautline.cable.warnings import fast_material
 
 EA, SPEED = 2000.0, 6.0
 """Stiffness, N, and speed of waves, m/s, of a ring of 1 kg/m and 1 m radius."""

@@ -6,9 +6,9 @@ from rope_text import FREE, element, node, scene
 from scipy.integrate import solve_ivp
 
 import tautline
-from tautline.cable import changed_material
 from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
+from tautline.cable.warnings import changed_material
 
 GRAVITY, END = 9.81, 0.4
 

@@ -11,8 +11,8 @@ import pytest
 from physics.lifting.crane_scenes import anchor, body, crane, drum, end, parsed, ran, sheave
 
 from crane.assembly.estimates import estimate
-from crane.tension_control import loop_of
 from crane.warnings import warnings
+from crane.warnings.tension_control import loop_of
 
 MASS, STIFFNESS, LENGTH, DAMPING = 2000.0, 1.0e6, 20.0, 2.0e-3
 ROPE = {"mass_per_length": 1.0e-3, "axial_stiffness": STIFFNESS, "damping": DAMPING, "strain": "engineering"}

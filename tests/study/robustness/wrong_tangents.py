@@ -17,7 +17,7 @@ from tautline.elements.linear import _tangent as tangent_of_linear
 from tautline.elements.tension import Tension
 from tautline.elements.tension import _tangent as tangent_of_tension
 from tautline.kernels.dofs import add_entry
-from tautline.kernels.groups import CONSTANT_MASS, KINDS, register
+from tautline.kernels.groups import KINDS, register
 from tautline.kernels.jit import kernel
 
 # As in tests/order/two_masses.py: what is compiled for these groups goes into the cache with the classes themselves.
@@ -117,7 +117,7 @@ def _tension(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 
 WRONG = {LinearTension: (WrongLinearTension, _linear), Tension: (WrongTension, _tension)}
 for kind, (wrong, tangent) in WRONG.items():
-    register(wrong, constant_mass=kind in CONSTANT_MASS, **(KINDS[kind] | {"tangent": tangent}))
+    register(wrong, constant_mass=KINDS[kind].constant_mass, **(KINDS[kind].hooks | {"tangent": tangent}))
 
 
 def faulty(kind):

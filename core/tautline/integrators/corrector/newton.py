@@ -125,14 +125,28 @@ def corrector(
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
     rows = rows_of(system, in_parts=not (by_energy or full))
     return Corrector(
-        float(tolerance), float(contraction), int(full), float(unit), int(by_energy), int(max_iterations),
-        1.0 / system.scale,
-        new_matrix(n, system.bandwidth, system.border),
-        new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL, improved=True),
-        np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
-        new_changed(), np.zeros(1, np.int64), np.zeros(1), rows, np.zeros(6, np.int64),
-        np.full(1, ASTRAY),
-    )  # fmt: skip
+        tolerance=float(tolerance),
+        contraction=float(contraction),
+        full=int(full),
+        unit=float(unit),
+        by_energy=int(by_energy),
+        max_iterations=int(max_iterations),
+        per_scale=1.0 / system.scale,
+        smooth=new_matrix(n, system.bandwidth, system.border),
+        factors=new_factors(
+            n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL, improved=True
+        ),
+        increment=np.zeros(n),
+        right_side=np.zeros(n),
+        made_for=np.zeros(2),
+        factored_for=np.zeros(2),
+        changed=new_changed(),
+        rounded=np.zeros(1, np.int64),
+        fastest=np.zeros(1),
+        rows=rows,
+        chain=np.zeros(6, np.int64),
+        astray=np.full(1, ASTRAY),
+    )
 
 
 def advice(method: Any, status: int) -> str:

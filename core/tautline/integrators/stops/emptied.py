@@ -16,7 +16,7 @@ from tautline.integrators.state import WORST, State, stand_at
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import stepping_with
 from tautline.kernels import groups as over
-from tautline.kernels.groups import EMPTY, KINDS, link
+from tautline.kernels.groups import EMPTY, known_of, link
 from tautline.kernels.jit import entry
 from tautline.system.system import System
 
@@ -80,7 +80,7 @@ def _emptied(system: System, state: State, time: float, step: float) -> int | No
     there[1].q[:] += step * state.v
     try:
         for group in system.groups:
-            if "alarm" in KINDS.get(type(group), {}):
+            if "alarm" in known_of(group).hooks:
                 own = copy.deepcopy(group)  # what is linked is referred to, and has to live on
                 linked = link((own,), "alarm")
                 places = {_place_of_alarm(linked, system, one, time + step) for one in there}

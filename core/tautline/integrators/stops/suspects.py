@@ -15,7 +15,7 @@ import numpy as np
 from tautline.integrators.state import State, stand_at
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over
-from tautline.kernels.groups import KINDS, link
+from tautline.kernels.groups import KINDS, known_of, link
 from tautline.kernels.jit import entry
 from tautline.kernels.machine.sources import comes_with_us
 from tautline.kernels.matrix import new_matrix
@@ -99,7 +99,8 @@ def hook_of_energy(system: System, instants: list[Instant]) -> str:
 
 def _words(kind: type, hook: str, time: float) -> str:
     """What a hook does, and when."""
-    function = getattr(KINDS[kind][hook], "py_func", KINDS[kind][hook])
+    hooks = KINDS[kind].hooks
+    function = getattr(hooks[hook], "py_func", hooks[hook])
     named = f"hook {hook!r} of kind {kind.__name__} ({function.__module__}.{function.__qualname__})"
     return f"{named} gives what is no finite number at {time:.6g} s"
 
@@ -107,7 +108,7 @@ def _words(kind: type, hook: str, time: float) -> str:
 def _groups_of_others(system: System) -> Iterator[Any]:
     """Groups of which others wrote a hook."""
     for group in system.groups:
-        hooks = KINDS.get(type(group), {}).values()
+        hooks = known_of(group).hooks.values()
         if not all(comes_with_us(getattr(hook, "py_func", hook)) for hook in hooks):
             yield group
 
@@ -148,5 +149,5 @@ def _without_number(group: Any, sums: tuple[str, ...], ask: Ask, system: System,
     """The hook of a group by which one of some sums is no finite number at an instant; empty if all are."""
     own = copy.deepcopy(group)
     found = ask(link((own,), *sums), system, now)
-    offered = (hook for hook in found if hook in KINDS[type(group)])
+    offered = (hook for hook in found if hook in KINDS[type(group)].hooks)
     return next((hook for hook in offered if not all(np.isfinite(array).all() for array in found[hook])), "")

@@ -25,7 +25,7 @@ def _apply(typing, row, kind, group, arguments):
     hook, expected, _ = list(SUMS.values())[row.literal_value]
     member, given_types = kind.instance_type, tuple(map(kind_of, expected.values()))
     compiled = _compiled(member.instance_class, hook, (member, *given_types))
-    kernel: Any = KINDS[member.instance_class][hook]
+    kernel: Any = KINDS[member.instance_class].hooks[hook]
     ours = comes_with_us(kernel.py_func)
 
     def code(context, builder, _, given):
@@ -63,7 +63,7 @@ def _spoil(context: Any, builder: Any, expected: dict[str, Any], given: list[Any
 
 def _compiled(kind: type, hook: str, signature: tuple[types.Type, ...]) -> Any:
     """What numba makes of a kind's hook; a mistake in a hook of others is told to them."""
-    kernel = KINDS[kind][hook]
+    kernel = KINDS[kind].hooks[hook]
     function, ours = kernel.compiled, comes_with_us(kernel.py_func)
     if signature not in function.overloads:
         if not ours:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from tautline.integrators.state import State
-from tautline.kernels.groups import EDGES, Edge
+from tautline.kernels.groups import Edge, known_of
 from tautline.kernels.jit import in_python
 from tautline.live.plant.stuck import NAMED
 from tautline.system.system import System
@@ -48,9 +48,9 @@ def what_is_near(system: System, state: State, mass_at: Callable[[Sequence[int]]
     small : float
         m.
     """
-    kinds = [g for g in system.groups if type(g) in EDGES]
+    kinds = [(edges, g) for g in system.groups if (edges := known_of(g).edges)]
     with in_python():
-        found = [one for g in kinds for one in EDGES[type(g)](g, state.full_q, state.full_v)]
+        found = [one for edges, g in kinds for one in edges(g, state.full_q, state.full_v)]
     near = [one for one in found if is_near(one, mass_at, small)]
     return [Near(one.name or system.places[one.places[0]].rpartition(": ")[0], one) for one in near]
 

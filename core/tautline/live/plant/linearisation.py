@@ -27,7 +27,7 @@ from tautline.integrators.equations import SUMS, evaluate_full, settle
 from tautline.integrators.lengths import Left, without_lengths
 from tautline.integrators.time_loop import record_now
 from tautline.kernels.dofs import HELD, TIED, Dofs
-from tautline.kernels.groups import INTEGRALS, LENGTHS, MEMORY, Integral, hold_laws, link
+from tautline.kernels.groups import Integral, hold_laws, known_of, link
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
@@ -135,7 +135,7 @@ class _Linearisation:
         self.near = what_is_near(self.system, self.state, self._mass_at, SMALL)
         self.integrals = [one for _, integrals in listed for one in integrals]
         self.summing = link(tuple(g for g, integrals in listed if integrals), "commit")
-        self.held_still = tuple(filter(None, (MEMORY[type(g)](g) for g in self.system.groups if type(g) in MEMORY)))
+        self.held_still = tuple(filter(None, (keeper(g) for g in self.system.groups if (keeper := known_of(g).memory))))
 
     def _refuse_twice(self) -> None:
         """Refuse what is given twice, a part beside its vector too: columns or rows would be of equal names."""
@@ -189,7 +189,7 @@ class _Linearisation:
         noted = memory.read()
         self._residual()
         settle(self.laws, self.state, self.t, 0.0)
-        found = [(g, INTEGRALS[type(g)](g)) for g in self.system.groups if type(g) in INTEGRALS]
+        found = [(g, integrals(g)) for g in self.system.groups if (integrals := known_of(g).integrals)]
         memory.write(noted)
         return found
 
@@ -353,7 +353,7 @@ class _Linearisation:
     def _without_lengths(self) -> Left:
         """The states but for the lengths of vectors of which only the direction counts."""
         directions, rates = [], []
-        for places in (one for g in self.system.groups if type(g) in LENGTHS for one in LENGTHS[type(g)](g)):
+        for places in (one for g in self.system.groups if (lengths := known_of(g).lengths) for one in lengths(g)):
             moved = self.places[places][:, self.free].toarray() @ self.z
             along = self.state.full_q[places] @ moved
             if np.any(along):

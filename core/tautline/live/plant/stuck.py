@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from tautline.kernels.groups import STICKS, Stuck
+from tautline.kernels.groups import Stuck, known_of
 from tautline.kernels.jit import in_python
 from tautline.system.system import System
 
@@ -31,7 +31,7 @@ class Named(NamedTuple):
 def what_sticks(system: System, time: float) -> list[Named]:
     """What sticks in a system at a time, s; its residual was asked for at that time."""
     with in_python():
-        found = [one for g in system.groups if type(g) in STICKS for one in STICKS[type(g)](g, time)]
+        found = [one for g in system.groups if (sticks := known_of(g).sticks) for one in sticks(g, time)]
     return [Named(one.name or system.places[one.place].rpartition(": ")[0], one) for one in found]
 
 

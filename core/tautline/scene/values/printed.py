@@ -21,6 +21,8 @@ LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 """Prefixes of large figures, the largest first."""
 
 
+NOISE = 1.0e-12
+"""Share of a number that is rounding of the few operations that made it."""
 MEANT = 10.0
 """Share of a whole up to which it is told in numbers: of what hardly is there it says nothing but that it is large."""
 
@@ -41,6 +43,28 @@ def significant(value: float, digits: int = 4) -> str:
         text = f"{value:.{max(0, digits - 1 - size)}f}"
         return text.rstrip("0").rstrip(".") if "." in text else text
     return f"{value:.{digits - 1}e}"
+
+
+def rounded(value: float, digits: int, *, up: bool = False, within: float = NOISE) -> float:
+    """A number with so many significant digits that is no larger, or ``up`` no smaller: ``rounded(0.587, 2)`` is 0.58.
+
+    Parameters
+    ----------
+    value : float
+        What is 0, infinite or no number stays what it is.
+    digits : int
+    up : bool
+        Whether to round towards larger numbers.
+    within : float
+        Share of the number by which it may pass the digits that it is meant to have: those of 0.58 are 0.58.
+    """
+    if value == 0.0 or not math.isfinite(value):
+        return value
+    place = math.floor(math.log10(abs(value))) - digits + 1
+    # A power of ten below 1 is no number of the computer, and the quotient by it is beside what was meant.
+    count = value / 10.0**place if place >= 0 else value * 10.0**-place
+    room = within * abs(count)
+    return float(f"{math.ceil(count - room) if up else math.floor(count + room)}e{place}")
 
 
 def quantity(value: Any, unit: str, digits: int = 4) -> str:

@@ -25,7 +25,7 @@ from tautline.results.assessment.bounds import judge
 from tautline.results.assessment.rounding import without_rounding
 from tautline.results.result import Result
 from tautline.scene.solver import divided
-from tautline.scene.values.printed import in_percent, quantity
+from tautline.scene.values.printed import in_percent, quantity, rounded
 from tautline.system.model import Model
 
 FINER = 10
@@ -144,8 +144,7 @@ class BetweenFrames:
 def _in_one_unit(interval: float, finer: float) -> tuple[str, str]:
     """Two intervals, s, with three digits in the unit of the first; the second is rounded up: it may be given so."""
     factor, unit = (1.0, "s") if interval >= 1.0 else (1e3, "ms")
-    size = 10.0 ** (math.floor(math.log10(finer * factor)) - 2)
-    up = size * math.ceil(finer * factor / size * (1.0 - SAME_TIME))
+    up = rounded(finer * factor, 3, up=True, within=SAME_TIME)
     return quantity(float(f"{interval * factor:.3g}"), unit), quantity(float(f"{up:.4g}"), unit)
 
 

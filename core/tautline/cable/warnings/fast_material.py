@@ -6,8 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tautline.cable.coarse_lines import Sentences
-from tautline.cable.drawn_out import Known, driven_p, known_by, sampled
 from tautline.cable.input.geometry import arc_lengths, drawn_of
 from tautline.cable.input.material import element_lengths
 from tautline.cable.input.parts import CableScene
@@ -22,6 +20,8 @@ from tautline.cable.short_waves import (
     through,
     what_it_does,
 )
+from tautline.cable.warnings.coarse_lines import Sentences
+from tautline.cable.warnings.drawn_out import Known, driven_p, known_by, sampled
 from tautline.scene.warnings import warning
 
 

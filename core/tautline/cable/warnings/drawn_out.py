@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.cable.coarse_lines import Sentences
 from tautline.cable.input.couplings import value_of
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.parts import CableScene, Element, Motion
+from tautline.cable.warnings.coarse_lines import Sentences
 from tautline.scene.warnings import warning
 
 INSTANTS = 1000

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.block_warnings import OFF, penetration
 from drillstring.drilling.bit_numbers import bit_row, torque_at, torque_at_rest
 from drillstring.drilling.chatter import blades_told, keeps_all, rest_told, slowed_told
 from drillstring.drilling.end_groups import BLOCK, ROTATION, requests, speeds_of, turns
 from drillstring.drilling.weight_of_run import is_of_the_scene, weight_of_run
-from drillstring.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.mesh import ELEMENTS, too_long
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.prepared import Prepared, prepared
@@ -25,6 +23,8 @@ from drillstring.string.buoyancy import CURE, buoyed_mass, buoyed_weight
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import largest_at_rest, tension_at, tension_at_rest
+from drillstring.warnings.block_warnings import OFF, penetration
+from drillstring.warnings.hole_warnings import OF_THE_HOLE, Check, Sentences, sharpest
 from drillstring.well.sections import dogleg_severity
 from tautline.kernels.time_function import sample, value_at
 from tautline.results.assessment.rounding import unrounded

@@ -17,11 +17,8 @@ from crane.assembly.loads import displacement_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import answers_no_heave, compensation_of, heave_point
 from crane.geometry.quaternion import quaternion_of
-from crane.overhauling import too_light
-from crane.results.drawn_askew import drawn_askew
 from crane.results.laid_by_turning import turning_foreseen, unwound
 from crane.results.limits import LEAST_RATIO
-from crane.results.narrow_bights import narrow_bights
 from crane.results.out_of_water import at_the_surface, dry, hoisted_out
 from crane.results.slack_feet import foreseen
 from crane.scene.carried import idle
@@ -36,8 +33,11 @@ from crane.sea.mru import ANGLES, read_record
 from crane.sea.record_doubts import doubts, doubts_of_table
 from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea, doubts_of_turns
 from crane.sea.vessel import read_response
-from crane.sudden_starts import growth, start_warnings
-from crane.tension_control import control_warnings
+from crane.warnings.drawn_askew import drawn_askew
+from crane.warnings.narrow_bights import narrow_bights
+from crane.warnings.overhauling import too_light
+from crane.warnings.sudden_starts import growth, start_warnings
+from crane.warnings.tension_control import control_warnings
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
 from tautline.scene.functions import Ramp, Spectrum, Sum, Table

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from drillstring.drilling.weight_of_run import WeightOfRun, drills, is_of_the_scene, weight_of_run
-from drillstring.hole_warnings import Sentences
 from drillstring.model.prepared import Prepared
 from drillstring.scene.scene import DrillstringScene
+from drillstring.warnings.hole_warnings import Sentences
 from tautline.scene.values.printed import shown
 
 OFF = 0.05

@@ -24,6 +24,7 @@ from crane.assembly.mesh_damping import damping_of, mobility_of
 from crane.assembly.tension_at_rest import stays_held
 from crane.scene.keys import where
 from crane.scene.scene import Drum
+from tautline.scene.values.printed import rounded
 from tautline.system.time_functions import bounds_of
 
 SEEN = 1.0
@@ -114,15 +115,7 @@ def _cure(loop: Loop, proportional: float, integral: float) -> str:
     if loop.ck == 0.0:
         return "Give the rope a `damping:`; without one any integral does it"
     least, most = loop.least_proportional(integral), loop.largest_integral(proportional)
-    ways = [f"`proportional: {_rounded(least, up=True):g}` or more"]
+    ways = [f"`proportional: {rounded(least, 2, up=True):g}` or more"]
     if most > 0.0:
-        ways.append(f"`integral: {_rounded(most):g}` or less")
+        ways.append(f"`integral: {rounded(most, 2):g}` or less")
     return f"Give {', or '.join(ways)}"
-
-
-def _rounded(x: float, up: bool = False) -> float:
-    """Two digits, towards the side on which it holds."""
-    if x <= 0.0 or not math.isfinite(x):
-        return x
-    unit = 10.0 ** (math.floor(math.log10(x)) - 1)
-    return (math.ceil if up else math.floor)(x / unit) * unit

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.cable.coarse_lines import Sentences
-from tautline.cable.drawn_out import driven_p, known_by, sampled
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.parts import CableScene, Element
+from tautline.cable.warnings.coarse_lines import Sentences
+from tautline.cable.warnings.drawn_out import driven_p, known_by, sampled
 from tautline.scene.warnings import warning
 
 UNLIKE = 1.0e-9

@@ -12,12 +12,11 @@ from typing import Any
 
 import numpy as np
 
-import tautline.cable.changed_material
-import tautline.cable.drawn_out
-import tautline.cable.driven_material
-import tautline.cable.fast_material
-import tautline.cable.held_forces  # noqa: F401  (warns too)
-from tautline.cable.coarse_lines import PRESTRETCHED, Sentences, cure_of, turned
+import tautline.cable.warnings.changed_material
+import tautline.cable.warnings.drawn_out
+import tautline.cable.warnings.driven_material
+import tautline.cable.warnings.fast_material
+import tautline.cable.warnings.held_forces  # noqa: F401  (warns too)
 from tautline.cable.input.couplings import APART, coupling_gap, rates_at_start, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
 from tautline.cable.input.material import element_lengths, material_coordinates, nodes_key
@@ -33,6 +32,7 @@ from tautline.cable.model.magnitudes import (
     too_stiff,
 )
 from tautline.cable.model.sides import sides_of
+from tautline.cable.warnings.coarse_lines import PRESTRETCHED, Sentences, cure_of, turned
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.model import MADE

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from tautline.cable.coarse_lines import Sentences
 from tautline.cable.input.couplings import NEARLY, SAME_RATE, alike_within, rates_at_start
 from tautline.cable.input.parts import CableScene, Element
+from tautline.cable.warnings.coarse_lines import Sentences
 from tautline.scene.warnings import warning
 
 TOO_LITTLE = 1e-7
