@@ -35,6 +35,9 @@ PANELS = (("drillstring", "crane", "gardenhose"), ("tautline", "tautline.cable")
 SMALL = ("tautline.interruption", "tautline.threads", "tautline.version")
 """Files that any room may import; not drawn."""
 
+PARTS = (ast.stmt, ast.excepthandler, ast.match_case)
+"""What statements are made of; imports are among them."""
+
 Edges = dict[str, set[str]]
 
 
@@ -58,17 +61,27 @@ def modules() -> dict[str, Path]:
 
 def imported(name: str, file: Path, known: dict[str, Path]) -> Iterator[str]:
     """Modules of ours that a module imports, deferred imports and names in text included."""
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf8"))):
+    for node in _nodes(ast.parse(file.read_text(encoding="utf8")), with_texts=file.name == "application.py"):
         if isinstance(node, ast.Import):
             given = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
             given = [f"{node.module}.{alias.name}" for alias in node.names] + [node.module]
             given = [next((one for one in (full, node.module) if one in known), "") for full in given[:-1]]
-        elif file.name == "application.py" and isinstance(node, ast.Constant) and isinstance(node.value, str):
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             given = [f"{name.rpartition('.')[0]}.{node.value}", node.value]
         else:
             continue
         yield from (one for one in given if one in known)
+
+
+def _nodes(tree: ast.AST, with_texts: bool) -> Iterator[ast.AST]:
+    """Nodes of a file: statements alone, in a tenth of the time, where texts in its expressions are not asked for."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        parts = ast.iter_child_nodes(node)
+        waiting += parts if with_texts else [one for one in parts if isinstance(one, PARTS)]
 
 
 def room_of(name: str, package: str) -> str:

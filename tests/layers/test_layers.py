@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from layers.syntax import tree_of
 
 ROOT = Path(__file__).parents[2]
 TO_DERIVE_OR_DRAW = {"sympy", "pyvista", "vtk", "matplotlib", "imageio", "PIL"}
@@ -166,7 +167,7 @@ def test_every_room_of_an_application_has_its_layer_in_a_contract(name):
 def imports_of(path):
     found = set()
     # Statements only: to visit every expression as well takes ten times as long, and none of them imports.
-    waiting = [ast.parse(path.read_text(encoding="utf8"))]
+    waiting = [tree_of(path)]
     while waiting:
         node = waiting.pop()
         waiting += [one for one in ast.iter_child_nodes(node) if isinstance(one, PARTS)]
@@ -214,15 +215,18 @@ OF_OURS = {"tautline._scene", "tautline._installed", "Segment._example"}
 """What the root of the package keeps for its own rooms, and a class of scenes for its own kind."""
 
 
+OF_ONESELF = ("self", "cls")
+
+
 def reached_into():
     """Private attributes of others' objects, but for those of numba and LLVM that the compiler has to know."""
     for path in [*(ROOT / "core").rglob("*.py"), *(ROOT / "apps").rglob("*.py")]:
-        tree = ast.parse(path.read_text(encoding="utf-8"))
         if "compiling" in path.parts:
             continue
-        nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and node.attr.startswith("_")]
-        named = {node.name for node in ast.walk(tree) if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
-        own = named | {node.attr for node in nodes if ast.unparse(node.value) in ("self", "cls")}
+        all_nodes = list(ast.walk(tree_of(path)))
+        nodes = [node for node in all_nodes if isinstance(node, ast.Attribute) and node.attr.startswith("_")]
+        named = {node.name for node in all_nodes if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+        own = named | {node.attr for node in nodes if isinstance(node.value, ast.Name) and node.value.id in OF_ONESELF}
         for node in nodes:
             if node.attr not in own | OF_OTHERS and not node.attr.startswith("__"):
                 yield f"{path.relative_to(ROOT).as_posix()}: {ast.unparse(node)}"

@@ -4,6 +4,8 @@ import ast
 from functools import cache
 from pathlib import Path
 
+from layers.syntax import tree_of
+
 ROOT = Path(__file__).parents[2]
 BY_PROGRAM = "core/tautline/lumped/generated.py"
 
@@ -13,23 +15,32 @@ def modules():
     """Names and syntax trees of the packages' modules, but for the one that is written by a program."""
     paths = sorted(path for room in ("core", "apps") for path in (ROOT / room).rglob("*.py"))
     told = [(path.relative_to(ROOT).as_posix(), path) for path in paths]
-    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in told if name != BY_PROGRAM}
+    return {name: tree_of(path) for name, path in told if name != BY_PROGRAM}
 
 
+@cache
 def functions():
-    for module, tree in modules().items():
-        for node in ast.walk(tree):
-            if isinstance(node, ast.FunctionDef):
-                yield module, node
+    """Modules and nodes of all functions."""
+    return [
+        (module, node)
+        for module, tree in modules().items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+    ]
 
 
 def is_compiled(function):
     return any("kernel" in ast.unparse(mark) or "entry" in ast.unparse(mark) for mark in function.decorator_list)
 
 
+def is_of(node, operation):
+    """Whether a node is a sum, or a product, of two."""
+    return isinstance(node, ast.BinOp) and isinstance(node.op, operation)
+
+
 def scalar_product(node):
     """Whether an expression is x[0] y[0] + x[1] y[1] + x[2] y[2]."""
-    if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add)):
+    if not (is_of(node, ast.Add) and is_of(node.left, ast.Add) and is_of(node.right, ast.Mult)):
         return False
     x = next((part.value for part in ast.walk(node) if isinstance(part, ast.Subscript)), None)
     for y in (part.value for part in ast.walk(node) if isinstance(part, ast.Subscript)):
@@ -132,12 +143,16 @@ def test_no_function_of_a_module_is_written_again_in_another():
     assert [places for places in found.values() if len(places) > 1] == []
 
 
+def is_range(node):
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "range"
+
+
 def test_outputs_of_many_frames_are_read_one_by_one_in_one_place():
     found = set()
     for module, tree in modules().items():
         for node in ast.walk(tree):
             loops = node.generators if isinstance(node, ast.ListComp) else [node] if isinstance(node, ast.For) else []
-            counted = any(ast.unparse(loop.iter).startswith("range(") for loop in loops)
+            counted = any(is_range(loop.iter) for loop in loops)
             calls = [one.func for one in ast.walk(node) if isinstance(one, ast.Call)] if counted else []
             if any(isinstance(call, ast.Attribute) and call.attr == "value" for call in calls):
                 found.add(module)

@@ -76,7 +76,7 @@ def test_rows_come_once_a_second_where_a_server_has_nothing_to_send(connected):
     assert steps == pytest.approx([1.0] * len(steps), abs=1e-3)
 
 
-def test_a_value_that_is_written_anew_without_a_change_is_a_reading_of_its_stamp(connected):
+def test_a_value_that_is_written_anew_without_a_change_is_a_reading_of_its_stamp(hurried, connected):
     running, source = connected
     found, begin = [], round(now(running)) + 20
     for k in range(20):
@@ -88,7 +88,7 @@ def test_a_value_that_is_written_anew_without_a_change_is_a_reading_of_its_stamp
     assert [rows[k]["rope_tension"] for k in range(20)] == pytest.approx([50.0 + 0.1 * k for k in range(20)])
 
 
-def test_a_variable_whose_status_goes_bad_has_no_reading_and_this_is_told_though_its_value_stays(connected):
+def test_a_variable_whose_status_goes_bad_has_no_reading_and_this_is_told_though_its_value_stays(hurried, connected):
     running, source = connected
     changed = now(running)
     send(running, changed, {"rope_tension": 49.0}, status=0x808D0000)  # BadOutOfService
@@ -102,7 +102,7 @@ def test_a_variable_whose_status_goes_bad_has_no_reading_and_this_is_told_though
 
 
 @pytest.mark.parametrize(("status", "used"), [(0x40930000, True), (0x40900000, False)])
-def test_an_uncertain_reading_is_used_unless_its_status_says_that_it_is_not_measured(connected, status, used):
+def test_an_uncertain_reading_is_used_unless_its_status_says_that_it_is_not_measured(hurried, connected, status, used):
     running, source = connected
     changed = now(running)
     send(running, changed, {"rope_tension": 60.0}, status=status)
@@ -114,10 +114,13 @@ def test_an_uncertain_reading_is_used_unless_its_status_says_that_it_is_not_meas
     assert len([note for note in source.notes if "Uncertain" in note and word in note]) == 1
 
 
-def test_nothing_is_held_any_more_when_the_server_is_lost(connected):
+def test_nothing_is_held_any_more_when_the_server_is_lost(hurried, connected):
     running, source = connected
     running.do(running.thing.stop())
-    records(source, 3.0)
+    end = clock.monotonic() + 30.0
+    while not any("was lost" in note for note in source.notes) and clock.monotonic() < end:
+        records(source, 0.1)
+    records(source, 0.3)
     assert not records(source, 1.0)
     running.do(running.thing.start())
 

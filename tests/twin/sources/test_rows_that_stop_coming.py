@@ -1,13 +1,19 @@
 """Rows that stop coming while no connection breaks: told once, and so is that they come again."""
 
 import json
+import time
+from types import SimpleNamespace
 
 import pytest
 from cli.in_process import commands_of
 from twin.rehearsal import STILL
 
 from crane.application import Crane
+from tautline.cli.commands import twin as command
+from tautline.twin import twin
 from tautline.twin.pace import Pace
+from tautline.twin.signals import backlog
+from tautline.twin.sources import connection
 from tautline.twin.sources.connection import Silence
 from tautline.twin.sources.record import Record
 
@@ -25,6 +31,22 @@ class Clock:
 
     def __call__(self):
         return self.time
+
+
+@pytest.fixture(autouse=True)
+def _nobody_waits(monkeypatch):
+    """Who sleeps here finds that so much time has passed: a silence of seconds takes no second."""
+    slept, monotonic = [0.0], time.monotonic
+
+    def sleep(seconds):
+        slept[0] += seconds
+
+    passing = SimpleNamespace(**vars(time) | {"monotonic": lambda: monotonic() + slept[0], "sleep": sleep})
+    monkeypatch.setitem(globals(), "time", passing)
+    for module in (twin, command):
+        monkeypatch.setattr(module, "clock", passing)
+    for kind in (connection.Silence, backlog.Backlog):
+        monkeypatch.setattr(kind.__init__, "__defaults__", (*kind.__init__.__defaults__[:-1], passing.monotonic))
 
 
 def said(pauses, interval, patience=5.0, after=100.0):
@@ -67,8 +89,6 @@ class Hangs:
         self._rows = [(0.1 * k, {"winch_pos": 0.0, "rope_tension": 49.0}) for k in range(12)]
 
     def poll(self, timeout):
-        import time
-
         if len(self._rows) == 4 and self._pause > 0.0:
             time.sleep(min(0.2, self._pause))
             self._pause -= 0.2
@@ -90,8 +110,6 @@ class Useless(Hangs):
         self._stamps, self._rate, self._sent, self._since = stamps, rate, 0, None
 
     def poll(self, timeout):
-        import time
-
         if len(self._rows) != 4 or self._pause <= 0.0:
             return super().poll(timeout)
         now = time.monotonic()
@@ -223,8 +241,6 @@ class Paced(Hangs):
         self._apart, self._due = apart, 0.0
 
     def poll(self, timeout):
-        import time
-
         now = time.monotonic()
         self._due = self._due or now
         if now < self._due:

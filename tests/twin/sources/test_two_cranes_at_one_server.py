@@ -12,6 +12,7 @@ from tautline.twin.sources.opc_ua.nodes import Variable, chosen
 from tautline.twin.sources.opening import open_source
 
 COLUMNS = ["winch", "heave", "tension"]
+pytestmark = pytest.mark.usefixtures("hurried")
 
 
 @cache
@@ -78,7 +79,8 @@ def heard(columns, *places):
         try:
             while not source.notes and clock.monotonic() < end:
                 source.poll(0.05)
-            for record in all_of(source, patience=2.0):
+            # What has come by then has come at once: first readings are waited with for a quarter of a second.
+            for record in all_of(source, patience=1.0):
                 first |= {name: one for name, one in record.values.items() if one == one}
             return first, source.notes[1:]
         finally:
