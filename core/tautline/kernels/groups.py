@@ -218,6 +218,10 @@ Edges = Callable[[Any, np.ndarray, np.ndarray], list[Edge]]
 kernels."""
 EDGES: dict[type, Edges] = {}
 """Kinds of one-sided laws."""
+Onward = Callable[[Any, np.ndarray, np.ndarray], list[int]]
+"""What lists full places of a group that move on from where they are, at full positions and velocities."""
+ONWARD: dict[type, Onward] = {}
+"""Kinds that remember how far something has come, and have another law behind that."""
 Hold = Callable[[Any], None]
 """What has a law of a group stay as the last accepted step left it."""
 HOLDS: dict[type, Hold] = {}
@@ -272,6 +276,7 @@ def register(
     lengths: Lengths | None = None,
     sticks: Sticks | None = None,
     edges: Edges | None = None,
+    onward: Onward | None = None,
     **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
@@ -303,6 +308,9 @@ def register(
     edges : callable or None
         Takes a group and full positions and velocities, and lists how far what it holds one-sidedly is from where that
         begins or ends: a linear model has the side where it is.
+    onward : callable or None
+        Takes a group and full positions and velocities, and lists the full places of what stands at the farthest that
+        it has come and moves on: a law that jumps right behind it is differentiated ahead.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -341,6 +349,9 @@ def register(
     EDGES.pop(kind, None)
     if edges is not None:
         EDGES[kind] = edges
+    ONWARD.pop(kind, None)
+    if onward is not None:
+        ONWARD[kind] = onward
     HOLDS.pop(kind, None)
     if hold is not None:
         HOLDS[kind] = hold
