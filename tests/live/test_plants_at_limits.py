@@ -111,6 +111,18 @@ def test_at_a_kink_the_smaller_slope_counts_and_that_of_a_size_at_nothing_is_not
     assert not clamp["size"].limited and clamp["size"].value == pytest.approx(0.0, abs=1e-12)
 
 
+def test_right_at_a_jump_the_slope_is_that_of_the_side_that_goes_on_from_what_is_now():
+    """Beside a jump of 5 behind and one of -4 ahead stands a clamp, which keeps its smaller slope."""
+    laws = {
+        "behind": (lambda h: [3.0 + 2.0 * h if h >= 0.0 else -2.0, min(h, 0.0), 7.0 * h], [2.0, 0.0, 7.0]),
+        "ahead": (lambda h: [3.0 + 2.0 * h if h <= 0.0 else -1.0, max(0.5 * h, h), 7.0 * h], [2.0, 0.5, 7.0]),
+        "alone": (lambda h: 3.0 + 2.0 * h if h >= 0.0 else 0.0, 2.0),
+    }
+    for law, wanted in laws.values():
+        found = slopes(lambda h, law=law: {"x": np.array(law(h))}, 1e-5)["x"]
+        assert found.limited and found.value == pytest.approx(np.array(wanted), rel=1e-8, abs=1e-9)
+
+
 def test_rounding_is_no_kink():
     noise = np.random.default_rng(1)
     for _ in range(100):

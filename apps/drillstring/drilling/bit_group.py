@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from math import isclose, sqrt
 
+import numpy as np
+
 from drillstring.drilling.bit_rock import (
     ANGLE,
     DEPTH,
@@ -159,6 +161,12 @@ def _hold(g: RockBit | BladeBit) -> None:
         b.c = max(b.c, STIFFNESS * sqrt(b.inertia * b.spring))
 
 
+def _onward(g: BladeBit, q: np.ndarray, v: np.ndarray) -> list[int]:
+    """The angle of a bit whose blades go on cutting: right behind it is what they have cut already."""
+    newest = g.ring[g.head[0], 0]
+    return [g.turn] if g.row[0].placed == 1 and v[g.turn] > 0.0 and q[g.turn] >= newest else []
+
+
 def _sticks(g: RockBit | BladeBit, t: float) -> list[Stuck]:
     """The bit, where it stands on the bottom and turns with no torque below its static one."""
     b = g.row[0]
@@ -181,5 +189,5 @@ def _ways(g: RockBit | BladeBit, most: float) -> str:
     return "" if rubs_only else "backward "
 
 
-for kind in (RockBit, BladeBit):
-    register(kind, friction=True, memory=_bottom, hold=_hold, sticks=_sticks, **HOOKS)
+for kind, onward in ((RockBit, None), (BladeBit, _onward)):
+    register(kind, friction=True, memory=_bottom, hold=_hold, sticks=_sticks, onward=onward, **HOOKS)

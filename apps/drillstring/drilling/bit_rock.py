@@ -227,6 +227,12 @@ def _behind(g, angle):
 
 
 @kernel
+def _pushed_on(b, flat, speed):
+    """Whether flats that bear ``flat`` N, and go down at a speed, are pressed into the rock with all they can take."""
+    return flat >= b.limit or (flat >= b.limit * (1.0 - YIELDED) and speed > 0.0)
+
+
+@kernel
 def _measure_blades(g, t, q, v, way):
     b = g.row[0]
     value, slope = g.value, g.slope
@@ -243,11 +249,12 @@ def _measure_blades(g, t, q, v, way):
     value[STATIC] = value[KINETIC]
     # Blades that were turned back pass over what they have cut already.
     value[RATE] = cut * max(0.0, v[g.turn]) / (2.0 * pi) if q[g.turn] >= newest else 0.0
-    presses = b.stiffness if 0.0 < flat < b.limit else 0.0
+    presses = b.stiffness if flat > 0.0 and not _pushed_on(b, flat, speed_of(g, v)) else 0.0
     blades = b.blades if cut > 0.0 else 0.0
     slope[WEIGHT, DEPTH] = b.cut_weight * blades + presses
     slope[KINETIC, DEPTH] = b.cut_torque * blades + b.below * presses
-    if q[g.turn] > newest:
+    # One that stands at the end of what it has cut is on its way beyond that while it turns forward.
+    if q[g.turn] > newest or (q[g.turn] == newest and v[g.turn] > 0.0):
         slope[WEIGHT, ANGLE] = -b.cut_weight * blades * falls
         slope[KINETIC, ANGLE] = -b.cut_torque * blades * falls
     for k in range(4):
@@ -328,7 +335,7 @@ def _stores_blades(g, q, v):
     b = g.row[0]
     flat = b.stiffness * (depth_of(g, q) - b.seat)
     speed = speed_of(g, v)
-    if flat <= 0.0 or (flat >= b.limit * (1.0 - YIELDED) and speed > 0.0):
+    if flat <= 0.0 or (_pushed_on(b, flat, speed) and speed > 0.0):
         return 0.0
     return min(b.limit, flat) * speed
 

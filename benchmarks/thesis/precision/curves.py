@@ -158,7 +158,7 @@ def cheapest(rows: tuple[Row, ...], method: str, level: float) -> Row | None:
     good = [
         r for r in rows if r.trial.setting.method == method and r.errors and r.errors.position <= level and r.factor
     ]
-    return min(good, key=lambda row: row.factor or 0.0, default=None)
+    return min(good, key=lambda row: row.trial.cpu_time or 0.0, default=None)
 
 
 def _taken(row: Row) -> str:

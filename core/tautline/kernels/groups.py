@@ -200,6 +200,8 @@ class Edge(NamedTuple):
 Edges = Callable[[Any, np.ndarray, np.ndarray], list[Edge]]
 """What lists those of a group at full positions and velocities, at which its residual was asked for; it may call
 kernels."""
+Onward = Callable[[Any, np.ndarray, np.ndarray], list[int]]
+"""What lists full places of a group that move on from where they are, at full positions and velocities."""
 Hold = Callable[[Any], None]
 """What has a law of a group stay as the last accepted step left it."""
 
@@ -217,6 +219,7 @@ class Kind(NamedTuple):
     lengths: Lengths | None = None
     sticks: Sticks | None = None
     edges: Edges | None = None
+    onward: Onward | None = None
 
 
 KINDS: dict[type, Kind] = {}
@@ -272,6 +275,7 @@ def register(
     lengths: Lengths | None = None,
     sticks: Sticks | None = None,
     edges: Edges | None = None,
+    onward: Onward | None = None,
     **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
@@ -303,6 +307,9 @@ def register(
     edges : callable or None
         Takes a group and full positions and velocities, and lists how far what it holds one-sidedly is from where that
         begins or ends: a linear model has the side where it is.
+    onward : callable or None
+        Takes a group and full positions and velocities, and lists the full places of what stands at the farthest that
+        it has come and moves on: a law that jumps right behind it is differentiated ahead.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -329,6 +336,7 @@ def register(
         lengths=lengths,
         sticks=sticks,
         edges=edges,
+        onward=onward,
     )
     _forget(kind)
 

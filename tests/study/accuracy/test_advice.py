@@ -108,6 +108,29 @@ def test_runs_are_good_enough_by_their_price_and_live_by_their_error():
     assert names(real_time(study)) == ["fair", "cheap", "quick"]
 
 
+def measured(name, cpu, wall=None, steps=1000):
+    """A run that is good enough, by its processor times and, where something else disturbed them, its wall times, s."""
+    one = row(name, 1e-4, 1.0)
+    one.trial.result.attributes = {"step": 10.0 / steps, "steps": steps}
+    return replace(one, trial=replace(one.trial, cpu=cpu, wall=cpu if wall is None else wall))
+
+
+def test_the_cheapest_is_that_of_the_least_processor_time_however_long_others_had_it_wait():
+    """Real time is told by the wall all the same."""
+    waited, dear = measured("waited", (1.0,), wall=(30.0,)), measured("dear", (2.0,))
+    assert names(good_enough(made(dear, waited))) == ["waited", "dear"]
+    assert "waited, step 0.01 s (error 0.01 %, real-time factor 3), which is not real time" in advice(
+        made(dear, waited)
+    )
+
+
+def test_of_runs_whose_repetitions_differ_by_more_than_they_do_the_longest_step_is_the_cheapest():
+    fine, coarse = measured("fine", (0.9, 1.0, 1.1), steps=2000), measured("coarse", (0.95, 1.05, 1.2), steps=500)
+    assert names(good_enough(made(fine, coarse))) == names(good_enough(made(coarse, fine))) == ["coarse", "fine"]
+    sure = measured("fine", (0.9, 0.9, 0.9), steps=2000), measured("coarse", (1.05, 1.05, 1.2), steps=500)
+    assert names(good_enough(made(*sure))) == ["fine", "coarse"], "one that was disturbed once leaves the median"
+
+
 def test_advice_is_one_sentence():
     for rows in ((SLOW, FAIR, QUICK), (SLOW,), (QUICK,), ()):
         assert not re.search(r"\.\s|\n|\.$", advice(made(*rows)))

@@ -2,14 +2,15 @@
 
 Where a law is clamped a central difference across the clamp is half of the slope beside it. So a step stays within the
 bounds of what may be given, by one-sided differences at these. Within them a kink shows as two slopes, by one step and
-by two, that differ, and right at it as slopes of both sides that do.
+by two, that differ, and right at it as slopes of both sides that do. Right at a jump one of these grows as the step
+shrinks: the other side goes on from what is now, and counts.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -49,6 +50,8 @@ class Room(NamedTuple):
 
 
 FREE = Room()
+AHEAD = Room(below=0.0)
+"""Of what leaves the place where it is, with another law behind it."""
 
 
 class Slope(NamedTuple):
@@ -96,7 +99,7 @@ class _Seen(NamedTuple):
     def by(self, weights: tuple[float, ...]) -> np.ndarray:
         # Each number in the same order, whatever stands beside it: a product of matrices rounds by their shapes.
         parts = [weight * change for weight, change in zip(weights, self.changes, strict=True)]
-        return np.asarray(sum(parts)) / self.step
+        return np.asarray(sum(parts) / self.step)
 
     @property
     def apart(self) -> float:
@@ -108,13 +111,23 @@ class _Seen(NamedTuple):
         return self.apart > KINK * _largest(self.by(self.stencil.best)) + ROUNDED * self.size / step
 
     @property
+    def below(self) -> np.ndarray:
+        """The slope of the side below."""
+        return self.by(self.stencil.below)
+
+    @property
+    def above(self) -> np.ndarray:
+        """The slope of the side above."""
+        return self.by(self.stencil.above)
+
+    @property
     def jump(self) -> np.ndarray:
         """The slope above less that below."""
-        return self.by(self.stencil.above) - self.by(self.stencil.below)
+        return self.above - self.below
 
     @property
     def sides_differ(self) -> bool:
-        most = max(_largest(self.by(self.stencil.above)), _largest(self.by(self.stencil.below)))
+        most = max(_largest(self.above), _largest(self.below))
         return _largest(self.jump) > SIDES * most + ROUNDED * self.size / self.step
 
 
@@ -126,7 +139,7 @@ def slopes(
     A smaller step brings one and two steps together where a kink parted them, and further apart where rounding did,
     such as of the tension of a stiff rope in a direction that leaves it as it is. Where no step brings them together,
     that counts where they are nearest. Where slopes of both sides differ, the smaller one counts: what is at a limit
-    stays there, as it does in the tangents.
+    stays there, as it does in the tangents. Right at a jump the side counts that has no part in it.
 
     Parameters
     ----------
@@ -152,8 +165,8 @@ def slopes(
         if step * FINER < least or not any(one.kinked(step) for one in found.values()):
             break
         step *= FINER
-    at_kinks = _at_kinks(sample, at_hand, found)
-    return {name: _slope(seen, name in at_kinks) for name, seen in found.items()}
+    finer = _finer(sample, at_hand, found)
+    return {name: _slope(seen, finer.get(name)) for name, seen in found.items()}
 
 
 def _still(value: np.ndarray) -> Slope:
@@ -180,28 +193,45 @@ def _look(sample: Sample, here: Mapping[str, np.ndarray], stencil: _Stencil, ste
     return found
 
 
-def _at_kinks(sample: Sample, here: Mapping[str, np.ndarray], found: Mapping[str, _Seen]) -> set[str]:
-    """Names of what is at a kink: slopes of its sides differ by as much with a finer step."""
+def _finer(sample: Sample, here: Mapping[str, np.ndarray], found: Mapping[str, _Seen]) -> dict[str, _Seen]:
+    """What is seen with a finer step of all whose slopes of both sides differ."""
     some = {name: seen for name, seen in found.items() if seen.sides_differ}
-    kinks = set()
+    finer: dict[str, _Seen] = {}
     for step in {seen.step for seen in some.values()}:
-        finer = _look(sample, here, next(iter(found.values())).stencil, FINER * step)
-        for name, seen in some.items():
-            if seen.step == step and _largest(finer[name].jump - seen.jump) <= STAYS * _largest(seen.jump):
-                kinks.add(name)
-    return kinks
+        looked = _look(sample, here, next(iter(found.values())).stencil, FINER * step)
+        finer |= {name: looked[name] for name, seen in some.items() if seen.step == step}
+    return finer
 
 
-def _slope(seen: _Seen, at_kink: bool) -> Slope:
-    """The slope that counts; at a kink in each number the smaller one, unless both are as large."""
-    best, below, above = (seen.by(weights) for weights in (seen.stencil.best, seen.stencil.below, seen.stencil.above))
-    if not at_kink:
+def _slope(seen: _Seen, finer: _Seen | None) -> Slope:
+    """The slope that counts. Where a finer step shows jumps, that of the other side in each of their numbers; where it
+    shows kinks, the smaller one, unless both are as large."""
+    best, below, above = seen.by(seen.stencil.best), seen.below, seen.above
+    if finer is None:
         return Slope(best, below, above, False)
-    down, up = np.abs(below), np.abs(above)
-    parted = np.abs(above - below) > SIDES * max(_largest(below), _largest(above))
-    limited = parted & (np.minimum(down, up) < ALIKE * np.maximum(down, up))
-    lesser = np.where(up < down, above, below)
-    return Slope(np.where(limited, lesser, best), below, above, bool(limited.any()))
+    down = _jumps(seen, (below, finer.below), (above, finer.above))
+    up = _jumps(seen, (above, finer.above), (below, finer.below))
+    best, smooth = np.where(down, above, np.where(up, below, best)), ~(down | up)
+    at_kink = _largest((finer.jump - seen.jump)[smooth]) <= STAYS * _largest(seen.jump[smooth])
+    limited = smooth & _parted(seen, smooth) & at_kink
+    limited &= np.minimum(np.abs(below), np.abs(above)) < ALIKE * np.maximum(np.abs(below), np.abs(above))
+    lesser = np.where(np.abs(above) < np.abs(below), above, below)
+    return Slope(np.where(limited, lesser, best), below, above, bool((limited | ~smooth).any()))
+
+
+def _jumps(seen: _Seen, side: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Which numbers jump at once on a side: by as much with a finer step, while the slope of the other side stays.
+
+    ``side`` and ``other`` are the slopes of the sides with the step and with a finer one.
+    """
+    slope, finer = side
+    steep, grows = np.abs(slope) > np.abs(other[0]), np.abs(FINER * finer - slope) <= STAYS * np.abs(slope)
+    return _parted(seen) & steep & grows & (np.abs(other[1] - other[0]) <= STAYS * np.abs(slope))
+
+
+def _parted(seen: _Seen, among: Any = ...) -> np.ndarray:
+    """Which numbers have slopes of both sides that differ, beside the largest slope among some of them."""
+    return np.asarray(np.abs(seen.jump) > SIDES * max(_largest(seen.below[among]), _largest(seen.above[among])))
 
 
 def _largest(values: np.ndarray) -> float:

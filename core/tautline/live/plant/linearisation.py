@@ -33,7 +33,7 @@ from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
 from tautline.live.errors import SimulationError
 from tautline.live.forces import calls_of, room_for_all
-from tautline.live.plant.differences import FREE, Room, Slope, slopes
+from tautline.live.plant.differences import AHEAD, FREE, Room, Slope, slopes
 from tautline.live.plant.edges import near_said, what_is_near
 from tautline.live.plant.growth import growth_said
 from tautline.live.plant.limits import Limited, limits_said
@@ -133,6 +133,7 @@ class _Linearisation:
         self.stuck = what_sticks(self.system, self.t)
         self._residual()  # what was noted by the last step tells nothing of a displacement since
         self.near = what_is_near(self.system, self.state, self._mass_at, SMALL)
+        self.onward = self._moving_on()
         self.integrals = [one for _, integrals in listed for one in integrals]
         self.summing = link(tuple(g for g, integrals in listed if integrals), "commit")
         self.held_still = tuple(filter(None, (keeper(g) for g in self.system.groups if (keeper := known_of(g).memory))))
@@ -192,6 +193,19 @@ class _Linearisation:
         found = [(g, integrals(g)) for g in self.system.groups if (integrals := known_of(g).integrals)]
         memory.write(noted)
         return found
+
+    def _moving_on(self) -> list[int]:
+        """Full places whose laws are other ones behind where they are, which they leave."""
+        q, v = self.state.full_q, self.state.full_v
+        groups = self.system.groups
+        return [place for g in groups if (listed := known_of(g).onward) for place in listed(g, q, v)]
+
+    def _ahead(self, moved: np.ndarray) -> Room:
+        """How far a change of full positions may be made for what moves on: ahead of where it is."""
+        room = FREE
+        for place in self.onward:
+            room = room.both(AHEAD.along(float(moved[place])))
+        return room
 
     def _answer(self) -> np.ndarray:
         """Residual and the rates of the integrals (n + integrals,) at the full vectors as they are."""
@@ -292,7 +306,7 @@ class _Linearisation:
             besides(h)
             return {"": self._answer()[part]}
 
-        found = slopes(sample, step, room)[""]
+        found = slopes(sample, step, room.both(self._ahead(moved[0])))[""]
         for array, before in zip((*vectors, state.residual), kept, strict=True):
             array[:] = before
         return found
@@ -502,7 +516,7 @@ class _Linearisation:
         """Derivatives of the compiled outputs along a direction."""
         q, v, a = (float(np.abs(part).max(initial=0.0)) for part in change[:3])
         largest = max(q, v / self._rate) or a / self._rate**2 or 1.0
-        room = FREE
+        room = self._ahead(change.q)
         for i, one in enumerate(self.inputs):
             room = room.both(self._room(one).along(float(change.functions[one.steering.order, i])))
         found = slopes(lambda h: self._outputs_at(h, change), SMALL / largest, room, self.here)
