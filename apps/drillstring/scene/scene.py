@@ -16,6 +16,7 @@ from pydantic_core import PydanticCustomError
 from drillstring.scene.ends import Bit, Top
 from drillstring.scene.hole import MOST_ELEMENTS, Well
 from drillstring.scene.tubulars import EXAMPLE, INCH, NoSuchTubular, find
+from tautline.errors import ArgumentTypeError
 from tautline.scene.choices.words import UnitSystem, word
 from tautline.scene.errors import SceneError
 from tautline.scene.limits import Limits
@@ -328,6 +329,24 @@ def read(path: str | Path | Document) -> DrillstringScene:
         Listing every fault with its line, key and cure.
     """
     return DrillstringScene.read(path)
+
+
+def scene_of(source: Any) -> DrillstringScene:
+    """The scene of a drill string, or that of a path, text or dict.
+
+    Raises
+    ------
+    SceneError
+        As `tautline.read` does.
+    ArgumentTypeError
+        For what is none of these, and for the scene of another application.
+    """
+    from tautline import read as read_any  # looks for what is installed, as this application is
+
+    scene = source if isinstance(source, DrillstringScene) else read_any(source)
+    if not isinstance(scene, DrillstringScene):
+        raise ArgumentTypeError(f"the scene of a drill string is wanted, not {type(scene).__name__}")
+    return scene
 
 
 def of_kind(scene: DrillstringScene, kind: str) -> DrillstringScene:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -18,8 +19,20 @@ import numpy as np
 
 from drillstring.model.build import build
 from drillstring.scene.ends import Controller
-from drillstring.scene.scene import DrillstringScene
+from drillstring.scene.scene import DrillstringScene, scene_of
 from drillstring.twin.stands import bit_depth, with_stand
+from tautline.arguments import (
+    ABOVE_ZERO,
+    COUNT,
+    MAPPING,
+    PATH,
+    Wanted,
+    check,
+    check_choices,
+    check_given,
+    is_number,
+    is_whole,
+)
 from tautline.results.tables.rows import heads_of, write_rows
 from tautline.scene.reading.document import Path_
 from tautline.simulation import simulate
@@ -31,6 +44,13 @@ UNITS = {
 }  # fmt: skip
 NOISE = MappingProxyType({"hook_load": 0.01, "torque": 0.01})
 ORIGIN = "a record"
+SHARES = Wanted(
+    'a mapping of columns to shares, such as {"hook_load": 0.01}',
+    MAPPING.is_one,
+    lambda shares: all(is_number(share) and 0.0 <= share < inf for share in shares.values()),
+)
+SEED = Wanted("a whole number from 0 on", is_whole, lambda value: value >= 0)
+TABLE = Wanted('a mapping of names to values, such as {"time": [0.0, 0.1]}', MAPPING.is_one)
 
 
 @dataclass(frozen=True)
@@ -95,8 +115,11 @@ class Connecting:
         return {"ramp": {"to": to, "over": self.ramp, "at": at}}
 
 
+MOTIONS = Wanted("a Connecting, such as Connecting(stand=28.0),", lambda value: isinstance(value, Connecting))
+
+
 def connections(
-    scene: DrillstringScene,
+    scene: Any,
     count: int = 10,
     how: Connecting | None = None,
     *,
@@ -108,8 +131,8 @@ def connections(
 
     Parameters
     ----------
-    scene : DrillstringScene
-        The string at the first connection, read from a file or a text. Its bit is taken off bottom; its ``top.weight``
+    scene : DrillstringScene, path, text or dict
+        The string at the first connection. Its bit is taken off bottom; its ``top.weight``
         is in the hook load, as a rig measures it.
     count : int
         Connections.
@@ -132,11 +155,16 @@ def connections(
     ------
     SceneError
         As `with_stand` does.
+    ArgumentTypeError, ArgumentError
+        For what is no scene of a drill string, and for another argument that is none.
     StoppedEarly
         Where a run does.
     """
+    check_given(count=(count, COUNT), rate=(rate, ABOVE_ZERO), noise=(noise, SHARES), seed=(seed, SEED))
+    check(how=(how, MOTIONS))
+    check_choices("noise", noise, COLUMNS)
     how = how or Connecting()
-    parts = list(_parts(scene, count, how, rate))
+    parts = list(_parts(scene_of(scene), count, how, rate))
     columns = {name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}
     random = np.random.default_rng(seed)
     for name, share in noise.items():
@@ -151,7 +179,10 @@ def write(columns: Mapping[str, np.ndarray], path: str | Path) -> Path:
     ------
     ResultError
         If the file cannot be written.
+    ArgumentTypeError
+        For what is no mapping, and for what is no path.
     """
+    check_given(columns=(columns, TABLE), path=(path, PATH))
     return write_rows(heads_of(list(columns), UNITS), np.column_stack(list(columns.values())).tolist(), Path(path))
 
 

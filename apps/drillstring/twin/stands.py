@@ -11,7 +11,7 @@ from typing import Any
 
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.hole import Hold
-from drillstring.scene.scene import DrillstringScene
+from drillstring.scene.scene import DrillstringScene, scene_of
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Path_
 
@@ -19,18 +19,19 @@ ORIGIN = "a stand"
 """What messages name in place of a line."""
 
 
-def bit_depth(scene: DrillstringScene) -> float:
-    """Measured depth, m, of the bit of the unstretched string; raises SceneError as `well_of` and `tubes_of` do."""
+def bit_depth(scene: Any) -> float:
+    """Measured depth, m, of the bit of the unstretched string; takes and raises what `with_stand` does of a scene."""
+    scene = scene_of(scene)
     return float(sum(tube.length for tube in tubes_of(scene, well_of(scene).length)))
 
 
-def with_stand(scene: DrillstringScene, length: float) -> DrillstringScene:
+def with_stand(scene: Any, length: float) -> DrillstringScene:
     """The scene with its string longer by a stand; all else is the same.
 
     Parameters
     ----------
-    scene : DrillstringScene
-        Read from a file or a text. The section at the top of its string is the pipe that is added.
+    scene : DrillstringScene, path, text or dict
+        The section at the top of its string is the pipe that is added.
     length : float
         Of the stand, m; negative of one that is laid down.
 
@@ -45,8 +46,11 @@ def with_stand(scene: DrillstringScene, length: float) -> DrillstringScene:
     ------
     SceneError
         Where the bit would pass the end of a survey, or of a hole that ends in an arc: what comes after it is not
-        known; where less than nothing of the pipe would be left; and as `DrillstringScene.replace` does.
+        known; where less than nothing of the pipe would be left; and as `DrillstringScene.replace` and `scene_of` do.
+    ArgumentTypeError
+        As `scene_of` does.
     """
+    scene = scene_of(scene)
     well = well_of(scene)
     tubes = tubes_of(scene, well.length)
     old = sum(tube.length for tube in tubes)

@@ -13,9 +13,9 @@ exp(-x) I1(x) -> x / 2 for a small x no speed sticks where e W / d < R.
 from __future__ import annotations
 
 from math import hypot, inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from drillstring.scene.scene import DrillstringScene
+from drillstring.scene.scene import scene_of
 from drillstring.twin.torsional_line import TorsionalLine
 
 MODEL = 0.07
@@ -46,14 +46,20 @@ class StickingLimit(NamedTuple):
         return self.speed < self.speed_needed
 
 
-def sticking_limit(scene: DrillstringScene, line: TorsionalLine, weight: float, speed: float) -> StickingLimit | str:
+def sticking_limit(scene: Any, line: TorsionalLine, weight: float, speed: float) -> StickingLimit | str:
     """What would end stick-slip at a weight on bit, N, and a rotary speed, rad/s.
 
     Returns
     -------
     StickingLimit or str
         In place of one, why there is none: the scene's bit has no torque that falls with speed in a known way.
+
+    Raises
+    ------
+    SceneError, ArgumentTypeError
+        As `scene_of` does, for what is no scene of a drill string.
     """
+    scene = scene_of(scene)
     law = scene.bit.torque
     if law is None or law.static <= law.kinetic:
         return "the scene's bit has no torque that falls with speed: what makes it stick is not known (bit.torque)"

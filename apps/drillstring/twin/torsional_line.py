@@ -17,13 +17,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, pi
+from typing import Any
 
 import numpy as np
 
 from drillstring.drilling.impedance import Gains, gains, torsional_frequency
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.ends import Controller
-from drillstring.scene.scene import DrillstringScene
+from drillstring.scene.scene import scene_of
 from drillstring.string.lumps import Tube
 
 LUMPS = 12
@@ -116,8 +117,9 @@ class TorsionalLine:
         return omega, float(self.at_bit(np.array([omega]), damped).real[0])
 
 
-def line_of(scene: DrillstringScene) -> TorsionalLine:
-    """The torsional line of a scene; raises SceneError as `well_of` and `tubes_of` do."""
+def line_of(scene: Any) -> TorsionalLine:
+    """The torsional line of a scene, path, text or dict; raises as `scene_of`, `well_of` and `tubes_of` do."""
+    scene = scene_of(scene)
     tubes = tuple(tubes_of(scene, well_of(scene).length))
     length = sum(tube.length for tube in tubes)
     lumps = LUMPS if scene.well.wall is None else scene.well.wall.lumps
