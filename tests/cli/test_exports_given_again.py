@@ -175,3 +175,17 @@ def test_tables_of_a_run_that_stopped_early_are_written_and_the_command_says_whe
     (warning,) = told["warnings"]
     assert code == 0 and warning["text"].startswith("stopped early: unstable, last frame at 0.02 s")
     assert warning["text"] in said
+
+
+def test_an_ending_in_capitals_is_told_with_its_frames_and_its_folder_is_known_as_that_of_frames(export):
+    code, told, said = export("--vtk", "-o", "run.PVD")
+    assert code == 0 and told["files"][0] == "run.PVD" and "files in run; open it in ParaView" in " ".join(said.split())
+    assert export(*TENSION, "-o", "run")[1]["files"] == ["run_axial_force.csv"]
+
+
+def test_frames_that_would_take_the_place_of_others_are_refused_before_the_first_table_is_written(export, span):
+    Path("run").mkdir()
+    (Path("run") / "cable_0000.vtp").write_text("mine")
+    code, _, said = export("--csv", "--vtk", "-o", "run.pvd")
+    assert code == 2 and "run/cable_0000.vtp: exists and is no frame of run.pvd" in " ".join(said.split())
+    assert sorted(str(file.relative_to(span)) for file in span.rglob("*")) == ["run", "run/cable_0000.vtp", "span.nc"]

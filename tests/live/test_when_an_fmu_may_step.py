@@ -68,3 +68,37 @@ def test_a_step_succeeds_from_the_initialisation_to_the_end_and_nowhere_else(fmi
     write_fmu(DATA / "hoist.yaml", tmp_path / "hoist.fmu", [], ["winch.tension"], fmi=fmi)
     steps = hosted(_steps, str(tmp_path / "hoist.fmu"), fmi)
     assert {when for when, done in steps.items() if done} == {"initialised", "back", "anew"}
+
+
+def _with_a_state_of(path, other):
+    """Whether a step succeeds after a state of another scene is set, and then after one of its own."""
+    units = []
+    for one in (path, other):
+        unit = _made(one, 2)
+        unit.setupExperiment(startTime=0.0)
+        unit.enterInitializationMode()
+        unit.exitInitializationMode()
+        units.append(unit)
+    unit, foreign = units
+    own = unit.getFMUState()
+    data = bytes(foreign.serializeFMUState(foreign.getFMUState()))
+    unit.setFMUState(unit.deSerializeFMUstate(data))
+    found = []
+    for state in (None, own):
+        if state is not None:
+            unit.setFMUState(state)
+        try:
+            unit.doStep(currentCommunicationPoint=0.0, communicationStepSize=H)
+            found.append(True)
+        except Exception:
+            found.append(False)
+    return found
+
+
+def test_after_a_state_of_another_scene_no_step_is_made_until_one_of_its_own_is_set(tmp_path):
+    text = (DATA / "hoist.yaml").read_text(encoding="utf8")
+    (tmp_path / "other.yaml").write_text(text.replace("elements_per_span: 4", "elements_per_span: 3"), encoding="utf8")
+    for name, scene in (("one", DATA / "hoist.yaml"), ("other", tmp_path / "other.yaml")):
+        write_fmu(scene, tmp_path / f"{name}.fmu", [], ["winch.tension"])
+    found = hosted(_with_a_state_of, str(tmp_path / "one.fmu"), str(tmp_path / "other.fmu"))
+    assert found == [False, True]

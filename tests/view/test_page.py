@@ -74,7 +74,10 @@ def bent_rope() -> Appearance:
     return Appearance(
         HOSTILE, time, lines=(rope,), eye=(0.0, -1.0, 0.0), notes=(HOSTILE,),
         solids=(load,),
-        arrows=(Arrows("push", HOSTILE, "N", still(np.array([[7.0, 0.0, -4.0]])), stored(push), 300.0, "#00AA00"),),
+        arrows=(
+            Arrows("push", HOSTILE, "N", still(np.array([[7.0, 0.0, -4.0]])), stored(push), 300.0, "#00AA00"),
+            Arrows("wall", "wall", "N", still(np.array([[5.0, 0.0, -1.5]])), stored(push), 300.0, "#AA00AA", True),
+        ),
         levels=(Level(HOSTILE, -11.0),),
         labels=(Label("start", lambda k: points[k, 0]), Label("end", lambda k: points[k, -1]),
                 Label(HOSTILE, still(np.array([3.0, 0.0, -8.0])))),
@@ -202,6 +205,18 @@ def test_an_arrow_is_drawn_in_frames_where_it_is_not_zero_only(first, last):
         part = seen.picture[foot - tall : foot, left - 6 : left + 7].astype(float)
         green = (part[..., 1] > 1.6 * part[..., 0]) & (part[..., 1] > 1.6 * part[..., 2])
         assert green.any(axis=1).mean() > 0.95 if some else not green.any()
+
+
+@needs_browser
+def test_an_arrow_that_pushes_has_its_head_where_it_acts(first, last):
+    at, tall = (
+        np.round(on_page(first, 0.5, 0.15)).astype(int),
+        int(0.1 * 14.5 * (first.word("end") - first.word("start"))[1] / 10.0),
+    )
+    column = last.picture[:, at[0] - 6 : at[0] + 7].astype(float)
+    purple = np.any(np.minimum(column[..., 0], column[..., 2]) > 1.6 * column[..., 1], axis=1)
+    assert purple[at[1] + 2 : at[1] + int(0.9 * tall)].mean() > 0.95
+    assert not purple[at[1] - tall : at[1] - 2].any()
 
 
 @needs_browser

@@ -5,6 +5,7 @@ import re
 import resource
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -304,3 +305,47 @@ def test_a_quantity_that_is_the_same_at_every_frame_is_written_for_a_line_that_m
         reader = pv.get_reader(tmp_path / "one.pvd")
         reader.set_active_time_value(time)
         np.testing.assert_array_equal(reader.read()[0].point_data["depth [m]"], np.arange(7.0))
+
+
+@pytest.mark.parametrize("name", ["rope_0000.vtp", "rope_0003.vtp", "sea.vtp"])
+def test_a_file_in_the_folder_that_no_earlier_export_wrote_is_not_lost(tmp_path, name):
+    (tmp_path / "all").mkdir()
+    (tmp_path / "all" / name).write_text("mine")
+    with pytest.raises(ResultError, match=rf"{name}: exists and is no frame of all\.pvd: it would be lost"):
+        write_paraview(seen(), result_of(seen()), tmp_path / "all.pvd")
+    assert [file.name for file in tmp_path.rglob("*")] == ["all", name]
+    assert (tmp_path / "all" / name).read_text() == "mine"
+
+
+def test_two_exports_whose_names_differ_by_the_case_of_the_ending_do_not_share_a_folder(tmp_path):
+    write_paraview(seen(2), result_of(seen(2)), tmp_path / "all.pvd")
+    before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
+    with pytest.raises(ResultError, match=r"exists and is a frame of all\.pvd: it would be lost"):
+        write_paraview(seen(), result_of(seen()), tmp_path / "all.PVD")
+    assert {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()} == before
+    # Of two that an earlier version has left, neither takes what is the other's.
+    (tmp_path / "all.PVD").write_bytes((tmp_path / "all.pvd").read_bytes())
+    for name in ("all.pvd", "all.PVD"):
+        with pytest.raises(ResultError, match="it would be lost"):
+            write_paraview(seen(), result_of(seen()), tmp_path / name)
+
+
+def test_a_radius_is_told_where_it_is_a_things_own_only(tmp_path):
+    look, points = seen(), still(np.arange(6.0).reshape(2, 3))
+    lines = (
+        Line("hose", points, 0.0), Line("path", points, 0.4, measured=False),
+        Line("rope 1", points, 0.01), Line("rope 2", points, 0.0),
+    )  # fmt: skip
+    write_paraview(Appearance("", look.time, lines), result_of(look), tmp_path / "all.pvd")
+    there = blocks(tmp_path / "all.pvd", 0.0)
+    for name in ("hose", "path"):
+        assert "radius [m]" not in {*there[name].point_data, *there[name].cell_data}
+    np.testing.assert_array_equal(there["rope"].point_data["radius [m]"], [0.01, 0.01, np.nan, np.nan])
+    np.testing.assert_array_equal(there["rope"].cell_data["radius [m]"], [0.01, np.nan])
+
+
+def test_what_the_axes_are_is_a_note_of_the_file(tmp_path):
+    look = replace(seen(), axes="x is east")
+    write_paraview(look, result_of(look), tmp_path / "all.pvd")
+    notes = blocks(tmp_path / "all.pvd", 0.0)["rope"].field_data["notes"]
+    assert list(notes) == ["offsets are drawn larger", "x is east"] and look.remarks == seen().remarks

@@ -10,7 +10,7 @@ import pytest
 from drawn import NODES, TIME, appearance, load, rope, tension
 
 from tautline.results.errors import ResultError
-from tautline.view.space.appearance import Line, still
+from tautline.view.space.appearance import Arrows, Line, still
 from tautline.view.space.stage import SIZE, Stage
 from tautline.view.space.window import Window
 
@@ -154,6 +154,22 @@ def test_a_wellbore_hides_nothing_that_is_in_it():
     assert alike(around(picture, pixel(made, [1, 0, -50.0]), 1), (208, 32, 32)) < 0.1
     assert alike(around(picture, pixel(made, [-4, 0, -50.0]), 1), (185, 166, 140)) < 0.1
     made.close()
+
+
+def test_an_arrow_that_pushes_has_its_head_where_it_acts():
+    push = Arrows(
+        "wall", "wall", "N", still(np.array([[2.0, 0.0, 15.0]])), still(np.array([[0.0, 0.0, -1.0]])), 1.0, "#AA00AA"
+    )
+    drawn = {}
+    for pushes in (True, False):
+        made = Stage(appearance(arrows=(replace(push, pushes=pushes),)))
+        picture, long = made.picture(), 0.1 * made.seen
+        drawn[pushes] = [
+            alike(around(picture, pixel(made, [2.0, 0.0, 15.0 + way * 0.5 * long]), 1), (170, 0, 170)) < 0.1
+            for way in (1.0, -1.0)
+        ]
+        made.close()
+    assert drawn == {True: [True, False], False: [False, True]}
 
 
 def test_a_picture_of_nothing_but_a_title_is_still_a_picture():

@@ -149,15 +149,12 @@ def test_forces_push_inwards_from_the_wall_and_only_where_there_are_any(name):
     there = force > 0.0
     assert 0 < there.sum() < there.size and not vectors[~there].any()
     out = off[there] / np.linalg.norm(off[there], axis=1)[:, None]
-    # Against the offset, and on the line from the axis through the lump, outside of the wall.
+    # Against the offset, and on the line from the axis through the lump, on the wall.
     assert vectors[there] == pytest.approx(-force[there, None] * out, rel=1e-6, abs=1e-6 * push.longest)
     away = points[there] - axis[there]
     assert np.abs(away - np.sum(away * out, axis=1)[:, None] * out).max() < 1e-6
-    # Shafts as long as forces are large, their points on the wall.
-    shaft = np.linalg.norm(away, axis=1) - 0.5 * HOLE
-    assert shaft == pytest.approx(force[there] * shaft.max() / force.max(), rel=1e-9, abs=1e-6)
-    assert 0.05 < shaft.max() * push.longest / force.max() / np.ptp(axis, axis=0).max() < 0.15
-    assert push.longest == result["contact_force"].max() and push.unit == "N"
+    assert np.linalg.norm(away, axis=1) == pytest.approx(0.5 * HOLE, abs=1e-6)
+    assert push.pushes and push.longest == result["contact_force"].max() and push.unit == "N"
 
 
 @pytest.mark.parametrize("name", ["jwell", "iscwsa"])
@@ -318,10 +315,9 @@ def test_forces_and_speeds_at_lumps_are_the_stored_ones():
     assert found["contact_force_per_metre"] * tributary == pytest.approx(result["contact_force"][-1], rel=1e-12)
     assert found["friction_per_metre"] * tributary == pytest.approx(result["friction_force"][-1], rel=1e-12)
     assert found["axial_velocity"] == pytest.approx(result["axial_velocity"][-1], rel=1e-12)
-    # Tension is a link's: between two of equal length it is their mean, and at the ends the last one's.
+    # Tension is a link's: between two of equal weight it is their mean.
     tension = result["tension"][-1]
     assert found["tension"][1:5] == pytest.approx(0.5 * (tension[:4] + tension[1:5]), rel=1e-9)
-    assert found["tension"][[0, -1]] == pytest.approx(tension[[0, -1]], rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["jwell", "configuration_b"])

@@ -154,7 +154,10 @@ def _line(rope: RopeLine, site: Site, name: str) -> Line:
     quantities: list[Quantity] = [ranged("tension", "tension", "N", rope.tension)]
     if rope.speed is not None:
         quantities.append(ranged("rope_speed", "rope speed", "m/s", rope.speed))
-    return Line(name, stored(rope.points), 0.5 * site.diameter, tuple(quantities), nodes=rope.nodes)
+    known = site.scene.rope.diameter is not None
+    return Line(
+        name, stored(rope.points), 0.5 * site.diameter, tuple(quantities), nodes=rope.nodes, measured=known
+    )  # fmt: skip
 
 
 def _eye(points: np.ndarray, course: Course) -> tuple[float, float, float]:

@@ -12,8 +12,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from drillstring.results.places import part_of
+from drillstring.view.along import tension_along, torque_along
 from drillstring.view.course import ROOM, Course, course_of
-from drillstring.view.lettering import ARROW, depth_scale, words
+from drillstring.view.lettering import depth_scale, words
 from drillstring.view.rig import bit, block, derrick
 from drillstring.view.string_curve import Blend, Drawn
 from tautline.results.errors import ResultError
@@ -45,6 +46,12 @@ VIEWS: Mapping[str, str] = {
     "unrolled": "straightened along the measured depth: offset in the hole against depth",
 }
 """Names for ``--view``."""
+
+AXES: Mapping[str, str] = {
+    "true": "x is east, y is north, z is up; in tables and in the result x, y, z are north, east, down",
+    "unrolled": "x is the offset on m2, y that on m1, z is less the measured depth",
+}
+"""What a view's axes are, for who compares it with a result's own."""
 
 HOLE = 0.012
 """Diameter of a hole over the size of a picture at true depth."""
@@ -89,7 +96,7 @@ def appearance(result: Result, look: Look) -> Appearance:
         time=result.time,
         lines=(_string(result, drawn), *_hole(drawn), *low),
         solids=_solids(result, drawn, size),
-        arrows=_pushes(result, drawn, size),
+        arrows=_pushes(result, drawn),
         labels=words(drawn, size, low),
         rulers=(depth_scale(drawn, size, look.units),),
         eye=drawn.eye,
@@ -97,6 +104,7 @@ def appearance(result: Result, look: Look) -> Appearance:
         enlarged=(("across the hole", factor),) if factor != 1.0 else (),
         floor=False,
         units=look.units,
+        axes=AXES[look.view],
     )
 
 
@@ -104,9 +112,9 @@ def _string(result: Result, drawn: Drawn) -> Line:
     """The string, coloured by tension, torque, what the wall does to it, speeds, curvature."""
     course = drawn.course
     radius = 0.5 * drawn.factor * course.diameter[drawn.tube]
-    found = [_quantity("tension", "tension", "N", result["tension"], drawn.links)]
+    found = [_quantity("tension", "tension", "N", tension_along(result, course), drawn.halves)]
     if "torque" in result:
-        found.append(_quantity("torque", "torque", "N m", result["torque"], drawn.links))
+        found.append(_quantity("torque", "torque", "N m", torque_along(result, course), drawn.halves))
     for name, stored, text in (
         ("contact_force_per_metre", "contact_force", "contact force"),
         ("friction_per_metre", "friction_force", "friction"),
@@ -153,7 +161,7 @@ def _low_sides(drawn: Drawn, size: float) -> list[Line]:
         at = slice(first, last)
         low = drawn.place(course.path[at], *(0.5 * course.hole * sides[at] / steep[at, None]).T)
         name = "low side" if not found else f"low side {len(found) + 1}"
-        found.append(Line(name, still(low), 0.002 * size, colour=DECK, thick=False))
+        found.append(Line(name, still(low), 0.002 * size, colour=DECK, thick=False, measured=False))
     return found
 
 
@@ -208,8 +216,8 @@ def _yard(drawn: Drawn, size: float) -> float:
     return max(YARD * size, 1.3 * drawn.factor * drawn.course.widest)
 
 
-def _pushes(result: Result, drawn: Drawn, size: float) -> tuple[Arrows, ...]:
-    """Normal forces of the wall: their points stand where the pipe touches it, their shafts are outside."""
+def _pushes(result: Result, drawn: Drawn) -> tuple[Arrows, ...]:
+    """Normal forces of the wall, where the pipe touches it; they are drawn from outside."""
     course = drawn.course
     force = result["contact_force"] if "contact_force" in result else np.zeros((1, 0))
     longest = float(force.max(initial=0.0))
@@ -217,8 +225,6 @@ def _pushes(result: Result, drawn: Drawn, size: float) -> tuple[Arrows, ...]:
         return ()
     lateral, depth = course.lateral[:, course.added :], course.depth[:, course.added :]
     thick = course.diameter[np.maximum(np.arange(force.shape[1]) - 1 + course.added, 0)]
-
-    length = ARROW * (1.0 + RIG) * size / longest
 
     def outwards(frame: int) -> tuple[np.ndarray, np.ndarray]:
         """Unit vectors in space, (n, 3), from the axis to the lumps, 0 at those that it goes through; and the wall."""
@@ -229,13 +235,13 @@ def _pushes(result: Result, drawn: Drawn, size: float) -> tuple[Arrows, ...]:
         return np.einsum("nci,ni->nc", drawn.axes(depth[frame])[..., :2], way), wall
 
     def points(frame: int) -> np.ndarray:
-        way, wall = outwards(frame)
-        return wall + length * force[frame][:, None] * way
+        return outwards(frame)[1]
 
     def vectors(frame: int) -> np.ndarray:
         return -force[frame][:, None] * outwards(frame)[0]
 
-    return (Arrows("contact_force", f"contact force of a {part_of(result)}", "N", points, vectors, longest, LOAD),)
+    text = f"contact force of a {part_of(result)}"
+    return (Arrows("contact_force", text, "N", points, vectors, longest, LOAD, pushes=True),)
 
 
 def _size(course: Course, unrolled: bool) -> float:

@@ -8,12 +8,10 @@ import numpy as np
 
 from drillstring.view.string_curve import Drawn, turned_over
 from tautline.scene.values.systems import length_unit
-from tautline.view.space.appearance import Label, Line, Ruler, still
+from tautline.view.space.appearance import ARROW, Label, Line, Ruler, still
 
 TICKS = 9
 """Of a ruler, at most."""
-ARROW = 0.1
-"""Length over the size of the picture that the longest arrow is drawn with."""
 LINE = 0.035
 """Distance of lines of words over the size of the picture."""
 

@@ -47,8 +47,8 @@ class Drawn:
         upper one.
     nodes : (n + 1,) array of int
         Points that are lumps.
-    lumps, links : Blend
-        Values at the points of what is known at lumps, and of what is known of links: at their middles, in a picture.
+    lumps, halves : Blend
+        Values at the points of what is known at lumps, and of what is known at lumps and middles of links in turn.
     """
 
     def __init__(self, course: Course, factor: float, unrolled: bool) -> None:
@@ -59,11 +59,8 @@ class Drawn:
         self.tube = np.where(share > 0.0, self.link, np.maximum(self.link - 1, 0))
         self.lumps = Blend(self.link, share)
         length = np.diff(course.rest)[self.link]
-        place = course.rest[self.link] + share * length
-        middle = 0.5 * (course.rest[1:] + course.rest[:-1])
-        first = np.clip(np.searchsorted(middle, place) - 1, 0, max(middle.size - 2, 0))
-        gap = np.diff(middle)[first] if middle.size > 1 else 1.0
-        self.links = Blend(first, np.clip((place - middle[first]) / gap, 0.0, 1.0))
+        lower = share > 0.5
+        self.halves = Blend(2 * self.link + lower, 2.0 * share - lower)
         t = share[:, None]
         # The cubic's values and slopes at both ends, over the unstretched length.
         self._shape = (

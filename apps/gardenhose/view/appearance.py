@@ -116,7 +116,7 @@ def _path(result: Result, hose: Chain, extent: float) -> tuple[Line, ...]:
     count = min(FINE * (len(time) - 1) + 1, MOST_POINTS)
     dense = np.interp(np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, len(time)), time)
     places = hose.enlarged(Trace(time, tip, np.asarray(result["tip_velocity"]))(dense)[0], float(hose.material[0, -1]))
-    return (Line("path of the tip", still(places), PATH * extent, colour=STEEL, thick=False),)
+    return (Line("path of the tip", still(places), PATH * extent, colour=STEEL, thick=False, measured=False),)
 
 
 def _held(

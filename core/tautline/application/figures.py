@@ -56,6 +56,6 @@ def appearance(result: Result, look: Look) -> Appearance:
         if variable.dims == dims[:2] and name != "position"
     ]
     path = position if position.shape[1] > 1 else np.concatenate([position, position + [0.0, 0.0, THIN * size]], axis=1)
-    line = Line("places", stored(path), THIN * size, tuple(found if position.shape[1] > 1 else ()))
+    line = Line("places", stored(path), THIN * size, tuple(found if position.shape[1] > 1 else ()), measured=False)
     text = str(result.attributes.get("title") or "") or "result"
     return Appearance(text, np.asarray(result.time), lines=(line,), units=look.units)

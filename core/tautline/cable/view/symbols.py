@@ -71,4 +71,4 @@ def coil(first: Values, second: Values, size: float, name: str = "spring") -> Li
         columns = axes_of(way if np.linalg.norm(way) > 1e-3 * size else np.array([0.0, 0.0, 1.0]))
         return begins + x[:, None] * way + ring @ columns[:, :2].T
 
-    return Line(name, points, 0.06 * size, colour=PAINT, thick=False)
+    return Line(name, points, 0.06 * size, colour=PAINT, thick=False, measured=False)

@@ -73,7 +73,7 @@ def export(
         if seen is not None:
             from tautline.view.files.paraview import check_target
 
-            check_target(_named(base, output, ".pvd"))
+            check_target(_named(base, output, ".pvd"), seen)
         if csv:
             from tautline.results.tables.table import write_csv
 
@@ -177,7 +177,7 @@ def _is_folder(output: Path | str) -> bool:
 
     if not names_folder(output):
         return False
-    if ends_as_folder(output) or not (Path(output).parent / f"{Path(output).name}.pvd").exists():
+    if ends_as_folder(output):
         return True
     from tautline.view.files.paraview import holds_frames
 
@@ -220,7 +220,7 @@ def _say_files(files: list[Path], larger: str) -> None:
     for file in files:
         if file.suffix == ".vtp":
             continue
-        frames = [one for one in files if one.suffix == ".vtp"] if file.suffix == ".pvd" else []
+        frames = [one for one in files if one.suffix == ".vtp"] if file.suffix.lower() == ".pvd" else []
         more = f" and {len(frames)} files in {frames[0].parent}; open it in ParaView" if frames else ""
         more += f". In it: {larger}" if frames and larger else ""
         say(f"wrote {file}{more}", "green")

@@ -42,11 +42,11 @@ def write_paraview(
 ) -> list[Path]:
     """Write what a result looks like for ParaView.
 
-    Lines are polylines, one cell each, with point data: every quantity, ``radius [m]``, ``node`` (its number in the
-    line, from 1; -1 between nodes) and ``line`` (the number of its line in the part). Solids are triangles where they
-    are at each frame, with cell data ``solid`` and ``colour``. Arrows are points with a vector. Units are SI and stand
-    in the names of arrays. Numbers of the result that are one at each time, such as ``hook_load [N]``, are field data
-    of the first lines.
+    Lines are polylines, one cell each, with point data: every quantity, ``radius [m]`` where it is known, ``node`` (its
+    number in the line, from 1; -1 between nodes) and ``line`` (the number of its line in the part). Solids are
+    triangles where they are at each frame, with cell data ``solid`` and ``colour``. Arrows are points with a vector,
+    where they act. Units are SI and stand in the names of arrays. Numbers of the result that are one at each time, such
+    as ``hook_load [N]``, are field data of the first lines; so are ``title`` and ``notes``.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def write_paraview(
     path = Path(path)
     path = path if path.suffix.lower() == ".pvd" else path.with_name(path.name + ".pvd")
     folder = path.with_name(path.stem)
-    check_target(path)
+    check_target(path, appearance)
     waiting = path.with_name(f".{for_hidden(path.stem)}.{uuid4().hex[:8]}.part")
     listed = path.with_name(f"{waiting.name}.pvd")
     try:
@@ -96,7 +96,7 @@ def write_paraview(
     return [path, *(folder / name for name in named)]
 
 
-def check_target(path: Path) -> None:
+def check_target(path: Path, appearance: Appearance) -> None:
     """Raise ResultError where a ``.pvd`` and its folder cannot be at a path, or something else would be lost."""
     folder = path.with_name(path.stem)
     check_folder(path)
@@ -108,6 +108,33 @@ def check_target(path: Path) -> None:
         raise ResultError(path, "exists and is no collection of ParaView's: it would be lost", "name another with -o")
     if folder.exists() and not folder.is_dir():
         raise ResultError(folder, "is a file, and the frames go into a folder of that name", "name another with -o")
+    _check_frames(path, folder, appearance)
+
+
+def _check_frames(path: Path, folder: Path, appearance: Appearance) -> None:
+    """Raise ResultError where a frame would take the place of a file that is none of this ``.pvd``'s own."""
+    try:
+        there = set(os.listdir(folder)) if folder.is_dir() else set()
+    except OSError as error:
+        raise ResultError(folder, f"cannot be read: {error.strerror}", "name another with -o") from None
+    if not there:
+        return
+    from tautline.view.files.parts import parts_of
+
+    parts, frames = parts_of(appearance), len(appearance.time)
+    wanted = [
+        name
+        for part, stem in zip(parts, _stems(parts), strict=True)
+        for name in dict.fromkeys(_file_of(part, stem, frame, frames) for frame in range(frames))
+    ]
+    others = [one for one in _collections_of(folder) if not (path.exists() and one.samefile(path))]
+    own = _frames_of(path, folder).difference(*(_frames_of(one, folder) for one in others))
+    lost = next((name for name in wanted if name in there and name not in own), None)
+    if lost is None:
+        return
+    owner = next((f" of {one.name}" for one in others if lost in _frames_of(one, folder)), "")
+    cause = f"exists and is {'a frame' if owner else 'no frame'}{owner or f' of {path.name}'}: it would be lost"
+    raise ResultError(folder / lost, cause, f"name another with -o, or move {folder.name} away")
 
 
 def _write_frames(
@@ -122,7 +149,6 @@ def _write_frames(
     host = next((part for part in parts if part.moves and part.state is None), None)
     scalars = {labelled(v.name, v.units): result[v.name] for v in result.variables.values() if v.dims == ("time",)}
     source = np.arange(frames) if appearance.source is None else appearance.source
-    digits = max(DIGITS, len(str(frames - 1)))
     files: list[list[str]] = [[] for _ in parts]
     before: list[bytes | None] = [None] * len(parts)
     with _quiet_writer() as write:
@@ -139,8 +165,8 @@ def _write_frames(
                         add_array(data.GetFieldData(), name, np.array([values[source[frame]]], dtype=float))
                 if frame == 0 and (part is host or (host is None and i == 0)):
                     add_texts(data, "title", [appearance.title])
-                    add_texts(data, "notes", appearance.remarks)
-                files[i].append(f"{stem}_{frame:0{digits}d}.vtp" if part.moves else f"{stem}.vtp")
+                    add_texts(data, "notes", [*appearance.remarks, *([appearance.axes] if appearance.axes else [])])
+                files[i].append(_file_of(part, stem, frame, frames))
                 write(data, folder / files[i][-1])
             if progress is not None:
                 progress(frame + 1, frames)
@@ -186,6 +212,12 @@ def _stems(parts: list[Part]) -> list[str]:
     return found
 
 
+def _file_of(part: Part, stem: str, frame: int, frames: int) -> str:
+    """Name of the file that a part has at a frame, if it is written there."""
+    digits = max(DIGITS, len(str(frames - 1)))
+    return f"{stem}_{frame:0{digits}d}.vtp" if part.moves else f"{stem}.vtp"
+
+
 def _collection(time: np.ndarray, files: list[tuple[str, list[str]]], folder: str) -> str:
     """Text of the ``.pvd``; ParaView names blocks by ``name``."""
     rows = [
@@ -211,8 +243,23 @@ def _files_of(path: Path) -> set[str] | None:
 
 def holds_frames(folder: Path) -> bool:
     """Whether a folder is that of the frames of the ``.pvd`` of its name beside it."""
-    files = _files_of(folder.parent / f"{folder.name}.pvd") or ()
-    return any(Path(file).parent == Path(folder.name) for file in files)
+    return any(_frames_of(path, folder) for path in _collections_of(folder))
+
+
+def _collections_of(folder: Path) -> list[Path]:
+    """Files beside a folder that have its name and end in ``.pvd``, in letters of either case."""
+    try:
+        names = sorted(os.listdir(folder.parent))
+    except OSError:
+        return []
+    paths = [folder.with_name(name) for name in names if name.lower().endswith(".pvd")]
+    return [path for path in paths if path.stem == folder.name]
+
+
+def _frames_of(path: Path, folder: Path) -> set[str]:
+    """Names of the files in a folder beside a ``.pvd`` that it names; none if it is none."""
+    files = [Path(file) for file in _files_of(path) or ()]
+    return {file.name for file in files if file.parent == Path(folder.name)}
 
 
 def _replace(waiting: Path, folder: Path, path: Path) -> None:
@@ -220,10 +267,9 @@ def _replace(waiting: Path, folder: Path, path: Path) -> None:
     if not folder.exists():
         os.replace(waiting, folder)
         return
-    for name in (_files_of(path) or set()) if path.exists() else set():
-        old = path.parent / name
-        if old.parent == folder and old.suffix == ".vtp":
-            old.unlink(missing_ok=True)
+    for name in _frames_of(path, folder):
+        if name.endswith(".vtp"):
+            (folder / name).unlink(missing_ok=True)
     path.unlink(missing_ok=True)
     for file in sorted(waiting.iterdir()):
         os.replace(file, folder / file.name)

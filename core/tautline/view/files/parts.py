@@ -89,13 +89,11 @@ def _lines(name: str, lines: Sequence[Line], frames: int) -> Part:
     node = np.full(sum(counts), -1, dtype=np.int32)
     for line, start in zip(lines, np.cumsum([0, *counts]), strict=False):
         node[start + np.asarray(line.nodes, dtype=int)] = np.arange(1, len(line.nodes) + 1)
-    radius = [np.broadcast_to(np.asarray(line.radius, float), count) for line, count in zip(lines, counts, strict=True)]
     of_points = data.GetPointData()
-    add_array(of_points, "radius [m]", np.concatenate(radius))
+    _add_radii(data, lines, counts)
     add_array(of_points, "node", node)
     add_array(of_points, "line", np.repeat(number, counts))
     add_array(data.GetCellData(), "line", number)
-    add_array(data.GetCellData(), "radius [m]", np.array([one.max() for one in radius]))
     add_texts(data, "names", [line.name for line in lines])
     known = {q.name: labelled(q.name, q.unit) for line in lines for q in line.quantities}
     shown = [{q.name: q.values for q in line.quantities} for line in lines]
@@ -115,6 +113,18 @@ def _lines(name: str, lines: Sequence[Line], frames: int) -> Part:
 
     asked = [call for line in lines for call in (line.points, *(q.values for q in line.quantities))]
     return Part(name, frames > 1 and any(call(0) is not call(1) for call in asked), at)
+
+
+def _add_radii(data: vtkPolyData, lines: Sequence[Line], counts: Sequence[int]) -> None:
+    """Radii of the points and of the lines, m: none where no line has a known one, else NaN of a line without."""
+    radius = [
+        np.where(line.measured and np.max(line.radius) > 0.0, np.broadcast_to(line.radius, count), np.nan)
+        for line, count in zip(lines, counts, strict=True)
+    ]
+    if np.isnan(np.concatenate(radius)).all():
+        return
+    add_array(data.GetPointData(), "radius [m]", np.concatenate(radius))
+    add_array(data.GetCellData(), "radius [m]", np.array([one.max() for one in radius]))
 
 
 def _solids(name: str, solids: Sequence[Solid]) -> Part:

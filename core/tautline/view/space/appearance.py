@@ -24,6 +24,8 @@ Values = Callable[[int], np.ndarray]
 STEEL, ROPE, PAINT, LOAD, DECK = "#8A9199", "#3B3B3B", "#E8B021", "#C4572B", "#6E7F8D"
 WATER, GROUND, MUD = "#3E8FC4", "#9C7A54", "#A8926B"
 """Colours of things, so that a sheave is the same grey in every picture."""
+ARROW = 0.1
+"""Length of the longest arrow as a share of the picture's size."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ class Line:
     points : callable
         Frame -> (m, 3) array, m; m >= 2 and the same at every frame.
     radius : float or (m,) array
-        True radius, m.
+        True radius, m; zero where nobody knows it.
     quantities : tuple of Quantity
         Each of m values; the first is what colours it unless another is asked for.
     colour : str
@@ -100,6 +102,9 @@ class Line:
     opacity : float
     thick : bool
         Whether it is made thicker where it would be too thin to see. A wellbore of the string's scale is not.
+    measured : bool
+        Whether its radius is a thing's own. That of a sign, or of a rope whose diameter is guessed, is there to be
+        seen, and files for other programs leave it out.
     """
 
     name: str
@@ -111,6 +116,7 @@ class Line:
     hollow: bool = False
     opacity: float = 1.0
     thick: bool = True
+    measured: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,10 +177,12 @@ class Arrows:
     name, text, unit : str
         As of a `Quantity`.
     points, vectors : callable
-        Frame -> (k, 3) array each; m, and the unit.
+        Frame -> (k, 3) array each: where they act, m, and the unit.
     longest : float
         Largest length of a vector over all frames, in the unit; drawn a tenth of the picture long.
     colour : str
+    pushes : bool
+        Whether they are drawn with their heads where they act, as what pushes from outside, and not with their tails.
     """
 
     name: str
@@ -184,6 +192,14 @@ class Arrows:
     vectors: Values
     longest: float
     colour: str = LOAD
+    pushes: bool = False
+
+    def tails(self, frame: int, size: float) -> np.ndarray:
+        """Where they begin in a picture of a size, m, (k, 3)."""
+        points = np.asarray(self.points(frame), float)
+        if not self.pushes or not self.longest > 0.0:
+            return points
+        return points - ARROW * size / self.longest * np.asarray(self.vectors(frame), float)
 
 
 @dataclass(frozen=True)
@@ -255,6 +271,8 @@ class Appearance:
         Frames of the result that these are; None for all of them.
     units : str
         Of what legends say: ``si``, ``metric`` or ``field``; quantities themselves are in SI.
+    axes : str
+        What x, y and z are, where other files of the result have other axes: a note of files for other programs.
 
     Names of lines, solids and arrows differ; those that differ by a number at the end are of one kind.
     """
@@ -273,6 +291,7 @@ class Appearance:
     floor: bool = True
     source: np.ndarray | None = None
     units: str = "si"
+    axes: str = ""
 
     @functools.cached_property
     def quantities(self) -> dict[str, list[Quantity]]:
@@ -342,10 +361,11 @@ class Appearance:
             box = _corners(solid.points)
             for frame in frames if solid.pose is not None else frames[:1]:
                 found.append(box if solid.pose is None else placed(box, solid.pose(frame)))
-        found += [arrows.points(frame) for arrows in self.arrows for frame in frames]
+        found += [np.reshape(arrows.points(frame), (-1, 3)) for arrows in self.arrows for frame in frames]
         found += [ruler.points for ruler in self.rulers]
-        found = [points for points in found if len(points)]
-        return np.concatenate(found) if found else np.zeros((1, 3))
+        found = [points for points in found if len(points)] or [np.zeros((1, 3))]
+        size = float(np.ptp(np.concatenate(found), axis=0).max())
+        return np.concatenate([*found, *(one.tails(frame, size) for one in self.arrows for frame in frames)])
 
     def base(self, points: np.ndarray) -> float | None:
         """Height of what everything stands on, m: the highest ground below all points (n, 3), else a floor there.

@@ -16,7 +16,7 @@ import numpy as np
 
 from tautline.scene.values.systems import length_unit
 from tautline.view.figures.figure import round_numbers, scale_in
-from tautline.view.space.appearance import Appearance, Arrows, Line, Solid
+from tautline.view.space.appearance import ARROW, Appearance, Arrows, Line, Solid
 from tautline.view.space.camera import ANGLE, CLOSE, Aim, aim, fitted
 from tautline.view.space.colours import Shading, shading
 from tautline.view.space.graphics import graphics, new_plotter
@@ -31,8 +31,6 @@ INK = "#202020"
 SIDES, ROUND_SIDES = 6, 32
 THINNEST = 0.002
 """Least radius of a line as a share of the picture's size: two or three pixels thick."""
-ARROW = 0.1
-"""Length of the longest arrow as a share of the picture's size."""
 WIDE = 0.006
 """Radius of a line as a share of the picture's size from which its sides would show."""
 LEGEND = 0.13
@@ -267,6 +265,8 @@ class Stage:
 
     def _arrows(self, arrows: Arrows) -> None:
         shape, triangles = turned_about([(0.0, 0.0), (0.02, 0.0), (0.02, 0.72), (0.07, 0.72), (0.0, 1.0)], SIDES)
+        if arrows.pushes:
+            shape = shape - [0.0, 0.0, 1.0]
         count, corners = len(arrows.points(0)), len(shape)
         if count == 0 or not arrows.longest > 0.0:
             return

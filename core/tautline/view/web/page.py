@@ -232,7 +232,7 @@ def describe(appearance: Appearance, pack: Pack, colour: str | None, radius: flo
         "arrows": [
             {
                 "name": one.name, "text": one.text, "colour": one.colour, "longest": float(one.longest),
-                "said": _number(one.longest, one.unit, appearance.units),
+                "pushes": one.pushes, "said": _number(one.longest, one.unit, appearance.units),
                 "points": pack.track(one.points, middle), "vectors": pack.track(one.vectors),
             }
             for one in appearance.arrows

@@ -493,9 +493,9 @@ class Vectors {
     this.vectors = new Track(spec.vectors, bytes);
     const shaft = new THREE.CylinderGeometry(0.025, 0.025, 0.7, 10).rotateX(Math.PI / 2).translate(0, 0, 0.35);
     const head = new THREE.ConeGeometry(0.075, 0.3, 16).rotateX(Math.PI / 2).translate(0, 0, 0.85);
-    this.mesh = new THREE.InstancedMesh(
-      THREE.mergeGeometries([shaft, head]), new THREE.MeshLambertMaterial({ color: spec.colour }), spec.points.width / 3,
-    );
+    // What pushes has its head where it acts, and its tail outside.
+    const arrow = THREE.mergeGeometries([shaft, head]).translate(0, 0, spec.pushes ? -1 : 0);
+    this.mesh = new THREE.InstancedMesh(arrow, new THREE.MeshLambertMaterial({ color: spec.colour }), spec.points.width / 3);
     this.mesh.name = spec.name;
     this.mesh.frustumCulled = false;
   }
