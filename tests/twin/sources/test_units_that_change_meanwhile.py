@@ -258,7 +258,7 @@ def hear(source, seconds):
 
 
 @pytest.mark.parametrize("semantics_changed", [False, True])
-def test_a_unit_that_the_server_changes_while_it_is_connected_is_taken_and_told(semantics_changed):
+def test_a_unit_that_the_server_changes_while_it_is_connected_is_taken_and_told(hurried, semantics_changed):
     port = free_port()
     running = server(port)
     source = open_source(f"opc.tcp://127.0.0.1:{port}/tautline/", ["a"], units={"a": "kN"})
