@@ -68,8 +68,11 @@ def _number_of_worker():
     return int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
 
 
-NOT_RUN = ("references", "input", "figures", "wellbore", "view", "results", "layers")
-"""Folders of tests that read, draw or integrate apart, and have next to nothing compiled; the last ones run a scene."""
+NOT_RUN = ("references", "wellbore", "input", "figures", "view", "results", "layers")
+"""Folders of tests that read, draw or integrate apart, and have next to nothing compiled; the last ones run a scene.
+
+So do those of folders within them, which come behind the files beside them: the first of `input` to simulate the hoist
+does so when the other worker has had it compiled, and not while it has the string's loop, which is the hoist's too."""
 FIRST = (Path("physics") / "test_relaxation.py", Path("cli") / "test_set.py")
 """Have the loops over steps of ropes compiled, and a crane, which the second worker is the first to need.
 
@@ -86,7 +89,7 @@ def pytest_collection_modifyitems(items):
     """
     items.sort(key=lambda item: item.path.parts)  # one order, from whichever end they were read
     apart = [item for item in items if _folder(item.path) in NOT_RUN]
-    apart.sort(key=lambda item: NOT_RUN.index(_folder(item.path)))
+    apart.sort(key=lambda item: (NOT_RUN.index(_folder(item.path)), len(item.path.parts)))
     run = [item for item in items if _folder(item.path) not in NOT_RUN]
     run.sort(key=lambda item: (_place(item.path), not _is_of_strings(item.path)))
     middle = len(items) // 2

@@ -360,7 +360,9 @@ def test_a_hose_that_is_held_at_both_ends_tells_of_the_node_that_moves_most(gard
     assert report["node_amplitude"] > 1e-4
 
 
-@pytest.mark.parametrize("words", [("flutter",), ("static", "--speed", "3")], ids=lambda words: words[0])
+@pytest.mark.parametrize(
+    "words", [("flutter", "--speed", "0,3"), ("static", "--speed", "3")], ids=lambda words: words[0]
+)
 def test_static_and_flutter_warn_of_the_scene_and_not_of_its_run(gardenhose, words):
     change = ("--set", "gravity=[0, 0, -32.2]", "--set", "output.interval=1.7 ms")
     code, out, err = gardenhose(words[0], "hose.yaml", *change, *words[1:], "--json")

@@ -28,9 +28,9 @@ def test_two_blocking_is_foreseen_in_time_while_an_input_that_was_missing_is_cau
 
 @pytest.fixture(scope="module")
 def lines_without_winch():
-    """Lines of a twin of the record, in which the winch is lost for good at 11.2 s, and of 6 s in waves behind it."""
+    """Lines of a twin of the record, in which the winch is lost for good at 11.2 s, and of 5 s in waves behind it."""
     rows = changed(finer_rows(), lost_between("winch_pos", 11.2, np.inf))
-    return gone_through([*rows, *in_waves_without_winch(18.0)])[1]
+    return gone_through([*rows, *in_waves_without_winch(17.0)])[1]
 
 
 @pytest.fixture(scope="module")

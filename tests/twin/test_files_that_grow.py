@@ -58,24 +58,39 @@ def twin(tmp_path, capsys):
     return run
 
 
+@pytest.fixture(scope="module")
+def made_once():
+    return {}
+
+
+@pytest.fixture
+def whole(twin, rows, made_once, tmp_path_factory):
+    """Lines and result of a twin that was given the whole file at once; it is made for the first who asks."""
+    if not made_once:
+        path = tmp_path_factory.mktemp("whole") / "whole.nc"
+        lines, _ = twin(rows, "-o", path)
+        made_once.update(lines=lines, result=Result.read(path))
+    return made_once["lines"], made_once["result"]
+
+
 @pytest.mark.parametrize("cut", CUTS.values(), ids=CUTS)
 def test_a_twin_that_goes_on_in_a_file_that_grew_says_to_the_digit_what_one_says_that_was_not_stopped(
-    twin, rows, tmp_path, cut
+    twin, rows, whole, tmp_path, cut
 ):
-    whole, _ = twin(rows, "-o", tmp_path / "whole.nc")
+    lines, once = whole
     goes_on = ("--resume", tmp_path / "st", "-o", tmp_path / "parts.nc")
     first, _ = twin(rows[: 1 + cut], *goes_on)
     rest, told = twin(rows, *goes_on)
     assert len(first) == cut and first.keys() & rest.keys(), "the last rows are answered anew"
     assert "answered at the end of the source, and are answered anew where rows follow" in " ".join(told.split())
     answered = {time: line for time, line in first.items() if time < min(rest)}
-    assert answered | rest == whole
-    parts, once = Result.read(tmp_path / "parts.nc"), Result.read(tmp_path / "whole.nc")
+    assert answered | rest == lines
+    parts = Result.read(tmp_path / "parts.nc")
     for name in set(once.variables) - {"lag"}:
         assert np.array_equal(parts[name], once[name], equal_nan=once[name].dtype.kind == "f"), name
 
 
-def test_where_no_row_is_new_nothing_is_answered_again_and_no_file_changes(twin, rows, tmp_path):
+def test_where_no_row_is_new_nothing_is_answered_again_and_no_file_changes(twin, rows, whole, tmp_path):
     goes_on, cut = ("--resume", tmp_path / "st", "-o", tmp_path / "parts.nc"), 22
     twin(rows[: 1 + cut], *goes_on)
     before = Result.read(tmp_path / "parts.nc")
@@ -85,10 +100,10 @@ def test_where_no_row_is_new_nothing_is_answered_again_and_no_file_changes(twin,
         assert "rows not processed" not in told and "ALARM" not in told
         after = Result.read(tmp_path / "parts.nc")
         assert np.array_equal(after.time, before.time) and after.attributes["status"] == "done"
-    whole, _ = twin(rows, "-o", tmp_path / "whole.nc")
+    lines, once = whole
     rest, _ = twin(rows, *goes_on)
-    assert rest == {time: line for time, line in whole.items() if time >= min(rest)}
-    assert np.array_equal(Result.read(tmp_path / "parts.nc").time, Result.read(tmp_path / "whole.nc").time)
+    assert rest == {time: line for time, line in lines.items() if time >= min(rest)}
+    assert np.array_equal(Result.read(tmp_path / "parts.nc").time, once.time)
 
 
 def test_a_result_that_is_missing_is_said_not_to_be_written_where_no_row_is_new(twin, rows, tmp_path):

@@ -68,7 +68,7 @@ def without_noise():
     height = "sensors:\n  - {column: height, unit: m, output: 'payload.position[2]'}"
     with_height = read_map(MAP.replace("sensors:", height))
     twin, lines, heights = Twin(HOIST, MAP + "keep: [payload.position]\n"), [], {}
-    for stamp, readings in record(tautline.read(HOIST).replace(fine), with_height, Sensing(seed=1, rate=RATE), 9.0):
+    for stamp, readings in record(tautline.read(HOIST).replace(fine), with_height, Sensing(seed=1, rate=RATE), 7.5):
         heights[round(stamp, 6)] = readings.pop("height")
         lines += twin.add(stamp, readings)
         twin.work()

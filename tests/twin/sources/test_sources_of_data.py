@@ -258,7 +258,7 @@ def write(running, time, values):
     running.do(work())
 
 
-def test_opc_ua_gives_the_changes_of_a_stamp_as_one_record_also_after_the_server_was_lost():
+def test_opc_ua_gives_the_changes_of_a_stamp_as_one_record_also_after_the_server_was_lost(hurried):
     pytest.importorskip("asyncua")
     port = free_port()
     running = server(port)

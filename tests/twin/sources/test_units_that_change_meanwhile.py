@@ -217,6 +217,15 @@ def info(text):
     return ua.EUInformation(DisplayName=ua.LocalizedText(text))
 
 
+@pytest.fixture(scope="module")
+def serving():
+    """A server and its port. It takes more than a second of the processor to lay out the nodes of the standard."""
+    port = free_port()
+    running = server(port)
+    yield running, port
+    running.stop()
+
+
 def server(port):
     asyncua = pytest.importorskip("asyncua")
 
@@ -258,9 +267,9 @@ def hear(source, seconds):
 
 
 @pytest.mark.parametrize("semantics_changed", [False, True])
-def test_a_unit_that_the_server_changes_while_it_is_connected_is_taken_and_told(semantics_changed):
-    port = free_port()
-    running = server(port)
+def test_a_unit_that_the_server_changes_while_it_is_connected_is_taken_and_told(hurried, serving, semantics_changed):
+    running, port = serving
+    send(running, 49.0, "kN")
     source = open_source(f"opc.tcp://127.0.0.1:{port}/tautline/", ["a"], units={"a": "kN"})
     try:
         end = clock.monotonic() + 20.0
@@ -276,4 +285,3 @@ def test_a_unit_that_the_server_changes_while_it_is_connected_is_taken_and_told(
         assert len(told(source, "the server says that the unit of a has changed from kN to N")) == 1
     finally:
         source.close()
-        running.stop()
