@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.geometry.line import AXES
-from crane.groups.masses import BEFORE, NOW
+from crane.groups.masses import BEFORE, NOW, supply_of_release
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -172,15 +172,7 @@ def _dissipation(g, t, q, v, p):
             p[0] += (share * (b.linear[c] + b.quadratic[c] * abs(v[o])) + passing * b.added[c]) * v[o] * v[o]
 
 
-@kernel
-def _supply(g, t, q, v, p):
-    for n in range(g.rows.size):
-        p[0] -= g.let_go[n, 1]
-        p[1] += g.let_go[n, 1] - g.let_go[n, 0]
-        g.let_go[n, 0] = 0.0
-
-
 register(
     Immersed, begin=_begin, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy,
-    dissipation=_dissipation, supply=_supply,
+    dissipation=_dissipation, supply=supply_of_release,
 )  # fmt: skip

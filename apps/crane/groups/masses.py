@@ -209,6 +209,15 @@ def _body_supply(g, t, q, v, p):
                 p[0] += force * v[b.place + c]
 
 
+@kernel
+def supply_of_release(g, t, q, v, p):
+    """What leaves with a load that drops, of a group with ``rows`` and ``let_go`` as `Bodies` have them."""
+    for n in range(g.rows.size):
+        p[0] -= g.let_go[n, 1]
+        p[1] += g.let_go[n, 1] - g.let_go[n, 0]
+        g.let_go[n, 0] = 0.0
+
+
 def _body_edges(g: Bodies, q: np.ndarray, v: np.ndarray) -> list[Edge]:
     """How far bodies are from the ground, or from where it lets them go; one that lifts off is free once its damper
     would pull."""

@@ -22,6 +22,7 @@ import numpy as np
 
 from crane.geometry.line import AXES
 from crane.geometry.quaternion import QUATERNION, into_body, out_of_body, product
+from crane.groups.masses import supply_of_release
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -125,14 +126,6 @@ def _commit(g, t, h, q, v, a):
 
 
 @kernel
-def _supply(g, t, q, v, p):
-    for n in range(g.rows.size):
-        p[0] -= g.let_go[n, 1]
-        p[1] += g.let_go[n, 1] - g.let_go[n, 0]
-        g.let_go[n, 0] = 0.0
-
-
-@kernel
 def _residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         b, number = g.rows[n], g.number
@@ -229,7 +222,7 @@ def _energy(g, t, q, v, e):
 
 
 register(
-    Rigids, begin=_begin, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, supply=_supply,
+    Rigids, begin=_begin, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, supply=supply_of_release,
     commit=_commit, lengths=lambda g: [np.arange(turn, turn + QUATERNION) for turn in g.rows["turn"]],
 )  # fmt: skip
 
