@@ -181,9 +181,9 @@ def on_the_start(scene: HoseScene) -> list[str]:
         return []
     flow, time = shown(speed, "m/s", scene.units), shown(1.0 / rate, "s", scene.units)
     return [
-        f"the run starts from an unstable balance: at {flow} the hose leaves it for good, and its motion grows e times "
-        f"in {time}. What it does then follows from the least push. With start: relaxed it begins in a shape in which "
-        "it can stay, if there is one"
+        f"the run starts from an unstable equilibrium: at {flow} the hose leaves it for good, and its motion grows e "
+        f"times in {time}. What it does then follows from the least push. With start: relaxed it begins in a "
+        "shape in which it can stay, if there is one"
     ]
 
 

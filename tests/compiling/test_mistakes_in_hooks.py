@@ -281,6 +281,14 @@ def test_a_hook_may_have_arguments_with_defaults_and_any_number_of_them():
         assert groups.KINDS[Push].hooks == {"residual": hook}
 
 
+def test_a_kind_that_is_registered_anew_forgets_what_was_said_of_it_before():
+    push, mass = Push(np.zeros(1)), kernel(lambda g, q, matrix, dofs: None)
+    register(Push, constant_mass=True, friction=True, mass=mass)
+    assert groups.has_constant_mass((push,)) and groups.without_friction((push,)) == ()
+    register(Push, mass=mass)
+    assert not groups.has_constant_mass((push,)) and groups.without_friction((push,)) == (push,)
+
+
 class Pushes(NamedTuple):
     """Forces at places."""
 

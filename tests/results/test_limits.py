@@ -233,7 +233,7 @@ def test_simulate_prints_broken_limits_and_gives_all_in_json(tmp_path, capfd, mo
     assert penetration["passed"] is False and penetration["limit"] == 1.0
     flat = " ".join(err.split())
     assert "limits satisfied" in flat and "2 of 3" in flat
-    text = "largest depth of the string in the wall over its clearance"
+    text = "largest penetration of the wall / clearance"
     assert f"warning: {text}" in flat and "must be at most 1" in flat
     assert flat.count(text) == 1, "the warning tells it, and no row tells it again"
 

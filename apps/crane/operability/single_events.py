@@ -122,7 +122,7 @@ def _in_lead(early: Sequence[Event], keys: SeaKeys, scene: CraneScene, asked: As
     shorter = f"Give --lead-in {first:.6g}s, or" if first >= least else "To have it judged,"
     begins = f"{first:.4g} s becomes {first + asked.lead:.4g} s"
     whole, begun = [one for one in early if one.end <= asked.lead], [one for one in early if one.end > asked.lead]
-    told = f"nothing counts in the lead-in of {asked.lead:g} s: storms are judged by what comes behind"
+    told = f"nothing counts in the lead-in of {asked.lead:g} s: storms are judged by what comes after"
     if whole:
         told += f". The scene does this in it: {_listed(whole)}. No limit judges it"
     if begun:

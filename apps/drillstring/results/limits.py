@@ -80,6 +80,6 @@ def _into_the_wall(result: Any) -> list[dict[str, Any]]:
     depth = np.linalg.norm(np.asarray(result["lateral_displacement"]), axis=-1) - clearance
     reference = np.maximum(clearance, SNUG * float(result["hole_diameter"][0]))
     places = [f"{x:.4g} m" for x in np.asarray(result["unstretched_depth"])]
-    text = "largest depth of the string in the wall over its clearance"
+    text = "largest penetration of the wall / clearance"
     shares = np.maximum(depth, 0.0) / reference
     return [judged("penetration", text, "", result.time, shares, INTO_THE_WALL, places)]

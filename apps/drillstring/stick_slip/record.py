@@ -148,7 +148,7 @@ def _dying_out(cells: Sequence[Cell]) -> Iterator[str]:
     if fading:
         least, most = (f"{pick(cell.so_far for cell in fading):.2f}" for pick in (min, max))
         severity = most if least == most else f"{least} to {most}"
-        cause = f"the swing of the bit that the start gave still dies out{_at(fading, cells)}: severity {severity}"
+        cause = f"the starting transient of the bit has not decayed{_at(fading, cells)}: severity {severity}"
         yield f"{cause} at the end, and it falls. Give --end '{enough_of(fading)}'"
 
 

@@ -177,7 +177,7 @@ def _too_short(scene: DrillstringScene, end: float | None) -> list[str]:
         return []
     mode = f"periods of the string's first torsional mode, {quantity(period, 's')} each"
     run = f"--end: {quantity(end, 's')} is {significant(end / period, 2)} {mode}"
-    cause = f"{run}: the swing that the start gives may not have died out by then"
+    cause = f"{run}: the starting transient may not have decayed by then"
     return [
         f"{cause}. {CYCLES:g} periods mostly suffice: --end '{quantity(rounded(CYCLES * period, 2, up=True), 's')}'"
     ]

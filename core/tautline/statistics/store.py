@@ -322,7 +322,7 @@ class StatisticsStore(Store):
         }
         if blocks.whole:
             low, high = blocks.extremes(n)
-            made["block"] = (("block",), blocks.begins, "s", "begin of the block")
+            made["block"] = (("block",), blocks.begins, "s", "start of the block")
             made[f"{name}_block_min"] = (
                 ("block", *dims),
                 low.reshape(-1, *shape),

@@ -92,7 +92,7 @@ def test_a_short_end_gives_no_severity_where_the_bit_will_turn_steadily_and_name
     report, told = mapped(drillstring_, "30 s")
     assert report["severity"] == [[None, None]] and report["verdict"] == [["dying out", "dying out"]]
     assert all(0.01 < one < 0.3 for one in report["severity_so_far"][0])
-    assert told.count("dying out") == 2 and "still dies out: severity" in told and "does not stick from 80 rpm" in told
+    assert told.count("dying out") == 2 and "has not decayed: severity" in told and "does not stick from 80 rpm" in told
     (needed,) = {math.ceil(one) for one in report["end_needed"][0]}
     assert f"--end '{needed} s'" in told
     with Path("drilling_stick_slip.csv").open(newline="", encoding="utf8") as file:
@@ -116,7 +116,7 @@ def test_a_bit_that_comes_to_rest_in_a_run_of_few_periods_is_not_told_to_come_to
     """Run for twenty periods it sticks for a tenth of the time; the last of these 2.5 happens to be its fast part."""
     report, told = mapped(drillstring_, "12 s", "--speed", "60")
     assert report["verdict"] == [["sticks"]] and report["stuck"][0][0] > 0.0
-    assert "the bit sticks up to the highest speed of all, 60 rpm" in told and "dies out" not in told
+    assert "the bit sticks up to the highest speed of all, 60 rpm" in told and "has not decayed" not in told
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")
@@ -139,5 +139,5 @@ def test_a_swing_that_dies_out_is_marked_in_table_and_figure_and_its_bit_counts_
     assert "dying\nout" in [text.get_text() for text in figure.axes[0].texts]
     assert "grey: dying out" in [text.get_text() for text in figure.legends[0].get_texts()]
     texts = [text for text, _ in sentences(found, "si")]
-    assert "dies out at 90 rpm: severity 0.62 at the end, and it falls. Give --end '97 s'" in texts[0]
+    assert "has not decayed at 90 rpm: severity 0.62 at the end, and it falls. Give --end '97 s'" in texts[0]
     assert "sticking ends between 60 rpm and 90 rpm" in texts[1]

@@ -54,7 +54,7 @@ def test_check_does_not_judge_an_upright_hose_by_its_weight_alone_for_flow_holds
 
 def test_the_run_of_a_hose_that_falls_from_its_start_says_so():
     result = simulate(build(upright(2.0)))
-    assert any("starts from an unstable balance" in text for text in result.attributes["warnings"])
+    assert any("starts from an unstable equilibrium" in text for text in result.attributes["warnings"])
 
 
 def test_a_hose_that_begins_as_drawn_or_relaxed_is_not_said_to_begin_at_rest():

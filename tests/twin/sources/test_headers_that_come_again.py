@@ -98,7 +98,7 @@ def test_rows_behind_half_a_row_and_another_header_are_read_by_that_header(tmp_p
     source = of(tmp_path, FIRST + later)
     rows = [(row.time, *row.values.values()) for row in all_of(source)]
     assert rows == [(0.0, 1.0, 50.0), (8.0, 2.0, rope)]
-    assert "breaks off, and a header comes behind it" in source.notes[0]
+    assert "breaks off, and a header comes after it" in source.notes[0]
 
 
 @pytest.mark.parametrize("of", [file, stream])

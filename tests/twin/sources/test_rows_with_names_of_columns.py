@@ -64,7 +64,7 @@ def test_where_all_rows_end_with_all_titles_the_first_is_left_out_counted_and_to
     found, source = read(tmp_path, of, text, ["load"])
     assert found == rows[1:] and source.refused == 1
     (note,) = source.notes
-    assert f"0.0,100.0,{event}' is a row, or one that broke off with a header behind it: it is left out" in note
+    assert f"0.0,100.0,{event}' is a row, or one that broke off with a header after it: it is left out" in note
 
 
 @pytest.mark.parametrize("of", ["file", "stream"])

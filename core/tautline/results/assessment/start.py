@@ -36,7 +36,7 @@ class Start:
     far : bool
         Whether that is much of the size of the scene.
     pushed : bool
-        Whether the scene was drawn in unstable balance, and pushed out of it.
+        Whether the initial geometry was an unstable equilibrium, and was perturbed.
     at_rest : mapping
         Variables of a static start as they are before anything moves, by name: numbers, or lists of them as deep as
         the variable has dimensions beside time. Empty where no figure is over them.
@@ -80,9 +80,9 @@ class Start:
             )
         elif self.pushed:
             told.append(
-                "the scene is drawn in unstable balance, as a column that carries more than Euler's load. It was "
-                "pushed aside, and relaxed from there. The side is arbitrary. Draw it a little to the side that is "
-                "meant"
+                "the initial geometry is an unstable equilibrium, as of a column that carries more than Euler's load. "
+                "It was perturbed, and relaxed from there. The side is arbitrary. Draw it a little to the side that "
+                "is meant"
             )
         if self.far:
             told.append(

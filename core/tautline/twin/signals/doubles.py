@@ -79,7 +79,7 @@ class Doubles:
         if self._tells:
             self._tells, self._count, self._set_back = False, 0, self._when
             self._notes.append(
-                f"the source's clock was set back by {self._back:.3g} s, near {stamp_said(self._when)}: rows behind "
+                f"the source's clock was set back by {self._back:.3g} s, near {stamp_said(self._when)}: rows after "
                 "that have stamps that were there. The first one of a stamp counts, and the others are left out"
             )
 

@@ -423,7 +423,7 @@ class Header:
         """That a row is left out, or its readings, for two lines may have run into one."""
         said = f"has {count} cells, and others before had {self.before.usual}: two lines may have run into one"
         what = "Such rows" if found == "two" else "Readings of such rows"
-        but = "but where the stamps before and behind show that no line is missing"
+        but = "but where the stamps before and after show that no line is missing"
         return f"{self.where}:{at}: the row '{shorten(line)}' {said}. {what} are left out, {but}"
 
     def _refuse_doubtful(self, cell: str) -> None:

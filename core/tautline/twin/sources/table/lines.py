@@ -286,7 +286,7 @@ class Lines:
     def _head(self, found: HeaderInLine, whole: bool) -> None:
         """Read rows by a header in a line, or let them show where it begins; half a line is none."""
         if found.as_row:
-            said = "is a row, or one that broke off with a header behind it: it is left out"
+            said = "is a row, or one that broke off with a header after it: it is left out"
             self.header.tell_once("as row", f"{self.header.where}:{found.number}: '{shorten(found.line)}' {said}")
         if not whole:
             return
@@ -336,7 +336,7 @@ class Lines:
         """Read rows by a header that begins in a cell of a line, with the line of units below it."""
         if doubt.chosen is not None:
             where, behind = self.header.where, doubt.found.number
-            said = f"shows that the header in line {behind} begins later than the rows behind it have shown so far"
+            said = f"shows that the header in line {behind} begins later than the rows after it have shown so far"
             self.header.notes.append(f"{where}:{number}: {said}: what was read of these may be wrong")
         doubt.chosen = start
         self._begin(doubt.found, start)
@@ -363,7 +363,7 @@ class Lines:
             header.tell_once(
                 "torn",
                 f"{header.where}:{found.number}: the row '{shorten(found.line)}' breaks off, and "
-                f"{'the header comes once more' if same else 'a header comes'} behind it. Such rows are left out",
+                f"{'the header comes once more' if same else 'a header comes'} after it. Such rows are left out",
             )
         self._doubt = None
         self._follow(again, found.number)
