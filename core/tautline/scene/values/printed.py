@@ -43,6 +43,14 @@ def significant(value: float, digits: int = 4) -> str:
     return f"{value:.{digits - 1}e}"
 
 
+def digits_apart(one: float, other: float, least: int = 4) -> int:
+    """How many significant digits, of the larger of two different values, show two of their difference."""
+    size, difference = max(abs(one), abs(other)), abs(one - other)
+    if not (0.0 < difference < math.inf):
+        return least
+    return max(least, math.floor(math.log10(size)) - math.floor(math.log10(difference)) + 2)
+
+
 def quantity(value: Any, unit: str, digits: int = 4) -> str:
     """Write a figure with its unit: ``1.234 MN``."""
     if value is None:
