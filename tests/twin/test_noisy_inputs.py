@@ -179,6 +179,16 @@ def test_the_noise_of_an_input_that_record_is_given_is_in_its_column_alone_and_n
         next(record(scene, read_map(MAP), Sensing(input_noise={"rope_tension": 1.0}), 1.0))
 
 
+def test_no_noise_of_what_is_measured_is_asked_for_by_zero_and_that_of_the_map_by_saying_nothing():
+    def tension(**noise):
+        rows = record(tautline.read(HOIST), read_map(MAP), Sensing(rate=RATE, **noise), 2.0)
+        return np.array([readings["rope_tension"] for _, readings in rows])
+
+    without, other_seed = tension(noise=0.0), tension(noise=0.0, seed=7)
+    assert np.array_equal(without, other_seed)
+    assert tension() == pytest.approx(tension(noise=None), abs=0.0) and (tension() != without).all()
+
+
 def test_the_weight_is_found_though_two_millimetres_of_noise_have_set_the_load_bouncing_at_the_start():
     found = noisy(0.002)[-1]["estimates"]["payload.mass"]
     # It was 8491 +- 3658 kg: what derivatives and residuals scatter counted times each other.

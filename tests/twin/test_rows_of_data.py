@@ -1,5 +1,7 @@
 """Rows of data: what is late, doubled, shuffled, from the future, or without a stamp has a stated answer."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -208,6 +210,14 @@ def test_a_reading_that_jumps_away_and_back_is_left_out_counted_and_told(at, jum
     assert health.jumps == len(at)
     assert health.jump.startswith("hook_load jumped from ") and "klbf" in health.jump
     assert health.jumping(0.1 * at[-1] + 5.0) and not health.jumping(0.1 * at[-1] + 15.0)
+
+
+def test_a_jump_below_the_usual_digits_is_told_with_as_many_as_show_it():
+    readings = 800.0 + 1e-4 * np.random.default_rng(5).standard_normal(120)
+    readings[60] = 800.02
+    _, health = hook(readings, sd=1e-4, relative=False)
+    one, other = re.fullmatch(r".* jumped from (\S+) klbf to (\S+) klbf and back .*", health.jump).groups()
+    assert float(other) - float(one) == pytest.approx(0.02, rel=0.1)
 
 
 def test_a_hook_load_that_falls_into_slips_or_swings_from_row_to_row_does_not_jump():

@@ -215,7 +215,10 @@ RowRate = Annotated[str, typer.Option("--rate", help="Rows a second.")]
 InputNoise = Annotated[
     list[str] | None, typer.Option("--input-noise", metavar="COLUMN:SIZE", help="Of an input: winch_pos:0.001.")
 ]
-Noise = Annotated[str | None, typer.Option("--noise", help="Of measured outputs, as a share: 1 %.")]
+Noise = Annotated[
+    str | None,
+    typer.Option("--noise", help="Of measured outputs, as a share: 1 %. Without it: the sd of the map. 0: none."),
+]
 SensorDelay = Annotated[str | None, typer.Option("--delay", help="Of measured outputs.")]
 Dropout = Annotated[str | None, typer.Option("--dropout", help="Share of rows that do not arrive.")]
 Jitter = Annotated[str | None, typer.Option("--jitter", help="Standard deviation of the stamps.")]

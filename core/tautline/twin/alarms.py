@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tautline.twin.pace import ONE_STAMP
+
 CLEAR = 1.0
 """How long a condition has to be over before its alarm ends, s: one that flutters is one alarm."""
 NOT_KNOWN = "not known any more"
@@ -67,21 +69,21 @@ class Alarms:
             self._begun.pop(name, None)
             self._held.pop(name, None)
             alarm = self.active.get(name)
-            if alarm is not None and time - alarm.seen >= CLEAR:
+            if alarm is not None and time - alarm.seen >= CLEAR - ONE_STAMP:
                 del self.active[name]
             return
         # Of what began in a state of an earlier version nobody knows when it was shown last.
         shown = self._held.get(name, -math.inf if name in self._begun else time)
-        if time - shown > forgotten_after:
+        if time - shown > forgotten_after + ONE_STAMP:
             self._begun[name] = time
         begun = self._begun.setdefault(name, time)
         self._held[name] = min(time, read)
         alarm = self.active.get(name)
-        if alarm is not None and alarm.known and not known and flutters and time - alarm.certain < CLEAR:
+        if alarm is not None and alarm.known and not known and flutters and time - alarm.certain < CLEAR - ONE_STAMP:
             self.active[name] = replace(alarm, seen=time)
         elif alarm is not None:
             self.active[name] = Active(alarm.since, time, text, known, time if known else alarm.certain)
-        elif time - begun >= lasting - 1e-9 and (lasting <= 0.0 or read > begun):
+        elif time - begun >= lasting - ONE_STAMP and (lasting <= 0.0 or read > begun):
             self.active[name] = Active(time, time, text, known, time if known else -math.inf)
 
     def pass_over(self) -> None:

@@ -51,8 +51,9 @@ class Sensing:
     ----------
     rate : float
         Rows a second.
-    noise : float
-        Standard deviation of measured outputs as a share of their value; inputs have that of the map.
+    noise : float or None
+        Standard deviation of measured outputs as a share of their value, 0 for none; None for that of the map, which
+        inputs have in any case.
     input_noise : mapping
         Column of an input -> its standard deviation in the unit of the column, instead of that of the map.
     dropout : float
@@ -70,7 +71,7 @@ class Sensing:
     """
 
     rate: float = 10.0
-    noise: float = 0.0
+    noise: float | None = None
     dropout: float = 0.0
     jitter: float = 0.0
     delay: float = 0.0
@@ -200,7 +201,7 @@ def _noisy(
     values = np.array([a if c.is_input else b for c, a, b in zip(channels, now, before, strict=True)])
     size = np.array([c.sd * (abs(v) if c.relative else 1.0) for c, v in zip(channels, values, strict=True)])
     size = np.where(np.isfinite(size), size, 0.0)
-    if sensing.noise > 0.0:
+    if sensing.noise is not None:
         measured = np.array([c.is_output for c in channels])
         size = np.where(measured, sensing.noise * np.abs(values), size)
     for k, one in enumerate(channels):

@@ -11,6 +11,7 @@ import numpy as np
 
 from tautline.twin.forecast import Forecast, Found, other_speed
 from tautline.twin.map.plan import Plan
+from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.smoothing import joined
 from tautline.twin.signals.waves import Waves
 
@@ -107,7 +108,7 @@ class Outlook:
         if self.forecast is None or self._under_way is not None:
             return
         if self._due is None:
-            if time < self._next_forecast - 1e-9:
+            if time < self._next_forecast - ONE_STAMP:
                 return
             self._next_forecast = time + self.plan.forecast_every
         # Rows may come before there is time for it: then it begins from the last of them, where the simulation stands.
@@ -171,7 +172,7 @@ class Outlook:
         time, state, parameters = begin.time, begin.state, begin.parameters
         yield from forecast.run(time, state, parameters, begin.paths)
         self.found = replace(forecast.found, known=begin.known)
-        if begin.restricts or (forecast.bounds and self.plan.restrict and time >= self._next_restrict - 1e-9):
+        if begin.restricts or (forecast.bounds and self.plan.restrict and time >= self._next_restrict - ONE_STAMP):
             begin.restricts = True  # also where it is begun once more
             self._next_restrict = time + RESTRICT_EVERY
             yield from self._restrictions(forecast, time, state, parameters, begin.inputs)

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from tautline.twin.pace import ONE_STAMP
+
 AGREED = 1.0
 """For how long what is computed has to agree with what is measured, s."""
 SMALL, SHARE = 4.0, 0.05
@@ -67,7 +69,7 @@ class Settling:
             return
         if time <= self.moved_at:
             return
-        if time - self.moved_at >= max(LATEST, BOUNCES * bounce):
+        if time - self.moved_at >= max(LATEST, BOUNCES * bounce) - ONE_STAMP:
             self.since = time
             return
         known = np.isfinite(residuals)
@@ -80,7 +82,7 @@ class Settling:
             self._agreed_from = np.nan
         elif not np.isfinite(self._agreed_from):
             self._agreed_from = time
-        elif time - self._agreed_from >= AGREED - 1e-9:
+        elif time - self._agreed_from >= AGREED - ONE_STAMP:
             self.since = time
 
     def _keep(self, time: float, residuals: np.ndarray) -> None:

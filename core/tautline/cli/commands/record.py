@@ -102,8 +102,9 @@ def _sensing(given: RecordOptions) -> Sensing:
     """What the sensors do to what they measure; raises SceneError."""
     from tautline.twin.record import Sensing, read_fault, read_gap, read_input_noise
 
+    noise = None if given.noise is None else _share("--noise", given.noise)
     sensing = Sensing(
-        rate=_number("--rate", given.rate, "Hz", 10.0), noise=_share("--noise", given.noise),
+        rate=_number("--rate", given.rate, "Hz", 10.0), noise=noise,
         dropout=_share("--dropout", given.dropout), jitter=_number("--jitter", given.jitter, "s", 0.0),
         delay=_number("--delay", given.delay, "s", 0.0), gaps=[read_gap(text) for text in given.gap or ()],
         faults=[read_fault(text) for text in given.fault or ()], seed=given.seed,

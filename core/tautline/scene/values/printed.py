@@ -67,6 +67,14 @@ def rounded(value: float, digits: int, *, up: bool = False, within: float = NOIS
     return float(f"{math.ceil(count - room) if up else math.floor(count + room)}e{place}")
 
 
+def digits_apart(one: float, other: float, least: int = 4) -> int:
+    """How many significant digits, of the larger of two different values, show two of their difference."""
+    size, difference = max(abs(one), abs(other)), abs(one - other)
+    if not (0.0 < difference < math.inf):
+        return least
+    return max(least, math.floor(math.log10(size)) - math.floor(math.log10(difference)) + 2)
+
+
 def quantity(value: Any, unit: str, digits: int = 4) -> str:
     """Write a figure with its unit: ``1.234 MN``."""
     if value is None:

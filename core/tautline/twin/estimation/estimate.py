@@ -24,6 +24,7 @@ from tautline.twin.estimation.log import Checkpoint, Log, Logged
 from tautline.twin.estimation.passage import Passage
 from tautline.twin.map.plan import Plan, Unknown
 from tautline.twin.operation import Operation
+from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.rows import Rows
 
 if TYPE_CHECKING:
@@ -448,7 +449,7 @@ class Estimate:
             self.take_in_mean()
         if sample.use.any():
             self._pending.append(sample)
-            if sample.time - self._pending[0].time >= self._mean - 1e-9:
+            if sample.time - self._pending[0].time >= self._mean - ONE_STAMP:
                 self.take_in_mean()
 
     def take_in_mean(self) -> None:
@@ -466,7 +467,7 @@ class Estimate:
         for one in samples:
             if one.use.any():
                 begun.append(one)
-            if begun and (not one.use.any() or one.time - begun[0].time >= self._mean - 1e-9):
+            if begun and (not one.use.any() or one.time - begun[0].time >= self._mean - ONE_STAMP):
                 found += [mean_of(begun)] if len(begun) >= FEWEST else []
                 begun = []
         # What is not whole yet goes on to be gathered.
@@ -562,7 +563,7 @@ class Estimate:
         spare.advance(row.time - self.log.origin, row.inputs)
         passage.rows.append(row)
         passage.frames.append(spare.frames())
-        if row.time - passage.kept[-1].time >= self.log.every - 1e-9:
+        if row.time - passage.kept[-1].time >= self.log.every - ONE_STAMP:
             passage.kept.append(Checkpoint(row.time, spare.save()))
         passage.reached = row.time
         if len(passage.rows) == OBSERVED:
@@ -577,7 +578,7 @@ class Estimate:
         theta0 = h.theta0.copy()
         theta0[p] = spare.at
         # Before the last blow the free motions cannot have any phase.
-        begin = max(passage.begin + passage.late + 1e-6, passage.reached - h.window - 1e-9, h.since)
+        begin = max(passage.begin + passage.late + 1e-6, passage.reached - h.window - ONE_STAMP, h.since)
         samples = self._unmixed([one for one in samples if one.time >= begin])
         before = [one for one in h.samples if one.time >= begin]
         if not samples or self._is_wild_alone() or not self._better(samples, theta0, before):

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tautline.twin.map.plan import Channel, Unknown
+from tautline.twin.pace import ONE_STAMP
 
 LARGEST_RESIDUAL = 4.0
 """Residuals beyond so many scales of the window count less (Huber)."""
@@ -204,7 +205,7 @@ class Horizon:
         self.largest = np.maximum(self.largest, np.where(sample.use, np.abs(sample.y), 0.0))
         if not np.isfinite(self.prior_time):
             self.prior_time = sample.time
-        while self.samples[0].time < sample.time - self.window - 1e-9:
+        while self.samples[0].time < sample.time - self.window - ONE_STAMP:
             self._leave(self.samples.popleft())
         self._forget_what_changed()
         self.solve()
@@ -267,7 +268,7 @@ class Horizon:
 
     def drop_before(self, time: float) -> None:
         """Let samples before a time, s, leave the window."""
-        while self.samples and self.samples[0].time < time - 1e-9:
+        while self.samples and self.samples[0].time < time - ONE_STAMP:
             self._leave(self.samples.popleft())
 
     def _leave(self, sample: Sample) -> None:

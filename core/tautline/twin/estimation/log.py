@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.smoothing import coming_to_rest
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ class Log:
 
     def is_due(self, time: float) -> bool:
         """Whether states should be kept at a time."""
-        return not self.checkpoints or time - self.checkpoints[-1].time >= self.every - 1e-9
+        return not self.checkpoints or time - self.checkpoints[-1].time >= self.every - ONE_STAMP
 
     def keep(self, time: float, states: list[State]) -> None:
         """Keep states at a row."""

@@ -48,11 +48,11 @@ class Channel(pydantic.BaseModel):
         """Whether it drives the simulation as a speed or a torque that a machine is set to, and stays at."""
         return self.is_input and (self.unit.endswith("/s") or self.unit == "N m")
 
-    def told(self, value: float) -> str:
-        """A value, SI, in words: in the column's unit."""
+    def told(self, value: float, digits: int = 4) -> str:
+        """A value, SI, in words: in the column's unit, with so many significant digits."""
         if not self.column_unit:
-            return printed(float(value), self.unit)
-        return f"{significant(float(value) / self.factor)} {self.column_unit}"
+            return printed(float(value), self.unit, digits)
+        return f"{significant(float(value) / self.factor, digits)} {self.column_unit}"
 
     @property
     def shown(self) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from tautline.scene.values.moments import stamp_said
+from tautline.twin.pace import ONE_STAMP
 
 DIFFERENT = 3
 """Rows with a stamp that was there, and with other readings, after which this is told."""
@@ -47,11 +48,11 @@ class Doubles:
         interval : float
             The sample interval, s; NaN where it is not known.
         """
-        if time > newest + 1e-9:
+        if time > newest + ONE_STAMP:
             self.end()
             self._run, self._before = 0, -math.inf
             return
-        if self._run and time > self._before + 1e-9:
+        if self._run and time > self._before + ONE_STAMP:
             self._run += 1
         else:
             if self._run:  # a second step back before the first was made up for

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from tautline.twin.map.plan import Channel
+from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.row import Row
 from tautline.twin.signals.smoothing import bend_of, coming_to_rest, joined, noise_of, smooth, smooth_widely, third_of
 from tautline.twin.signals.steps import Steps
@@ -156,10 +157,10 @@ class InputTrack:
         times = np.array([one.time for one in rows])
         good = np.isfinite(values) & self._one_side(times, values, row.time)
         slope = _slope_to(times[good], values[good], row.time)
-        good &= np.abs(times - row.time) <= max(FAR * reach, widest) + 1e-9
-        near = times[good & (np.abs(times - row.time) <= reach + 1e-9)] - row.time
+        good &= np.abs(times - row.time) <= max(FAR * reach, widest) + ONE_STAMP
+        near = times[good & (np.abs(times - row.time) <= reach + ONE_STAMP)] - row.time
         # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
-        if near.size == 0 or near[0] > 1e-9 or near[-1] < -1e-9:
+        if near.size == 0 or near[0] > ONE_STAMP or near[-1] < -ONE_STAMP:
             return self.hold(row.time)
         self.look(values[good])
         found = None
@@ -329,7 +330,7 @@ def _without_dropouts(times: np.ndarray, values: np.ndarray) -> np.ndarray:
             away = min(float(np.min(np.abs(between - one))), float(np.min(np.abs(between - other))))
             if not abs(one - other) < ALIKE_SPEEDS * away:
                 continue
-            single = count == 1 and t[first + 1] - t[first - 1] <= DROPPED + 1e-9
+            single = count == 1 and t[first + 1] - t[first - 1] <= DROPPED + ONE_STAMP
             if single or away > GLITCH * max(abs(one), abs(other)) > 0.0:
                 keep[finite[first : first + count]] = False
     return keep
@@ -351,7 +352,7 @@ def _lasting(speeds: np.ndarray) -> np.ndarray:
 
 def _slope_to(times: np.ndarray, values: np.ndarray, at: float) -> float:
     """Speed from the sample before to that of an instant, of samples (n,) in order; 0 where one is missing."""
-    k = int(np.searchsorted(times, at - 1e-9))
-    if k == 0 or k == times.size or times[k] > at + 1e-9:
+    k = int(np.searchsorted(times, at - ONE_STAMP))
+    if k == 0 or k == times.size or times[k] > at + ONE_STAMP:
         return 0.0
     return abs(float(values[k] - values[k - 1])) / max(float(times[k] - times[k - 1]), 1e-9)

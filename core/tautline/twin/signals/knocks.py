@@ -11,6 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tautline.twin.pace import ONE_STAMP
+
 ROWS, BACK = 2, 1.6
 """Readings behind it among which one is back; and how much nearer that is to where it would have been: one that is set
 elsewhere is as far off behind it, one that sets off twice as far, and one that slows down all the while by half."""
@@ -48,9 +50,9 @@ def is_knock(
     away = off(at, reading)
     if not away > max(SUDDEN * (at - time) ** 2, seen):
         return False
-    near = [(t, x) for t, x in following[:ROWS] if t <= time + TIME + 1e-9]
+    near = [(t, x) for t, x in following[:ROWS] if t <= time + TIME + ONE_STAMP]
     if not near:
-        return None if at <= time + TIME and not following else False
+        return None if at <= time + TIME + ONE_STAMP and not following else False
     return any(off(t, x) < away / BACK for t, x in near)
 
 
@@ -65,7 +67,7 @@ def knocked(times: np.ndarray, values: np.ndarray, seen: float) -> tuple[np.ndar
     for place, i in enumerate(finite[2:], 2):
         one, other = kept[-2:]
         passed = times[other] - times[one]
-        if not 0.0 < passed <= TIME:
+        if not 0.0 < passed <= TIME + ONE_STAMP:
             kept.append(i)
             continue
         speed = float(values[other] - values[one]) / float(passed)

@@ -12,6 +12,7 @@ import numpy as np
 from tautline.errors import ArgumentError
 from tautline.scene.values.printed import quantity
 from tautline.twin.map.plan import Channel, Plan
+from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.inputs import SLOW, InputTrack
 from tautline.twin.signals.knocks import knocked
 from tautline.twin.signals.row import Row
@@ -263,7 +264,7 @@ class Readings:
         coming = times > self.rows.reached
         values = np.where(sure & coming, np.nan, values)
         others = np.isfinite(values) & ~doubtful
-        if others[times >= row.time - 1e-9].any() and others[times <= row.time + 1e-9].any():
+        if others[times >= row.time - ONE_STAMP].any() and others[times <= row.time + ONE_STAMP].any():
             values = np.where(doubtful & coming, np.nan, values)
         return values
 

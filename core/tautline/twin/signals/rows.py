@@ -6,7 +6,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | what comes | what becomes of it |
 |---|---|
 | a stamp that was there | its values fill what was empty; it is counted where a column came twice |
-| a repeated reading, and the true one of that stamp after it | the true one counts |
+| a repeated reading, and the true one after it, a small part of the sample interval apart | the true one counts |
 | out of order, within the delay | it is put in its place |
 | later than the delay | it is left out, and counted |
 | a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 
 from tautline.scene.values.moments import duration_said
-from tautline.twin.pace import AT_ONCE, LONG_GAP, TOLD_BY
+from tautline.twin.pace import AT_ONCE, LONG_GAP, ONE_STAMP, TOLD_BY
 from tautline.twin.signals.arrivals import TYPICAL, Arrivals
 from tautline.twin.signals.doubles import Doubles
 from tautline.twin.signals.row import Row
@@ -143,7 +143,7 @@ class Rows:
         self._aside: list[Row] = []
         self._taken_back: deque[Row] = deque()
         self.reached = -np.inf
-        self.newest = -np.inf
+        self.newest = self._newest_sent = -np.inf
         self._suspect: Row | None = None
         self._late: list[Row] = []
         self.doubles = Doubles(self.notes)
@@ -211,7 +211,7 @@ class Rows:
         shown = np.isfinite(read)
         for row, values in self._kept:
             within = JOINED * self.interval if row.joined else 0.0
-            if abs(time - row.stamp) > within + 1e-9:
+            if abs(time - row.stamp) > within + ONE_STAMP:
                 continue
             if place in row.places or np.array_equal(read[shown], values[shown]):
                 if self._running_up:
@@ -245,7 +245,7 @@ class Rows:
             self._resolve(row)
         if row.measured.any():
             self.doubles.come(row.time, self.newest, self.interval)
-        if row.time <= self.reached:
+        if self._is_too_late(row):
             if row.repeated.any() and not row.measured.any():
                 return  # nothing is lost by it
             if row.new or not self._is_repeated(row):
@@ -268,6 +268,15 @@ class Rows:
             self._ahead[i].clear()
         self._insert(row)
 
+    def _is_too_late(self, row: Row) -> bool:
+        """Whether what a row belongs to was handed on: a row of its stamp, or one that repeats what it measured."""
+        if row.time <= self.reached + ONE_STAMP:
+            return True
+        if not self.past or not np.isfinite(self.interval):
+            return False
+        repeats = bool((self.past[-1].repeated & row.measured).any())
+        return repeats and row.time - self.past[-1].time <= JOINED * self.interval
+
     def _compare_columns(self, row: Row) -> None:
         """Tell once where rows of some columns are late and those of others are not, and what helps."""
         measured = row.measured
@@ -281,7 +290,7 @@ class Rows:
         late = [i for i, n in enumerate(often) if n >= BEHIND and n >= OFTEN * len(self._behind[i])]
         late = late or np.flatnonzero(measured & (row.time - self._behind_since >= BEHIND_FOR)).tolist()
         others = np.flatnonzero(self._in_time >= BEHIND).tolist()
-        if not late or not others:
+        if not late or not (others or row.time > self._newest_sent):
             return
         self._behind_told = True
         often_late = [i for i, n in enumerate(often) if n >= BEHIND - 1 and n >= OFTEN * len(self._behind[i])]
@@ -289,6 +298,7 @@ class Rows:
         behind = [by for i in late for by in self._behind[i] if by > 0.0]
         longer = max(behind) + SPARE * (self.interval if np.isfinite(self.interval) else 0.0)
         names, beside = (", ".join(self.columns[i] for i in some) for some in (late, others))
+        beside = beside or "rows that repeat what held meanwhile"
         cure = "Let one clock give the stamps of all columns. A message without a stamp has the time of its arrival"
         if longer <= LONGEST_DELAY:
             cure += (
@@ -400,7 +410,7 @@ class Rows:
             self._leave_out()
             self._late.clear()  # a row that is known again between late ones shows that the clock is the same
             return True
-        elif not self.answered or row.time < self.answered[0][0] - 1e-9:
+        elif not self.answered or row.time < self.answered[0][0] - ONE_STAMP:
             if len(self._aside) < MOST_ASIDE:
                 self._aside.append(row)
             else:
@@ -424,10 +434,10 @@ class Rows:
     def _was_answered(self, row: Row) -> bool:
         """Whether there was a row of that stamp with the same readings; its columns may have come one by one."""
         shown = np.isfinite(row.raw)
-        within = 1e-9 if shown.all() or not np.isfinite(self.interval) else JOINED * self.interval
-        first = bisect_left(self.answered, row.time - within - 1e-9, key=lambda one: one[0])
+        within = 0.0 if shown.all() or not np.isfinite(self.interval) else JOINED * self.interval
+        first = bisect_left(self.answered, row.time - within - ONE_STAMP, key=lambda one: one[0])
         for time, values in islice(self.answered, first, None):
-            if time > row.time + 1e-9:
+            if time > row.time + ONE_STAMP:
                 return False
             if np.array_equal(values[shown], row.raw[shown]):
                 return True
@@ -435,7 +445,7 @@ class Rows:
 
     def _add_late(self, row: Row) -> None:
         """A row that is too late, unless the clock was set back."""
-        known = next((one for one in reversed(self.past) if abs(one.time - row.time) < 1e-9), None)
+        known = next((one for one in reversed(self.past) if abs(one.time - row.time) <= ONE_STAMP), None)
         if known is not None and np.array_equal(known.raw, row.raw, equal_nan=True):
             self.counts["doubled"] += 1
             return
@@ -443,6 +453,8 @@ class Rows:
             self._compare(np.where(known.repeated, np.nan, known.raw), row)
         self.counts["late"] += 1
         self._compare_columns(row)
+        if row.time > self._newest_sent:
+            return  # nothing has gone back: only what was repeated meanwhile is newer
         if self._late and not row.time > self._late[-1].time:
             self._late.clear()
         self._late.append(row)
@@ -467,7 +479,7 @@ class Rows:
     def _were_late(self, rows: Sequence[Row]) -> bool:
         """Whether rows are of columns that came late before, as others were in time: no clock was set back then."""
         columns = np.any([one.measured for one in rows], axis=0)
-        known = bool((self._behind_since[columns] < rows[0].time - 1e-9).all())
+        known = bool((self._behind_since[columns] < rows[0].time - ONE_STAMP).all())
         return known and self.newest - rows[0].time <= LONGEST_DELAY
 
     def _compare(self, known: np.ndarray, row: Row) -> None:
@@ -478,12 +490,13 @@ class Rows:
 
     def _insert(self, row: Row) -> None:
         self._correct(row)
+        self._newest_sent = max(self._newest_sent, row.time) if row.measured.any() else self._newest_sent
         # What is behind others came later than they did, and what is repeated was never sent.
         if self.live and row.measured.any() and row.time > self.newest:
             told = self.arrivals.take(row.stamp, row.arrived, row.after_gap)
             self.notes += [told] if told else []
-        k = bisect_left(self.waiting, row.time - 1e-9, key=lambda one: one.time)
-        if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
+        k = bisect_left(self.waiting, row.time - ONE_STAMP, key=lambda one: one.time)
+        if k < len(self.waiting) and self.waiting[k].time - row.time <= ONE_STAMP:
             known = self.waiting[k]
             if (row.measured & known.measured).any():
                 self.counts["doubled"] += 1
@@ -511,10 +524,10 @@ class Rows:
 
     def _correct(self, row: Row) -> None:
         """Repeat what is measured at a row in later ones that wait: they repeat what held before it was known."""
-        if not self.waiting or self.waiting[-1].time <= row.time + 1e-9:
+        if not self.waiting or self.waiting[-1].time <= row.time + ONE_STAMP:
             return
         columns = row.measured
-        for one in self.waiting[bisect_left(self.waiting, row.time + 1e-9, key=lambda one: one.time) :]:
+        for one in self.waiting[bisect_left(self.waiting, row.time + ONE_STAMP, key=lambda one: one.time) :]:
             columns = columns & ~one.measured
             if not columns.any():
                 return
@@ -561,8 +574,12 @@ class Rows:
             if abs(one.time - row.time) > JOINED * self.interval or row.after_gap:
                 continue
             # A reading that is repeated in the one is none beside what is measured in the other.
-            apart = not (row.measured & one.measured).any() and row.measured.any() and one.measured.any()
+            apart = not (row.measured & one.measured).any() and (row.measured.any() or one.measured.any())
             if apart or not (shown & np.isfinite(one.values)).any():
+                if row.measured.any() and not one.measured.any():
+                    # Only what was sent knows its stamp.
+                    one.time, one.stamp, one.arrived = row.time, row.stamp, row.arrived
+                    self.newest = max(self.newest, row.time)
                 one.fill(row)
                 one.places = one.places + row.places
                 one.raw, one.joined = one.values.copy(), True
@@ -604,7 +621,7 @@ class Rows:
             return None
         row = self.waiting[0]
         behind = self._suspect is not None or any(one.after_gap for one in self.waiting[1:])
-        if not (at_once or behind or self.newest - row.time >= self.patience - 1e-9):
+        if not (at_once or behind or self.newest - row.time >= self.patience - ONE_STAMP):
             return None
         if self.live and row.after_gap:
             together = [row, *takewhile(lambda one: not one.after_gap, self.waiting[1:])]
@@ -672,7 +689,7 @@ class Rows:
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from what an earlier process kept."""
-        self.reached = self.newest = float(memory["reached"])
+        self.reached = self.newest = self._newest_sent = float(memory["reached"])
         self.shift, self.known_interval = float(memory["shift"]), float(memory["interval"])
         self.counts.update(memory["counts"])
         # States of earlier versions do not say which rows were answered.

@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 
 from tautline.scene.values.moments import stamp_said
+from tautline.scene.values.printed import digits_apart
 from tautline.twin.alarms import CLEAR
 from tautline.twin.map.plan import Channel
+from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.knocks import is_knock
 from tautline.twin.signals.smoothing import FIFTH
 
@@ -157,7 +159,7 @@ class Health:
             self.begun = time
         if not np.isfinite(reading):
             since = self.seen if np.isfinite(self.seen) else self.begun
-            if time - since >= self.channel.lost_after:
+            if time - since >= self.channel.lost_after - ONE_STAMP:
                 self._set("lost", f"no value of {self.channel.column} since {stamp_said(since)}")
             return np.nan
         passed, self.seen, self.shown = time - self.seen, time, reading
@@ -183,7 +185,8 @@ class Health:
         if np.isfinite(way) or self._jumps_away(reading, following, coming):
             self._jumps_before = self.jumps, self._jumped, self.jump
             self.jumps, self.left_out, self._jumped = self.jumps + 1, reading, time
-            told = f"from {self.channel.told(self._last)} to {self.channel.told(reading)} and back"
+            digits = digits_apart(self._last, reading)
+            told = f"from {self.channel.told(self._last, digits)} to {self.channel.told(reading, digits)} and back"
             self.jump = f"{self.channel.column} jumped {told} at {stamp_said(time)}; left out so far: {self.jumps}"
             if np.isfinite(way):
                 self._last, self._last_at = way, time  # where it was on its way to: the next reading goes on from there

@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from tautline.twin.pace import ONE_STAMP
+
 FEWEST = 5
 """Samples that a cubic takes."""
 ACCEPTED = 1.5
@@ -59,7 +61,7 @@ def smooth(times: np.ndarray, values: np.ndarray, at: float, reach: float, noise
         NaN where there is no sample.
     """
     t = times - at
-    near = np.abs(t) <= reach + 1e-9
+    near = np.abs(t) <= reach + ONE_STAMP
     if near.sum() < FEWEST and t.size > near.sum():
         near = _nearest(t, FEWEST)
     t, x = t[near], values[near]
@@ -84,7 +86,7 @@ def _nearest(t: np.ndarray, count: int) -> np.ndarray:
 def _laid(t: np.ndarray, x: np.ndarray, noise: float) -> tuple[np.ndarray, bool]:
     """Value, rate, second rate (3,) at zero of a polynomial through samples (n,); and whether it leaves but noise."""
     both = t[0] < 0.0 < t[-1]
-    outside = t[0] > 1e-9 or t[-1] < -1e-9
+    outside = t[0] > ONE_STAMP or t[-1] < -ONE_STAMP
     lowest = min(1 if outside else 3 if both else 2, t.size - (1 if t.size < FEWEST else 2))
     highest = min(t.size - 1, HIGHEST) if both else lowest if outside else max(lowest, min(t.size - 1, AT_EDGE))
     h = max(float(np.abs(t).max()), 1e-9)
@@ -103,7 +105,7 @@ def _laid(t: np.ndarray, x: np.ndarray, noise: float) -> tuple[np.ndarray, bool]
     else:
         k = int(np.argmin(np.abs(t)))
         rate = np.nan
-        if abs(t[k]) > 1e-9:
+        if abs(t[k]) > ONE_STAMP:
             pass  # the sample at the instant itself is missing
         elif both and _unresolved(t, y, rates, UNRESOLVED):
             rate = _steady_rate(t, y, k, noise)
@@ -143,7 +145,7 @@ def smooth_widely(
     """
     wide, found = widest, None
     while wide >= narrowest - 1e-9:
-        near = np.abs(times - at) <= wide + 1e-9
+        near = np.abs(times - at) <= wide + ONE_STAMP
         t, x = times[near] - at, values[near]
         if t.size < CUBIC:
             return found

@@ -10,6 +10,7 @@ from collections import deque
 
 import numpy as np
 
+from tautline.twin.pace import ONE_STAMP
 from tautline.twin.signals.smoothing import coming_to_rest, joined
 
 MEMORY = 180.0
@@ -48,7 +49,7 @@ class Waves:
         elif not np.isfinite(self._held_from):
             self._held_from = time
         before, at = self._state, self._time
-        while self._next <= time + 1e-9:
+        while self._next <= time + ONE_STAMP:
             share = (self._next - at) / (time - at) if time > at else 1.0
             self._values.append(float(before[0] + share * (state[0] - before[0])) if share < 1.0 else float(state[0]))
             self._next += STEP

@@ -18,6 +18,7 @@ from tautline.scene.errors import option_error
 from tautline.twin.pace import Pace
 from tautline.twin.sources.connection import Connection, cause_of, split_address
 from tautline.twin.sources.objects import ObjectReadings, what_is
+from tautline.twin.sources.opc_ua.bursts import records_of
 from tautline.twin.sources.opc_ua.holding import Change, Holding
 from tautline.twin.sources.opc_ua.nodes import (
     DEEPEST,
@@ -39,10 +40,9 @@ MOST = 100_000
 PORT = 4840
 PERIOD = 50.0
 """How often the server is asked to send changes, ms."""
-TOGETHER = 0.002
-"""Stamps that are no further apart than this make one record, s."""
-GATHER = 0.02
-"""How long the rest of a record is waited for, s."""
+GATHER, LONGEST_GATHERED = 0.02, 1.0
+"""How long the rest of what is sent together is waited for, and how long that may take in all, s: a stream without
+pauses has no end."""
 DELAYS = (0.5, 15.0)
 """Shortest and longest time between attempts to connect again, s."""
 KEEPALIVES = 5
@@ -53,6 +53,8 @@ WATCHED = 0.1
 """How often the connection is looked at, s."""
 NAMED = 12
 """Variables that a message names at most."""
+NO_YEAR = 1601
+"""Year in which the stamps of OPC UA begin: one of it is none."""
 SAYS = "the server says that"
 """Who gives units, for messages."""
 UNITS_EVERY = 30.0
@@ -256,16 +258,18 @@ class OpcUa:
             self._holding.forget()
         if first is None or isinstance(first, Lost):
             return None
-        together = {first.column: first}
-        more: Heard | None
-        while isinstance(more := self._take(GATHER), Change):
-            near = (first.first and more.first) or abs(more.time - first.time) <= TOGETHER
-            if not near or more.column in together:
-                break
-            together[more.column] = more
-        self._next = more
-        self._made.extend(self._holding.records(list(together.values())))
+        for changes in records_of(self._gather(first)):
+            self._made.extend(self._holding.records(changes))
         return self._made.popleft() if self._made else None
+
+    def _gather(self, first: Change) -> list[Change]:
+        """A change and those that have come with it, up to a pause or a sign of life."""
+        found = [first]
+        more: Heard | None
+        while isinstance(more := self._take(GATHER), Change) and more.arrived - first.arrived <= LONGEST_GATHERED:
+            found.append(more)
+        self._next = more
+        return found
 
     def take_change(self, change: Change) -> None:
         """Put a change into the queue; one that finds no room is counted."""
@@ -431,5 +435,10 @@ class _Handler:
 
 
 def _seconds(stamp: Any, otherwise: float) -> float:
-    """A stamp of OPC UA in seconds since 1970; UTC, which it has no zone for."""
-    return otherwise if stamp is None else float(stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp())
+    """A stamp of OPC UA in seconds since 1970; UTC, which it has no zone for.
+
+    None is sent as the begin of 1601, and may be read so (part 6, 5.2.2.5).
+    """
+    if stamp is None or stamp.year <= NO_YEAR:
+        return otherwise
+    return float(stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp())
