@@ -10,12 +10,12 @@ import numpy as np
 
 from crane.assembly.drum_supply import Supply, capacity_of, check_drums, hoisted_spans, reeled_of, supply_of
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
-from crane.assembly.friction import is_held
+from crane.assembly.friction import bearing_ratio, groove_ratio, is_held, sticks_in_bearing
 from crane.assembly.held_loads import CLOSED, lacks
 from crane.assembly.layout import orientation_of
 from crane.assembly.loads import displacement_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
-from crane.assembly.prepared import answers_no_heave, compensation_of, heave_point
+from crane.assembly.prepared import answers_no_heave, compensation_of, heave_of, heave_point, other_point
 from crane.geometry.quaternion import quaternion_of
 from crane.overhauling import too_light
 from crane.results.drawn_askew import drawn_askew
@@ -54,6 +54,8 @@ LITTLE = 0.001
 """Of these below which it is told no closer."""
 STEPS_PER_PERIOD = 10.0
 FRAMES_PER_PERIOD = 4.0
+MOMENTS = 1001
+"""Times in a run at which two heaves are compared."""
 OF_A_WAVE = "the time of a wave of tension along an element"
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
@@ -82,11 +84,11 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
-        *_sheaves(scene), *_steps(found), *too_light(found), *_mesh(found), *foreseen(found), *turning_foreseen(found),
+        *_sheaves(found), *_steps(found), *too_light(found), *_mesh(found), *foreseen(found), *turning_foreseen(found),
         *narrow_bights(found), *_undamped(scene), *_compression(scene), *_winches(found, actuator),
         *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
-        *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator), *dry(scene),
-        *hoisted_out(found), *_floating(found),
+        *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator),
+        *_one_answer(scene, actuator), *dry(scene), *hoisted_out(found), *_floating(found),
         *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
         *doubts_of_motion(scene), *idle(scene), *drawn_askew(found),
     ]  # fmt: skip
@@ -347,15 +349,26 @@ def _strain(found: Estimate) -> Sentences:
         yield "rope.axial_stiffness", text
 
 
-def _sheaves(scene: CraneScene) -> Sentences:
+def _sheaves(found: Estimate) -> Sentences:
     """Friction that cannot act."""
-    for item in scene.sheaves:
-        if item.law == "capstan" and not item.locked and item.inertia == 0.0:
+    for i, item in enumerate(found.scene.path):
+        if not isinstance(item, Sheave) or item.law != "capstan" or item.locked:
+            continue
+        groove, bearing = groove_ratio(item, found.path, i), bearing_ratio(item, found.path, i)
+        if sticks_in_bearing(item, found.path, i):
+            text = (
+                f"the rope slips over {item.name} and does not turn it. As drawn its groove holds up to a difference "
+                f"of {in_percent(groove - 1.0, 3)} between the tensions, and its bearing up to "
+                f"{in_percent(bearing - 1.0, 3)}. The bearing's friction never acts. Give more friction in the groove, "
+                "less in the bearing, or law: no_slip"
+            )
+            yield where(found.scene, item, "bearing"), text
+        elif item.inertia == 0.0 and (item.bearing is None or item.bearing.friction == 0.0):
             text = (
                 f"nothing resists {item.name}: without inertia it turns with the rope. The friction of law: "
-                "capstan never acts. Give inertia, locked: true, or law: frictionless"
+                "capstan never acts. Give inertia, a bearing, locked: true, or law: frictionless"
             )
-            yield where(scene, item, "law"), text
+            yield where(found.scene, item, "law"), text
 
 
 def shortest(found: Estimate) -> list[float]:
@@ -465,6 +478,24 @@ def _nothing_to_answer(scene: CraneScene, actuator: Compensation | None) -> Sent
             f"it answers the heave of {point.name}, which rides on {scene.frame_of(point)}. That stands on the ground, "
             f"so no heave is answered and `compensator` stays 0. Put {scene.frame_of(point)} on the vessel "
             "(`parent: vessel`), or remove the compensation"
+        )
+        yield "heave_compensation", text
+
+
+def _one_answer(scene: CraneScene, actuator: Compensation | None) -> Sentences:
+    """Two drums that pay out by the heave of one tip while that of the other is another."""
+    point = None if actuator is None else other_point(scene)
+    if point is None:
+        return
+    time = np.linspace(0.0, scene.solver.end, MOMENTS)
+    heaves = compile_functions([FunctionRequest(heave_of(scene, one)) for one in (heave_point(scene), point)])
+    answered, other = (sample(heaves, k, time)[:, 0] for k in range(2))
+    off = float(np.abs(other - answered).max())
+    if off > LITTLE * float(np.abs(answered).max()):
+        text = (
+            f"both drums pay out by the heave of {heave_point(scene).name}. That of {point.name} differs by up to "
+            f"{quantity(off, 'm', 3)}, and the rope on its side is wrong by `gain` times that. Expect it at the load, "
+            "or drive that drum by `tension`"
         )
         yield "heave_compensation", text
 
