@@ -488,6 +488,29 @@ def test_a_late_answer_to_a_heave_that_moves_at_once_is_told_as_that_and_not_as_
     assert only(both, "heave_compensation.delay") and "stroke" in only(both, "heave_compensation.limits")
 
 
+@pytest.mark.parametrize("driven", ["pay_out", "torque"])
+@pytest.mark.parametrize("motion", ["pitch", "heave"])
+def test_two_drums_of_which_one_tip_heaves_otherwise_than_that_which_is_answered_are_told_of_it(motion, driven):
+    """The tips are 1.6 m apart: with a pitch of 3 deg the other heaves 1.6 sin(3 deg) otherwise."""
+    text = yaml.safe_load(between_drums(0.0, 0.0).document.text)
+    amplitude = "3 deg" if motion == "pitch" else "0.5 m"
+    swing = {"harmonic": {"amplitude": amplitude, "period": 8, "ramp": 8}}
+    text |= {"vessel": {"reference": [-10, 0, 0], "motion": {motion: swing}}, "heave_compensation": {"gain": 1.0}}
+    if driven == "torque":
+        last = text["path"][-1]["drum"]
+        del last["pay_out"]
+        last |= {"inertia": 100.0, "torque": "12 kN m"}
+    text["solver"]["end"] = 40.0
+    found = told(CraneScene.parse(yaml.safe_dump(text)), "heave_compensation")
+    if motion == "heave" or driven == "torque":
+        assert found == []
+        return
+    (one,) = found
+    assert "both drums pay out by the heave of s1. That of s2 differs by up to" in one
+    off = float(re.search(r"by up to ([0-9.]+) m", one)[1])
+    assert off == pytest.approx(1.6 * math.sin(math.radians(3.0)), rel=5e-3)
+
+
 def layered(**more):
     return one_fall(path=[winch(layers={"turns": 5, "core_radius": 0.48, "count": 2}, **more), TIP, HOOK])
 

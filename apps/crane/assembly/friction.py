@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from crane.assembly.layout import Layout
+from crane.geometry.reeving import Path
 from crane.groups.capstan_friction import BEARING, CAPSTAN, EFFICIENCY, NONE, TORQUE
 from crane.groups.span import STATION, Spans
 from crane.scene.scene import Drum, Efficiency, Sheave
@@ -18,6 +20,8 @@ CLOSES = 1.0e-3
 HELD = 1.0e3
 """Stiffness of a drum that is held, over EA / R. With EA / R it would give way as R more of rope do: the load would
 bounce slower and snap softer. With this the rope seems longer by a thousandth of R, less than any drawing says."""
+MOST_EXPONENT = 100.0
+"""Of Euler and Eytelwein's ratio: beyond it no rope slips, and the numbers come to an end."""
 Row = dict[str, Any]
 
 
@@ -39,6 +43,56 @@ def slips(sheave: Sheave) -> bool:
     return sheave.law == "capstan" and sheave.groove_friction > 0.0
 
 
+def groove_ratio(sheave: Sheave, path: Path, i: int) -> float:
+    """Ratio of the tensions, 1 or more, up to which item i's rope sticks in its groove; infinite of `no_slip`."""
+    if isinstance(sheave.law, Efficiency):
+        return 1.0 / sheave.law.efficiency
+    if sheave.law == "capstan":
+        return math.exp(min(sheave.groove_friction * float(path.wraps[i]), MOST_EXPONENT))
+    return 1.0 if sheave.law == "frictionless" else math.inf
+
+
+def bearing_ratio(sheave: Sheave, path: Path, i: int) -> float:
+    """Ratio of the tensions up to which the bearing of item i holds it against turning; 1 without its friction.
+
+    With c = mu_b r_b / R and theta between the spans, T_2 - T_1 = c |F| and F^2 = T_1^2 + T_2^2 - 2 T_1 T_2 cos theta.
+    The ratio q then has q + 1/q = 2 (1 - c^2 cos theta) / (1 - c^2), and from c = 1 on there is none.
+    """
+    if sheave.bearing is None:
+        return 1.0
+    c = sheave.bearing.friction * sheave.bearing.radius / sheave.radius
+    if c >= 1.0:
+        return math.inf
+    half = (1.0 - c * c * float(path.spans[i - 1].e @ path.spans[i].e)) / (1.0 - c * c)
+    return half + math.sqrt(max(0.0, half * half - 1.0))
+
+
+def sticks_in_bearing(sheave: Sheave, path: Path, i: int) -> bool:
+    """Whether item i, a capstan that may turn, never does from rest: its rope slips before its bearing gives way."""
+    turns = sheave.law == "capstan" and not sheave.locked
+    return turns and groove_ratio(sheave, path, i) < bearing_ratio(sheave, path, i)
+
+
+def held_ratio(sheave: Sheave, path: Path, i: int) -> float:
+    """Ratio of the tensions up to which item i holds its rope at rest, as drawn.
+
+    A sheave that turns holds nothing but what its bearing does, and its groove has to bear that too.
+    """
+    groove = groove_ratio(sheave, path, i)
+    turns = not sheave.locked and not isinstance(sheave.law, Efficiency)
+    return min(groove, bearing_ratio(sheave, path, i)) if turns else groove
+
+
+def stands_still(layout: Layout, i: int) -> bool:
+    """Whether item i, a sheave, never turns: it is locked, or without inertia its bearing holds more than its groove.
+
+    Without inertia the same force acts in both, and the weaker of them, with the wrap as drawn, gives way.
+    """
+    sheave = layout.scene.path[i]
+    assert isinstance(sheave, Sheave)
+    return sheave.locked or (i not in layout.rim and sticks_in_bearing(sheave, layout.path, i))
+
+
 def _of_sheave(layout: Layout, i: int, sheave: Sheave) -> list[Row]:
     rim, rows = layout.rim.get(i, NONE), []
     arc = max(float(layout.path.arcs[i]), sheave.radius)
@@ -51,10 +105,10 @@ def _of_sheave(layout: Layout, i: int, sheave: Sheave) -> list[Row]:
     rope = {"p": layout.material(i), "by_p": layout.stretch, "s": NONE, "by_s": 0.0}
     if isinstance(sheave.law, Efficiency) and sheave.law.efficiency < 1.0:
         rows.append({"kind": EFFICIENCY, **common, **rope, "coefficient": 1.0 / sheave.law.efficiency - 1.0})
-    if sheave.law == "capstan" and (rim != NONE or sheave.locked) and sheave.groove_friction > 0.0:
+    if sheave.law == "capstan" and (rim != NONE or stands_still(layout, i)) and sheave.groove_friction > 0.0:
         both = rope | {"s": rim, "by_s": 1.0 if rim != NONE else 0.0}
         rows.append({"kind": CAPSTAN, **common, **both, "coefficient": sheave.groove_friction})
-    if sheave.bearing is not None and sheave.bearing.friction > 0.0:
+    if sheave.bearing is not None and sheave.bearing.friction > 0.0 and not stands_still(layout, i):
         share = sheave.bearing.friction * sheave.bearing.radius / sheave.radius
         turns = {"p": NONE, "by_p": 0.0, "s": rim, "by_s": 1.0} if rim != NONE else rope
         rows.append({"kind": BEARING, **common, **turns, "coefficient": share})

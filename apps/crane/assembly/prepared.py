@@ -6,6 +6,7 @@ most of the time before a long run.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,9 +106,12 @@ def compensation_of(scene: CraneScene) -> Compensation | None:
     )
 
 
-def heave_of(scene: CraneScene) -> FrameLift | Constant:
-    """Height of the rope's last point on the vessel above where it is with the vessel at rest, m: what is answered."""
-    return lift_of(motion_of(scene).requests, *_led(scene, motion_of(scene)))
+def heave_of(scene: CraneScene, point: PathItem | None = None) -> FrameLift | Constant:
+    """Height of a point on the vessel above where it is with the vessel at rest, m: of `heave_point`, if none is given.
+
+    That one is answered.
+    """
+    return lift_of(motion_of(scene).requests, *_led(scene, motion_of(scene), point))
 
 
 def heave_point(scene: CraneScene) -> PathItem:
@@ -121,17 +125,34 @@ def heave_point(scene: CraneScene) -> PathItem:
     SceneError
         Where nothing does.
     """
-    path, two = scene.path, isinstance(scene.path[0], Drum) and isinstance(scene.path[-1], Drum)
-    backwards = not path[0].prescribed if two else not isinstance(path[0], Drum)
-    order = path[::-1] if backwards else path
-    if two:
+    path = scene.path
+    backwards = not path[0].prescribed if _two_drums(scene) else not isinstance(path[0], Drum)
+    tip = _tip(scene, path[::-1] if backwards else path)
+    if tip is None:
+        cause = "nothing of the path rides on the vessel: there is no heave to answer"
+        raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
+    return tip
+
+
+def other_point(scene: CraneScene) -> PathItem | None:
+    """The same of the second of two drums that the compensation drives, if it is another one: it is not answered."""
+    if not _two_drums(scene) or not all(drum.prescribed for drum in scene.drums):
+        return None
+    tip = _tip(scene, scene.path[::-1])
+    return None if tip is heave_point(scene) else tip
+
+
+def _two_drums(scene: CraneScene) -> bool:
+    return isinstance(scene.path[0], Drum) and isinstance(scene.path[-1], Drum)
+
+
+def _tip(scene: CraneScene, order: Sequence[PathItem]) -> PathItem | None:
+    """The last item that rides on vessel or frame, of two drums before the load; of items as counted from a drum."""
+    if _two_drums(scene):
         loads = [k for k, item in enumerate(order) if getattr(item, "body", None) is not None]
         order = order[: loads[0]] if loads else order
     led = [item for item in order if scene.frame_of(item) is not None]
-    if not led:
-        cause = "nothing of the path rides on the vessel: there is no heave to answer"
-        raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
-    return next((item for item in led[::-1] if not isinstance(item, Drum)), led[-1])
+    return next((item for item in led[::-1] if not isinstance(item, Drum)), led[-1] if led else None)
 
 
 def answers_no_heave(scene: CraneScene) -> bool:
@@ -143,9 +164,9 @@ def answers_no_heave(scene: CraneScene) -> bool:
     return k == GROUND
 
 
-def _led(scene: CraneScene, motion: FrameMotion) -> tuple[int, int, tuple[float, ...]]:
-    """Numbers of the frame of the point whose heave is answered, and of the vessel; where the point is drawn, m."""
-    places, tip = motion.places, heave_point(scene)
+def _led(scene: CraneScene, motion: FrameMotion, point: PathItem | None = None) -> tuple[int, int, tuple[float, ...]]:
+    """Numbers of the frame of a point, else of that whose heave is answered, and of the vessel; its place drawn, m."""
+    places, tip = motion.places, point or heave_point(scene)
     return places[scene.frame_of(tip)], places["vessel"], tip.position if isinstance(tip, Anchor) else tip.center
 
 

@@ -8,6 +8,7 @@ from crane.assembly.friction import closure_of, springs_of
 from crane.assembly.layout import carries_nothing, sags_of
 from crane.assembly.loads import heaviest, load_of, pull
 from crane.geometry.reeving import Path
+from crane.scene.bodies import Body
 from crane.scene.scene import CraneScene, Drum, End, Sheave
 from tautline.system.time_functions import bounds_of
 
@@ -23,37 +24,60 @@ def static_tension(scene: CraneScene, path: Path) -> np.ndarray | None:
     if carries_nothing(scene):
         tension = np.array([sag.tension for sag in sags_of(scene, path)])
         return tension if tension.max() > 0.0 else None
-    g = np.array(scene.gravity, float)
-    size = float(np.linalg.norm(g))
-    if size == 0.0:
+    weight = rope_weight(scene, path)
+    level = balance(scene, path, np.ones_like(weight), weight)
+    if level is None:
         return None
-    up = -g / size
-    weight = scene.rope.mass_per_length * size * (path.tangents @ up)
-    held, load = [], []
-    for name, force in pull(scene, path).items():
-        body = scene.body(name)
-        fixed = body.spring is not None and any(body.spring.stiffness)
-        if fixed or set(body.guide) == set("xyz"):
-            continue
-        held.append(float(force @ up))
-        load.append(load_of(scene, body) - _of_weight(scene, path, name, weight, up))
-    share = np.array(held)
-    if not (share > 1e-6).any():
-        return None
-    level = float(share @ np.array(load)) / float(share @ share)
     tension = level + weight
     return tension if tension.max() > 0.0 else None
 
 
-def _of_weight(scene: CraneScene, path: Path, name: str, weight: np.ndarray, up: np.ndarray) -> float:
-    """Upward force on a body of the part of the tension that is the rope's weight, N."""
+def rope_weight(scene: CraneScene, path: Path) -> np.ndarray:
+    """What the rope's weight adds to the tension where the spans begin and end, over that at height 0, (spans, 2) N."""
+    return scene.rope.mass_per_length * (path.tangents @ -np.array(scene.gravity, float))
+
+
+def hung(scene: CraneScene, path: Path) -> list[Body]:
+    """Bodies whose weight the rope may hold: no spring and no guide does it for them."""
+    bodies = [scene.body(name) for name in pull(scene, path)]
+    fixed = [body.spring is not None and any(body.spring.stiffness) for body in bodies]
+    return [body for body, held in zip(bodies, fixed, strict=True) if not held and set(body.guide) != set("xyz")]
+
+
+def balance(scene: CraneScene, path: Path, ratio: np.ndarray, offset: np.ndarray) -> float | None:
+    """Tension x, N, with which x ratio + offset holds the loads; of several the nearest in least squares.
+
+    Parameters
+    ----------
+    ratio, offset : (spans, 2) arrays
+        Of the tension where each span begins and ends: a share, and N.
+
+    Returns
+    -------
+    float or None
+        None without gravity, or where what x changes bears no load.
+    """
+    g = np.array(scene.gravity, float)
+    size = float(np.linalg.norm(g))
+    if size == 0.0:
+        return None
+    bodies, up = hung(scene, path), -g / size
+    share = np.array([_lift(scene, path, body, ratio, up) for body in bodies])
+    if not (share > 1e-6).any():
+        return None
+    load = np.array([load_of(scene, body) - _lift(scene, path, body, offset, up) for body in bodies])
+    return float(share @ load) / float(share @ share)
+
+
+def _lift(scene: CraneScene, path: Path, body: Body, tension: np.ndarray, up: np.ndarray) -> float:
+    """Upward force of the rope on a body, N, of tensions where its spans begin and end, (spans, 2) N."""
     total = 0.0
     for i, item in enumerate(scene.path):
-        if isinstance(item, (End, Sheave)) and item.body == name:
+        if isinstance(item, (End, Sheave)) and item.body == body.name:
             if i < len(path.spans):
-                total += float(path.spans[i].e @ up) * weight[i, 0]
+                total += float(path.spans[i].e @ up) * float(tension[i, 0])
             if i > 0:
-                total -= float(path.spans[i - 1].e @ up) * weight[i - 1, 1]
+                total -= float(path.spans[i - 1].e @ up) * float(tension[i - 1, 1])
     return total
 
 

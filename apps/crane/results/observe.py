@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from crane.assembly.friction import stands_still
 from crane.assembly.layout import Layout
 from crane.geometry.drum_layers import DrumLayers
 from crane.geometry.line import COLUMNS
@@ -350,7 +351,7 @@ class Observer:
         for k, i in enumerate(self.sheaves):
             if i in self.layout.rim:
                 travel[:, k] = frames.q[:, self.layout.rim[i]]
-            elif self.scene.path[i].locked:
+            elif stands_still(self.layout, i):
                 travel[:, k] = 0.0
         return travel / rho
 

@@ -10,13 +10,10 @@ import numpy as np
 
 from crane.assembly.drum_supply import Supply, capacity_of, check_drums, hoisted_spans, reeled_of, supply_of
 from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
-from crane.assembly.friction import is_held
+from crane.assembly.friction import bearing_ratio, groove_ratio, is_held, sticks_in_bearing
 from crane.assembly.held_loads import CLOSED, lacks
-from crane.assembly.layout import orientation_of
-from crane.assembly.loads import displacement_of, floating, rises
 from crane.assembly.mesh_damping import damping_of
-from crane.assembly.prepared import answers_no_heave, compensation_of, heave_point
-from crane.geometry.quaternion import quaternion_of
+from crane.assembly.prepared import answers_no_heave, compensation_of, heave_of, heave_point, other_point
 from crane.results.laid_by_turning import turning_foreseen, unwound
 from crane.results.limits import LEAST_RATIO
 from crane.results.out_of_water import at_the_surface, dry, hoisted_out
@@ -34,6 +31,7 @@ from crane.sea.record_doubts import doubts, doubts_of_table
 from crane.sea.sea_doubts import doubts_of_phases, doubts_of_sea, doubts_of_turns
 from crane.sea.vessel import read_response
 from crane.warnings.drawn_askew import drawn_askew
+from crane.warnings.load_warnings import load_warnings
 from crane.warnings.narrow_bights import narrow_bights
 from crane.warnings.overhauling import too_light
 from crane.warnings.sudden_starts import growth, start_warnings
@@ -54,14 +52,12 @@ LITTLE = 0.001
 """Of these below which it is told no closer."""
 STEPS_PER_PERIOD = 10.0
 FRAMES_PER_PERIOD = 4.0
+MOMENTS = 1001
+"""Times in a run at which two heaves are compared."""
 OF_A_WAVE = "the time of a wave of tension along an element"
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
 ENOUGH = 8
-ANOTHER_SIDE = 90.0
-"""Angle, deg, by which a body is turned from its drawing beyond which another side of it is up."""
-TOO_FAST = 1000.0
-"""Swing of what remains of a load over that of the whole, as sqrt(mass), from which steps may not follow it."""
 HELD_BACK = 0.01
 """Share of the run for which an actuator may be off its command without a word."""
 RELATIONS = (
@@ -82,103 +78,15 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
-        *_sheaves(scene), *_steps(found), *too_light(found), *_mesh(found), *foreseen(found), *turning_foreseen(found),
+        *_sheaves(found), *_steps(found), *too_light(found), *_mesh(found), *foreseen(found), *turning_foreseen(found),
         *narrow_bights(found), *_undamped(scene), *_compression(scene), *_winches(found, actuator),
         *control_warnings(found), *_let_go(found), *start_warnings(found, actuator),
-        *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator), *dry(scene),
-        *hoisted_out(found), *at_the_surface(found), *_floating(found),
-        *_stays_on_the_hook(scene), *_turned(scene), *_without_moment(scene), *_never(scene), *_record(scene),
+        *_held_back(scene, actuator), *_nothing_to_answer(scene, actuator), *_one_answer(scene, actuator),
+        *dry(scene), *hoisted_out(found), *at_the_surface(found), *load_warnings(found),
+        *_never(scene), *_record(scene),
         *doubts_of_motion(scene), *idle(scene), *drawn_askew(found),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
-
-
-def _stays_on_the_hook(scene: CraneScene) -> Sentences:
-    """Bodies that lose mass and keep what inertia, water, wind and ground have found of all of it."""
-    for k, body in enumerate(scene.bodies):
-        release = body.release
-        if release is None:
-            continue
-        if body.inertia is not None and release.inertia is None:
-            text = (
-                f"{body.name} keeps the moments of inertia of all its {body.mass:.4g} kg when "
-                f"{release.remaining:.4g} kg of it remain. It then turns too slowly. Give `inertia:` in release, "
-                "with the moments that remain"
-            )
-            yield f"bodies[{k}].release", text
-        has = {
-            "volume": body.volume > 0.0,
-            "added_mass": any(body.added_mass),
-            "drag": any((*body.drag.linear, *body.drag.quadratic)),
-            "force": body.force is not None,
-            "bottom": body.bottom > 0.0,
-            "height": body.height is not None,
-        }
-        stay = [key for key, some in has.items() if some and getattr(release, key) is None]
-        if stay:
-            keys = " and ".join(filter(None, (", ".join(f"`{key}`" for key in stay[:-1]), f"`{stay[-1]}`")))
-            text = (
-                f"{body.name} keeps all its {keys} when {release.remaining:.4g} kg of {body.mass:.4g} kg remain, as if "
-                f"the load that drops left them on the hook. Give {keys} in release, as "
-                f"{'it is' if len(stay) == 1 else 'they are'} of what remains: zero where nothing does"
-            )
-            yield f"bodies[{k}].release", text
-        yield from _floats_after(scene, k)
-        yield from _thrown(scene, k)
-
-
-def _thrown(scene: CraneScene, k: int) -> Sentences:
-    """A body that turns and of which so little remains that no step follows the rope that throws it."""
-    body, left = scene.bodies[k], scene.bodies[k].after_release()
-    faster = math.sqrt(body.mass / left.mass) if left.mass > 0.0 else 0.0
-    if body.inertia is not None and faster > TOO_FAST:
-        text = (
-            f"{left.mass:.4g} kg remain of {body.mass:.4g} kg of {body.name}, which turns. On the same rope they swing "
-            f"{faster:.2g} times as fast as the whole, and the run may stop there. Give the mass of hook and shackle"
-        )
-        yield f"bodies[{k}].release.remaining", text
-
-
-def _floats_after(scene: CraneScene, k: int) -> Sentences:
-    """A body that the water lifts once its load has dropped."""
-    body, left = scene.bodies[k], scene.bodies[k].after_release()
-    lifted = displacement_of(scene, left)
-    if lifted > left.mass and displacement_of(scene, body) <= body.mass:
-        text = (
-            f"{body.name} floats up when its load has dropped: it takes the place of {lifted:.4g} kg of water, and "
-            f"{left.mass:.4g} kg of it remain. Give `volume:` in release, with that of what remains"
-        )
-        yield f"bodies[{k}].release", text
-
-
-def _turned(scene: CraneScene) -> Sentences:
-    """Bodies that the static start turns upside down: hung below their centre, or buoys held down above it."""
-    for k, body in enumerate(scene.bodies):
-        if body.inertia is None:
-            continue
-        drawn, laid = quaternion_of(body.orientation), orientation_of(scene, body)
-        angle = 2.0 * math.degrees(math.acos(min(1.0, abs(float(drawn @ laid)))))
-        if angle > ANOTHER_SIDE:
-            side, other = ("above", "below") if rises(scene, body) else ("below", "above")
-            text = (
-                f"start: static turns {body.name} by {angle:.3g} deg, because the rope holds it {side} its centre of "
-                f"mass. Give the `end` an offset {other} the centre, or give the body an `orientation:`, or write "
-                "start: as drawn"
-            )
-            yield f"bodies[{k}]", text
-
-
-def _without_moment(scene: CraneScene) -> Sentences:
-    """Bodies that turn, and may meet the ground, which does not resist that."""
-    for k, body in enumerate(scene.bodies if scene.ground is not None else ()):
-        if body.inertia is not None:
-            text = (
-                f"the ground pushes at the centre of {body.name} and gives it no moment. There it turns freely: it "
-                f"neither tips over an edge nor lies flat, and `bottom` stays {body.bottom:.4g} m below its centre. "
-                "Forces of lift-off and landing are right only if the rope pulls through the centre. Remove `inertia:` "
-                "if its rotation does not matter"
-            )
-            yield f"bodies[{k}].inertia", text
 
 
 def _never(scene: CraneScene) -> Sentences:
@@ -257,22 +165,6 @@ def _ramps_of(function: Any) -> Iterator[Ramp]:
         yield from _ramps_of(term)
 
 
-def _floating(found: Estimate) -> Sentences:
-    """Bodies that do not pull on the rope that they hang on."""
-    scene = found.scene
-    for one in floating(scene, found.path):
-        name, cure = scene.bodies[one.body].name, f"{one.cure[0].upper()}{one.cure[1:]}"
-        if one.by_rope is None and scene.start == "static" and scene.rope.length is not None:
-            text = (
-                f"{name} floats at any height: {one.cause(name)}. It is drawn below what its rope leads to, and begins "
-                f"above that, as a buoy that its rope holds down. Draw it there. Or, if it is to hang, {one.cure}"
-            )
-        else:
-            what, at = ("", ", at any height") if one.by_rope is None else (" up with its rope", "")
-            text = f"{name} floats{what}: {one.cause(name)}{at}. Its rope goes slack. {cure}"
-        yield f"bodies[{one.body}]", text
-
-
 def fleet_angle(found: Estimate, i: int) -> float:
     """Larger of the two angles of rope and plane at an item of the path, rad, as a size."""
     angles = found.path.fleet
@@ -348,15 +240,26 @@ def _strain(found: Estimate) -> Sentences:
         yield "rope.axial_stiffness", text
 
 
-def _sheaves(scene: CraneScene) -> Sentences:
+def _sheaves(found: Estimate) -> Sentences:
     """Friction that cannot act."""
-    for item in scene.sheaves:
-        if item.law == "capstan" and not item.locked and item.inertia == 0.0:
+    for i, item in enumerate(found.scene.path):
+        if not isinstance(item, Sheave) or item.law != "capstan" or item.locked:
+            continue
+        groove, bearing = groove_ratio(item, found.path, i), bearing_ratio(item, found.path, i)
+        if sticks_in_bearing(item, found.path, i):
+            text = (
+                f"the rope slips over {item.name} and does not turn it. As drawn its groove holds up to a difference "
+                f"of {in_percent(groove - 1.0, 3)} between the tensions, and its bearing up to "
+                f"{in_percent(bearing - 1.0, 3)}. The bearing's friction never acts. Give more friction in the groove, "
+                "less in the bearing, or law: no_slip"
+            )
+            yield where(found.scene, item, "bearing"), text
+        elif item.inertia == 0.0 and (item.bearing is None or item.bearing.friction == 0.0):
             text = (
                 f"nothing resists {item.name}: without inertia it turns with the rope. The friction of law: "
-                "capstan never acts. Give inertia, locked: true, or law: frictionless"
+                "capstan never acts. Give inertia, a bearing, locked: true, or law: frictionless"
             )
-            yield where(scene, item, "law"), text
+            yield where(found.scene, item, "law"), text
 
 
 def shortest(found: Estimate) -> list[float]:
@@ -466,6 +369,24 @@ def _nothing_to_answer(scene: CraneScene, actuator: Compensation | None) -> Sent
             f"it answers the heave of {point.name}, which rides on {scene.frame_of(point)}. That stands on the ground, "
             f"so no heave is answered and `compensator` stays 0. Put {scene.frame_of(point)} on the vessel "
             "(`parent: vessel`), or remove the compensation"
+        )
+        yield "heave_compensation", text
+
+
+def _one_answer(scene: CraneScene, actuator: Compensation | None) -> Sentences:
+    """Two drums that pay out by the heave of one tip while that of the other is another."""
+    point = None if actuator is None else other_point(scene)
+    if point is None:
+        return
+    time = np.linspace(0.0, scene.solver.end, MOMENTS)
+    heaves = compile_functions([FunctionRequest(heave_of(scene, one)) for one in (heave_point(scene), point)])
+    answered, other = (sample(heaves, k, time)[:, 0] for k in range(2))
+    off = float(np.abs(other - answered).max())
+    if off > LITTLE * float(np.abs(answered).max()):
+        text = (
+            f"both drums pay out by the heave of {heave_point(scene).name}. That of {point.name} differs by up to "
+            f"{quantity(off, 'm', 3)}, and the rope on its side is wrong by `gain` times that. Expect it at the load, "
+            "or drive that drum by `tension`"
         )
         yield "heave_compensation", text
 
