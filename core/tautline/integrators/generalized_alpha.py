@@ -15,6 +15,8 @@ from tautline.integrators.state import (
     book_losses,
     book_motion,
     book_work,
+    keep,
+    restore,
     stand_at,
     watch,
     work_of_means,
@@ -266,11 +268,10 @@ def _forget_what_is_held(dofs, state):
             state.auxiliary[i] = 0.0
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
-def _keep_start(q, v, a, auxiliary, keep):
-    """Remember the start of a step at which a mass or a speed jumps: ``keep`` (4, n), as `_take_start` puts it back."""
-    for i in range(q.size):
-        keep[0, i], keep[1, i], keep[2, i], keep[3, i] = q[i], v[i], a[i], auxiliary[i]
+@separate(type(None), STATE, late=True)
+def _keep_start(state):
+    """Remember the start of a step at which a mass or a speed jumps, as `_take_start` puts it back."""
+    keep(state)
 
 
 @separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, float, late=True)
@@ -284,11 +285,10 @@ def _take_settled(q, v, a, auxiliary, keep, ahead):
         q[i], v[i], auxiliary[i] = keep[0, i], keep[1, i], a[i] + ahead * (keep[3, i] - keep[2, i])
 
 
-@separate(type(None), VECTOR, VECTOR, VECTOR, VECTOR, STATES, late=True)
-def _take_start(q, v, a, auxiliary, keep):
+@separate(type(None), STATE, late=True)
+def _take_start(state):
     """Go back to the start that was remembered."""
-    for i in range(q.size):
-        q[i], v[i], a[i], auxiliary[i] = keep[0, i], keep[1, i], keep[2, i], keep[3, i]
+    restore(state)
 
 
 @separate(type(None), VECTOR, VECTOR, VECTOR, float, late=True)
@@ -381,7 +381,7 @@ def _open_step(m, groups, dofs, state, t, h, beta, gamma):
     over.jump(groups, m.corrector.changed)
     jumped = m.corrector.changed[COUNT] > 0 or m.order[0] == DISTURBED
     if jumped:
-        _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+        _keep_start(state)
     for k in dofs.driven:
         i = dofs.held[k]
         a = state.full_a[i]
@@ -396,7 +396,7 @@ def _open_step(m, groups, dofs, state, t, h, beta, gamma):
 def _undo_step(m, dofs, functions, state, t, jumped):
     """Leave everything as it was at the start t of a step that failed."""
     if jumped:
-        _take_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+        _take_start(state)
     else:
         _go_back(state, m.history[m.newest[0]])
     _stand_as_before(dofs, functions, state, m.driven, t)
@@ -457,7 +457,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
                 if not ease(dofs, functions, t, h, m.driven, state.full_a):
                     continue
                 if not jumped:
-                    _keep_start(state.q, state.v, state.a, state.auxiliary, state.keep)
+                    _keep_start(state)
                     ahead = 1.0
                 jumped, stage, left = True, START, TWICE
             elif bends:
