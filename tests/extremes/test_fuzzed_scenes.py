@@ -63,7 +63,9 @@ def test_a_process_of_its_own_ends_as_the_command_does_in_this_one(kind, number,
     )  # fmt: skip
     here = fuzzing.outcome(case, "check", tmp_path / "here")
     assert done.returncode == here.code and done.returncode in (0, 2)
-    assert done.stderr.replace(str(scene), "") == here.said.replace(str(here.scene), "")
+    # A slow machine is told of what takes long, by a process of its own too.
+    said = "".join(line for line in done.stderr.splitlines(keepends=True) if not line.startswith("preparing "))
+    assert said.replace(str(scene), "") == here.said.replace(str(here.scene), "")
 
 
 def test_a_case_is_the_same_whenever_it_is_made():
