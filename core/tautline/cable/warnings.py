@@ -16,7 +16,8 @@ import tautline.cable.changed_material
 import tautline.cable.drawn_out
 import tautline.cable.driven_material
 import tautline.cable.fast_material
-import tautline.cable.held_forces  # noqa: F401  (warns too)
+import tautline.cable.held_forces
+import tautline.cable.held_rates  # noqa: F401  (warns too)
 from tautline.cable.coarse_lines import PRESTRETCHED, Sentences, cure_of, turned
 from tautline.cable.input.couplings import APART, coupling_gap, rates_at_start, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
