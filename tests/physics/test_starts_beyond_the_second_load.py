@@ -115,7 +115,7 @@ def test_the_error_of_a_relaxed_hose_that_stays_where_it_fell_is_not_told_as_lar
     text = HOSE.replace("start: static", "start: relaxed").replace("end: 0.02", "end: 0.5")
     text = text.replace("step: 1 ms", f"step: {step}").replace("speed: 10", f"speed: {speed}")
     file.write_text(text, encoding="utf8")
-    result = tautline.simulate(tautline.read(file))
+    result = tautline.simulate(tautline.read(file), verify=None)
     assert not [told for told in result.warnings if "may be off" in told]
 
 
