@@ -87,10 +87,21 @@ def build(scene: HoseScene) -> Model:
         step_limit=step_limit(scene),
         settle=None if scene.coupling == "linear" else lambda state: begin_at_rest(scene, made, state),
         notes=notes,
+        aside=_aside(scene),
         handles=lambda: _handles(made, model),
         cause=lambda state, status: stiff_along(made.system, state, status),
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
+
+
+def _aside(scene: HoseScene) -> str:
+    """How to choose the side to which a hose falls: it is straight as it is drawn."""
+    if scene.hose.end != "free":
+        return "Let a little of `gravity` act to the side that is meant, such as a thousandth of it"
+    return (
+        "Let a little of `gravity` act to the side that is meant, or give `disturbance`, such as a hundredth of a "
+        "metre a second that way"
+    )
 
 
 def _of_the_start(scene: HoseScene) -> list[str]:

@@ -247,7 +247,8 @@ class Run:
             return
         found = relax_to_stable(model.system, self.state, self.method, step, model.step_limit, model.own)
         negative = found.stability.negative
-        self.began = Start("relaxed", None if negative < 0 else negative == 0, pushed=found.pushes > 0)
+        stable = None if negative < 0 else negative == 0
+        self.began = Start("relaxed", stable, pushed=found.pushes > 0, aside=model.aside)
 
     def _other_start(self) -> str:
         """The way to begin that needs no equilibrium."""

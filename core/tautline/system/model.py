@@ -86,6 +86,9 @@ class Model:
         rope of the length that makes its drawing true. It may return the `Stability` of that.
     other_start : str
         What a scene's ``start`` may be where no equilibrium is found: ropes over sheaves have no relaxation.
+    aside : str
+        Sentence on how to choose the side to which the scene is pushed out of unstable balance; empty where it is drawn
+        there.
     limits : callable or None
         Result -> records of what it is judged by (`tautline.results.assessment.limits`).
     remarks : callable or None
@@ -139,6 +142,7 @@ class Model:
     confined: bool = False
     settle: Callable[[Any], Any] | None = None
     other_start: str = "relaxed"
+    aside: str = ""
     limits: Callable[[Any], list[dict[str, Any]]] | None = None
     figures: Callable[[Any, Collection[str]], dict[str, dict[str, Any]]] | None = None
     handles: Callable[[], Handles] | None = None

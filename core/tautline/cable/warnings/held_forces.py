@@ -1,4 +1,4 @@
-"""Forces that do nothing, as the node on which they act is held along them."""
+"""Forces, masses and springs that do nothing, as the node that has them is held."""
 
 from __future__ import annotations
 
@@ -23,3 +23,19 @@ def _held(scene: CableScene) -> Iterator[tuple[Place, str]]:
                 "Free the node along the force, or name the node that is meant"
             )
             yield (*part.place, "force"), text
+
+
+@warning("cable")
+def _still(scene: CableScene) -> Iterator[tuple[Place, str]]:
+    """Of each mass and each spring to the ground the first node that nothing moves: one that follows a function has
+    inertia."""
+    still = {node.id for node in scene.nodes if all(node.held[:3]) and not any(node.functions[:3])}
+    for what, key, parts in (("mass", "mass", scene.masses), ("spring", "nodes7", scene.anchors)):
+        for part in parts:
+            lost = [node for node in part.nodes if node in still]
+            if lost:
+                text = (
+                    f"the place of node {lost[0]} is held (BC): the {what} does nothing there, and appears in no "
+                    "result. Free the node, or name the node that is meant"
+                )
+                yield (*part.place, key if getattr(part.model, key, None) is not None else "nodes4"), text

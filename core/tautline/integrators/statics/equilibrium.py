@@ -192,9 +192,11 @@ def refuse_without_number(system: System, state: State) -> None:
         raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[int(rows[0])], detail) from None
 
 
-def search_from(system: System, state: State, step_limit: float, shift: float, tolerance: float = 1e-10) -> bool:
+def search_from(
+    system: System, state: State, step_limit: float, shift: float, tolerance: float = 1e-10, most: int = PATIENT
+) -> bool:
     """One patient search with the mass matrix as a shift, 1/s^2, that fades; whether it found an equilibrium."""
-    return _search(system, state, step_limit, tolerance, shift, PATIENT).found
+    return _search(system, state, step_limit, tolerance, shift, most).found
 
 
 def _search(

@@ -17,7 +17,7 @@ import numpy as np
 
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import WORST, State
-from tautline.integrators.statics.equilibrium import NEAR_ROUNDING, levers, over_rounding, scales_at_rest
+from tautline.integrators.statics.equilibrium import NEAR_ROUNDING, levers, over_rounding, scales_at_rest, search_from
 from tautline.integrators.statics.stability import ASIDE, Stability, count_negative
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
@@ -27,6 +27,7 @@ from tautline.kernels.dofs import expand
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import Matrix, Rows, new_matrix, rows_of
 from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
+from tautline.system.memory import recall, remember
 from tautline.system.system import System
 
 MOST_STEPS = 200_000
@@ -36,6 +37,11 @@ BETWEEN = 20
 STEPS_PER_RADIAN = 5.0
 """An implicit method takes steps up to this part of what still moves, or the scene's own step where that is longer."""
 
+TOLERANCE = 1e-7
+"""Largest inertia force over the scale of its row that counts as rest."""
+NEXT, NEAR = 20, 1e-5
+"""Iterations of Newton's method that takes away what is left out of balance, and the share of the extent of the scene
+that it may move it."""
 PUSHES = 4
 """How often a scene is pushed out of an unstable equilibrium: each may lead to another."""
 
@@ -60,7 +66,7 @@ def relax(
     method: Any,
     step: float,
     own: int = 0,
-    tolerance: float = 1e-7,
+    tolerance: float = TOLERANCE,
     most: int = MOST_STEPS,
 ) -> Relaxation:
     """March the state to rest, and leave it there with no velocity.
@@ -98,8 +104,7 @@ def relax(
     if motion.explicit:
         _check(still, state, step)
     mass = new_matrix(system.size, system.bandwidth, system.border)
-    moves = np.ones(system.size)
-    moves[system.algebraic] = 0.0
+    moves = _moves(system)
     scale = scales_at_rest(system, tolerance)
     last_q, last_a = state.q.copy(), np.zeros(system.size)
     size, worst = 0.0, 0
@@ -191,7 +196,7 @@ class _DampedMotion:
 
 
 def relax_to_stable(system: System, state: State, method: Any, step: float, step_limit: float, own: int = 0) -> Rest:
-    """Relax, and from an unstable equilibrium push the scene aside and relax it again.
+    """Relax and balance, and from an unstable equilibrium push the scene aside and do so again.
 
     A scene that is drawn in perfect balance, such as a rope that stands on its end, has no force that moves it away.
     In a run the least disturbance would.
@@ -213,14 +218,46 @@ def relax_to_stable(system: System, state: State, method: Any, step: float, step
         As :func:`relax`.
     """
     relax(system, state, method, step, own)
-    found, pushes = count_negative(system, state), 0
+    found, pushes = _judged(system, state, step_limit), 0
     while found.negative > 0 and pushes < PUSHES:
         pushes += 1
         largest = float(np.abs(found.mode * levers(system)).max())
         state.q[:] += ASIDE * step_limit / largest * found.mode
         relax(system, state, method, step, own)
-        found = count_negative(system, state)
+        found = _judged(system, state, step_limit)
     return Rest(found, pushes)
+
+
+def _judged(system: System, state: State, step_limit: float) -> Stability:
+    """Whether the balance next to where a scene has come to rest is stable; the scene is left in it.
+
+    A relaxation leaves a small force in each row. Along a motion that nothing resists, such as the turn of a bow about
+    the line between its ends, that force is the stiffness, of either sign, and another step leaves another one.
+    Newton's method takes it away. Where it leads elsewhere, as it may with what is loose, the scene is judged as it is;
+    and where there is friction the scene stays as it is, for that may bear what is left.
+    """
+    rest, memory, moves = state.q.copy(), remember((), system.groups, ()), _moves(system)
+    extent = max(float(np.ptp(rest[moves > 0.0])) if moves.any() else 0.0, step_limit)
+    way = np.inf
+    if search_from(system, state, step_limit, 0.0, most=NEXT):
+        way = float((moves * np.abs(state.q - rest) * levers(system)).max(initial=0.0))
+    if not way <= NEAR * extent:
+        state.q[:] = rest
+    recall(memory, (), system.groups, ())
+    found = count_negative(system, state)
+    if system.has_friction:
+        state.q[:] = rest
+    recall(memory, (), system.groups, ())
+    # All that goes with the unknowns is again that of where the scene is left.
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, system.spare_factors().matrix, np.zeros(system.size))
+    return found
+
+
+def _moves(system: System) -> np.ndarray:
+    """One for each unknown that moves, and zero for multipliers, (n,)."""
+    moves = np.ones(system.size)
+    moves[system.algebraic] = 0.0
+    return moves
 
 
 def _frequency(mass: Rows, way: np.ndarray, lost: np.ndarray) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -79,8 +80,8 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
 
     What :func:`~tautline.integrators.statics.equilibrium.find_equilibrium` finds may be a maximum or a saddle of the
     energy. It is left then along the motion that lowers the energy most, and searched on by pseudo-transient
-    continuation, an overdamped motion downhill. Where that leads nowhere, and the system has room, all of it is done
-    again without.
+    continuation, an overdamped motion downhill. That may lead to another that is unstable, which is left in turn. Where
+    it leads nowhere, and the system has room, all of it is done again without.
 
     Returns
     -------
@@ -98,7 +99,7 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
     if first.negative <= 0:
         return first
     found = state.q.copy()
-    stable = _leave(system, state, step_limit, first) or _on_another_path(system, state, step_limit, drawn)
+    stable = _downhill(system, state, step_limit, first) or _on_another_path(system, state, step_limit, drawn)
     if stable is not None:
         return stable
     state.q[:] = found
@@ -107,18 +108,40 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
     return first
 
 
-def _leave(system: System, state: State, step_limit: float, unstable: Stability) -> Stability | None:
-    """Leave an unstable equilibrium downhill, to a stable one; None, with the state anywhere, if none was found."""
+def _downhill(system: System, state: State, step_limit: float, unstable: Stability) -> Stability | None:
+    """Leave an unstable equilibrium downhill, to a stable one; None, with the state anywhere, if none was found.
+
+    The motion that gains most may lead to another unstable one: from straight a column comes to rest in its second
+    mode, where the first still gains. It is left in turn, if fewer motions lower the energy there than at any before.
+    """
+    saddles, least = [_ways_down(system, state, step_limit, unstable)], unstable.negative
+    while saddles:
+        begin, shift = next(saddles[-1], (None, 0.0))
+        if begin is None:
+            saddles.pop()
+            continue
+        state.q[:] = begin
+        if not search_from(system, state, step_limit, shift):
+            continue
+        now = count_negative(system, state)
+        if now.negative == 0:
+            return now
+        # Where the tangent proves nothing, as where a load follows the shape, it shows no way down.
+        if 0 < now.negative < least:
+            least = now.negative
+            saddles.append(_ways_down(system, state, step_limit, now))
+    return None
+
+
+def _ways_down(
+    system: System, state: State, step_limit: float, unstable: Stability
+) -> Iterator[tuple[np.ndarray | None, float]]:
+    """Where searches begin that leave an unstable equilibrium (n,), and their shifts, 1/s^2."""
     found, growth = state.q.copy(), _growth(system, state, unstable.mode)
     mode = unstable.mode / max(float(np.abs(unstable.mode * levers(system)).max()), 1e-300)
     tries = [(share * growth, push) for share, push in LEAVING if growth > 0.0]
-    for shift, push in (*tries, *((shift, ASIDE) for shift in SHIFTS)):
-        state.q[:] = found + push * step_limit * mode
-        if search_from(system, state, step_limit, shift):
-            now = count_negative(system, state)
-            if now.negative == 0:
-                return now
-    return None
+    tries += [(shift, ASIDE) for shift in SHIFTS]
+    return ((found + push * step_limit * mode, shift) for shift, push in tries)
 
 
 def _on_another_path(system: System, state: State, step_limit: float, drawn: np.ndarray) -> Stability | None:
@@ -137,7 +160,7 @@ def _on_another_path(system: System, state: State, step_limit: float, drawn: np.
         return None
     there = count_negative(alike, state)
     if there.negative > 0:
-        return _leave(alike, state, step_limit, there)
+        return _downhill(alike, state, step_limit, there)
     return there if there.negative == 0 else None
 
 

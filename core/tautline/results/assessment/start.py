@@ -13,6 +13,8 @@ import numpy as np
 
 FAR = 0.1
 """Share of the size of a scene by which a start that lies further from its initial geometry is warned of."""
+DRAWN_ASIDE = "Draw it a little to the side that is meant"
+"""How to choose the side to which a scene in unstable balance is pushed."""
 PLACE = re.compile(r"[ r]([xyz])$")
 """Names of unknowns that are places in space."""
 MULTIPLIER = "multiplier"
@@ -37,6 +39,8 @@ class Start:
         Whether that is much of the size of the scene.
     pushed : bool
         Whether the initial geometry was an unstable equilibrium, and was perturbed.
+    aside : str
+        Sentence on how to choose the side to which it is pushed, where that is not by drawing it there.
     at_rest : mapping
         Variables of a static start as they are before anything moves, by name: numbers, or lists of them as deep as
         the variable has dimensions beside time. Empty where no figure is over them.
@@ -49,6 +53,7 @@ class Start:
     moved_most: str | None = None
     far: bool = False
     pushed: bool = False
+    aside: str = ""
     at_rest: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -81,8 +86,7 @@ class Start:
         elif self.pushed:
             told.append(
                 "the initial geometry is an unstable equilibrium, as of a column that carries more than Euler's load. "
-                "It was perturbed, and relaxed from there. The side is arbitrary. Draw it a little to the side that "
-                "is meant"
+                f"It was perturbed, and relaxed from there. The side is arbitrary. {self.aside or DRAWN_ASIDE}"
             )
         if self.far:
             told.append(

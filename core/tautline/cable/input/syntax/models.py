@@ -227,7 +227,10 @@ def _from_one(model: Any) -> Any:
 
 
 class VelocityDefined(Model):
-    """A motion by its rate: `velocityList` m/s at `timeList` s, linear between, held outside; from `pos0`, m."""
+    """A motion by its rate: `velocityList` m/s at `timeList` s, linear between, held before and after; from `pos0`, m.
+
+    After the last time the motion goes on at the last rate: end with 0 to stop it.
+    """
 
     id: Id
     pos0: Length = 0.0
