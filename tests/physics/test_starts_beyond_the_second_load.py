@@ -102,7 +102,7 @@ def test_a_relaxed_hose_is_stable_and_falls_to_the_same_side_with_every_step(spe
         start = result.attributes["start"]
         assert (start["stable"], start["pushed"]) == (True, True)
         assert np.abs(place[-1] - place[0]).max() < 1e-8
-        assert any("pushed aside" in told and "`gravity`" in told for told in result.warnings)
+        assert any("perturbed" in told and "`gravity`" in told for told in result.warnings)
         sides.append(place[0, 8, 1:])
     assert np.hypot(*sides[0]) == pytest.approx(sag(0.5 * speed**2 - FIRST), rel=2e-3)
     np.testing.assert_allclose(sides, [sides[0]] * len(STEPS), rtol=0.0, atol=1e-6)
@@ -129,5 +129,5 @@ def test_a_hose_with_a_free_end_that_was_pushed_names_what_chooses_its_side():
         "coupling": ("coupling: linear\n", ""),
     }
     result = simulate(build(hose(**free)))
-    told = [one for one in result.warnings if "pushed aside" in one]
+    told = [one for one in result.warnings if "perturbed" in one]
     assert len(told) == 1 and "`gravity`" in told[0] and "`disturbance`" in told[0] and "Draw it" not in told[0]
