@@ -198,6 +198,37 @@ def test_two_drums_that_would_each_hold_with_a_strong_one_beside_it_are_told_wha
         assert not told(scene) and abs(fallen(scene)) < 1e-3
 
 
+def two_blocks(near, far, eta):
+    """Two blocks of two falls each on one rope from a drum to an anchor, of masses near and far from the drum."""
+    wheel = f"radius: 0.3, axis: [0, 1, 0], law: {{efficiency: {eta}}}"
+    return tautline.read(f"""
+rope: {ROPE}
+bodies:
+  - {{name: a, mass: {near}, position: [0.3, 0, 5], guide: [x, y]}}
+  - {{name: b, mass: {far}, position: [1.5, 0, 5], guide: [x, y]}}
+path:
+  - drum: {{name: A, center: [-1.1, 0, 0], radius: {RADIUS}, axis: [0, 1, 0], wrap: over, {braked(1.0)}}}
+  - sheave: {{name: t, center: [-0.3, 0, 30], wrap: over, {wheel}}}
+  - sheave: {{name: ba, body: a, wrap: under, {wheel}}}
+  - sheave: {{name: c, center: [0.9, 0, 30], wrap: over, {wheel}}}
+  - sheave: {{name: bb, body: b, wrap: under, {wheel}}}
+  - anchor: {{name: d, position: [1.8, 0, 30]}}
+{ENDS}""")
+
+
+@pytest.mark.parametrize(("near", "far"), [(5000, 5000), (5000, 4500), (4500, 5000), (5000, 7500), (6000, 5000)])
+def test_of_two_blocks_on_one_rope_a_drum_holds_the_one_that_needs_more_of_it(near, far):
+    """A block rests where T (1 + q) is its weight; q = 1 / eta a sheave, one before the first block and three before b.
+
+    Both rest there with a up to q times as heavy as b, and b up to q^2 times as heavy as a.
+    """
+    eta = 0.8
+    q = 1.0 / eta
+    levels = near * GRAVITY / (q * (1.0 + q)), far * GRAVITY / (q**3 * (1.0 + q))
+    assert near < q * far and far < q**2 * near
+    assert needed(two_blocks(near, far, eta)) == pytest.approx(RADIUS * max(levels), rel=2e-3)
+
+
 LIGHT = {
     "a bearing that gives way first": ("friction: 0.1", False),
     "a groove that is slippery": ("friction: 0.01", True),

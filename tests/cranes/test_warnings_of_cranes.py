@@ -511,6 +511,34 @@ def test_two_drums_of_which_one_tip_heaves_otherwise_than_that_which_is_answered
     assert off == pytest.approx(1.6 * math.sin(math.radians(3.0)), rel=5e-3)
 
 
+@pytest.mark.parametrize("grounded", ["second", "first"])
+def test_of_two_drums_of_which_one_side_rides_on_the_ground_all_that_is_answered_is_wrong_there(grounded):
+    text = yaml.safe_load(between_drums(0.0, 0.0).document.text)
+    swing = {"harmonic": {"amplitude": "1 m", "period": 8, "ramp": 8}}
+    text |= {"vessel": {"reference": [-10, 0, 0], "motion": {"heave": swing}}, "heave_compensation": {"gain": 1.0}}
+    loads = [k for k, item in enumerate(text["path"]) if "body" in next(iter(item.values()))]
+    for item in text["path"][loads[-1] + 1 :] if grounded == "second" else text["path"][: loads[0]]:
+        next(iter(item.values()))["frame"] = "ground"
+    text["solver"]["end"] = 40.0
+    (one,) = told(CraneScene.parse(yaml.safe_dump(text)), "heave_compensation")
+    drum = text["path"][-1 if grounded == "second" else 0]["drum"]["name"]
+    answered = "s1" if grounded == "second" else "s2"
+    assert f"both drums pay out by the heave of {answered}. What {drum} leads over stands on the ground" in one
+    assert float(re.search(r"by up to ([0-9.]+) m", one)[1]) == pytest.approx(1.0, rel=5e-3)
+    assert "Expect it at the load" in one
+
+
+def test_two_drums_with_no_load_between_them_are_told_to_expect_the_heave_at_the_rope():
+    text = yaml.safe_load(between_drums(0.0, 0.0).document.text)
+    swing = {"harmonic": {"amplitude": "3 deg", "period": 8, "ramp": 8}}
+    text |= {"vessel": {"reference": [-10, 0, 0], "motion": {"pitch": swing}}, "heave_compensation": {"gain": 1.0}}
+    del text["bodies"]
+    text["path"] = [item for item in text["path"] if "body" not in next(iter(item.values()))]
+    text["solver"]["end"] = 40.0
+    (one,) = told(CraneScene.parse(yaml.safe_dump(text)), "heave_compensation")
+    assert "Expect it at the rope between them" in one and "load" not in one
+
+
 def layered(**more):
     return one_fall(path=[winch(layers={"turns": 5, "core_radius": 0.48, "count": 2}, **more), TIP, HOOK])
 

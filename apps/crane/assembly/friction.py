@@ -93,6 +93,29 @@ def stands_still(layout: Layout, i: int) -> bool:
     return sheave.locked or (i not in layout.rim and sticks_in_bearing(sheave, layout.path, i))
 
 
+def most_groove_friction(layout: Layout, i: int) -> float:
+    """Friction of the groove of item i, which stands still, from which its bearing would give way; else infinite."""
+    sheave, wrap = layout.scene.path[i], float(layout.path.wraps[i])
+    assert isinstance(sheave, Sheave)
+    if sheave.locked or i in layout.rim or wrap <= 0.0:
+        return math.inf
+    return math.log(bearing_ratio(sheave, layout.path, i)) / wrap
+
+
+def most_bearing_friction(layout: Layout, i: int) -> float:
+    """Friction of the bearing of item i, which turns, up to which it gives way before the groove; else infinite.
+
+    By `bearing_ratio`: c^2 = (q - 1)^2 / (q^2 + 1 - 2 q cos theta), with the ratio q of the groove.
+    """
+    sheave, path = layout.scene.path[i], layout.path
+    assert isinstance(sheave, Sheave) and sheave.bearing is not None
+    if sheave.law != "capstan" or i in layout.rim:
+        return math.inf
+    q, along = groove_ratio(sheave, path, i), float(path.spans[i - 1].e @ path.spans[i].e)
+    square = 1.0 + 1.0 / (q * q) - 2.0 * along / q
+    return (1.0 - 1.0 / q) / math.sqrt(square) * sheave.radius / sheave.bearing.radius if square > 0.0 else math.inf
+
+
 def _of_sheave(layout: Layout, i: int, sheave: Sheave) -> list[Row]:
     rim, rows = layout.rim.get(i, NONE), []
     arc = max(float(layout.path.arcs[i]), sheave.radius)

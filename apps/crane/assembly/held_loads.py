@@ -17,7 +17,8 @@ import numpy as np
 
 from crane.assembly.friction import closure_of, held_ratio
 from crane.assembly.layout import carries_nothing
-from crane.assembly.tension_at_rest import balance, hung, rope_weight
+from crane.assembly.loads import load_of
+from crane.assembly.tension_at_rest import balance, hung, lift, rope_weight
 from crane.geometry.reeving import Path
 from crane.scene.scene import CraneScene, Drum, Sheave
 from tautline.kernels.time_function import value_at
@@ -103,7 +104,7 @@ def lacks(scene: CraneScene, path: Path, tension: np.ndarray | None) -> list[Lac
     found = []
     for k, one in enumerate(alone):
         other = alone[1 - k] if len(alone) == 2 else None
-        if one is not None and other is not None and not other.lets_go and len(hung(scene, path)) == 1:
+        if one is not None and other is not None and not other.lets_go:
             one = _what_acts(scene, one.drum, _pull(scene, path, one.drum, tension, other), tension)
         if one is not None and one.lets_go:
             found.append(one)
@@ -174,23 +175,58 @@ def _pull(scene: CraneScene, path: Path, drum: Drum, tension: np.ndarray, other:
     tension : (spans, 2) array
         At rest without friction, N.
     other : Lack or None
-        The drum at the other end, which holds what it can; None where it holds anything. One body hangs on the rope.
+        The drum at the other end, which holds what it can; None where it holds anything.
     """
     ratio, offset = _growth(scene, path, drum)
     if carries_nothing(scene):
         far = (-1, 1) if drum is scene.path[0] else (0, 0)
         return float((tension[far] - offset[far]) / ratio[far])
-    levels = [balance(scene, path, ratio, offset)]
-    if other is not None:
-        # The rope bears the lesser of what both drums let it: up to some sheave that is this one's. Anywhere else that
-        # one changes over more is borne than there is, and less is left to this drum.
-        own, more = _growth(scene, path, other.drum)
-        limit = own * other.most * (1.0 + SURE) + more
-        for i in range(1, len(path.spans)):
-            near = np.arange(len(path.spans)) < i if drum is scene.path[0] else np.arange(len(path.spans)) >= i
-            here = near[:, None]
-            levels.append(balance(scene, path, np.where(here, ratio, 0.0), np.where(here, offset, limit)))
-    return max((level for level in levels if level is not None), default=float(tension[_at(scene, drum)]))
+    least = _least_at_rest(scene, path, drum, math.inf if other is None else other.most * (1.0 + SURE))
+    if least is None:
+        # The loads move whatever the drum does.
+        least = balance(scene, path, ratio, offset)
+    return float(tension[_at(scene, drum)]) if least is None else least
+
+
+def _least_at_rest(scene: CraneScene, path: Path, drum: Drum, far: float) -> float | None:
+    """Least tension at a drum with which all loads rest and no sheave is beyond what it holds, N: a linear programme.
+
+    Unknown is the tension T_k where span k begins, (spans,). At a sheave neither side has more than its ratio times
+    the other; the lift of all T is each body's load; at the other end of the rope no more than ``far`` N is held.
+    None where no tensions do all that.
+    """
+    # Only few scenes have a drum that is to hold: others need not wait for this import.
+    from scipy.optimize import linprog
+
+    g = np.array(scene.gravity, float)
+    bodies, n = hung(scene, path), len(path.spans)
+    size = float(np.linalg.norm(g))
+    if size == 0.0 or not bodies:
+        return None
+    rise, up = np.diff(rope_weight(scene, path), axis=1)[:, 0], -g / size
+    unit = np.eye(n)
+    share = np.array([[lift(scene, path, body, np.stack([one, one], axis=1), up) for one in unit] for body in bodies])
+    hangs = np.stack([np.zeros(n), rise], axis=1)
+    load = np.array([load_of(scene, body) - lift(scene, path, body, hangs, up) for body in bodies])
+    rows, limits = [], []
+    for i in range(1, n):
+        q = _held(scene, path, i)
+        rows += [unit[i] - q * unit[i - 1], unit[i - 1] - q * unit[i]]
+        limits += [q * rise[i - 1], -rise[i - 1]]
+    first = drum is scene.path[0]
+    near, beyond = (0, n - 1) if first else (n - 1, 0)
+    if math.isfinite(far):
+        rows.append(unit[beyond])
+        limits.append(far - (rise[beyond] if first else 0.0))
+    # In units of the load, which is what the tolerances of the method are for.
+    scale = float(np.abs(load).max())
+    if scale == 0.0:
+        return None
+    found = linprog(
+        unit[near], np.array(rows) if rows else None, np.array(limits) / scale if rows else None, share, load / scale,
+        bounds=[(max(0.0, -one) / scale, None) for one in rise],
+    )  # fmt: skip
+    return scale * float(found.x[near]) + (0.0 if first else float(rise[near])) if found.status == 0 else None
 
 
 def _growth(scene: CraneScene, path: Path, drum: Drum) -> tuple[np.ndarray, np.ndarray]:

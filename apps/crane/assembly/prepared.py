@@ -118,28 +118,39 @@ def heave_point(scene: CraneScene) -> PathItem:
     """The item of the path whose heave is answered: counted from the drum, the last that rides on vessel or frame.
 
     With a drum at either end it is the last before the load, of the way from the first drum that the compensation
-    drives. A drum is it only where nothing else rides on vessel or frame.
+    drives, or of that from the other where nothing of the first way rides there. A drum is it only where nothing else
+    rides on vessel or frame.
 
     Raises
     ------
     SceneError
         Where nothing does.
     """
-    path = scene.path
-    backwards = not path[0].prescribed if _two_drums(scene) else not isinstance(path[0], Drum)
-    tip = _tip(scene, path[::-1] if backwards else path)
+    tip = next((tip for tip in _tips(scene) if tip is not None), None)
     if tip is None:
         cause = "nothing of the path rides on the vessel: there is no heave to answer"
         raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
     return tip
 
 
-def other_point(scene: CraneScene) -> PathItem | None:
-    """The same of the second of two drums that the compensation drives, if it is another one: it is not answered."""
+def unanswered(scene: CraneScene) -> list[tuple[Drum, PathItem | None]]:
+    """Of two drums that the compensation drives that whose tip is another one than `heave_point`, and this tip.
+
+    It is None where nothing of that drum's way rides on vessel or frame: it does not heave. The list may be empty.
+    """
     if not _two_drums(scene) or not all(drum.prescribed for drum in scene.drums):
-        return None
-    tip = _tip(scene, scene.path[::-1])
-    return None if tip is heave_point(scene) else tip
+        return []
+    answered = heave_point(scene)
+    return [(drum, tip) for drum, tip in zip(scene.drums, _tips(scene), strict=True) if tip is not answered]
+
+
+def _tips(scene: CraneScene) -> list[PathItem | None]:
+    """What `_tip` finds of the ways from the drums that the compensation drives, in the order of the path."""
+    path = scene.path
+    if not _two_drums(scene):
+        return [_tip(scene, path if isinstance(path[0], Drum) else path[::-1])]
+    ways = [order for order in (path, path[::-1]) if order[0].prescribed]
+    return [_tip(scene, order) for order in ways]
 
 
 def _two_drums(scene: CraneScene) -> bool:

@@ -62,14 +62,14 @@ def balance(scene: CraneScene, path: Path, ratio: np.ndarray, offset: np.ndarray
     if size == 0.0:
         return None
     bodies, up = hung(scene, path), -g / size
-    share = np.array([_lift(scene, path, body, ratio, up) for body in bodies])
+    share = np.array([lift(scene, path, body, ratio, up) for body in bodies])
     if not (share > 1e-6).any():
         return None
-    load = np.array([load_of(scene, body) - _lift(scene, path, body, offset, up) for body in bodies])
+    load = np.array([load_of(scene, body) - lift(scene, path, body, offset, up) for body in bodies])
     return float(share @ load) / float(share @ share)
 
 
-def _lift(scene: CraneScene, path: Path, body: Body, tension: np.ndarray, up: np.ndarray) -> float:
+def lift(scene: CraneScene, path: Path, body: Body, tension: np.ndarray, up: np.ndarray) -> float:
     """Upward force of the rope on a body, N, of tensions where its spans begin and end, (spans, 2) N."""
     total = 0.0
     for i, item in enumerate(scene.path):

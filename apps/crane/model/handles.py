@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from crane.assembly.friction import most_bearing_friction, most_groove_friction, stands_still
 from crane.assembly.layout import AXES, Layout
 from crane.groups.capstan_friction import BEARING, CAPSTAN, EFFICIENCY, Slips
 from crane.groups.immersion import Immersed
@@ -19,6 +20,7 @@ from crane.scene.surroundings import Motion, Vessel
 from crane.sea.frames import SPEED
 from tautline.results.variable import Variable
 from tautline.scene.errors import SceneError
+from tautline.scene.values.printed import rounded
 from tautline.system.handles import (
     Handles,
     Output,
@@ -84,7 +86,7 @@ def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, 
     prepared = prepared_of(layout.requests.of)
     outputs = _outputs(layout, variables, coordinates)
     instead = {"hook_load": hook_load_told(layout.scene)} | bending_told(layout.scene)
-    return Handles(inputs, outputs, parameters, prepared, instead)
+    return Handles(inputs, outputs, parameters, prepared, instead, _lacking(layout))
 
 
 def bending_told(scene: CraneScene) -> dict[str, str]:
@@ -189,22 +191,45 @@ def _of_rope(spans: Spans) -> Iterator[Parameter]:
 
 def _of_contacts(layout: Layout, slips: Slips) -> Iterator[Parameter]:
     """Friction on sheaves and in their bearings."""
-    after = {layout.item[i]: item for i, item in enumerate(layout.scene.path) if isinstance(item, Sheave)}
+    after = {layout.item[i]: (i, item) for i, item in enumerate(layout.scene.path) if isinstance(item, Sheave)}
     for k, row in enumerate(slips.rows):
-        sheave = after.get(int(row.after))
         place = slips.rows["coefficient"][k : k + 1]
-        if sheave is None:
+        if int(row.after) not in after:
             continue
+        i, sheave = after[int(row.after)]
         if row.kind == EFFICIENCY:
             name, text = f"{sheave.name}.efficiency", f"efficiency of {sheave.name}"
             yield Parameter(name, "", text, _efficiency(place), _set_efficiency(place), 0.0, True, 1.0)
         elif row.kind == CAPSTAN:
-            text = f"friction of the rope in the groove of {sheave.name}"
-            yield number(f"{sheave.name}.groove_friction", "", text, [place], positive=False)
+            most = most_groove_friction(layout, i)
+            text = f"friction of the rope in the groove of {sheave.name}{_up_to(most, 'bearing')}"
+            yield number(f"{sheave.name}.groove_friction", "", text, [place], positive=False, most=most)
         elif row.kind == BEARING and sheave.bearing is not None:
-            text = f"friction in the bearing of {sheave.name}"
+            most = most_bearing_friction(layout, i)
+            text = f"friction in the bearing of {sheave.name}{_up_to(most, 'groove')}"
             factor = [sheave.bearing.radius / sheave.radius]
-            yield number(f"{sheave.name}.bearing_friction", "", text, [place], positive=False, factor=factor)
+            yield number(f"{sheave.name}.bearing_friction", "", text, [place], positive=False, factor=factor, most=most)
+
+
+def _up_to(most: float, other: str) -> str:
+    """Why a friction has a bound: of groove and bearing without inertia the weaker as drawn is what a run has."""
+    return f", at most {rounded(most, 4):g}: with more the {other} would give way first" if most < np.inf else ""
+
+
+def _lacking(layout: Layout) -> dict[str, str]:
+    """Frictions of sheaves that never act, and are no parameters: why, and what to do, by the names they would have."""
+    told = {}
+    for i, item in enumerate(layout.scene.path):
+        if not isinstance(item, Sheave) or item.law != "capstan" or item.locked or item.bearing is None:
+            continue
+        if i in layout.rim or item.bearing.friction == 0.0:
+            continue
+        still = stands_still(layout, i)
+        never, weaker, what = ("bearing", "groove", "stands still") if still else ("groove", "bearing", "turns")
+        why = f"{item.name} {what}: its {weaker} gives way before its {never}"
+        cure = "give the sheave an inertia, and both act"
+        told[f"{item.name}.{never}_friction"] = f"{why}; {cure}"
+    return told
 
 
 def _efficiency(place: np.ndarray) -> Callable[[], float]:

@@ -13,7 +13,7 @@ from crane.assembly.estimates import Estimate, estimate, held_limit, rk4_limit
 from crane.assembly.friction import bearing_ratio, groove_ratio, is_held, sticks_in_bearing
 from crane.assembly.held_loads import CLOSED, lacks
 from crane.assembly.mesh_damping import damping_of
-from crane.assembly.prepared import answers_no_heave, compensation_of, heave_of, heave_point, other_point
+from crane.assembly.prepared import answers_no_heave, compensation_of, heave_of, heave_point, unanswered
 from crane.results.laid_by_turning import turning_foreseen, unwound
 from crane.results.limits import LEAST_RATIO
 from crane.results.out_of_water import at_the_surface, dry, hoisted_out
@@ -38,7 +38,7 @@ from crane.warnings.sudden_starts import growth, start_warnings
 from crane.warnings.tension_control import control_warnings
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneWarning
-from tautline.scene.functions import Ramp, Spectrum, Sum, Table
+from tautline.scene.functions import Constant, Ramp, Spectrum, Sum, Table
 from tautline.scene.solver import step_taken
 from tautline.scene.unit_slips import meant, units_that_fit
 from tautline.scene.values.printed import as_typed, in_percent, quantity, shown
@@ -374,21 +374,23 @@ def _nothing_to_answer(scene: CraneScene, actuator: Compensation | None) -> Sent
 
 
 def _one_answer(scene: CraneScene, actuator: Compensation | None) -> Sentences:
-    """Two drums that pay out by the heave of one tip while that of the other is another."""
-    point = None if actuator is None else other_point(scene)
-    if point is None:
-        return
-    time = np.linspace(0.0, scene.solver.end, MOMENTS)
-    heaves = compile_functions([FunctionRequest(heave_of(scene, one)) for one in (heave_point(scene), point)])
-    answered, other = (sample(heaves, k, time)[:, 0] for k in range(2))
-    off = float(np.abs(other - answered).max())
-    if off > LITTLE * float(np.abs(answered).max()):
-        text = (
-            f"both drums pay out by the heave of {heave_point(scene).name}. That of {point.name} differs by up to "
-            f"{quantity(off, 'm', 3)}, and the rope on its side is wrong by `gain` times that. Expect it at the load, "
-            "or drive that drum by `tension`"
-        )
-        yield "heave_compensation", text
+    """Two drums that pay out by the heave of one tip while that of the other is another, or none."""
+    for drum, point in [] if actuator is None else unanswered(scene):
+        time = np.linspace(0.0, scene.solver.end, MOMENTS)
+        other = Constant(value=0.0) if point is None else heave_of(scene, point)
+        heaves = compile_functions([FunctionRequest(one) for one in (heave_of(scene), other)])
+        answered, met = (sample(heaves, k, time)[:, 0] for k in range(2))
+        off = float(np.abs(met - answered).max())
+        if off > LITTLE * float(np.abs(answered).max()):
+            tip = f"What {drum.name} leads over stands on the ground: its heave" if point is None else "That"
+            of = "" if point is None else f" of {point.name}"
+            where = "load" if scene.bodies else "rope between them"
+            text = (
+                f"both drums pay out by the heave of {heave_point(scene).name}. {tip}{of} differs by up to "
+                f"{quantity(off, 'm', 3)}, and the rope on its side is wrong by `gain` times that. Expect it at the "
+                f"{where}, or drive {'that drum' if point is not None else drum.name} by `tension`"
+            )
+            yield "heave_compensation", text
 
 
 def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:

@@ -174,12 +174,17 @@ class Parameters(Unpickled, Mapping[str, Any]):
     parameters : dict of str to Parameter
     changes : callable
         Name -> what is entered while that parameter changes.
+    lacking : mapping of str to str
+        Parameters that the scene has not, and why.
     """
 
     def __init__(
-        self, parameters: dict[str, Parameter], changes: Callable[[str], AbstractContextManager[None]]
+        self,
+        parameters: dict[str, Parameter],
+        changes: Callable[[str], AbstractContextManager[None]],
+        lacking: Mapping[str, str] | None = None,
     ) -> None:
-        self._parameters, self._changes = parameters, changes
+        self._parameters, self._changes, self.lacking = parameters, changes, dict(lacking or {})
         self._pairs = [(name, one.not_below) for name, one in parameters.items() if one.not_below in parameters]
         self._anew = False
 
@@ -197,7 +202,7 @@ class Parameters(Unpickled, Mapping[str, Any]):
         try:
             return self._parameters[name]
         except (KeyError, TypeError):  # a list is no name either
-            raise unknown("parameter", name, self._parameters) from None
+            raise unknown("parameter", name, self._parameters, self.lacking.get(str(name), "")) from None
 
     def __getitem__(self, name: str) -> Any:
         """Its value; raises UnknownName."""
@@ -242,12 +247,8 @@ class Parameters(Unpickled, Mapping[str, Any]):
             given = real(value.item() if isinstance(value, np.ndarray) and value.size == 1 else value, "number", "")
         except SimulationError:
             raise SimulationError(f"{name} = {value!r} is no number", f"give one in SI ({unit})") from None
-        low = given < parameter.least or (parameter.positive and given == parameter.least)
-        if not np.isfinite(given) or low or given > parameter.most:
-            bounds = f"more than {parameter.least:g}" if parameter.positive else f"at least {parameter.least:g}"
-            upper = f", at most {parameter.most:g}" if np.isfinite(parameter.most) else ""
-            told = f"{bounds}{upper} ({unit})" if np.isfinite(parameter.least) else f"a finite number ({unit})"
-            raise SimulationError(f"{name} = {given:g} cannot be", f"give {told}")
+        if not parameter.bounds.hold(given):
+            raise SimulationError(f"{name} = {given:g} cannot be", f"give {parameter.bounds.told(parameter.unit)}")
         return given
 
     def describe(self) -> dict[str, dict[str, Any]]:

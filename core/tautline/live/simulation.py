@@ -144,7 +144,7 @@ class Simulation:
         self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time, self._turn)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
         self.outputs = Outputs(handles.outputs, self._observe, lambda: self._observed, vectors, self._turn)
-        self.parameters = Parameters(handles.parameters, self._parameter_change)
+        self.parameters = Parameters(handles.parameters, self._parameter_change, handles.lacking)
         self._prepared = handles.prepared
         self._begun = False
         self._changed: set[str] = set()

@@ -6,10 +6,11 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.scene.values.printed import rounded
 from tautline.system.time_functions import FunctionRequest, Steering, all_requests, reach_of
 
 PART = re.compile(r"(.+)\[(\d+(?:\s*,\s*\d+)*)\]")
@@ -169,6 +170,28 @@ class OneFrame(Mapping[str, np.ndarray]):
         return len(self._observed)
 
 
+class Bounds(NamedTuple):
+    """What a parameter may be: from ``least``, which it must exceed where ``positive``, to ``most``."""
+
+    least: float
+    positive: bool
+    most: float
+
+    def hold(self, value: float) -> bool:
+        """Whether a parameter may have this value."""
+        low = value < self.least or (self.positive and value == self.least)
+        return math.isfinite(value) and not low and value <= self.most
+
+    def told(self, unit: str) -> str:
+        """What may be given: ``more than 0, at most 1 (no unit)``; what is printed of the most may be given, too."""
+        unit = unit or "no unit"
+        if not math.isfinite(self.least):
+            return f"a finite number ({unit})"
+        bounds = f"more than {self.least:g}" if self.positive else f"at least {self.least:g}"
+        upper = f", at most {rounded(self.most, 6):g}" if math.isfinite(self.most) else ""
+        return f"{bounds}{upper} ({unit})"
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A number of the scene that can be changed while a run goes on.
@@ -202,6 +225,11 @@ class Parameter:
     most: float = np.inf
     not_below: str = ""
 
+    @property
+    def bounds(self) -> Bounds:
+        """What it may be."""
+        return Bounds(self.least, self.positive, self.most)
+
 
 @dataclass(frozen=True)
 class Prepared:
@@ -227,6 +255,7 @@ class Handles:
     """All of a model's, by name; and the functions of time that are `prepared`.
 
     ``instead`` tells of words of the field that are no name here, as `word_of` writes them, what to name for them.
+    ``lacking`` tells of parameters that this scene has not, by their names, why.
     """
 
     inputs: dict[str, Input] = field(default_factory=dict)
@@ -234,6 +263,7 @@ class Handles:
     parameters: dict[str, Parameter] = field(default_factory=dict)
     prepared: tuple[Prepared, ...] = ()
     instead: dict[str, str] = field(default_factory=dict)
+    lacking: dict[str, str] = field(default_factory=dict)
 
 
 def word_of(name: str) -> str:
@@ -366,7 +396,7 @@ def extreme_of(variable: Any, name: str, text: str, choose: Callable[[np.ndarray
 
 def number(
     name: str, unit: str, text: str, places: Sequence[np.ndarray], *, least: float = 0.0, positive: bool = True,
-    factor: Sequence[float] | None = None,
+    factor: Sequence[float] | None = None, most: float = np.inf,
 ) -> Parameter:  # fmt: skip
     """A parameter that stands as it is, or times factors, in some places: views of the groups' arrays."""
     factors = [1.0] * len(places) if factor is None else list(factor)
@@ -381,4 +411,4 @@ def number(
         for place, times in zip(places, factors, strict=True):
             place[...] = value * times
 
-    return Parameter(name, unit, text, get, change, least, positive)
+    return Parameter(name, unit, text, get, change, least, positive, most)

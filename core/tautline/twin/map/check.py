@@ -15,6 +15,7 @@ from tautline.scene.errors import Problem, SceneError
 from tautline.scene.refusal import meant, nearest
 from tautline.scene.values.quantity import Quantity
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
+from tautline.system.handles import Bounds
 from tautline.twin.map.faults import other_quantity, outside
 from tautline.twin.map.file import Estimate, Sensor, TwinMap, Watch, Written, driven_by
 from tautline.twin.map.names import Names, names_of
@@ -103,7 +104,8 @@ class _Reader:
     def known(self, key: tuple[str | int, ...], kind: str, name: str, known: Mapping[str, Any]) -> bool:
         if name in known:
             return True
-        self.fault(key, f"there is no {kind} '{name}'", nearest(name, sorted(known)))
+        cure = self.names.lacking.get(name, "") if kind == "parameter" else ""
+        self.fault(key, f"there is no {kind} '{name}'", cure or nearest(name, sorted(known)))
         return False
 
     def kept(self, key: tuple[str | int, ...], name: str) -> None:
@@ -258,6 +260,8 @@ class _Reader:
         start = self.number((*key, "start"), one.start, unit, default)
         sd = self.number((*key, "sd"), one.sd, unit, 1.0)
         low, high = self.bounds((*key, "range"), one.range, unit)
+        if one.parameter is not None and target in self.names.bounds:
+            low, high = self.may_be(key, one, self.names.bounds[target], start, (low, high))
         if not sd > 0.0:
             self.fault((*key, "sd"), "must be greater than zero", "say how far off the start may be")
         if one.range is not None and low < high and not low <= start <= high:
@@ -267,6 +271,22 @@ class _Reader:
             name=one.name, target=target, is_offset=one.parameter is None, unit=unit, start=start, sd=sd, low=low,
             high=high, drift=drift,
         )  # fmt: skip
+
+    def may_be(
+        self, key: tuple[str | int, ...], one: Estimate, bounds: Bounds, start: float, span: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Range of an estimate of a parameter; a fault where it begins, or may come, where the parameter cannot be.
+
+        Without a range it comes no further than the most that the parameter may be.
+        """
+        told = f"give {bounds.told(self.names.parameters[one.parameter or ''])}"
+        if one.start is not None and not bounds.hold(start):
+            self.fault((*key, "start"), f"{one.parameter} = {start:g} cannot be", told)
+        for k, end in enumerate(span):
+            # An estimate rests on the end of its range, which may be the least that the parameter must exceed.
+            if math.isfinite(end) and not bounds.least <= end <= bounds.most:
+                self.fault((*key, "range", k), f"{one.parameter} = {end:g} cannot be", told)
+        return span if one.range is not None else (span[0], bounds.most)
 
     def drift(self, key: tuple[str | int, ...], written: Written, unit: str) -> float:
         """A drift, so much per root of a second: ``1 kg/s^0.5``."""

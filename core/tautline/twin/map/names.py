@@ -8,7 +8,7 @@ from typing import Any
 import pydantic
 
 from tautline.live.simulation import Simulation
-from tautline.system.handles import PART
+from tautline.system.handles import PART, Bounds
 from tautline.twin.map.file import TwinMap, Watch
 
 
@@ -25,6 +25,10 @@ class Names(pydantic.BaseModel):
         Inputs that drive the same as another one does, as a winch's place and its speed, by its name.
     judged_by : dict of str to (str, str)
         Outputs that are watched in place of others, above and below a bound, as the limits of a scene are judged.
+    bounds : dict of str to Bounds
+        What parameters may be, by their names.
+    lacking : dict of str to str
+        Parameters that the scene has not, and why.
     """
 
     inputs: dict[str, str]
@@ -35,6 +39,8 @@ class Names(pydantic.BaseModel):
     unwatched: tuple[str, ...] = ()
     rivals: dict[str, list[str]] = {}
     judged_by: dict[str, tuple[str, str]] = {}
+    bounds: dict[str, Bounds] = {}
+    lacking: dict[str, str] = {}
 
     def elements(self, read: TwinMap) -> dict[str, str]:
         """Units of the single numbers of arrays that a map names, such as ``tip.position[0]``, by name."""
@@ -88,4 +94,6 @@ def names_of(sim: Simulation) -> Names:
         parameters=units(sim.parameters.describe()),
         shapes={name: tuple(one["shape"]) for name, one in outputs.items()},
         judged_by={name: one.judged_by for name, one in sim.outputs.handles.items() if all(one.judged_by)},
+        bounds={name: sim.parameters.handle(name).bounds for name in sim.parameters},
+        lacking=sim.parameters.lacking,
     )
