@@ -9,9 +9,8 @@ import numpy as np
 
 from crane.assembly.friction import held_stiffness, springs_of
 from crane.assembly.layout import Layout, lay_out
-from crane.assembly.loads import heaviest
 from crane.assembly.mesh_damping import HIGHEST, bounce
-from crane.assembly.tension_at_rest import static_tension
+from crane.assembly.tension_at_rest import heaviest, static_tension
 from crane.geometry.reeving import Path
 from crane.scene.scene import CraneScene, Drum
 from tautline.scene.reading.files import stamps
@@ -73,7 +72,7 @@ class Estimate:
     @property
     def heaviest_tension(self) -> float:
         """The same with loads as far out of the water as winches hoist them, N."""
-        heavy = heaviest(self.scene)
+        heavy = heaviest(self.scene, self.path)
         tension = self.tension if heavy is self.scene else static_tension(heavy, self.path)
         return 0.0 if tension is None else float(tension.max())
 

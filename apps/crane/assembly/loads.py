@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.assembly.drum_supply import hoisted_spans, reeled_of
 from crane.geometry.reeving import Path
 from crane.groups.immersion import share_of
 from crane.scene.bodies import Body
@@ -101,21 +100,12 @@ def buoyancy_of(scene: CraneScene, body: Body) -> float:
     return wet_share(scene, body) * displacement_of(scene, body)
 
 
-def heaviest(scene: CraneScene) -> CraneScene:
-    """The scene in which water lifts bodies with a height as little as while winches have them highest.
-
-    What a winch that goes by a torque hoists is not known: then they are in air.
-    """
-    if scene.water is None or all(body.height is None for body in scene.bodies):
-        return scene
-    loose, rise = hoisted_spans(scene), 0.0
-    if loose and scene.drums:
-        known = all(drum.prescribed for drum in scene.drums)
-        rise = max(0.0, float(reeled_of(scene)[2].max())) / len(loose) if known else math.inf
-    return scene.model_copy(update={"bodies": tuple(_lifted_by_share(scene, body, rise) for body in scene.bodies)})
+def raised(scene: CraneScene, rise: float) -> CraneScene:
+    """The scene in which water lifts bodies with a height as it does a rise, m, above where they are drawn."""
+    return scene.model_copy(update={"bodies": tuple(_raised(scene, body, rise) for body in scene.bodies)})
 
 
-def _lifted_by_share(scene: CraneScene, body: Body, rise: float) -> Body:
+def _raised(scene: CraneScene, body: Body, rise: float) -> Body:
     """A body that water lifts anywhere as it does where the body is drawn, a rise, m, higher."""
     if body.height is None:
         return body

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from crane.assembly.drum_supply import hoisted_spans, reeled_of
 from crane.assembly.friction import closure_of, springs_of
 from crane.assembly.layout import carries_nothing, sags_of
-from crane.assembly.loads import heaviest, load_of, pull
+from crane.assembly.loads import load_of, pull, raised
 from crane.geometry.reeving import Path
 from crane.scene.bodies import Body
 from crane.scene.scene import CraneScene, Drum, End, Sheave
 from tautline.system.time_functions import bounds_of
 
+CLEARLY = 1.05
+"""Pull of a motor over the tension at rest from which it hoists: of less it holds the load."""
 MARGIN = 2.0
 """How many times the load at rest holds a drum surely: a load in motion pulls more than that at rest."""
 
@@ -81,13 +86,37 @@ def lift(scene: CraneScene, path: Path, body: Body, tension: np.ndarray, up: np.
     return total
 
 
+def heaviest(scene: CraneScene, path: Path) -> CraneScene:
+    """The scene in which water lifts bodies with a height as little as while winches have them highest.
+
+    Where a motor pulls more than the load weighs in the water, it is taken to come out of it.
+    """
+    if scene.water is None or all(body.height is None for body in scene.bodies):
+        return scene
+    loose, rise = hoisted_spans(scene), 0.0
+    if loose and any(_hoists(scene, path, drum) for drum in scene.drums if not drum.prescribed):
+        rise = math.inf
+    elif loose:
+        rise = max(0.0, float(reeled_of(scene)[2].max())) / len(loose)
+    return raised(scene, rise)
+
+
+def _hoists(scene: CraneScene, path: Path, drum: Drum) -> bool:
+    """Whether the motor of a drum ever pulls clearly more than the load at rest, as drawn."""
+    tension, end = static_tension(scene, path), scene.solver.end
+    if tension is None:
+        return True
+    pulls = bounds_of(drum.tension, end)[1] if drum.torque is None else bounds_of(drum.torque, end)[1] / drum.radius
+    return pulls > CLEARLY * float(tension[(0, 0) if drum is scene.path[0] else (-1, 1)])
+
+
 def stays_held(scene: CraneScene, path: Path, drum: Drum) -> bool:
     """Whether brake and friction of a drum surely hold it all through a run: they can hold `MARGIN` times the load.
 
     That is the load at rest, with and without the motor. Friction beside a motor that is on does not count: the motor
     overcomes it. A motor that seeks a tension takes what torque it needs. Where no load is known nothing is sure.
     """
-    tension, end = static_tension(heaviest(scene), path), scene.solver.end
+    tension, end = static_tension(heaviest(scene, path), path), scene.solver.end
     if springs_of(drum) == 0 or drum.torque is None or tension is None:
         return False
     motor = bounds_of(drum.torque, end)

@@ -14,7 +14,7 @@ import numpy as np
 from crane.assembly.drum_supply import hoisted_spans, reeled_of
 from crane.assembly.estimates import Estimate
 from crane.assembly.layout import Layout
-from crane.assembly.loads import buoyancy_of, displacement_of, pull
+from crane.assembly.loads import buoyancy_of, displacement_of, pull, wet_share
 from crane.groups.immersion import EDGE
 from crane.scene.bodies import Body
 from crane.scene.scene import CraneScene
@@ -27,6 +27,8 @@ from tautline.scene.values.ranges import sized
 
 CURE = "Give {name} a `height`, with `bottom`: water then acts on what of that is under water"
 
+OTHERWISE = 0.1
+"""Share of a height by which it is more or less under water from which that is told."""
 FEWEST_FALLS = 0.3
 """Upward pull on a load of a tension of 1 N, N, below which it does not hang on the rope."""
 OUT = 0.01
@@ -123,7 +125,7 @@ def taken_off_the_water(result: Any, layout: Layout) -> np.ndarray | None:
     Parameters
     ----------
     result : Result
-        With what its drums have paid out. Rope that a heave compensation moves is no hoisting.
+        With what its drums have paid out.
 
     Returns
     -------
@@ -132,17 +134,37 @@ def taken_off_the_water(result: Any, layout: Layout) -> np.ndarray | None:
     """
     scene, water = layout.scene, layout.scene.water
     hung = pull(scene, layout.path)
-    if water is None or len(hung) != 1 or scene.heave_compensation is not None or "paid_out" not in result:
+    if water is None or len(hung) != 1 or "body_position" not in result:
         return None
     (name, force) = next(iter(hung.items()))
-    body, falls = scene.body(name), abs(float(force[2]))
-    if body.height is None or body.volume == 0.0 or falls < FEWEST_FALLS:
+    body, falls, taken = scene.body(name), abs(float(force[2])), _taken(result, scene)
+    if body.height is None or body.volume == 0.0 or falls < FEWEST_FALLS or taken is None:
         return None
-    taken = -np.asarray(result["paid_out"]).sum(axis=-1)
     lowest = float(at_start(result, "body_position")[scene.bodies.index(body), 2]) - body.bottom
     deep = np.clip((water.surface - lowest - np.append(0.0, taken / falls)) / body.height, 0.0, 1.0)
     less = displacement_of(scene, body) * float(np.linalg.norm(scene.gravity)) / falls * (deep[0] - deep[1:])
     return less[:, None] if less.any() else None
+
+
+def _taken(result: Any, scene: CraneScene) -> np.ndarray | None:
+    """Rope that the operator's winches have taken in, (m,) m: what a heave compensation moves is no hoisting."""
+    if scene.heave_compensation is not None:
+        drums, time, taken = reeled_of(scene)
+        return np.interp(np.asarray(result.time), time, taken) if drums or taken.any() else None
+    return -np.asarray(result["paid_out"]).sum(axis=-1) if "paid_out" in result else None
+
+
+def comes_through(result: Any, scene: CraneScene) -> bool:
+    """Whether water lifts a body with a height otherwise at the end of a run than at its start."""
+    if scene.water is None or "body_position" not in result:
+        return False
+    heights = np.asarray(result["body_position"])[-1, :, 2], at_start(result, "body_position")[:, 2]
+    return any(
+        body.height is not None
+        and body.volume > 0.0
+        and abs(wet_share(scene, body, float(last)) - wet_share(scene, body, float(first))) > OTHERWISE
+        for body, last, first in zip(scene.bodies, *heights, strict=True)
+    )
 
 
 def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
@@ -157,6 +179,13 @@ def at_the_surface(found: Estimate) -> Iterator[tuple[str, str]]:
         lows = _height(scene, body.lowest + way)
         if not ((lows < 0.0) & (lows > -body.height)).any():
             continue
+        deepest = wet_share(scene, body, body.position[2] + float(way.min())) * displacement_of(scene, body)
+        if buoyancy_of(scene, body) < body.mass < deepest:
+            text = (
+                f"{body.name} floats up as the winch lowers it: it takes the place of {deepest:.4g} kg of water, and "
+                f"has {body.mass:.4g} kg. Its rope goes slack. Give it less volume or more mass"
+            )
+            yield f"bodies[{k}]", text
         if _in_a_sea(scene):
             text = (
                 f"{body.name} is in the water's surface, and the surface stays level here: the sea moves the vessel "

@@ -13,7 +13,7 @@ from crane.assembly.friction import slips
 from crane.assembly.layout import Layout
 from crane.assembly.tension_at_rest import static_tension
 from crane.results.course import Course, contacts_of, course_of, laid_out
-from crane.results.out_of_water import taken_off_the_water
+from crane.results.out_of_water import comes_through, taken_off_the_water
 from crane.results.power import WinchEnergy, winch_energy
 from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification_of, checked, columns, largest, safety_factor, slack_events
@@ -180,9 +180,12 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
     rest, word = _hung(result, layout)
     carried = np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0)
     less = taken_off_the_water(result, layout)
-    amplified = amplification_of(tension, carried if less is None else np.where(carried > 0.0, carried + less, 0.0))
     if less is not None:
+        carried = _as_hoisted(carried, less)
         word = f"{word}, over that at rest where the winch has the load"
+    elif comes_through(result, scene):
+        word = f"{word}, over that at rest at the start, in the water as it was then"
+    amplified = amplification_of(tension, carried)
     if amplified is not None:
         yield (
             "dynamic_amplification",
@@ -198,6 +201,17 @@ def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iter
     for key, sides in _places(scene):
         at = largest(time, values[:, sides], [names[k] for k in sides])
         yield f"max_tension_{key}", at.value, "N", f"largest tension at {_told(at)}"
+
+
+def _as_hoisted(carried: np.ndarray, less: np.ndarray) -> np.ndarray:
+    """Tension at rest, (m, n) N, from that at the start (n,) and what water lifts less at each time (m, 1).
+
+    While the rope hardly carries a load that nearly floats, an amplification says nothing: over the most that it ever
+    carries that time does not count.
+    """
+    made = np.where(carried > 0.0, carried + less, 0.0)
+    most = made.max(axis=0)
+    return np.where(made >= BARELY * most, made, most)
 
 
 def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:

@@ -46,6 +46,7 @@ from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.scene.vector import EARTH_GRAVITY
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
+OUT_OF_IT = " with the load out of the water"
 LEAST_SAFETY = 3.0
 """Breaking load over tension at rest: a rule of thumb of offshore lifting."""
 LITTLE = 0.001
@@ -221,7 +222,8 @@ def _safety(found: Estimate) -> Sentences:
         return
     times = f"{breaking / tension:.2g}" if breaking >= LITTLE * tension else f"less than {LITTLE:g}"
     text = (
-        f"{quantity(breaking, 'N', 3)} is {times} times the tension at rest, about {quantity(tension, 'N', 3)}. By a "
+        f"{quantity(breaking, 'N', 3)} is {times} times the tension at rest, about {quantity(tension, 'N', 3)}"
+        f"{OUT_OF_IT if tension > found.largest_tension else ''}. By a "
         f"rule of thumb of offshore lifting it should be {LEAST_SAFETY:g} times. Codes ask for their own factor. "
         "Take a stronger rope, more falls or less load"
     )

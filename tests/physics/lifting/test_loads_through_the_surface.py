@@ -105,6 +105,42 @@ def test_the_amplification_of_a_lift_is_over_the_load_at_rest_where_the_winch_ha
     assert doubled["value"] == pytest.approx(1.0, abs=0.04)
 
 
+def test_the_amplification_of_a_lift_with_heave_compensation_is_too():
+    vessel = {"reference": [0, 0, 0], "motion": {"heave": {"harmonic": {"amplitude": 0.3, "period": 8, "ramp": 4}}}}
+    scene = lifted({"ramp": {"to": -0.3, "over": 3.0}}, -3.0)
+    told = amplification(scene | {"vessel": vessel, "heave_compensation": {"gain": 0.95}})
+    assert "where the winch has the load" in told["text"] and 1.0 < told["value"] < 1.1
+
+
+def test_while_a_load_nearly_floats_its_amplification_does_not_count():
+    # It was 824: a rope at rest of 50 N. At the last time that counts the rope has 5 % of the load.
+    told = amplification(lifted({"ramp": {"to": 0.3, "over": 3.0}}, 3.0, volume=0.999 * MASS / DENSITY))
+    assert 1.0 < told["value"] < 1.2
+    floats = lifted({"ramp": {"to": 0.3, "over": 3.0}}, 3.0, volume=1.1 * MASS / DENSITY)
+    assert 1.0 < amplification(floats)["value"] < 1.2
+    assert any("floats up as the winch lowers it" in one for one in warnings(floats))
+    assert not any("floats" in one for one in warnings(lifted({"ramp": {"to": 0.3, "over": 3.0}}, 3.0)))
+
+
+def test_the_amplification_of_a_load_that_a_boom_lifts_out_says_over_what_it_is():
+    boom = {"name": "boom", "pivot": [-10.0, 0.0, 20.0], "luff": {"ramp": {"to": -0.6, "over": 10.0}}}
+    scene = lifted(0.0, -3.0, 12.0)
+    scene["path"][0]["drum"] |= {"frame": "boom"}
+    told = amplification(scene | {"frames": [boom]})
+    assert "over that at rest at the start, in the water as it was then" in told["text"] and told["value"] > 1.4
+
+
+def test_a_winch_that_only_holds_its_load_is_not_taken_to_hoist_it_out():
+    scene = lifted(0.0, -30.0)
+    scene["rope"]["breaking_load"] = 60.0e3
+    held = {key: x for key, x in scene["path"][0]["drum"].items() if key != "pay_out"} | {"inertia": 50.0}
+    wet = MASS * GRAVITY - LIFT
+    for drive, tells in (({"tension": wet}, "28.9 kN"), ({"tension": 60.0e3, "torque_limit": 1e6}, "49.1 kN")):
+        scene["path"][0]["drum"] = held | drive | {"gains": {"proportional": 1.0, "integral": 0.0}}
+        (told,) = [one for one in warnings(scene) if "the tension at rest" in one]
+        assert tells in told and ("out of the water" in told) == (tells == "49.1 kN")
+
+
 def test_the_amplification_of_a_load_that_stays_in_the_surface_is_over_the_rest_of_the_start():
     still = amplification(lifted(0.0, BOTTOM - 0.5 * HEIGHT, 1.0))
     assert "water" not in still["text"] and "winch" not in still["text"] and still["value"] == pytest.approx(1.0)
